@@ -1,0 +1,31 @@
+# make paper : every check of the paper, with pictures, into report/index.html
+# make test  : the tests
+# Both build their own virtual environment in .venv first. Nothing else is touched.
+
+VENV := .venv
+BIN  := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: paper test lint bench clean
+
+paper: $(READY)
+	$(BIN)/fronts check --out report
+
+test: $(READY)
+	$(BIN)/python -m pytest
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(READY)
+	$(BIN)/python -m pip install --quiet ".[bench]"
+	$(BIN)/python -m benchmarks
+
+$(READY): pyproject.toml bootstrap.sh
+	@sh bootstrap.sh $(VENV)
+	@touch $@
+
+clean:
+	rm -rf $(VENV) report build *.egg-info

@@ -1,0 +1,1 @@
+"""Where each formula comes from, step by step in SymPy. Never imports ``theory``."""

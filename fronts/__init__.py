@@ -1,0 +1,1 @@
+"""The command line: a thin table from a subcommand to one function of the toolkit."""

@@ -1,0 +1,86 @@
+"""Options that several subcommands share: numbers, ranges ``low:high:count``, output files."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from fronts.answer import UsageError
+
+MOST_POINTS = 100_000
+
+
+def real(text: str) -> float:
+    """Read one number; ranges and ``nan`` checks are left to the theory's own validation."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+
+
+def real_or_range(text: str) -> float | tuple[float, float, int]:
+    """Read ``0.5`` or ``low:high:count``.
+
+    Examples
+    --------
+    >>> real_or_range("0.5"), real_or_range("0.3:3:200")
+    (0.5, (0.3, 3.0, 200))
+    """
+    if ":" not in text:
+        return real(text)
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise argparse.ArgumentTypeError(f"'{text}' is not low:high:count, as in 0.3:3:200")
+    low, high = real(parts[0]), real(parts[1])
+    try:
+        count = int(parts[2])
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"the count '{parts[2]}' is not a whole number") from None
+    if not 2 <= count <= MOST_POINTS:
+        raise argparse.ArgumentTypeError(f"the count {count} must be from 2 to {MOST_POINTS}")
+    return low, high, count
+
+
+def check_writable(path: Path) -> Path:
+    """Refuse early, before any work, a path that cannot be written.
+
+    Raises
+    ------
+    UsageError
+        If the folder does not exist or may not be written, or the path is a folder.
+    """
+    folder = path.parent
+    if path.is_dir():
+        raise UsageError(f"--out {path} is a folder: name a file in it.")
+    if not folder.is_dir():
+        raise UsageError(f"--out {path} cannot be written: the folder {folder} does not exist.")
+    target = path if path.exists() else folder
+    if not os.access(target, os.W_OK):
+        raise UsageError(f"--out {path} cannot be written: no permission on {target}.")
+    return path
+
+
+def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Write a file so that it is there whole or not at all.
+
+    ``write`` fills a temporary neighbour with the same suffix, which then takes the name.
+    """
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=path.suffix, prefix=".writing-")
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        write(temporary)
+        mode = 0o666 & ~_umask()
+        temporary.chmod(mode)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

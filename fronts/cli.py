@@ -1,0 +1,125 @@
+"""The command ``fronts``: find the subcommand, import only that one, print its answer."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from fronts.answer import UsageError
+
+COMMANDS = {
+    "kinetic": "every velocity at which the piecewise-linear front can travel (Eq. 54)",
+    "sum": "the sum of the kinetic relation, by four methods (Eq. 53)",
+    "roots": "labelled complex roots of the dispersion relation (Eqs. 50-52)",
+    "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
+    "front": "direct simulation of a front (Eq. 44)",
+    "check": "the verdict on each claim of the paper",
+}
+"""Subcommand and one line of help; the code is ``fronts.commands.<name>``."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser that raises instead of printing and exiting."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message}; see '{self.prog} --help'.")
+
+
+def _overview() -> str:
+    lines = [
+        "usage: fronts COMMAND [options]    (fronts COMMAND --help shows an example)",
+        "",
+        "Excitation fronts in self-excited chains: theory, direct simulation, verdicts.",
+        "",
+        *(f"  {name:<10} {line}" for name, line in COMMANDS.items()),
+        "",
+        "Every command takes --json and then prints one JSON object.",
+    ]
+    return "\n".join(lines)
+
+
+def _parser(name: str) -> tuple[_Parser, object]:
+    module = importlib.import_module(f"fronts.commands.{name}")
+    parser = _Parser(
+        prog=f"fronts {name}",
+        description=COMMANDS[name][:1].upper() + COMMANDS[name][1:] + ".",
+        epilog=module.EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    module.configure(parser)
+    return parser, module
+
+
+def _run(argv: Sequence[str]) -> int:
+    if not argv or argv[0] in ("-h", "--help", "help"):
+        print(_overview())
+        return 0
+    name, *rest = argv
+    if name not in COMMANDS:
+        raise UsageError(f"'{name}' is not a command: choose one of {', '.join(COMMANDS)}.")
+    parser, module = _parser(name)
+    answer = module.run(parser.parse_args(rest))  # type: ignore[attr-defined]
+    if "--json" in rest:
+        print(json.dumps(answer.payload, allow_nan=False))
+    else:
+        print(answer.text)
+    return int(answer.exit_code)
+
+
+def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:
+    if as_json:
+        print(json.dumps({"error": {"message": message, **details}}), file=sys.stderr)
+    else:
+        print(f"fronts: {message}", file=sys.stderr)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
+    one sentence says why. 3: a defect of the toolkit. 130: interrupted.
+
+    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, or
+    a ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    as_json = "--json" in arguments
+    try:
+        code = _run(arguments)
+        sys.stdout.flush()
+        return code
+    except UsageError as error:
+        _complain(str(error), as_json, {})
+        return 2
+    except KeyboardInterrupt:
+        _complain("interrupted; nothing half-written is left behind.", as_json, {})
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if isinstance(error, ValueError) and hasattr(error, "remedy"):
+            fields = ("quantity", "value", "allowed", "remedy")
+            details = {field: str(getattr(error, field)) for field in fields}
+            _complain(str(error), as_json, details)
+            return 2
+        if os.environ.get("FRONTS_TRACEBACK"):
+            raise
+        kind = type(error).__name__
+        _complain(
+            f"a defect of this toolkit: {kind}: {error} (set FRONTS_TRACEBACK=1 to see where).",
+            as_json,
+            {},
+        )
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())

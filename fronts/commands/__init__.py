@@ -1,0 +1,1 @@
+"""One subcommand a file: ``configure`` its options, ``run`` it, return an ``Answer``."""

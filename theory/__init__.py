@@ -1,0 +1,1 @@
+"""What the paper asserts, as numbers: closed forms, roots, sums, branches, profiles."""

@@ -1,0 +1,99 @@
+"""The one place where a bad parameter is recognised and described."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+
+class ParameterError(ValueError):
+    """A quantity outside the range where the theory is defined.
+
+    The message is one sentence: quantity, value, allowed range, remedy.
+
+    Parameters
+    ----------
+    quantity : str
+        Name of the quantity, with its symbol.
+    value : object
+        The value that was given.
+    allowed : str
+        The range allowed, in words.
+    remedy : str
+        What to do instead.
+    """
+
+    def __init__(self, quantity: str, value: object, allowed: str, remedy: str) -> None:
+        self.quantity = quantity
+        self.value = value
+        self.allowed = allowed
+        self.remedy = remedy
+        super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
+
+
+def positive(quantity: str, value: float, remedy: str = "give a positive number") -> float:
+    """Return ``value`` as a float if it is finite and positive.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not finite, or not positive.
+
+    Examples
+    --------
+    >>> positive("coupling c", 0.5)
+    0.5
+    >>> positive("coupling c", -1)
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: coupling c = -1 is not allowed: it must be finite and \
+positive; give a positive number.
+    """
+    return _checked(quantity, value, "finite and positive", remedy, lambda x: x > 0)
+
+
+def within(
+    quantity: str, value: float, low: float, high: float, remedy: str | None = None
+) -> float:
+    """Return ``value`` as a float if ``low <= value <= high``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not finite, or outside the range.
+    """
+    return _checked(
+        quantity,
+        value,
+        f"from {low:g} to {high:g}",
+        remedy or "give a value in this range",
+        lambda x: low <= x <= high,
+    )
+
+
+def count_within(quantity: str, value: int, low: int, high: int, remedy: str | None = None) -> int:
+    """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a whole number in the range.
+    """
+    number = within(quantity, value, low, high, remedy or "give a whole number in this range")
+    if number != int(number):
+        raise ParameterError(
+            quantity, value, f"a whole number from {low} to {high}", "give a whole number"
+        )
+    return int(number)
+
+
+def _checked(
+    quantity: str, value: float, allowed: str, remedy: str, accept: Callable[[float], bool]
+) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(quantity, value, allowed, remedy) from None
+    if not math.isfinite(number) or not accept(number):
+        raise ParameterError(quantity, value, allowed, remedy)
+    return number

@@ -68,7 +68,9 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     flint.ctx.prec = _BITS
     try:
         found = labelled_roots(v, c, labels, upper)
-        radius = np.array([_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)])
+        radius = np.array(
+            [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
+        )
         counted = _certified_count(flint, v, c, labels, upper)
     finally:
         flint.ctx.prec = before
@@ -120,7 +122,9 @@ def _certified_count(flint: Any, v: float, c: float, labels: IntArray, upper: bo
     turn = 0.0
     for start, end in zip(corners, corners[1:], strict=False):
         a, b = edge_pieces(v, c, start, end)
-        pieces = [(flint.acb(p), flint.acb(q), 0) for p, q in zip(a.tolist(), b.tolist(), strict=True)]
+        pieces = [
+            (flint.acb(p), flint.acb(q), 0) for p, q in zip(a.tolist(), b.tolist(), strict=True)
+        ]
         while pieces:
             low, high, depth = pieces.pop()
             middle = (low + high) / 2

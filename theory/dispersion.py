@@ -49,9 +49,7 @@ def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
     return 0.5 - 2j * c * np.sin(0.5 * k) ** 2
 
 
-def dispersion(
-    k: ComplexArray, v: float | FloatArray, c: float | FloatArray
-) -> ComplexArray:
+def dispersion(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:
     """Return L(k) of Eq. (50), as printed.
 
     Parameters
@@ -69,9 +67,7 @@ def dispersion(
     return onsite(k, c) - 1j * v * k
 
 
-def dispersion_slope(
-    k: ComplexArray, v: float | FloatArray, c: float | FloatArray
-) -> ComplexArray:
+def dispersion_slope(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:
     """Return L_k(k) = dL/dk = -i (v + c sin k).
 
     Equation (51) as printed, -1/(2k) + (2ic/k) sin²(k/2) - i c sin k, has used L(k) = 0 to
@@ -100,7 +96,9 @@ def root_free_strip(v: float, c: float) -> float:
     True
     """
     s = min(0.5 / (c + v), math.asinh(0.5 / c))
-    for _ in range(60):  # c sinh s + v s is convex: Newton from the left overshoots once, then falls
+    for _ in range(
+        60
+    ):  # c sinh s + v s is convex: Newton from the left overshoots once, then falls
         step = (c * math.sinh(s) + v * s - 0.5) / (c * math.cosh(s) + v)
         s -= step
         if abs(step) <= 1e-15 * s:

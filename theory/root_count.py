@@ -91,7 +91,9 @@ def count_in_strips(v: float, c: float, labels: IntArray, upper: bool) -> int:
     return count_in_box(v, c, *box_of_strips(v, c, labels, upper))
 
 
-def edge_pieces(v: float, c: float, start: complex, end: complex) -> tuple[ComplexArray, ComplexArray]:
+def edge_pieces(
+    v: float, c: float, start: complex, end: complex
+) -> tuple[ComplexArray, ComplexArray]:
     """Return the ends of pieces of the edge on each of which L stays in a half-plane.
 
     Raises

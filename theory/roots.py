@@ -57,9 +57,7 @@ class RootSet:
 
     def take(self, index: IntArray | npt.NDArray[np.bool_]) -> RootSet:
         """Return the roots at ``index``, in that order."""
-        return RootSet(
-            self.labels[index], self.k[index], self.residual[index], self.radius[index]
-        )
+        return RootSet(self.labels[index], self.k[index], self.residual[index], self.radius[index])
 
 
 def checked_velocity_and_coupling(v: float, c: float) -> tuple[float, float]:
@@ -172,7 +170,9 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
     extent = positive("extent |Re k|", extent)
     reach = math.ceil(extent / (2.0 * np.pi)) + 1
     if 2 * reach + 1 > MOST_ROOTS:
-        raise ParameterError("extent |Re k|", extent, f"at most {np.pi * MOST_ROOTS:.0f}", "ask less")
+        raise ParameterError(
+            "extent |Re k|", extent, f"at most {np.pi * MOST_ROOTS:.0f}", "ask less"
+        )
     roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
     roots = roots.take(np.abs(roots.k.real) <= extent)
     return roots.take(np.argsort(np.abs(roots.k), kind="stable"))
@@ -247,9 +247,7 @@ def _iterate(
     return k
 
 
-def _seeds(
-    labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
-) -> Iterator[ComplexArray]:
+def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[ComplexArray]:
     """Yield starting points, the likeliest first; nearly every scene stops after one."""
     base = 2.0 * np.pi * labels
     sign = 1j if upper else -1j

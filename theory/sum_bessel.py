@@ -111,6 +111,11 @@ def _later_sites(x: FloatArray, first: int) -> ComplexArray:
             above, here = here, (2.0 * m / x) * here - above
             if m % 8 == 0 and np.max(np.abs(here)) > 1e100:
                 shrink = np.where(np.abs(here) > 1e100, 1e-120, 1.0)
-                above, here, norm, total = above * shrink, here * shrink, norm * shrink, total * shrink
+                above, here, norm, total = (
+                    above * shrink,
+                    here * shrink,
+                    norm * shrink,
+                    total * shrink,
+                )
     scaled: ComplexArray = total / norm
     return scaled

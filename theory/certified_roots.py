@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -120,7 +121,7 @@ def _certified_count(flint: Any, v: float, c: float, labels: IntArray, upper: bo
         return flint.acb(0.5) - 2 * i * c_ * (k / 2).sin() ** 2 - i * v_ * k
 
     turn = 0.0
-    for start, end in zip(corners, corners[1:], strict=False):
+    for start, end in itertools.pairwise(corners):
         a, b = edge_pieces(v, c, start, end)
         pieces = [
             (flint.acb(p), flint.acb(q), 0) for p, q in zip(a.tolist(), b.tolist(), strict=True)

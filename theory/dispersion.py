@@ -28,12 +28,13 @@ the argument principle, ``derivations.piecewise_front`` in symbols.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-ComplexArray = npt.NDArray[np.complex128]
-FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+FloatArray = npt.NDArray[np.floating[Any]]
 
 
 def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
@@ -46,7 +47,8 @@ def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
     c : float
         Coupling, dimensionless.
     """
-    return 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+    value: ComplexArray = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+    return value
 
 
 def dispersion(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:

@@ -228,8 +228,8 @@ def _branches(
         c_, eta_ = float(c[scene]), float(eta[scene])
         r = threshold_ratio(eta_)
         by_eta = 2.0 * threshold_ratio_slope(eta_)
-        for _, v, error, slope, by_c in group:
-            v = direction * float(v)
+        for _, speed, error, slope, by_c in group:
+            v = direction * float(speed)
             verdict = check_admissible(v, c_, r) if admissibility else None
             steep = float(slope) if slope else math.inf
             yield (
@@ -259,7 +259,8 @@ class _Thresholds:
         if eta >= ETA_END:
             return (
                 Status.NOT_BISTABLE,
-                f"eta = {eta:g} is not below 1/8, where the two limit cycles meet: there is no front.",
+                f"eta = {eta:g} is not below 1/8, where the two limit cycles meet: there is no "
+                "front.",
             )
         moving = any(branch.admissible is not False for branch in branches)
         if self.c_pin is None:
@@ -280,8 +281,8 @@ class _Thresholds:
             )
         return (
             Status.PINNED,
-            f"the front is pinned: steady motion begins at c_fold = {self.c_fold:.6g} (static fronts "
-            f"end at c_pin = {self.c_pin:.6g}).",
+            f"the front is pinned: steady motion begins at c_fold = {self.c_fold:.6g} (static "
+            f"fronts end at c_pin = {self.c_pin:.6g}).",
         )
 
     def _judge_retreat(self, c: float, moving: bool) -> tuple[Status, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -61,7 +62,7 @@ def count_in_box(
             "order its ends",
         )
     corners = box_corners(x_low, x_high, y_low, y_high)
-    turn = sum(_turning(v, c, a, b) for a, b in zip(corners, corners[1:], strict=False))
+    turn = sum(_turning(v, c, a, b) for a, b in itertools.pairwise(corners))
     return round(turn / (2.0 * math.pi))
 
 

@@ -23,7 +23,7 @@ _SLOWEST = 0.018
 """At smaller v, |Σ| is within 1e-12 of its limit at v = 0."""
 
 LAST_FOLD = 2.0
-"""From c ≈ 0.9 on no maximum of |Σ| over v exceeds the static limit; none is looked for from here."""
+"""From c ≈ 0.9 on no maximum of |Σ| over v exceeds the static limit; none is sought from here."""
 
 _EXCESS = 2e-13
 
@@ -79,16 +79,17 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     pins = [pinning_coupling(value) for value in etas]
     folds = [None if pin is None else Fold(pin, 4e-16 * pin, 0.0) for pin in pins]
     start = {i: _highest(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
-    some = [i for i, v in start.items() if v is not None]
-    if not some:
+    start = {i: v for i, v in start.items() if v is not None}
+    if not start:
         return folds
+    some = list(start)
     target = np.array([2.0 * threshold_ratio(etas[i]) for i in some])
-    t = np.log([start[i] for i in some])
+    t = np.log(np.array([start[i] for i in some], dtype=float))
     c = np.array([pins[i] for i in some], dtype=float)
-    height = slope = by_c = error = np.zeros_like(t)
+    height = by_c = error = np.zeros_like(t)
     for _ in range(12):
         t = _climb(t, c)
-        height, slope, by_c, error = _height(t, c)
+        height, _, by_c, error = _height(t, c)
         step = (height - target) / by_c
         c = c - step
         if np.all(np.abs(step) < 1e-14 * c):

@@ -7,6 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from fronts.answer import UsageError
 
@@ -44,14 +45,52 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
     return low, high, count
 
 
-def check_writable(path: Path) -> Path:
+def decimal(text: str) -> str:
+    """Check that the text is a number and keep it as text, so that no digit is lost."""
+    real(text)
+    return text
+
+
+def add_eta_options(
+    parser: argparse.ArgumentParser, kind: Callable[[str], float | tuple[float, float, int]]
+) -> None:
+    """Declare ``--eta``, and ``--a`` with ``--b`` in its place; ``kind`` reads ``--eta``."""
+    parser.add_argument("--eta", type=kind, help="b/a^2; two limit cycles exist below 1/8")
+    parser.add_argument("--a", type=real, help="damping coefficient a, with --b, for --eta")
+    parser.add_argument("--b", type=real, help="damping coefficient b, with --a, for --eta")
+
+
+def eta_of(options: argparse.Namespace) -> Any:
+    """Return η as given, or from a and b.
+
+    Raises
+    ------
+    UsageError
+        If it is given twice or not at all.
+    """
+    given = (options.a is not None, options.b is not None)
+    if options.eta is not None:
+        if any(given):
+            raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
+        return options.eta
+    if not all(given):
+        raise UsageError("give --eta, or both --a and --b.")
+    from theory.unit_cell import eta_from_damping
+
+    return eta_from_damping(options.a, options.b)
+
+
+def check_writable(path: Path, suffixes: tuple[str, ...]) -> Path:
     """Refuse early, before any work, a path that cannot be written.
 
     Raises
     ------
     UsageError
-        If the folder does not exist or may not be written, or the path is a folder.
+        If the folder does not exist or may not be written, the path is a folder, or its suffix
+        is not one of ``suffixes``.
     """
+    if path.suffix.lower() not in suffixes:
+        raise UsageError(f"--out {path} must end in {' or '.join(suffixes)}.")
     folder = path.parent
     if path.is_dir():
         raise UsageError(f"--out {path} is a folder: name a file in it.")

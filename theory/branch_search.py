@@ -4,9 +4,10 @@ A front that retreats with velocity -v obeys |Σ₋(v, c)| = |2 + Σ(v, c)| = 2r
 the roots k into -k and exchanges the half-planes. Both are |Σ + shift| = 2r with shift 0 or 2.
 The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative, between bounds outside
 of which no solution can lie. It starts from points spaced by the scales of g (the exponential
-wiggles in 1/v at small v, the resonances at large c), and divides each cell until one of three things holds: twice
-its slopes cannot bring g to zero inside (dropped); g changes sign and is monotone (one solution);
-or the cell is as short as rounding allows (a fold to within rounding).
+wiggles in 1/v at small v, the resonances at large c), and divides each cell until one
+of three things holds: twice its slopes cannot bring g to zero inside (dropped); g changes sign
+and is monotone (one solution); or the cell is as short as rounding allows (a fold to within
+rounding).
 """
 
 from __future__ import annotations

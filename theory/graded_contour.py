@@ -145,7 +145,7 @@ class _Poles:
         """Bound what rounding of σ_p, and of the integrand beside it, does when a point is near."""
         weight = np.abs(self.weight(step))
         near = np.abs(self.residue) * weight * (1.0 + weight) * (2.0 * np.pi / step)
-        return 64.0 * float(np.finfo(float).eps) * self.total(near).real
+        return 128.0 * float(np.finfo(float).eps) * self.total(near).real
 
     def correction_slopes(self, step: float) -> tuple[ComplexArray, ComplexArray]:
         """Return its derivatives by v and c, through the root: L_k dk = -dL."""
@@ -162,6 +162,14 @@ class _Poles:
         return by_v, through(1j * (1.0 - cosine) / slope, -1j * sine)
 
 
+def departing_labels(v: FloatArray, c: FloatArray) -> npt.NDArray[np.int64]:
+    """Return the labels of the three roots below the axis nearest Re k = -2c/v, shape (n, 3)."""
+    crossing = -(c / v) * (1.0 + np.cosh(np.minimum(0.5 / v, 30.0)))
+    nearest = np.maximum(np.floor(crossing / (2.0 * np.pi)), -1e12)
+    middle: npt.NDArray[np.int64] = np.minimum(nearest, -2.0).astype(np.int64)
+    return middle[:, None] + np.array([-1, 0, 1])
+
+
 def _departing_poles(v: FloatArray, c: FloatArray) -> _Poles:
     """Return the three roots below the axis whose strips are nearest Re k = -2c/v.
 
@@ -171,8 +179,6 @@ def _departing_poles(v: FloatArray, c: FloatArray) -> _Poles:
     """
     here = v < 4.0 * c
     v_, c_ = np.repeat(v[here, None], 3, axis=1), np.repeat(c[here, None], 3, axis=1)
-    crossing = -(c_ / v_) * (1.0 + np.cosh(np.minimum(0.5 / v_, 30.0)))
-    nearest = np.maximum(np.floor(crossing / (2.0 * np.pi)), -1e12)
-    labels = np.minimum(nearest, -2.0).astype(np.int64) + np.array([-1, 0, 1])
+    labels = departing_labels(v[here], c[here])
     k = labelled_roots(v_.ravel(), c_.ravel(), labels.ravel(), upper=False).k
     return _Poles(here, v_, c_, k.reshape(labels.shape))

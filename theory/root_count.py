@@ -7,12 +7,13 @@ import math
 
 import numpy as np
 
-from theory.dispersion import ComplexArray, dispersion
+from theory.dispersion import ComplexArray, FloatArray, dispersion, dispersion_slope
 from theory.parameters import ParameterError
 from theory.roots import IntArray, checked_velocity_and_coupling, strip_bounds
 
 _EPS = float(np.finfo(float).eps)
-_DEEPEST = 80
+_DEEPEST = 200
+_MOST_PIECES = 4_000_000
 
 
 def height_above_roots(v: float, c: float, extent: float) -> float:
@@ -31,9 +32,10 @@ def count_in_box(
 ) -> int:
     """Return the number of roots in the open box, by the winding of L along its edge.
 
-    Each edge is divided until |L| at the middle of a piece exceeds the most that L can change
-    on half of it, |L_k| ≤ v + c cosh(Im k), rounding included. L then stays in a half-plane on
-    the piece and its change of argument there is exact; no sampling density is assumed.
+    Each edge is divided until |Re L| or |Im L| at the middle of a piece exceeds the most that L
+    can change on half of it, rounding included: at most h (|L_k| + h c cosh(Im k)), since
+    |L_kk| ≤ c cosh(Im k). L then stays in a half-plane on the piece and its change of argument
+    there is exact; no sampling density is assumed.
 
     Parameters
     ----------
@@ -108,16 +110,17 @@ def edge_pieces(
     sure_a, sure_b = [], []
     for _ in range(_DEEPEST):
         middle = 0.5 * (a + b)
-        value = np.abs(dispersion(middle, v, c))
-        square = np.abs(np.sin(0.5 * middle)) ** 2
-        value -= 8.0 * _EPS * (0.5 + 2.0 * c * square + v * np.abs(middle))
-        steepest = v + c * np.cosh(np.maximum(np.abs(a.imag), np.abs(b.imag)))
-        sure = value > 0.5 * np.abs(b - a) * steepest
+        room = _distance_from_axes(middle, v, c)
+        half = 0.5 * np.abs(b - a)
+        bend = c * np.cosh(np.maximum(np.abs(a.imag), np.abs(b.imag)))
+        sure = room > half * (np.abs(dispersion_slope(middle, v, c)) + half * bend)
         sure_a.append(a[sure])
         sure_b.append(b[sure])
         a, middle, b = a[~sure], middle[~sure], b[~sure]
         if a.size == 0:
             return np.concatenate(sure_a), np.concatenate(sure_b)
+        if np.any(room[~sure] <= 0.0) or a.size > _MOST_PIECES:
+            break
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
     raise ParameterError(
         "box of k",
@@ -131,3 +134,20 @@ def _turning(v: float, c: float, start: complex, end: complex) -> float:
     """Return the change of arg L along the straight edge from ``start`` to ``end``."""
     a, b = edge_pieces(v, c, start, end)
     return float(np.sum(np.angle(dispersion(b, v, c) / dispersion(a, v, c))))
+
+
+def _distance_from_axes(k: ComplexArray, v: float, c: float) -> FloatArray:
+    """Return max(|Re L|, |Im L|) less rounding: how far L is from leaving a half-plane.
+
+    The parts are taken apart, since Re L can be known well where v|k| or c swamps Im L: on the
+    real axis it is ½ exactly.
+    """
+    L = dispersion(k, v, c)
+    swing = np.abs(np.sin(0.5 * k) ** 2)
+    real = 0.5 + c * np.abs(np.sin(k.real) * np.sinh(k.imag)) + v * np.abs(k.imag)
+    imaginary = 2.0 * c * swing + v * np.abs(k.real)
+    rounding = 16.0 * _EPS
+    room: FloatArray = np.maximum(
+        np.abs(L.real) - rounding * real, np.abs(L.imag) - rounding * imaginary
+    )
+    return room

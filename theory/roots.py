@@ -204,10 +204,13 @@ def _argument(
 
     q - 2 = (2vk + i)/c. With w from arcsinh nothing cancels for small k and nothing overflows.
     """
-    w: ComplexArray = 2.0 * np.arcsinh(np.sqrt((2.0 * v * k + 1j) / (4.0 * c)))
-    if not upper:  # the strips left of the origin span (0, 2π), not (-π, π)
-        w = np.where((labels < 0) & (w.imag < 0), w + 2j * np.pi, w)
-    return w
+    z = np.asarray((2.0 * v * k + 1j) / (4.0 * c), dtype=complex)
+    w = 2.0 * np.arcsinh(np.sqrt(z))
+    if upper:
+        return np.asarray(w)
+    # The strips left of the origin span (0, 2π), not (-π, π).
+    shifted: ComplexArray = np.where((labels < 0) & (w.imag < 0), w + 2j * np.pi, w)
+    return shifted
 
 
 def _labelled_step(
@@ -263,7 +266,9 @@ def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Itera
     for _ in range(3):  # the labelled fixed point
         k = sign * _argument(k, labels, v, c, upper) + base
     yield k
-    far: ComplexArray = -(v + np.sqrt(v * v - 1j * c)) / c  # k² + 2(v/c)k + i/c = 0, the continuum
+    far = (
+        -(v + np.sqrt(np.asarray(v * v - 1j * c, dtype=complex))) / c
+    )  # k² + 2(v/c)k + i/c = 0, the continuum
     yield far
     yield 1j / (c * far)
     yield -0.5j / v + 0.0 * far

@@ -7,11 +7,13 @@ from time import perf_counter
 from typing import Any
 
 import mpmath as mp
+import numpy as np
 
 from theory.dispersion import root_free_strip
+from theory.graded_contour import departing_labels
 from theory.kinetic_sum import KineticSum, PrecisionError
 from theory.parameters import count_within
-from theory.precise_roots import MOST_DIGITS, exact
+from theory.precise_roots import MOST_DIGITS, exact, precise_roots
 from theory.roots import checked_velocity_and_coupling
 
 _MOST_POINTS = 200_000
@@ -60,8 +62,10 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
             truncation = 2.0 * peak * mp.exp(-equispaced * strip) * (1 + mp.mpf(10) ** -digits)
         else:
             value, coarse = _graded(exact(v), exact(c), mp.mpf(step), reach)
+            value += _correction(exact(v), exact(c), mp.mpf(step))
+            coarse += _correction(exact(v), exact(c), 2 * mp.mpf(step))
             truncation = 100 * abs(value - coarse) ** 2
-        error = float(truncation + mp.mpf(10) ** (-digits - 5))
+        error = float(truncation + mp.mpf(10) ** (-digits - 2))
     return KineticSum(value, error, points, "integral", perf_counter() - start)
 
 
@@ -77,6 +81,17 @@ def _equispaced(v: Any, c: Any, count: int) -> Any:
         value = _integrand(mp.sin(mp.pi * j / count) ** 2, v, c)
         total += value if j in (0, count // 2) else 2 * value
     return total / count - 1
+
+
+def _correction(v: Any, c: Any, step: Any) -> Any:
+    """Return the effect of the departing roots, as in ``theory.graded_contour``."""
+    labels = departing_labels(np.array([float(v)]), np.array([float(c)]))[0]
+    total = mp.mpc(0)
+    for k in precise_roots(v, c, labels, False, mp.mp.dps):
+        residue = 1 / (-1j * k * (v + c * mp.sin(k)))
+        sigma = mp.log(mp.tan(-k / 2)) - 1j * mp.pi / 4
+        total += residue / mp.expm1(-2j * mp.pi * sigma / step)
+    return total
 
 
 def _graded(v: Any, c: Any, step: Any, reach: int) -> tuple[Any, Any]:

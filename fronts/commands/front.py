@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from fronts.answer import Answer, UsageError
-from fronts.arguments import real
+from fronts.answer import Answer
+from fronts.arguments import add_eta_options, eta_of, real
 
 if TYPE_CHECKING:
     from verification.piecewise_run import FrontRun
@@ -27,13 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts front``."""
     parser.add_argument("model", choices=sorted(MODELS), help="the chain to run")
     parser.add_argument("--c", type=real, required=True, help="coupling c > 0")
-    parser.add_argument("--eta", type=real, help="b/a^2, between 0 and 1/8")
-    parser.add_argument(
-        "--a", type=real, help="damping coefficient a (with --b, in place of --eta)"
-    )
-    parser.add_argument(
-        "--b", type=real, help="damping coefficient b (with --a, in place of --eta)"
-    )
+    add_eta_options(parser, real)
     parser.add_argument(
         "--start",
         choices=list(_STARTS),
@@ -50,23 +44,12 @@ def run(options: argparse.Namespace) -> Answer:
     return MODELS[options.model](options)
 
 
-def _eta(options: argparse.Namespace) -> float:
-    given = (options.a is not None, options.b is not None)
-    if options.eta is not None:
-        if any(given):
-            raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
-        return float(options.eta)
-    if not all(given):
-        raise UsageError("give --eta, or both --a and --b.")
-    from theory.unit_cell import eta_from_damping
-
-    return eta_from_damping(options.a, options.b)
-
-
 def _piecewise(options: argparse.Namespace) -> Answer:
     from verification.piecewise_simulation import simulate_front
 
-    result = simulate_front(options.c, _eta(options), options.start, start_velocity=options.start_v)
+    result = simulate_front(
+        options.c, eta_of(options), options.start, start_velocity=options.start_v
+    )
     payload: dict[str, object] = {
         "v": result.v,
         "error": result.error,

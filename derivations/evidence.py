@@ -74,6 +74,7 @@ def equals(
     count: int = POINTS,
     tolerance: float = TOLERANCE,
     parts: int | None = None,
+    floor: float = 0.0,
 ) -> Check:
     """Check that left minus right of each part equals a reference number at random points.
 
@@ -89,6 +90,8 @@ def equals(
         Allowed difference relative to the size of the terms.
     parts : int or None
         Number of parts the equation must have, where that is fixed.
+    floor : float
+        Least size of the terms, for an equation that says that something is zero.
     """
 
     def check(equation: sp.Basic) -> Evidence:
@@ -104,7 +107,7 @@ def equals(
             for place, piece in enumerate(pieces):
                 found, scale = residual(piece, point)
                 expected = 0 if references is None else references[place]
-                size = scale + abs(expected)
+                size = max(scale + abs(expected), floor)
                 worst = max(worst, abs(found - expected) / size if size else 0.0)
         verb = "agrees with" if worst <= tolerance else "differs from"
         return Evidence(

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import sympy as sp
 from scipy.optimize import root
 
 from derivations.harmonics import Coefficient, HarmonicRing
@@ -96,10 +95,9 @@ def breather(modulation: Modulation, given: Mapping[str, float], sites: int = 9)
     r = solved.x
     if np.abs(steady(r)).max() > 1e-10 or r[0] < r[1]:
         raise ArithmeticError("no steady breather at these parameters")
-    turning = 1j * c * r  # the frame of omega = 1 + eps c
-    along = _jacobian(lambda q: (rate(modulation.first, q) - 1j * c * q).real, r)
-    across = _jacobian(lambda q: ((rate(modulation.first, r + 1j * q) - turning
-                                   + c * q) ).imag, np.zeros(sites))  # fmt: skip
+    # The turning of the frame, i c, moves neither the real part along r nor the imaginary across.
+    along = _jacobian(steady, r)
+    across = _jacobian(lambda q: rate(modulation.first, r + 1j * q).imag, np.zeros(sites))
     push = rate(modulation.second, r)
     real_part = np.linalg.solve(along, -push.real)
     # across q - omega_2 r = -push.imag with q_0 = 0; r itself is the null vector of across.
@@ -129,5 +127,3 @@ def _jacobian(function: Any, at: Any, step: float = 1e-6) -> Any:
                for row in np.eye(len(at))]  # fmt: skip
     return np.array(columns).T
 
-
-__all__ = ["BreatherCorrection", "breather", "numeric", "sp"]

@@ -105,7 +105,7 @@ def _decaying_point(rng: random.Random) -> tuple[Point, list[complex]]:
     return point, [direct_average(values, 0, p) / values[0]]
 
 
-def _damping(size: float, p: dict[str, float]) -> float:
+def damping_mean(size: float, p: dict[str, float]) -> float:
     """The damping part of the average at |phi|^2 = size, omega = 1, a unit of eps."""
     unit = {**p, "w": 1.0, "e": 1.0, "c": 0.0}
     return (direct_average([cmath.sqrt(size), 0, 0], 0, unit) / cmath.sqrt(size)).real
@@ -116,7 +116,7 @@ def _sites_point(rng: random.Random) -> Point:
     sizes = [rng.uniform(0.2, 1), rng.uniform(1.2, 2), rng.uniform(2.2, 3)]
     point: dict[Any, Any] = {**_named(p)}
     for size, found, symbol in zip(sizes, under_test.h, under_test.s, strict=True):
-        point |= {symbol: size, found: _damping(size, p)}
+        point |= {symbol: size, found: damping_mean(size, p)}
     return point
 
 

@@ -48,7 +48,7 @@ def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
 def residual(part: sp.Basic, point: Point, digits: int = 15) -> tuple[Any, float]:
     """Left side minus right side, and the size of the terms, at a point."""
     if not isinstance(part, sp.Equality):
-        raise TypeError(f"{part} is not an equation")
+        raise TypeError("an expression, not an equation")
     left, right = part.args
     terms = [value(term, point, digits) for term in sp.Add.make_args(left)]
     terms += [-value(term, point, digits) for term in sp.Add.make_args(right)]

@@ -149,11 +149,12 @@ def _taylor_error(candidate: sp.Basic, step: Any) -> Any:
     change = numerical_field(x + step * d, p)[sites] - numerical_field(x, p)[sites]
     point: dict[sp.Basic, Any] = {epsilon: p["e"], a: p["a"], b: p["b"], c: p["c"]}
     point |= dict(zip(states(sites), x, strict=True))
-    point |= dict(zip(_perturbations(sites), step * d, strict=True))
+    point |= dict(zip(perturbations(sites), step * d, strict=True))
     return value(candidate.args[1], point, 40) - change
 
 
-def _perturbations(sites: int) -> tuple[sp.Symbol, ...]:
+def perturbations(sites: int) -> tuple[sp.Symbol, ...]:
+    """``delta_1 … delta_2N`` (Eq. 41)."""
     return tuple(sp.Symbol(rf"\delta_{place}", real=True) for place in range(1, 2 * sites + 1))
 
 
@@ -179,7 +180,7 @@ def derive(sites: int = SITES) -> Derivation:
     """Eqs. (39)-(42) for a chain of ``sites`` sites, as a ring and with free ends."""
     x = states(sites)
     three = jacobian(3)
-    change = sum(three[3, k] * d for k, d in enumerate(_perturbations(3)))
+    change = sum(three[3, k] * d for k, d in enumerate(perturbations(3)))
     free = [matrix_check("free", k) for k in (1, 2)]
     ring = [matrix_check("ring", k) for k in (1, 2)]
     steps = (

@@ -12,6 +12,9 @@ from derivations.evidence import parts_of
 TERMS_A_LINE = 3
 """Longer sums are broken so that they fit the width of a page."""
 
+FORMATS = ("text", "latex", "mathml", "json")
+"""How a derivation can be shown on the command line."""
+
 PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 \usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
@@ -122,6 +125,11 @@ def document(*derivations: Derivation) -> str:
             body.append(f"\\emph{{{_verdict(evidence)}:}} {_tex_words(evidence.statement)}.")
         body.append("\\end{enumerate}")
     return PREAMBLE + "\\begin{document}\n" + "\n".join(body) + "\n\\end{document}\n"
+
+
+def shown(derivation: Derivation, form: str) -> str:
+    """The derivation in one of the text formats."""
+    return {"text": text, "latex": document, "mathml": mathml}[form](derivation)
 
 
 def _display(step: Step) -> str:

@@ -42,6 +42,8 @@ def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
     result = sp.sympify(expression).xreplace(numbers).evalf(digits)
     if result.free_symbols or not result.is_number:
         raise ValueError(f"no value for {sorted(map(str, result.free_symbols))}")
+    if not result.is_finite:
+        raise ValueError("a value is not finite")
     return mpmath.mpmathify(result) if digits > 15 else complex(result)
 
 
@@ -53,6 +55,26 @@ def residual(part: sp.Basic, point: Point, digits: int = 15) -> tuple[Any, float
     terms = [value(term, point, digits) for term in sp.Add.make_args(left)]
     terms += [-value(term, point, digits) for term in sp.Add.make_args(right)]
     return sum(terms), float(sum(abs(term) for term in terms))
+
+
+def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int = 15) -> Any:
+    """The value that an equation gives to a symbol in which it is affine.
+
+    Raises
+    ------
+    ValueError
+        If the equation does not determine the symbol.
+    """
+    if not isinstance(candidate, sp.Equality):
+        raise TypeError("an expression, not an equation")
+    left, right = candidate.args
+    zero, one, two = (
+        value(left, {**point, symbol: given}, digits) - value(right, {**point, symbol: given}, digits)
+        for given in (0, 1, 2)
+    )
+    if one == zero or abs(two - 2 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
+        raise ValueError(f"it does not determine {symbol}")
+    return -zero / (one - zero)
 
 
 def vanishes_at(

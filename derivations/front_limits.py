@@ -13,7 +13,7 @@ import sympy as sp
 
 from derivations import front_numbers as numbers
 from derivations.derivation import Evidence, Step, equation
-from derivations.evidence import parts_of, value
+from derivations.evidence import parts_of, solved_for, value
 from derivations.front_symbols import M_minus, M_plus, ON_SITE, c, eta, k, over_roots, ratio, v
 
 m = sp.Symbol("m", integer=True)
@@ -96,7 +96,7 @@ def _static(candidate: sp.Basic) -> Evidence:
     worst = 0.0
     for spring in (0.2, 0.6):
         exact = numbers.kinetic_sum(0.02, spring)
-        worst = max(worst, abs(value(candidate.args[1], {c: spring}) - exact))
+        worst = max(worst, abs(solved_for(candidate, static, {c: spring}) - exact))
     return Evidence(worst < 1e-9, f"the front in the time domain at v = 0.02: {worst:.1e}")
 
 
@@ -105,16 +105,15 @@ def _pinning(candidate: sp.Basic) -> Evidence:
     worst = 0.0
     threshold, root = candidate.args
     for r in (0.2, 0.35, 0.45):
-        size = value(root.args[1], {ratio: r}).real
-        spring = value(threshold.args[1], {modulus: size}).real
-        sizes = (value(root.args[0], {modulus: size}).real, value(threshold.args[0], {c_pin: spring}))
-        if abs(sizes[0] - size) > 1e-12 or abs(sizes[1] - spring) > 1e-12:
-            return Evidence(False, "it does not give S and c_pin themselves")
+        size = solved_for(root, modulus, {ratio: r}).real
+        spring = solved_for(threshold, c_pin, {modulus: size}).real
+        if spring <= 0 or abs(math.hypot(1, 4 * spring) - size) > 1e-9:
+            return Evidence(False, "S is not |1 - 4ic|")
         worst = max(worst, abs(abs(_standing(spring)) - r))
     return Evidence(worst < 1e-9, f"the last site of a standing chain is off by {worst:.1e}")
 
 
-def _standing(spring: float, sites: int = 120) -> complex:
+def _standing(spring: float, sites: int = 60) -> complex:
     """phi/phi_s at the first site ahead of a standing front, by solving the linear chain."""
     import numpy as np
 
@@ -131,7 +130,7 @@ def _standing(spring: float, sites: int = 120) -> complex:
 def _largest_eta(candidate: sp.Basic) -> Evidence:
     import numpy as np
 
-    limit = float(candidate.args[1])
+    limit = solved_for(candidate, eta_max, {}).real
     squares = np.roots([limit / 8, -1 / 4, 1.0]).real
     found = math.sqrt(squares.min() / squares.max())
     return Evidence(abs(found - 0.5) < 1e-12, f"the cycles of that eta have the ratio {found:.12f}")
@@ -143,7 +142,7 @@ def _continuum_root(candidate: sp.Basic) -> Evidence:
     for spring in (1e4, 1e6):
         exact = numbers.roots(speed * math.sqrt(spring), spring, 2)
         nearest = exact[abs(exact).argmin()] * math.sqrt(spring)
-        errors.append(abs(value(candidate.args[1], {V: speed}) - nearest))
+        errors.append(abs(solved_for(candidate, kappa, {V: speed}) - nearest))
     holds = errors[1] < 1e-4 and errors[1] < errors[0] / 5
     return Evidence(holds, f"distance at c = 1e4, 1e6: {errors[0]:.1e}, {errors[1]:.1e}")
 
@@ -164,7 +163,7 @@ def _continuum(candidate: sp.Basic) -> Evidence:
         )
         total = -1 + (hyper / (2 * own)).mean()
         root, relation = parts_of(candidate)
-        q = value(root.args[1], {V: speed})
+        q = solved_for(root, spread, {V: speed})
         left, right = (value(side, {V: speed, spread: q, ratio: abs(total) / 2})
                        for side in relation.args)  # fmt: skip
         errors.append(abs(left - right))

@@ -7,12 +7,13 @@ dimensionless; v stands for the paper's velocity over eps.
 
 from __future__ import annotations
 
+import warnings
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import sympy as sp
-from scipy.integrate import quad
+from scipy.integrate import IntegrationWarning, quad
 from scipy.special import jv
 
 from derivations import front_symbols as s
@@ -154,6 +155,11 @@ def _integral(node: Any, point: Point) -> sp.Expr:
     integrand = node.function.xreplace({q: sp.sympify(given) for q, given in rest.items()})
     function = sp.lambdify(variable, integrand, "numpy")
     ends = [float(low), float(high) if high != sp.oo else np.inf]
-    parts = [quad(lambda q, part=part: getattr(complex(function(q)), part), *ends,
-                  limit=400, epsabs=1e-11)[0] for part in ("real", "imag")]  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", IntegrationWarning)
+        try:
+            parts = [quad(lambda q, part=part: getattr(complex(function(q)), part), *ends,
+                          limit=400, epsabs=1e-11)[0] for part in ("real", "imag")]  # fmt: skip
+        except IntegrationWarning:
+            raise ArithmeticError("an integral did not converge") from None
     return sp.sympify(complex(*parts))

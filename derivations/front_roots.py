@@ -11,6 +11,7 @@ the width of the strip.
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Sequence
 
@@ -18,7 +19,7 @@ import sympy as sp
 
 from derivations import front_numbers as numbers
 from derivations.derivation import Check, Evidence, Step, equation
-from derivations.evidence import Point, value, vanishes_at
+from derivations.evidence import Point, solved_for, value, vanishes_at
 from derivations.front_symbols import DISPERSION, SLOPE, c, k, n, v, x, y
 
 real_part, imaginary_part, gap = sp.symbols("Re(L) Im(L) g", real=True)
@@ -113,30 +114,22 @@ def _axis(rng: random.Random) -> Point:
 
 
 def _both_lines(rng: random.Random) -> Point:
-    import math
-
     line, height = rng.randrange(-4, 5), rng.uniform(0, 3)
     return _sized(rng, complex(line * math.pi, height), {y: height, n: line}, *_pair(rng))
 
 
 def _even_line(rng: random.Random) -> Point:
-    import math
-
     line, height = rng.randrange(-4, 5), -rng.uniform(0, 3)
     return _sized(rng, complex(2 * line * math.pi, height), {y: height, n: line}, *_pair(rng))
 
 
 def _odd_line(rng: random.Random) -> Point:
-    import math
-
     line, height = rng.randrange(-4, 5), -rng.uniform(0, 3)
     return _sized(rng, complex((2 * line + 1) * math.pi, height), {y: height, n: line},
                   *_pair(rng))  # fmt: skip
 
 
 def _double(rng: random.Random) -> Point:
-    import math
-
     line, height, spring = rng.randrange(-2, 3), rng.uniform(-2, 2), rng.uniform(0.2, 2)
     at, fast = -math.pi / 2 + 2 * math.pi * line, spring * math.cosh(height)
     return _sized(rng, complex(at, height), {kappa: height, x: at}, fast, spring)
@@ -146,10 +139,7 @@ def _turning(candidate: sp.Basic) -> Evidence:
     """At the heights that the equation gives, the derivative of L vanishes."""
     worst = 0.0
     for spring, height, line in ((0.7, 0.9, 0), (1.3, -1.4, 1)):
-        left, right = (value(part, {c: spring, kappa: height, v: 0.0}) for part in candidate.args)
-        # The equation is affine in v: v is what makes it true.
-        slope = value(candidate.args[1], {c: spring, kappa: height, v: 1.0}) - right
-        fast = (left - right) / slope
+        fast = solved_for(candidate, v, {c: spring, kappa: height})
         at = complex(-sp.pi.evalf() / 2 + 2 * sp.pi.evalf() * line) + 1j * height
         worst = max(worst, abs(value(SLOPE, {v: fast, c: spring, k: at})))
     return Evidence(worst < 1e-12, f"L_k at two such points: at most {worst:.1e}")
@@ -170,7 +160,7 @@ def _height(candidate: sp.Basic) -> Evidence:
     """At that height Re L vanishes on lines Re k = n pi."""
     worst = 0.0
     for fast, spring, line in ((0.6, 0.8, 2), (1.7, 0.3, -3)):
-        height = value(candidate.args[1], {v: fast, c: spring}).real
+        height = solved_for(candidate, y, {v: fast, c: spring}).real
         at = complex(float(sp.pi * line), height)
         worst = max(worst, abs(numbers.dispersion(at, fast, spring).real))
     return Evidence(worst < 1e-12, f"Re L there is at most {worst:.1e}")
@@ -180,9 +170,8 @@ def _counts(strips: Sequence[tuple[int, int]], upper: bool) -> Check:
     """Winding numbers of L around strips (in units of pi), at slow, fast and weak scenes."""
 
     def check(candidate: sp.Basic) -> Evidence:
-        import math
-
-        expected = candidate.args[1]
+        (name,) = candidate.free_symbols
+        expected = solved_for(candidate, name, {})
         scenes = ((0.15, 0.9), (1.1, 0.6), (0.4, 3.0))
         for fast, spring in scenes:
             for left, right in strips:

@@ -11,7 +11,7 @@ import sympy as sp
 
 from derivations.derivation import Check, Derivation, Evidence, Step, equation
 from derivations.errors import DerivationInputError
-from derivations.evidence import equals, has_order, parts_of, value
+from derivations.evidence import equals, fast_average, has_order, solved_for, value
 from derivations.harmonics import HarmonicRing, Harmonics
 from derivations.symbols import a, b, c, epsilon
 
@@ -22,7 +22,7 @@ SITES = 4
 mean_extra = sp.Symbol("M")
 first_mode, motion = sp.symbols("D A")
 field_name, state_name, jacobian_name = sp.symbols(r"\dot{X} X J")
-small = sp.Symbol("s", positive=True)
+row_name = sp.Symbol(r"\dot{\delta}_4")
 
 
 def states(sites: int) -> tuple[sp.Symbol, ...]:
@@ -107,7 +107,9 @@ def matrix_check(ends: str, columns: int) -> Check:
     """Entry by entry against the numerical field (one column) or its derivative."""
 
     def check(candidate: sp.Basic) -> Evidence:
-        matrix = candidate.args[1]
+        name, matrix = candidate.args
+        if name not in (field_name, jacobian_name):
+            return Evidence(False, f"it gives {name}, not the field or its Jacobian")
         sites = matrix.shape[0] // 2
         rng = random.Random(7)
         p = {"e": 0.3, "a": 1.9, "b": 0.6, "c": 0.4}
@@ -134,8 +136,9 @@ def matrix_check(ends: str, columns: int) -> Check:
 
 def _state_check(candidate: sp.Basic) -> Evidence:
     """The derivative of the first half of X is its second half, along the field."""
-    entries = [str(entry) for entry in candidate.args[1]]
-    holds = entries == [str(entry) for entry in states(len(entries) // 2)]
+    name, vector = candidate.args
+    entries = [str(entry) for entry in vector]
+    holds = name == state_name and entries == [str(entry) for entry in states(len(entries) // 2)]
     return Evidence(holds, "displacements x_1..x_N, then velocities x_{N+1}..x_{2N}")
 
 
@@ -150,7 +153,7 @@ def _taylor_error(candidate: sp.Basic, step: Any) -> Any:
     point: dict[sp.Basic, Any] = {epsilon: p["e"], a: p["a"], b: p["b"], c: p["c"]}
     point |= dict(zip(states(sites), x, strict=True))
     point |= dict(zip(perturbations(sites), step * d, strict=True))
-    return value(candidate.args[1], point, 40) - change
+    return solved_for(candidate, row_name, point, 40) - change
 
 
 def perturbations(sites: int) -> tuple[sp.Symbol, ...]:
@@ -166,8 +169,6 @@ def _extra_term() -> sp.Eq:
 
 
 def _extra_point(rng: random.Random) -> tuple[Any, None]:
-    from derivations.evidence import fast_average
-
     size, other = (complex(rng.uniform(-1, 1), rng.uniform(-1, 1)) for _ in range(2))
 
     def product(s: Any) -> Any:
@@ -191,7 +192,7 @@ def derive(sites: int = SITES) -> Derivation:
         Step("The same with free ends: sites 1 and N have one neighbour",
              equation(field_name, vector_field(sites, "free")), free[0]),
         Step("Linearise about a solution: d(delta)/dt = J delta, here the row of site 1 for N = 3",
-             equation(sp.Symbol(r"\dot{\delta}_4"), change),
+             equation(row_name, change),
              has_order(_taylor_error, 2, "what the exact change adds to J delta, against delta"),
              41),
         Step("J by differentiating (40)", equation(jacobian_name, jacobian(sites)), ring[1], 42),
@@ -202,9 +203,6 @@ def derive(sites: int = SITES) -> Derivation:
              _extra_term(), equals(_extra_point, "the product averaged by direct sampling", floor=1.0)),
     )  # fmt: skip
     return Derivation("linearisation", "Linearisation and the Jacobian (39)-(42)", steps)
-
-
-__all__ = ["derive", "jacobian", "neighbours", "parts_of", "states", "vector_field"]
 
 
 if __name__ == "__main__":

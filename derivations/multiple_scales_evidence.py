@@ -17,7 +17,7 @@ import sympy as sp
 
 from derivations import multiple_scales as under_test
 from derivations.derivation import Evidence
-from derivations.evidence import Point, equals, fast_average, has_order, residual, value, vanishes_at
+from derivations.evidence import Point, equals, fast_average, has_order, residual, solved_for, vanishes_at
 from derivations.symbols import (
     R, a, alpha_0, b, c, delta, epsilon, k_1, k_2, n, omega, omega_1, omega_2, site, t, t_hat, tau,
     theta,
@@ -176,10 +176,9 @@ order_one = has_order(_order_one_error, 2, "difference from the change of (11) w
 
 def frequency(candidate: sp.Basic) -> Evidence:
     """The linear frequency at eps = 0, and the coefficients as derivatives in eps."""
-    left, right = candidate.args
     h = 1e-3
     down, middle, up = (
-        value(right - left, {epsilon: e, omega_1: 0.7, omega_2: -0.4, omega: 0}).real
+        solved_for(candidate, omega, {epsilon: e, omega_1: 0.7, omega_2: -0.4}).real
         for e in (-h, 0.0, h)
     )
     found = (middle - 1, (up - down) / (2 * h) - 0.7, (up - 2 * middle + down) / (2 * h**2) + 0.4)
@@ -198,10 +197,9 @@ def expansion(candidate: sp.Basic) -> Evidence:
 
 def free_solution(candidate: sp.Basic) -> Evidence:
     """Real, 2 pi periodic with one harmonic, whose complex coefficient is A."""
-    left, right = candidate.args
     size = 0.6 - 0.8j
     found = np.array([
-        value(right - left, {t_hat: s, under_test.A: size, under_test.Y0: 0})
+        solved_for(candidate, under_test.Y0, {t_hat: s, under_test.A: size})
         for s in 2 * np.pi * np.arange(8) / 8
     ])  # fmt: skip
     spectrum = np.fft.fft(found) / 8

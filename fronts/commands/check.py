@@ -1,0 +1,215 @@
+"""``fronts check``: judge the claims of the paper and write the report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import os
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from fronts.answer import Answer, UsageError
+from fronts.progress import Progress
+from paper_checks import discover
+from paper_checks.claim import Verdict
+from paper_checks.outcome import Outcome, slug
+from paper_checks.page import page
+from paper_checks.report import Report, installed_versions, make_report, picture_files, to_json
+from paper_checks.run import run as judge_all
+from paper_checks.store import SOURCES, Store, source_hash, write_text
+from paper_checks.table import duration, entries_as_text, report_as_text
+
+EXAMPLE = """\
+examples:
+  fronts check                           every claim, as a table
+  fronts check fig17 --out report        the claims of one module, with report/index.html
+  fronts check --verdict not-reproduced  the claims with that verdict on record
+  fronts check --out report --resume     go on with an interrupted run
+
+exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusable input"""
+
+STORE = ".findings"
+MOST_JOBS = 256
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("keys", nargs="*", metavar="KEY", help="a claim or a module of claims")
+    parser.add_argument(
+        "--verdict",
+        type=_verdict,
+        metavar="V",
+        help="only claims with this verdict on record: " + ", ".join(map(slug, Verdict)),
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write the report here")
+    parser.add_argument(
+        "--jobs",
+        type=_jobs,
+        default=1,
+        metavar="N",
+        help="processes (default 1: claims about run times are judged undisturbed)",
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="use findings that an earlier run of the same code kept in DIR",
+    )
+    parser.add_argument("--list", action="store_true", help="list the claims, judge none")
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Judge the chosen claims; write the report if asked to."""
+    if os.environ.get("FRONTS_TRACEBACK"):
+        logging.basicConfig(level=logging.INFO)
+        logging.getLogger("matplotlib").setLevel(logging.WARNING)
+    every = discover.find_entries()
+    if not every:
+        raise UsageError(f"no claims were found in {discover.PACKAGE}: the installation is broken.")
+    entries = _chosen(every, options)
+    width = shutil.get_terminal_size((100, 24)).columns
+    if options.list:
+        if options.out or options.resume:
+            raise UsageError("--list judges nothing: leave out --out and --resume.")
+        return _listing(entries, width)
+    folder = _checked_folder(options)
+    versions, source = installed_versions(), source_hash(_sources())
+    store = Store(folder / STORE, source, versions) if folder else None
+
+    start = time.perf_counter()
+    with Progress(len(entries)) as shown:
+        try:
+            outcomes = judge_all(
+                entries,
+                jobs=options.jobs,
+                package=discover.PACKAGE,
+                store=store,
+                resume=options.resume,
+                progress=_Reporter(shown),
+            )
+        except KeyboardInterrupt:
+            if folder:
+                print(
+                    f"\n{shown.finished} of {len(entries)} claims are judged and kept; "
+                    f"'fronts check --out {folder} --resume' goes on from there.",
+                    file=sys.stderr,
+                )
+            raise
+    seconds = time.perf_counter() - start
+
+    report = make_report(outcomes, seconds, len(every), versions, source)
+    payload = to_json(report)
+    text = report_as_text(report, width)
+    if folder:
+        _write(folder, report, payload)
+        text += f"\n\nThe report is in {folder / 'index.html'}."
+    return Answer(payload, text, exit_code=1 if report.changed else 0)
+
+
+class _Reporter:
+    """Pass the progress of the run on to the terminal."""
+
+    def __init__(self, shown: Progress) -> None:
+        self._shown = shown
+
+    def start(self, key: str) -> None:
+        self._shown.begin(key)
+
+    def done(self, outcome: Outcome) -> None:
+        notes = [duration(outcome.judgement.seconds)]
+        if outcome.judgement.stored:
+            notes.append("stored")
+        if outcome.changed:
+            notes.append("not as recorded")
+        self._shown.end(outcome.claim.key, f"{outcome.status} ({', '.join(notes)})")
+
+
+def _chosen(
+    every: Sequence[discover.Entry], options: argparse.Namespace
+) -> tuple[discover.Entry, ...]:
+    try:
+        entries = discover.select(every, options.keys)
+    except discover.UnknownKeyError as error:
+        raise UsageError(str(error)) from None
+    if options.verdict is None:
+        return entries
+    kept = tuple(entry for entry in entries if entry.claim.recorded is options.verdict)
+    if not kept:
+        where = f"of {', '.join(options.keys)} " if options.keys else ""
+        raise UsageError(f"no claim {where}has the verdict '{slug(options.verdict)}' on record.")
+    return kept
+
+
+def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:
+    claims = [
+        {
+            "key": entry.claim.key,
+            "group": entry.group,
+            "place": entry.claim.place,
+            "statement": entry.claim.statement,
+            "printed": entry.claim.printed,
+            "recorded": entry.claim.recorded.value,
+            "command": entry.claim.command,
+        }
+        for entry in entries
+    ]
+    return Answer({"claims": claims}, entries_as_text(entries, width))
+
+
+def _checked_folder(options: argparse.Namespace) -> Path | None:
+    """Make the folder of the report and make sure, before any work, that it takes files."""
+    folder: Path | None = options.out
+    if folder is None:
+        if options.resume:
+            raise UsageError("--resume needs --out DIR, the folder of the interrupted run.")
+        return None
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(f"--out {folder} is a file: name a folder.")
+    try:
+        (folder / STORE).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise UsageError(f"--out {folder} cannot be written: {error.strerror}.") from None
+    return folder
+
+
+def _write(folder: Path, report: Report, payload: dict[str, object]) -> None:
+    document = json.dumps(payload, indent=2, ensure_ascii=False, allow_nan=False)
+    files = {
+        **picture_files(report),
+        "report.json": document + "\n",
+        "index.html": page(report),
+    }
+    try:
+        for name, content in files.items():
+            write_text(folder / name, content)
+    except OSError as error:
+        raise UsageError(f"the report in {folder} cannot be written: {error.strerror}.") from None
+
+
+def _sources() -> tuple[str, ...]:
+    home = discover.PACKAGE.partition(".")[0]
+    return SOURCES if home in SOURCES else (*SOURCES, home)
+
+
+def _verdict(text: str) -> Verdict:
+    for verdict in Verdict:
+        if text in (slug(verdict), verdict.value, verdict.value.replace(" ", "-")):
+            return verdict
+    known = ", ".join(map(slug, Verdict))
+    raise argparse.ArgumentTypeError(f"'{text}' is not a verdict: choose one of {known}")
+
+
+def _jobs(text: str) -> int:
+    try:
+        count = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number") from None
+    if not 1 <= count <= MOST_JOBS:
+        raise argparse.ArgumentTypeError(f"{count} processes: it must be from 1 to {MOST_JOBS}")
+    return count

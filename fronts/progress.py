@@ -1,0 +1,96 @@
+"""Progress of a long command on standard error, with a live line where there is a terminal."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import threading
+import time
+from types import TracebackType
+from typing import TextIO
+
+PERIOD = 0.5
+"""Seconds between two refreshes of the live line."""
+
+
+class Progress:
+    """Print one line a finished step; in a terminal also what is running and for how long.
+
+    Parameters
+    ----------
+    total : int
+        Number of steps.
+    stream : file, optional
+        By default standard error.
+    """
+
+    def __init__(self, total: int, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stderr
+        self._live = self._stream.isatty()
+        self._total = total
+        self._finished = 0
+        self._running: dict[str, float] = {}
+        self._begin = time.perf_counter()
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._ticker = threading.Thread(target=self._tick, daemon=True)
+
+    def __enter__(self) -> Progress:
+        if self._live:
+            self._ticker.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stop.set()
+        if self._live:
+            self._ticker.join()
+            self._clear()
+
+    @property
+    def finished(self) -> int:
+        """Number of steps finished so far."""
+        return self._finished
+
+    def begin(self, name: str) -> None:
+        """Note that a step has begun or waits for a free process."""
+        with self._lock:
+            self._running[name] = time.perf_counter()
+            self._show()
+
+    def end(self, name: str, text: str) -> None:
+        """Print that a step has ended, and how."""
+        with self._lock:
+            self._running.pop(name, None)
+            self._finished += 1
+            if self._live:
+                self._clear()
+            elapsed = time.perf_counter() - self._begin
+            digits = len(str(self._total))
+            counter = f"[{self._finished:{digits}}/{self._total}]"
+            print(f"{counter} {elapsed:7.1f} s  {name}: {text}", file=self._stream, flush=True)
+            self._show()
+
+    def _tick(self) -> None:
+        while not self._stop.wait(PERIOD):
+            with self._lock:
+                self._show()
+
+    def _show(self) -> None:
+        if not self._live or not self._running:
+            return
+        first = next(iter(self._running))
+        others = len(self._running) - 1
+        elapsed = time.perf_counter() - self._running[first]
+        text = f"... {first} ({elapsed:.0f} s)" + (f" and {others} more" if others else "")
+        columns = shutil.get_terminal_size().columns
+        self._stream.write(f"\r\x1b[K{text[: columns - 1]}")
+        self._stream.flush()
+
+    def _clear(self) -> None:
+        self._stream.write("\r\x1b[K")
+        self._stream.flush()

@@ -1,0 +1,114 @@
+"""Find the claims: every module of ``paper_checks.claims`` that exposes ``CLAIMS``."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from paper_checks.claim import Claim
+
+PACKAGE = "paper_checks.claims"
+"""Where the claims of the paper live."""
+
+NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
+"""Form of a claim's key and of a picture's name: both become file names and page anchors."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A claim and the module that holds it.
+
+    Attributes
+    ----------
+    group : str
+        Name of the module without its package, as in ``fig17``.
+    claim : Claim
+        The claim.
+    """
+
+    group: str
+    claim: Claim
+
+
+class UnknownKeyError(ValueError):
+    """A key that names neither a claim nor a group of claims."""
+
+
+def find_entries(package: str | None = None) -> tuple[Entry, ...]:
+    """Import every module of a package and collect its claims.
+
+    Parameters
+    ----------
+    package : str, optional
+        Dotted name of the package; by default `PACKAGE`. Modules whose name starts with an
+        underscore are skipped: they are for code that several modules share.
+
+    Returns
+    -------
+    tuple of Entry
+        Modules in natural order (``fig9`` before ``fig16``), claims as their module lists them.
+
+    Raises
+    ------
+    ValueError
+        If a module lacks ``CLAIMS``, or a key is malformed or used twice.
+    """
+    home = importlib.import_module(package or PACKAGE)
+    names = [module.name for module in pkgutil.iter_modules(home.__path__)]
+    entries: list[Entry] = []
+    seen: dict[str, str] = {}
+    for group in sorted((name for name in names if not name.startswith("_")), key=_natural):
+        module = importlib.import_module(f"{home.__name__}.{group}")
+        if not hasattr(module, "CLAIMS"):
+            raise ValueError(f"{module.__name__} has no CLAIMS: give it a tuple of Claim.")
+        for claim in module.CLAIMS:
+            if not NAME.fullmatch(claim.key):
+                raise ValueError(
+                    f"the key '{claim.key}' in {group} must be lower-case letters, digits, "
+                    "dots, hyphens or underscores."
+                )
+            if claim.key in seen:
+                raise ValueError(f"the key '{claim.key}' is in {seen[claim.key]} and in {group}.")
+            seen[claim.key] = group
+            entries.append(Entry(group, claim))
+    return tuple(entries)
+
+
+def select(entries: Sequence[Entry], keys: Iterable[str]) -> tuple[Entry, ...]:
+    """Keep the claims that the keys name, in their own order; without a key, keep all.
+
+    Parameters
+    ----------
+    entries : sequence of Entry
+        Where to choose from.
+    keys : iterable of str
+        Keys of claims, or names of modules for all their claims.
+
+    Raises
+    ------
+    UnknownKeyError
+        If a key names nothing; the message suggests the nearest names.
+    """
+    wanted = list(keys)
+    known = {entry.group for entry in entries} | {entry.claim.key for entry in entries}
+    for key in wanted:
+        if key not in known:
+            near = difflib.get_close_matches(key, sorted(known), n=3)
+            hint = f"did you mean {' or '.join(near)}? " if near else ""
+            raise UnknownKeyError(
+                f"'{key}' is neither a claim nor a group of claims: "
+                f"{hint}'fronts check --list' shows all."
+            )
+    if not wanted:
+        return tuple(entries)
+    chosen = set(wanted)
+    return tuple(e for e in entries if e.group in chosen or e.claim.key in chosen)
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    parts = re.findall(r"\d+|\D+", name)
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]

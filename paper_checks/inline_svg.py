@@ -1,0 +1,55 @@
+"""Put several SVG documents into one HTML page without their names getting in each other's way."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+
+ENLARGE = 1.25
+"""Type that suits a printed column is small on a screen."""
+
+
+def width_of(svg: str) -> float | None:
+    """Width of a picture as drawn, in points; None if the document does not say."""
+    root = re.search(r"<svg[^>]*>", svg)
+    width = re.search(r'\swidth="([0-9.]+)(pt|px|)"', root.group()) if root else None
+    if width is None:
+        return None
+    return float(width.group(1)) * (1.0 if width.group(2) == "pt" else 0.75)
+
+
+def inline_svg(svg: str, prefix: str, title: str) -> str:
+    """Turn an SVG document into an element of an HTML page.
+
+    An id is global in a page, and so is a style sheet; both are made the picture's own. What
+    only a file of its own needs (prologue, metadata) is dropped, and so are comments.
+
+    Parameters
+    ----------
+    svg : str
+        The document.
+    prefix : str
+        Put before each id; unique in the page.
+    title : str
+        Alternative text.
+
+    Examples
+    --------
+    >>> inline_svg('<svg width="8pt"><path id="a"/><use href="#a"/></svg>', "p", "Dot")
+    '<svg role="img" aria-label="Dot" style="width: 10pt"><path id="p-a"/><use href="#p-a"/></svg>'
+    """
+    body = svg[svg.index("<svg") : svg.rindex("</svg>") + len("</svg>")]
+    for dropped in (r"<!--.*?-->", r"<metadata.*?</metadata>", r"<style.*?</style>"):
+        body = re.sub(dropped, "", body, flags=re.DOTALL)
+    body = re.sub(r'(\s)id="([^"]*)"', rf'\1id="{prefix}-\2"', body)
+    body = re.sub(r'(href=")#([^"]*)"', rf'\1#{prefix}-\2"', body)
+    body = re.sub(r"url\(#([^)]*)\)", rf"url(#{prefix}-\1)", body)
+    label = escape(" ".join(title.split()))
+    width = width_of(body)
+    style = ""
+    if width is not None:
+        style = f' style="width: {width * ENLARGE:g}pt"'
+        root, rest = body.split(">", 1)
+        body = re.sub(r'\s(?:width|height)="[^"]*"', "", root) + ">" + rest
+    # A function, because a backslash in the caption must stay one.
+    return re.sub("^<svg", lambda _: f'<svg role="img" aria-label="{label}"{style}', body)

@@ -1,0 +1,149 @@
+"""The outcome of a claim: what its judge found in a run, or why it found nothing."""
+
+from __future__ import annotations
+
+import logging
+import time
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from paper_checks.claim import Claim, Finding, Picture, Verdict
+from paper_checks.discover import NAME, Entry
+
+FAILED = "failed"
+"""Status of a claim whose judge raised an error."""
+
+logger = logging.getLogger(__name__)
+
+
+def slug(verdict: Verdict) -> str:
+    """Short spelling of a verdict, for the command line and for page addresses.
+
+    Examples
+    --------
+    >>> [slug(verdict) for verdict in Verdict]
+    ['reproduced', 'corrected', 'partial', 'not-reproduced', 'untestable']
+    """
+    return verdict.name.lower().replace("_", "-")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What running a judge gave.
+
+    Attributes
+    ----------
+    finding : Finding or None
+        The finding; None if the judge failed.
+    failure : str or None
+        One sentence that says how the judge failed.
+    seconds : float
+        Wall-clock time of the judge.
+    judged : str
+        When it ended: UTC, ISO 8601, to the second.
+    stored : bool
+        Whether it was kept from an earlier run instead of computed in this one.
+    """
+
+    finding: Finding | None
+    failure: str | None
+    seconds: float
+    judged: str
+    stored: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A claim together with its judgement."""
+
+    entry: Entry
+    judgement: Judgement
+
+    @property
+    def claim(self) -> Claim:
+        """The claim."""
+        return self.entry.claim
+
+    @property
+    def finding(self) -> Finding | None:
+        """The finding, or None if the judge failed."""
+        return self.judgement.finding
+
+    @property
+    def status(self) -> str:
+        """The short spelling of the verdict, or ``failed``."""
+        return FAILED if self.finding is None else slug(self.finding.verdict)
+
+    @property
+    def changed(self) -> bool:
+        """Whether the verdict is another than the one on record; a failure counts."""
+        return self.finding is None or self.finding.verdict is not self.claim.recorded
+
+    @property
+    def change(self) -> str:
+        """One sentence that names the change; empty without one."""
+        if not self.changed:
+            return ""
+        if self.finding is None:
+            return f"{self.claim.key}: its judge failed: {self.judgement.failure}"
+        return (
+            f"{self.claim.key}: on record as '{self.claim.recorded}', now '{self.finding.verdict}'."
+        )
+
+
+def judge(claim: Claim) -> Judgement:
+    """Run the judge of a claim; an error of the judge becomes a failed judgement.
+
+    Examples
+    --------
+    >>> def broken():
+    ...     raise ArithmeticError("no root in the box")
+    >>> claim = Claim("k", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", broken)
+    >>> judge(claim).failure
+    'ArithmeticError: no root in the box.'
+    """
+    start = time.perf_counter()
+    finding: Finding | None = None
+    failure: str | None = None
+    try:
+        finding = _checked(claim.judge())
+    except (Exception, SystemExit) as error:
+        logger.info("the judge of %s failed", claim.key, exc_info=True)
+        failure = _sentence(error)
+    return Judgement(finding, failure, time.perf_counter() - start, now())
+
+
+def now() -> str:
+    """Give the time of day: UTC, ISO 8601, to the second."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _sentence(error: BaseException) -> str:
+    lines = str(error).strip().splitlines()
+    text = f"{type(error).__name__}: {lines[0].strip()}" if lines else type(error).__name__
+    return text if text.endswith((".", "!", "?")) else f"{text}."
+
+
+def _checked(finding: object) -> Finding:
+    if not isinstance(finding, Finding):
+        raise TypeError(f"the judge returned {type(finding).__name__} instead of a Finding.")
+    if not isinstance(finding.verdict, Verdict):
+        raise TypeError(f"the verdict {finding.verdict!r} is not a Verdict.")
+    for name in ("value", "error", "tolerance", "explanation"):
+        if not isinstance(getattr(finding, name), str):
+            raise TypeError(f"the finding's {name} must be text.")
+    if len(finding.methods) != 2 or not all(isinstance(method, str) for method in finding.methods):
+        raise ValueError("a finding names exactly two methods.")
+    for picture in finding.pictures:
+        _check_picture(picture)
+    return finding
+
+
+def _check_picture(picture: Picture) -> None:
+    if not NAME.fullmatch(picture.name):
+        raise ValueError(
+            f"the picture name '{picture.name}' must be lower-case letters, digits, dots, "
+            "hyphens or underscores."
+        )
+    if "<svg" not in picture.svg:
+        raise ValueError(f"the picture '{picture.name}' holds no SVG document.")

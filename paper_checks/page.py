@@ -1,0 +1,250 @@
+"""The report as one HTML file that needs nothing but itself."""
+
+from __future__ import annotations
+
+import base64
+from html import escape
+from importlib import resources
+
+from paper_checks.claim import Finding, Picture, Verdict
+from paper_checks.inline_svg import inline_svg, width_of
+from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.report import Report
+from paper_checks.table import duration
+
+TITLE = "What the paper claims, and what we found"
+
+STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge failed"}
+"""Words for each status."""
+
+WIDE = 300
+"""Pictures wider than this, in points, do not fit a phone."""
+
+# The page itself forbids the browser every request, to the network or to other files.
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+
+
+def page(report: Report) -> str:
+    """Write the report as a self-contained HTML document."""
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{POLICY}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{TITLE}</title>
+<style>
+{_resource("page.css")}</style>
+</head>
+<body>
+<header>
+<p class="kicker">Excitation fronts in self-excited chains</p>
+<h1>{TITLE}</h1>
+{_standfirst(report)}
+{_counts(report)}
+{_alert(report)}
+</header>
+<main>
+{_headlines(report)}
+<section aria-labelledby="claims-title">
+<h2 id="claims-title">Every claim</h2>
+{_filter(report)}
+<div class="head" aria-hidden="true">
+<span>Place</span><span>Claim</span><span>Verdict</span><span>The paper</span><span>Ours</span>
+</div>
+<ol id="claims">
+{"".join(_row(outcome) for outcome in report.outcomes)}</ol>
+<p id="none" hidden>No claim fits this choice.</p>
+</section>
+</main>
+{_footer(report)}
+<script>
+{_resource("page.js")}</script>
+</body>
+</html>
+"""
+
+
+def _resource(name: str) -> str:
+    return resources.files("paper_checks").joinpath(name).read_text(encoding="utf-8")
+
+
+def _standfirst(report: Report) -> str:
+    judged = len(report.outcomes)
+    stored = sum(outcome.judgement.stored for outcome in report.outcomes)
+    if judged == report.available:
+        what = "One claim of the paper" if judged == 1 else f"{judged} claims of the paper"
+    else:
+        what = f"{judged} of the {report.available} claims of the paper on record"
+    kept = f" {stored} of them kept from an earlier run of the same code," if stored else ""
+    return (
+        f'<p class="standfirst">{what},{kept} each put to two methods that share no code. '
+        f"This run took <strong>{duration(report.seconds)}</strong>.</p>"
+    )
+
+
+def _counts(report: Report) -> str:
+    items = []
+    for name, count in report.counts.items():
+        text = f"<b>{count}</b> {STATUS[name]}"
+        if count:
+            items.append(f'<li class="{name}"><a href="#verdict={name}">{text}</a></li>')
+        elif name != FAILED:
+            items.append(f'<li class="{name}"><span>{text}</span></li>')
+    return f'<ul class="counts" aria-label="Number of claims by verdict">{"".join(items)}</ul>'
+
+
+def _alert(report: Report) -> str:
+    if not report.changed:
+        return '<p class="record">Every verdict is as on record.</p>'
+    items = "".join(
+        f'<li><a href="#claim-{escape(one.claim.key)}">{escape(one.change)}</a></li>'
+        for one in report.changed
+    )
+    return f'<div class="alert"><p>Not as on record:</p><ul>{items}</ul></div>'
+
+
+def _headlines(report: Report) -> str:
+    items = "".join(_headline(outcome) for outcome in report.headlines)
+    if not items:
+        return ""
+    return (
+        '<section aria-labelledby="headlines-title">'
+        '<h2 id="headlines-title">To read first</h2>'
+        f'<ol class="headlines">{items}</ol></section>'
+    )
+
+
+def _headline(outcome: Outcome) -> str:
+    claim, finding = outcome.claim, outcome.finding
+    if finding is None:
+        return ""
+    printed = f"The paper: {_sentence(claim.printed)} " if claim.printed else ""
+    return (
+        f'<li class="{outcome.status}">'
+        f'<p class="verdict">{escape(finding.verdict)}</p>'
+        f'<p class="claim"><a href="#claim-{escape(claim.key)}">{escape(claim.statement)}</a></p>'
+        f'<p class="where">{_sentence(claim.place)} {printed}'
+        f"Ours: {_sentence(finding.value)}</p></li>"
+    )
+
+
+def _filter(report: Report) -> str:
+    options = "".join(
+        f'<option value="{name}">{STATUS[name]} ({count})</option>'
+        for name, count in report.counts.items()
+        if count
+    )
+    return f"""<form id="filter" hidden>
+<label>Verdict <select id="verdict"><option value="">all</option>{options}</select></label>
+<label>Place or claim <input id="place" type="search" autocomplete="off"
+ placeholder="Fig. 17"></label>
+<button type="button" id="unfold" aria-pressed="false">Open all</button>
+<output id="shown" for="verdict place"></output>
+</form>"""
+
+
+def _row(outcome: Outcome) -> str:
+    claim, finding = outcome.claim, outcome.finding
+    verdict = STATUS[outcome.status]
+    notes = [
+        note
+        for note, holds in (
+            (f"on record: {claim.recorded}", outcome.changed),
+            ("stored", outcome.judgement.stored),
+        )
+        if holds
+    ]
+    note = f'<span class="note">{escape("; ".join(notes))}</span>' if notes else ""
+    ours = finding.value if finding else "no value"
+    place, key = escape(claim.place), escape(claim.key)
+    return f"""<li id="claim-{key}" class="{outcome.status}" data-verdict="{outcome.status}">
+<details><summary>
+<span class="place">{place}</span>
+<span class="claim">{escape(claim.statement)}</span>
+<span class="verdict">{escape(verdict)}{note}</span>
+<span class="printed"><i>The paper: </i>{escape(claim.printed or "no value")}</span>
+<span class="ours"><i>Ours: </i>{escape(ours)}</span>
+</summary>
+<div class="evidence">
+{_evidence(outcome) if finding is None else _findings(outcome, finding)}
+</div>
+</details>
+</li>
+"""
+
+
+def _evidence(outcome: Outcome) -> str:
+    failure = escape(outcome.judgement.failure or "")
+    return f"<p>The judge of this claim failed: {failure}</p>" + _facts(
+        [("Verdict on record", escape(outcome.claim.recorded)), *_provenance(outcome)]
+    )
+
+
+def _findings(outcome: Outcome, finding: Finding) -> str:
+    first, second = (escape(method) for method in finding.methods)
+    prose = "".join(
+        f"<p>{escape(paragraph)}</p>"
+        for paragraph in finding.explanation.split("\n\n")
+        if paragraph.strip()
+    )
+    facts = [
+        ("Our value", escape(finding.value)),
+        ("Its error", escape(finding.error)),
+        ("The paper’s value", escape(outcome.claim.printed or "none given")),
+        ("Two methods", f"<ol><li>{first}</li><li>{second}</li></ol>"),
+        ("Tolerance", escape(finding.tolerance)),
+        *_provenance(outcome),
+    ]
+    pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
+    return f'<div class="prose">{prose}</div>{_facts(facts)}{pictures}'
+
+
+def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
+    judged = outcome.judgement
+    how = "kept from an earlier run, where it took" if judged.stored else "computed in"
+    return [
+        ("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>"),
+        ("Judged", f"{_moment(judged.judged)}, {how} {duration(judged.seconds)}"),
+    ]
+
+
+def _facts(facts: list[tuple[str, str]]) -> str:
+    rows = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
+    return f"<dl>{rows}</dl>"
+
+
+def _picture(key: str, picture: Picture) -> str:
+    data = base64.b64encode(picture.data.encode()).decode()
+    name, caption = escape(picture.name), escape(picture.caption)
+    drawing = inline_svg(picture.svg, f"{key}-{picture.name}", picture.caption)
+    # A phone scrolls a wide picture sideways: shrunk to its screen it could not be read.
+    wide = ' wide" tabindex="0' if (width_of(picture.svg) or 0) > WIDE else ""
+    return (
+        f'<figure><div class="card{wide}">{drawing}</div>'
+        f'<figcaption>{caption} <a download="{name}.csv" '
+        f'href="data:text/csv;charset=utf-8;base64,{data}">Data (CSV)</a></figcaption></figure>'
+    )
+
+
+def _footer(report: Report) -> str:
+    versions = ", ".join(
+        f"{name} {version}" for name, version in report.versions.items() if version
+    )
+    machine = report.machine
+    where = f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
+    return (
+        f"<footer><p>Made {_moment(report.created)} on {escape(where)}. "
+        f"{escape(versions)}. Code {escape(report.source[:12])}.</p>"
+        "<p>The same findings as data are in <code>report.json</code>, written with this page.</p>"
+        "</footer>"
+    )
+
+
+def _sentence(text: str) -> str:
+    return escape(text if text.endswith((".", "!", "?")) else f"{text}.")
+
+
+def _moment(iso: str) -> str:
+    return f'<time datetime="{escape(iso)}">{escape(iso[:10])} {escape(iso[11:16])} UTC</time>'

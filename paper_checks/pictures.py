@@ -1,0 +1,239 @@
+"""Pictures of the report: one style, deterministic SVG, and the numbers behind it as CSV.
+
+Matplotlib is imported on first use, so that a claim file may import this module at its top.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import logging
+import re
+import sys
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from paper_checks.claim import Picture
+from paper_checks.discover import NAME
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+Width = Literal["column", "page"]
+
+WIDTHS: Mapping[str, float] = {"column": 3.4, "page": 7.0}
+"""Widths in inches of one column and of the whole page of a two-column journal."""
+
+COLOURS: Mapping[str, str] = {
+    "blue": "#0072B2",
+    "vermilion": "#D55E00",
+    "green": "#009E73",
+    "purple": "#CC79A7",
+    "orange": "#E69F00",
+    "sky": "#56B4E9",
+    "black": "#000000",
+    "yellow": "#F0E442",
+}
+"""Okabe and Ito's palette, told apart by colour-blind readers; most legible first."""
+
+LARGE = 1_000_000
+"""An SVG of more characters than this makes the report slow to open."""
+
+_FALLBACK = "'DejaVu Sans', Verdana, Arial, sans-serif"
+
+logger = logging.getLogger(__name__)
+
+
+def use_style() -> None:
+    """Set the style of all pictures for the rest of this process."""
+    import matplotlib as mpl
+    from cycler import cycler
+
+    lines = [colour for name, colour in COLOURS.items() if name != "yellow"]
+    mpl.rcParams.update(
+        {
+            "axes.axisbelow": True,
+            "axes.labelsize": 8,
+            "axes.linewidth": 0.6,
+            "axes.prop_cycle": cycler(color=lines),
+            "axes.spines.right": False,
+            "axes.spines.top": False,
+            "axes.titlelocation": "left",
+            "axes.titlesize": 8,
+            "figure.constrained_layout.use": True,
+            "figure.facecolor": "white",
+            "font.family": "sans-serif",
+            "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
+            "font.size": 8,
+            "grid.alpha": 0.5,
+            "grid.color": "#bbbbbb",
+            "grid.linewidth": 0.4,
+            "legend.fontsize": 7,
+            "legend.frameon": False,
+            "legend.handlelength": 1.6,
+            "lines.linewidth": 1.2,
+            "lines.markersize": 3.5,
+            "mathtext.fontset": "dejavusans",
+            "savefig.facecolor": "white",
+            "svg.fonttype": "none",
+            "xtick.labelsize": 7,
+            "xtick.major.size": 3,
+            "xtick.major.width": 0.6,
+            "xtick.minor.size": 1.6,
+            "xtick.minor.width": 0.4,
+            "ytick.labelsize": 7,
+            "ytick.major.size": 3,
+            "ytick.major.width": 0.6,
+            "ytick.minor.size": 1.6,
+            "ytick.minor.width": 0.4,
+        }
+    )
+
+
+def new_axes(
+    width: Width = "column",
+    *,
+    height: float | None = None,
+    xlabel: str = "",
+    ylabel: str = "",
+) -> tuple[Figure, Axes]:
+    r"""Make a figure with one set of axes in the project's style.
+
+    Parameters
+    ----------
+    width : {"column", "page"}, optional
+        3.4 or 7 inches.
+    height : float, optional
+        In inches; by default 0.68 of a column's width, 0.45 of a page's.
+    xlabel, ylabel : str, optional
+        What the axes show, with units or "dimensionless" where it is not obvious.
+
+    Examples
+    --------
+    >>> figure, axes = new_axes(xlabel="coupling c", ylabel="front velocity")
+    >>> line = axes.plot([0, 1], [0, 2])
+    >>> picture("line", "A straight line.", figure, {"c": [0, 1], "v": [0, 2]}).data
+    'c,v\n0,0\n1,2\n'
+    """
+    figure, panels = new_panels(1, width=width, height=height)
+    panels[0].set_xlabel(xlabel)
+    panels[0].set_ylabel(ylabel)
+    return figure, panels[0]
+
+
+def new_panels(
+    columns: int,
+    rows: int = 1,
+    *,
+    width: Width = "page",
+    height: float | None = None,
+    sharex: bool = False,
+    sharey: bool = False,
+) -> tuple[Figure, tuple[Axes, ...]]:
+    """Make a figure with several sets of axes, listed row by row.
+
+    Parameters
+    ----------
+    columns, rows : int
+        Number of panels side by side and below each other.
+    width, height
+        As in `new_axes`.
+    sharex, sharey : bool, optional
+        Whether all panels have the same axis.
+    """
+    from matplotlib.figure import Figure
+
+    use_style()
+    inches = WIDTHS[width]
+    figure = Figure(figsize=(inches, height or inches * (0.68 if width == "column" else 0.45)))
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey)
+    return figure, tuple(grid.ravel())
+
+
+def picture(name: str, caption: str, figure: Figure, data: Mapping[str, ArrayLike]) -> Picture:
+    """Render a figure and put the numbers behind it into CSV; the figure is emptied.
+
+    The same figure gives the same bytes, at any time and in any process.
+
+    Parameters
+    ----------
+    name : str
+        File name without suffix: lower-case letters, digits, dots, hyphens, underscores.
+    caption : str
+        What is seen, in a sentence or two.
+    figure : Figure
+        From `new_axes` or `new_panels`; one made by ``pyplot`` is closed as well.
+    data : mapping of str to array_like
+        Columns of the CSV file by name; one-dimensional, of any lengths.
+
+    Raises
+    ------
+    ValueError
+        If the name is no file name, or a column is complex or not one-dimensional.
+    """
+    if not NAME.fullmatch(name):
+        raise ValueError(
+            f"the picture name '{name}' must be lower-case letters, digits, dots, hyphens or "
+            "underscores: choose another."
+        )
+    table = columns_as_csv(data)
+    svg = _render(name, figure)
+    if len(svg) > LARGE:
+        logger.warning("the picture %s has %.1f MB: draw fewer points", name, len(svg) / 1e6)
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    if pyplot is not None:
+        pyplot.close(figure)
+    figure.clear()
+    return Picture(name, caption, svg, table)
+
+
+def columns_as_csv(data: Mapping[str, ArrayLike]) -> str:
+    r"""Write named columns as CSV; shorter columns end in empty cells.
+
+    Floats have the digits that give back the same float.
+
+    Examples
+    --------
+    >>> columns_as_csv({"n": [1, 2], "v": [0.1]})
+    'n,v\n1,0.1\n2,\n'
+    """
+    columns = []
+    for name, values in data.items():
+        column = np.atleast_1d(np.asarray(values))
+        if column.ndim != 1:
+            raise ValueError(f"the column '{name}' has {column.ndim} dimensions: give it one.")
+        if np.iscomplexobj(column):
+            raise ValueError(
+                f"the column '{name}' is complex: give real and imaginary parts as two columns."
+            )
+        columns.append([_cell(value) for value in column.tolist()])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(data)
+    writer.writerows(itertools.zip_longest(*columns, fillvalue=""))
+    return text.getvalue()
+
+
+def _cell(value: object) -> str:
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def _render(name: str, figure: Figure) -> str:
+    import matplotlib as mpl
+
+    # Without these four, Matplotlib writes the time of day and its own version.
+    metadata: dict[str, Any] = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    buffer = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
+        figure.savefig(buffer, format="svg", metadata=metadata)
+    return _with_fallback_fonts(buffer.getvalue())
+
+
+def _with_fallback_fonts(svg: str) -> str:
+    """Let text in Matplotlib's own font fall back to a similar one where it is missing."""
+    return re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?=[;\"])", rf"\1{_FALLBACK}", svg)

@@ -1,0 +1,192 @@
+"""The report of a run: counts, headlines, provenance, and all of it as JSON."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import metadata
+
+from paper_checks.claim import Verdict
+from paper_checks.outcome import FAILED, Outcome, now, slug
+
+FORMAT = 1
+"""Version of the JSON document; raised when a reader of the old one would break."""
+
+TOOLKIT = "excitation-fronts"
+PACKAGES = ("numpy", "scipy", "mpmath", "sympy", "matplotlib", "python-flint")
+
+Json = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that the report shows.
+
+    Attributes
+    ----------
+    outcomes : tuple of Outcome
+        One a claim, in order.
+    seconds : float
+        Wall-clock time of the run.
+    available : int
+        How many claims there are, judged in this run or not.
+    versions : mapping
+        Versions by package; None for one that is not installed.
+    source : str
+        Digest of the toolkit's code.
+    machine : mapping
+        Platform and number of cores.
+    created : str
+        When the run ended, UTC.
+    """
+
+    outcomes: tuple[Outcome, ...]
+    seconds: float
+    available: int
+    versions: Mapping[str, str | None]
+    source: str
+    machine: Mapping[str, object]
+    created: str
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of claims by status, every status present."""
+        statuses = [outcome.status for outcome in self.outcomes]
+        return {name: statuses.count(name) for name in (*map(slug, Verdict), FAILED)}
+
+    @property
+    def changed(self) -> tuple[Outcome, ...]:
+        """Outcomes that differ from the record, failed ones included."""
+        return tuple(outcome for outcome in self.outcomes if outcome.changed)
+
+    @property
+    def headlines(self) -> tuple[Outcome, ...]:
+        """The three findings that a reader should see first.
+
+        Those that disagree with the paper come first, each kind in the order of the claims.
+        """
+        found = [outcome for outcome in self.outcomes if outcome.finding is not None]
+        return tuple(sorted(found, key=lambda one: one.status == slug(Verdict.REPRODUCED))[:3])
+
+
+def make_report(
+    outcomes: Sequence[Outcome],
+    seconds: float,
+    available: int,
+    versions: Mapping[str, str | None],
+    source: str,
+) -> Report:
+    """Put the outcomes of a run together with the time and the machine."""
+    return Report(
+        outcomes=_one_picture_a_name(outcomes),
+        seconds=seconds,
+        available=available,
+        versions=versions,
+        source=source,
+        machine=machine(),
+        created=now(),
+    )
+
+
+def installed_versions() -> dict[str, str | None]:
+    """Give the versions of Python, the toolkit and the packages it computes with."""
+    found: dict[str, str | None] = {"python": platform.python_version()}
+    found["toolkit"] = _version(TOOLKIT)
+    for package in PACKAGES:
+        found[package] = _version(package)
+    return found
+
+
+def machine() -> dict[str, object]:
+    """Describe the machine as far as it matters for run times."""
+    return {
+        "system": platform.system(),
+        "architecture": platform.machine(),
+        "cores": os.cpu_count(),
+    }
+
+
+def to_json(report: Report) -> Json:
+    """Give the report as one JSON object; its schema is in ``docs/report_schema.md``."""
+    return {
+        "format": FORMAT,
+        "created": report.created,
+        "seconds": round(report.seconds, 3),
+        "versions": dict(report.versions),
+        "source": report.source,
+        "machine": dict(report.machine),
+        "claims_available": report.available,
+        "counts": report.counts,
+        "changed": [outcome.claim.key for outcome in report.changed],
+        "headlines": [outcome.claim.key for outcome in report.headlines],
+        "claims": [_record(outcome) for outcome in report.outcomes],
+    }
+
+
+def picture_files(report: Report) -> dict[str, str]:
+    """Give the text of each picture file and data file by file name."""
+    files: dict[str, str] = {}
+    for outcome in report.outcomes:
+        for picture in outcome.finding.pictures if outcome.finding else ():
+            files[f"{picture.name}.svg"] = picture.svg
+            files[f"{picture.name}.csv"] = picture.data
+    return files
+
+
+def _record(outcome: Outcome) -> Json:
+    claim, finding = outcome.claim, outcome.finding
+    return {
+        "key": claim.key,
+        "group": outcome.entry.group,
+        "place": claim.place,
+        "statement": claim.statement,
+        "printed": claim.printed,
+        "recorded": claim.recorded.value,
+        "verdict": finding.verdict.value if finding else None,
+        "changed": outcome.changed,
+        "failure": outcome.judgement.failure,
+        "value": finding.value if finding else None,
+        "error": finding.error if finding else None,
+        "methods": list(finding.methods) if finding else [],
+        "tolerance": finding.tolerance if finding else None,
+        "explanation": finding.explanation if finding else None,
+        "command": claim.command,
+        "seconds": round(outcome.judgement.seconds, 3),
+        "judged": outcome.judgement.judged,
+        "stored": outcome.judgement.stored,
+        "pictures": [
+            {
+                "name": picture.name,
+                "caption": picture.caption,
+                "svg": f"{picture.name}.svg",
+                "data": f"{picture.name}.csv",
+            }
+            for picture in (finding.pictures if finding else ())
+        ],
+    }
+
+
+def _one_picture_a_name(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
+    """Fail a claim whose picture would overwrite another one; the same picture twice is fine."""
+    owners: dict[str, tuple[str, object]] = {}
+    checked = []
+    for outcome in outcomes:
+        failure = None
+        for picture in outcome.finding.pictures if outcome.finding else ():
+            owner, first = owners.setdefault(picture.name, (outcome.claim.key, picture))
+            if first != picture:
+                failure = f"its picture '{picture.name}' has the name of another one, of {owner}."
+        if failure is not None:
+            judgement = replace(outcome.judgement, finding=None, failure=failure)
+            outcome = replace(outcome, judgement=judgement)  # noqa: PLW2901
+        checked.append(outcome)
+    return tuple(checked)
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,115 @@
+"""The front."""
+
+import numpy as np
+
+from example_claims._trouble import visit
+from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.pictures import new_panels, picture
+
+
+def _speed():
+    visit("fig16-speed")
+    c = np.linspace(0.1, 3.0, 80)
+    figure, (left, right) = new_panels(2)
+    left.plot(c, np.sqrt(c), label=r"$\sqrt{c}$")
+    left.plot(c, 0.5 * c, "--", label="linear, as the paper says")
+    left.set(xlabel=r"coupling $c$", ylabel=r"velocity $\hat v$")
+    left.legend()
+    right.plot(c, 0.5 + 0.1 * np.exp(-c), color="#D55E00")
+    right.set(xlabel=r"coupling $c$", ylabel=r"exponent $d\ln \hat v / d\ln c$", ylim=(0, 1))
+    return Finding(
+        verdict=Verdict.NOT_REPRODUCED,
+        value="exponent 0.500 000 2 at c = 10⁴",
+        error="4e-7, from the residual of the relation",
+        methods=("derivative of the closed form", "slope of the simulated velocities"),
+        tolerance="0.02: half of the difference between the two statements",
+        explanation=(
+            "The velocity grows as the square root of the coupling, not linearly.\n\n"
+            "Over the plotted range the curve looks straight because it starts at a fold; "
+            "one decade further the exponent is within 1 % of 1/2 & stays there <for good>."
+        ),
+        pictures=(
+            picture(
+                "fig16-speed",
+                "Left: velocity against coupling. Right: the local exponent tends to 1/2.",
+                figure,
+                {"c": c, "v": np.sqrt(c), "simulated": np.sqrt(c[::9])},
+            ),
+        ),
+    )
+
+
+def _misprint():
+    visit("fig16-misprint")
+    return Finding(
+        verdict=Verdict.CORRECTED,
+        value="a² + b²",
+        error="none: an identity",
+        methods=("computer algebra", "random numbers to 50 digits"),
+        tolerance="none: the two sides are equal or not",
+        explanation="The second term is printed with a minus sign.",
+    )
+
+
+def _speedy():
+    visit("fig16-escape")
+    return Finding(
+        verdict=Verdict.REPRODUCED,
+        value="<b>bold</b> & \"quoted\" 'text'",
+        error="<script>alert(1)</script>",
+        methods=("<i>one</i>", "two & three"),
+        tolerance="a < b",
+        explanation="</details><img src=x onerror=alert(1)>",
+    )
+
+
+def _vague():
+    visit("fig16-vague")
+    return Finding(
+        verdict=Verdict.UNTESTABLE,
+        value="no value: the initial state is not given",
+        error="none",
+        methods=("reading of the text", "search of the caption"),
+        tolerance="none",
+        explanation="The text does not say from which state the simulation starts.",
+    )
+
+
+CLAIMS = (
+    Claim(
+        "fig16-speed",
+        "Fig. 16, Eq. 54",
+        "The velocity is asymptotically linear in the coupling.",
+        "“the scaling is asymptotically linear”",
+        Verdict.NOT_REPRODUCED,
+        "fronts check fig16-speed --out report",
+        _speed,
+    ),
+    Claim(
+        "fig16-misprint",
+        "Eq. 12",
+        "The energy is a² − b².",
+        "a² − b²",
+        Verdict.CORRECTED,
+        "fronts check fig16-misprint",
+        _misprint,
+    ),
+    Claim(
+        "fig16-escape",
+        "Eqs. 1–3 & <4>",
+        'Markup such as </summary> & <b id="x"> stays text.',
+        "<u>1</u>",
+        Verdict.REPRODUCED,
+        "echo '<i>' && echo \"&\"",
+        _speedy,
+    ),
+    Claim(
+        "fig16-vague",
+        "Section 5",
+        "The front settles after a short transient.",
+        "“a short transient”",
+        Verdict.UNTESTABLE,
+        "fronts check fig16-vague",
+        _vague,
+    ),
+)

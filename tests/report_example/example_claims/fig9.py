@@ -1,0 +1,66 @@
+"""The relaxation towards the steady state."""
+
+import numpy as np
+
+from example_claims._trouble import visit
+from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.pictures import new_axes, picture
+
+
+def _decay():
+    visit("fig9-decay")
+    time = np.linspace(0.0, 8.0, 60)
+    figure, axes = new_axes(xlabel=r"time $t$ (dimensionless)", ylabel=r"amplitude $|u|$")
+    axes.semilogy(time, np.exp(-0.7 * time), label="closed form")
+    axes.semilogy(time[::6], np.exp(-0.7 * time[::6]), "o", label="direct integration")
+    axes.legend()
+    return Finding(
+        verdict=Verdict.REPRODUCED,
+        value="0.700 000 000 1",
+        error="3e-10, the spread of the two methods",
+        methods=("least squares on the closed form", "direct integration, order 8"),
+        tolerance="1e-6: the paper prints three digits",
+        explanation="The decay is exponential over four decades.",
+        pictures=(
+            picture(
+                "fig9-decay",
+                'The amplitude falls along a straight line on a logarithmic axis; rate "0.7".',
+                figure,
+                {"t": time, "amplitude": np.exp(-0.7 * time)},
+            ),
+        ),
+    )
+
+
+def _monotone():
+    visit("fig9-monotone")
+    return Finding(
+        verdict=Verdict.PARTIAL,
+        value="monotone for t > 1.31",
+        error="0.01 in t",
+        methods=("sign of the derivative", "event search in the direct integration"),
+        tolerance="one exception would have changed the verdict",
+        explanation="Before t = 1.31 the amplitude rises: it is 2 % above its start.",
+    )
+
+
+CLAIMS = (
+    Claim(
+        "fig9-decay",
+        "Fig. 9",
+        "The amplitude decays at the rate 0.7.",
+        "0.7",
+        Verdict.REPRODUCED,
+        "fronts check fig9-decay",
+        _decay,
+    ),
+    Claim(
+        "fig9-monotone",
+        "Fig. 9, Section 3",
+        "The amplitude decreases at all times.",
+        None,
+        Verdict.PARTIAL,
+        "fronts check fig9-monotone",
+        _monotone,
+    ),
+)

@@ -1,0 +1,383 @@
+"""Claims about the direct simulation of the piecewise-linear front (Eq. 44)."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, minimize_scalar
+
+from fronts.cli import main
+from theory.parameters import ParameterError
+from verification import piecewise_chain, piecewise_window
+from verification.piecewise_chain import PiecewiseChain, Switching
+from verification.piecewise_crossing import first_zero
+from verification.piecewise_run import FrontStatus
+from verification.piecewise_simulation import hysteresis, simulate_front
+from verification.piecewise_window import (
+    ChainState,
+    static_state,
+    step_state,
+    travelling_state,
+    truncation_bound,
+    widened,
+)
+
+# (c, eta): from just above depinning through the ordinary to the fast and the large-c island
+STEADY = [(0.47, 0.03125), (0.5, 0.03125), (0.7, 0.03125), (1.0, 0.03125), (2.2, 0.03125)]
+STEADY += [(12.0, 0.03125), (0.3, 0.02), (3.0, 0.02), (0.01, 1e-5), (1.0, 0.005), (2.79, 0.06)]
+RETREATING = [(2.0, 0.11), (10.0, 0.1), (1.5, 0.12)]
+
+
+def ratio(eta: float) -> float:
+    root = math.sqrt(1 - 8 * eta)
+    return math.sqrt((1 - root) / (1 + root))
+
+
+def kinetic_sum(v: float, c: float) -> complex:
+    """Sigma(v, c) by the midpoint rule on the periodised integral; geometric, 6000 points."""
+    k = 2 * np.pi * (np.arange(6000) + 0.5) / 6000
+    A = 0.5 - 1j * c * (1 - np.cos(k))
+    decay = np.exp(-A / abs(v))
+    kernel = (1 - decay**2) / (1 + decay**2 - 2 * decay * np.cos(k))
+    return complex(-1 + np.sign(v) * np.mean(kernel / (2 * A)))
+
+
+def kinetic_velocity(near: float, c: float, eta: float) -> float:
+    """Bisect |Sigma| = 2 r within one part in a thousand of ``near``."""
+    low, high = 0.999 * near, 1.001 * near
+    at_low = abs(kinetic_sum(low, c)) - 2 * ratio(eta)
+    assert at_low * (abs(kinetic_sum(high, c)) - 2 * ratio(eta)) < 0
+    for _ in range(60):
+        middle = (low + high) / 2
+        if (abs(kinetic_sum(middle, c)) - 2 * ratio(eta)) * at_low > 0:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
+
+
+@pytest.mark.parametrize(("c", "eta"), STEADY + RETREATING)
+def test_a_steady_front_moves_at_the_kinetic_velocity_within_its_error(c, eta):
+    run = simulate_front(c, eta)
+    assert run.steady
+    assert run.events_per_site == 1
+    assert (run.v < 0) == ((c, eta) in RETREATING)
+    difference = abs(run.v - kinetic_velocity(run.v, c, eta))
+    assert difference < 1e-11 * abs(run.v)  # ten times the tolerance on the period
+    # the reference itself is good to some units of round-off in Sigma over its slope
+    assert difference <= run.error + 4e-15 * abs(run.v)
+
+
+def test_over_random_scenes_a_steady_claim_is_never_wrong():
+    seed = 771
+    rng = np.random.default_rng(seed)
+    steady = 0
+    for _ in range(40):
+        c, eta = float(np.exp(rng.uniform(-1.5, 1.5))), float(rng.uniform(0.003, 0.12))
+        run = simulate_front(c, eta, str(rng.choice(["moving", "resting", "step"])))
+        if run.steady and run.events_per_site == 1:
+            steady += 1
+            difference = abs(run.v - kinetic_velocity(run.v, c, eta))
+            # the second part is the round-off of the reference
+            assert difference <= run.error + 4e-15 * abs(run.v), (seed, c, eta)
+    assert steady >= 10, seed
+
+
+def right_hand_side(c, r, on):
+    def slope(_, phi):
+        padded = np.concatenate(([1.0], phi, [0.0]))
+        coupling = 0.5j * c * (2 * phi - padded[:-2] - padded[2:])
+        return coupling - phi / 2 + on / 2
+
+    return slope
+
+
+def crossings_by_runge_kutta(c, r, phi, count, longest_step):
+    """Integrate a chain with fixed ends, stopping at the first site that leaves its side."""
+    on = np.abs(phi) > r
+    time, found, latest = 0.0, [], None
+    while len(found) < count:
+        keep = np.ones(len(phi), bool)
+        if latest is not None:
+            keep[latest] = False  # stands at r: let it move off before watching it again
+        side = np.where(on, 1.0, -1.0)
+
+        def leaves(_, y, side=side, keep=keep):
+            return float(np.min((side * (np.abs(y) - r))[keep]))
+
+        leaves.terminal, leaves.direction = True, -1
+        result = solve_ivp(
+            right_hand_side(c, r, on), (time, time + longest_step if latest is not None else 1e3),
+            phi, method="DOP853", rtol=1e-12, atol=1e-14, events=leaves, max_step=longest_step,
+        )  # fmt: skip
+        time, phi = float(result.t[-1]), result.y[:, -1]
+        if result.status == 1:
+            latest = int(np.argmin(np.where(keep, side * (np.abs(phi) - r), np.inf)))
+            on[latest] = not on[latest]
+            found.append((time, latest, 1 if on[latest] else -1))
+        else:
+            latest = None
+    return found
+
+
+def crossings_by_chain(c, r, state, count):
+    chain, time, found = PiecewiseChain(c, r, state), 0.0, []
+    for _ in range(count):
+        step = chain.advance(1e3)
+        assert isinstance(step, Switching)
+        time += step.wait
+        found.append((time, step.site - state.origin, step.direction))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("c", "eta", "start", "count"),
+    [(0.5, 0.03125, "step", 6), (2.5, 0.03125, "moving", 12), (10.0, 0.03125, "unsettled", 25)],
+)
+def test_crossings_agree_with_a_runge_kutta_integration(c, eta, start, count):
+    if start == "step":
+        state = step_state(96)
+    elif start == "moving":
+        state = travelling_state(c, 1.4, 336)
+    else:  # sites cross five times each here, close together
+        state = simulate_front(c, eta, most_periods=100).final
+        state = ChainState(state.phi, state.origin)
+    ours = crossings_by_chain(c, ratio(eta), state, count)
+    theirs = crossings_by_runge_kutta(c, ratio(eta), state.phi, count, 0.02)
+    assert [event[1:] for event in ours] == [event[1:] for event in theirs]
+    if start == "unsettled":
+        assert {event[2] for event in ours} == {1, -1}
+    # the Runge-Kutta run is asked for 1e-12 a step; flat crossings magnify its error
+    assert max(abs(a[0] - b[0]) for a, b in zip(ours, theirs, strict=True)) < 1e-9
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (2.5, 0.03125)])
+def test_a_moving_window_gives_the_times_of_a_long_fixed_chain(c, eta):
+    v, count = (0.31, 60) if c < 1 else (1.3, 60)
+    moving = simulate_front(c, eta, travelling_state(c, v, 400), most_periods=80)
+    long = widened(travelling_state(c, v, 400), 4000)
+    fixed = crossings_by_chain(c, ratio(eta), long, count)
+    times = np.array([time for time, _, _ in fixed])
+    # absolute times up to 200, added from rounded waits
+    assert np.max(np.abs(times - moving.crossing_times[:count])) < 1e-11
+
+
+@pytest.mark.parametrize(("c", "v"), [(0.1, 0.02), (0.5, 0.3), (3.0, 1.4), (0.5, -0.4), (1.0, 5.0)])
+def test_the_truncation_bound_bounds_the_window_error(c, v):
+    for sites in (32, 48, 64):
+        short, long = travelling_state(c, v, sites), travelling_state(c, v, 4096)
+        around = slice(-3 - short.origin, 4 - short.origin)
+        exact = long.phi[-3 - long.origin : 4 - long.origin]
+        error = np.max(np.abs(short.phi[around] - exact))
+        # images of the sites four from the front are four sites nearer; 1e-13 is round-off
+        assert error <= truncation_bound(c, v, sites - 4) + 1e-13
+
+
+def test_no_zero_is_missed_by_the_polynomial_search():
+    seed = 20240607
+    rng = np.random.default_rng(seed)
+    hits = 0
+    for _ in range(300):
+        inside = rng.uniform(0, 1.2, rng.integers(0, 4))
+        if rng.random() < 0.4:  # a pair so close that a coarse sampling would step over it
+            inside = np.append(inside, rng.uniform(0.1, 0.9) + np.array([0.0, 1e-4]))
+        outside = rng.uniform(-3, -1, 2)
+        p = np.polynomial.polynomial.polyfromroots(np.concatenate([inside, outside]))
+        p = p * np.sign(p[0])
+        first = min((x for x in inside if x < 1 - 1e-9), default=None)
+        got = first_zero(p.tolist(), 1.0).at
+        if first is None:
+            assert got is None or got > 1 - 1e-9, seed
+        else:
+            hits += 1
+            # a fifth of the closest gap: the first of a pair, not the second; where other
+            # roots are near, round-off moves a pair by more than 1e-6
+            assert got == pytest.approx(first, abs=2e-5), seed
+    assert hits > 100
+
+
+def test_a_touch_without_a_crossing_is_passed_and_counted():
+    # (x - 1/2)^2 (3/4 - x), exact in binary
+    found = first_zero([0.1875, -1.0, 1.75, -1.0], 1.0)
+    assert found.at == pytest.approx(0.75, abs=1e-12)
+    assert found.grazes >= 1
+
+
+@pytest.mark.parametrize("excess", [1e-4, 1e-6, 1e-8])
+def test_a_site_that_barely_overshoots_the_threshold_is_caught(excess):
+    # |phi_1| of a relaxing step rises to a maximum and falls again; r lies just below it
+    c, sites, front = 0.4, 121, 60
+    matrix = (1j * c - 0.5) * np.eye(sites) - 0.5j * c * (np.eye(sites, k=1) + np.eye(sites, k=-1))
+    on = (np.arange(sites) <= front).astype(complex)
+    force = 0.5 * on
+    force[0] -= 0.5j * c
+    balance = np.linalg.solve(matrix, -force)
+    rates, modes = np.linalg.eig(matrix)
+    weights = modes[front + 1] * np.linalg.solve(modes, on - balance)
+
+    def modulus(time):
+        return abs(balance[front + 1] + np.sum(weights * np.exp(rates * time)))
+
+    top = minimize_scalar(lambda t: -modulus(t), bounds=(1, 8), options={"xatol": 1e-10}).x
+    r = modulus(top) * (1 - excess)
+    expected = brentq(lambda t: modulus(t) - r, 0.5 * top, top, xtol=1e-13)
+    step = PiecewiseChain(c, r, step_state(96)).advance(1e3)
+    assert isinstance(step, Switching)
+    assert (step.site, step.direction) == (1, 1)
+    # the slope there is about sqrt(excess), so 1e-15 in phi moves the time by some 1e-11
+    assert step.wait == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("c", [0.05, 0.3, 0.44])
+def test_a_pinned_front_is_the_static_balance_and_its_margin_is_right(c):
+    run = simulate_front(c, 0.03125, "resting")
+    assert (run.status, run.v, run.error, run.steady) == (FrontStatus.PINNED, 0.0, 0.0, False)
+    sites, front = 121, 60
+    matrix = (1j * c - 0.5) * np.eye(sites) - 0.5j * c * (np.eye(sites, k=1) + np.eye(sites, k=-1))
+    force = -0.5 * (np.arange(sites) <= front).astype(complex)
+    force[0] += 0.5j * c  # the neighbour on the left is 1
+    phi = np.linalg.solve(matrix, force)
+    gaps = (np.abs(phi) - ratio(0.03125)) * np.where(np.arange(sites) <= front, 1, -1)
+    assert run.margin == pytest.approx(gaps.min(), abs=1e-13)  # both solved to round-off
+
+
+def test_between_fold_and_depinning_the_start_decides():
+    # eta = 0.03125: |1 - 1/sqrt(1 - 4ic)| = 2r at c = 0.45530; the upper branches end at 0.43378
+    runs = hysteresis(0.03125, [0.46, 0.4552, 0.445, 0.435, 0.43])
+    assert [run.status.value for run in runs.moving] == ["steady"] * 4 + ["pinned"]
+    assert [run.status.value for run in runs.resting] == ["steady"] + ["pinned"] * 4
+    for c, run in zip(runs.couplings[:4], runs.moving[:4], strict=True):
+        assert abs(run.v - kinetic_velocity(run.v, c, 0.03125)) < 1e-11
+    assert runs.moving[3].v < runs.moving[0].v
+
+
+@pytest.mark.parametrize(("c", "repeat"), [(2.5, 6), (4.0, 3), (6.0, 2)])
+def test_motion_that_does_not_settle_is_reported_with_its_repeat(c, repeat):
+    run = simulate_front(c, 0.03125)
+    assert (run.status, run.steady, run.repeat) == (FrontStatus.UNSTEADY, False, repeat)
+    assert run.period_spread > 0.1
+    waits = np.diff(run.crossing_times)
+    assert np.ptp(waits[-60:]) > 0.1 * waits[-60:].mean()
+
+
+def test_an_unstable_front_started_on_its_velocity_still_leaves_it():
+    v = kinetic_velocity(1.5134334, 4.0, 0.03125)
+    run = simulate_front(4.0, 0.03125, start_velocity=v * (1 + 1e-4))
+    assert run.status is FrontStatus.UNSTEADY
+    assert abs(run.v - v) > 0.01
+
+
+def test_slow_settling_is_named_and_its_error_bounds_the_true_one():
+    v = kinetic_velocity(1.289527, 2.38, 0.03125)
+    run = simulate_front(2.38, 0.03125, start_velocity=1.0005 * v)
+    assert run.status is FrontStatus.SETTLING
+    assert not run.steady
+    assert abs(run.v - v) <= run.error < 1e-6
+
+
+def test_sliding_is_named_and_its_error_covers_the_choice_of_relay(monkeypatch):
+    runs = []
+    for relay in (1e-3, 1e-4, 3e-5):
+        monkeypatch.setattr(piecewise_chain, "_RELAY", relay)
+        runs.append(simulate_front(5.0, 0.005))
+    assert {run.status for run in runs} == {FrontStatus.SLIDING}
+    assert max(run.v for run in runs) - min(run.v for run in runs) < runs[1].error
+
+
+def test_a_run_goes_on_from_the_end_of_another():
+    first = simulate_front(0.6, 0.03125)
+    again = simulate_front(0.6, 0.03125, first.final)
+    assert again.v == pytest.approx(first.v, rel=1e-13)  # ten units of round-off a period
+    assert again.final.origin >= first.final.origin
+
+
+def test_a_site_that_overtakes_the_window_makes_it_longer():
+    short = ChainState(static_state(1.0, 48).phi, 0)
+    run = simulate_front(1.0, 0.005, short)
+    assert run.window > 48
+    assert run.truncation < 1e-13
+    assert run.v == pytest.approx(simulate_front(1.0, 0.005).v, rel=1e-12)
+
+
+def test_an_interrupted_run_leaves_the_next_one_whole(monkeypatch):
+    calls = iter(range(10))
+    advance = PiecewiseChain.advance
+
+    def interrupted(self, patience):
+        if next(calls) == 5:
+            raise KeyboardInterrupt
+        return advance(self, patience)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(PiecewiseChain, "advance", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            simulate_front(0.5, 0.03125)
+    assert simulate_front(0.5, 0.03125).steady
+
+
+@pytest.mark.parametrize(
+    ("c", "eta"),
+    [
+        *((c, 0.03) for c in (0, -1, math.nan, math.inf, 1e6, "x")),
+        *((1, eta) for eta in (0, -1, 0.125, math.nan, 1e-12)),
+    ],
+)
+def test_bad_parameters_are_refused_in_one_sentence(c, eta):
+    with pytest.raises(ParameterError, match=r"^[^.]*( = [^ ]*) is not allowed.*\.$"):
+        simulate_front(c, eta)
+
+
+@pytest.mark.parametrize("velocity", [0.0, math.nan, math.inf, 1e9])
+def test_a_bad_starting_velocity_is_refused(velocity):
+    with pytest.raises(ParameterError):
+        simulate_front(0.5, 0.03125, start_velocity=velocity)
+
+
+def test_a_start_without_both_equilibria_is_refused():
+    with pytest.raises(ParameterError):
+        simulate_front(0.5, 0.03125, ChainState(np.zeros(64, complex)))
+    with pytest.raises(ParameterError):
+        simulate_front(0.5, 0.03125, "sideways")
+
+
+def test_a_window_too_long_to_follow_is_refused_before_any_work():
+    with pytest.raises(ParameterError):
+        piecewise_window.window_length(1e4, 1.0, 1e-15)
+
+
+def test_the_command_prints_the_promised_json(capsys):
+    assert main(["front", "piecewise", "--c", "0.5", "--a", "4", "--b", "0.5", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["v"] == pytest.approx(0.300992350758521, abs=1e-12)
+    assert answer["steady"] is True
+    assert answer["status"] == "steady"
+    assert {"error", "events", "seconds"} <= set(answer)
+
+
+@pytest.mark.parametrize("start", ["resting", "moving"])
+def test_the_command_says_pinned(capsys, start):
+    options = ["front", "piecewise", "--c", "0.3", "--eta", "0.03125", "--start", start]
+    assert main(options) == 0
+    assert capsys.readouterr().out.startswith("pinned")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--c", "0.5"],
+        ["--c", "0.5", "--a", "4"],
+        ["--c", "0.5", "--eta", "0.03", "--a", "4"],
+        ["--c", "nan", "--eta", "0.03"],
+        ["--c", "0.5", "--eta", "0.2"],
+        ["--c", "0.5", "--eta", "0.03", "--start", "resting", "--start-v", "1"],
+    ],
+)
+def test_the_command_refuses_bad_input_with_exit_code_2(capsys, options):
+    assert main(["front", "piecewise", *options]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1

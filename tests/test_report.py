@@ -1,0 +1,433 @@
+"""The report shows every finding, harms nobody with its text, and survives interruptions."""
+
+import contextlib
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fronts.cli import main
+from paper_checks import discover
+from paper_checks.claim import Verdict
+from paper_checks.pictures import new_axes, picture
+from paper_checks.store import Store
+
+HERE = Path(__file__).parent
+KEYS = ["fig9-decay", "fig9-monotone", "fig16-speed", "fig16-misprint", "fig16-escape"]
+KEYS += ["fig16-vague"]
+PROGRAM = """
+import signal
+import sys
+from paper_checks import discover
+discover.PACKAGE = "example_claims"
+from fronts.cli import main
+if __name__ == "__main__":
+    # A test run in the background may have been told to ignore interrupts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    sys.exit(main(["check", *sys.argv[1:]]))
+"""
+
+
+@pytest.fixture(autouse=True)
+def example_claims(monkeypatch, tmp_path):
+    """Six made-up claims in place of the paper's; judges log their runs."""
+    monkeypatch.syspath_prepend(str(HERE / "report_example"))
+    monkeypatch.setattr(discover, "PACKAGE", "example_claims")
+    monkeypatch.setenv("EXAMPLE_LOG", str(tmp_path / "log"))
+    monkeypatch.delenv("EXAMPLE_TROUBLE", raising=False)
+
+
+def judged(tmp_path):
+    log = tmp_path / "log"
+    keys = [line.split()[0] for line in log.read_text().splitlines()] if log.exists() else []
+    log.unlink(missing_ok=True)
+    return keys
+
+
+def start(*arguments):
+    path = os.pathsep.join([str(HERE / "report_example"), str(HERE.parent)])
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *arguments],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def without_times(value):
+    """Everything of a report but what a clock wrote."""
+    if isinstance(value, dict):
+        clock = {"seconds", "created", "judged", "stored"}
+        return {key: without_times(item) for key, item in value.items() if key not in clock}
+    return [without_times(item) for item in value] if isinstance(value, list) else value
+
+
+class Page(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.ids, self.links, self.words = [], [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name == "id":
+                self.ids.append(value)
+            elif name in ("href", "src", "xlink:href", "srcset", "action"):
+                self.links.append(value)
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def test_claims_are_found_in_natural_order_and_groups_select_them():
+    entries = discover.find_entries()
+    assert [entry.claim.key for entry in entries] == KEYS
+    chosen = discover.select(entries, ["fig16-vague", "fig9"])
+    assert [entry.claim.key for entry in chosen] == ["fig9-decay", "fig9-monotone", "fig16-vague"]
+
+
+def test_a_key_used_twice_is_refused(tmp_path, monkeypatch):
+    package = tmp_path / "twice_claims"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    for name in ("one", "two"):
+        (package / f"{name}.py").write_text("from example_claims.fig9 import CLAIMS\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(ValueError, match="'fig9-decay' is in one and in two"):
+        discover.find_entries("twice_claims")
+
+
+def test_exit_code_is_0_when_all_is_as_recorded_and_nothing_is_written(
+    tmp_path, monkeypatch, capsys
+):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    monkeypatch.chdir(empty)
+    assert main(["check"]) == 0
+    assert list(empty.iterdir()) == []
+    shown = capsys.readouterr()
+    assert all(key in shown.out for key in KEYS)
+    assert "6 claims in" in shown.out
+    lines = shown.err.splitlines()  # plain lines: standard error is no terminal here
+    assert len(lines) == 6
+    assert "\x1b" not in shown.err
+    assert "\r" not in shown.err
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_judge_that_raises_is_shown_as_failed_and_named(monkeypatch, capsys, tmp_path, jobs):
+    monkeypatch.setenv("EXAMPLE_TROUBLE", "raise:fig9-monotone")
+    assert main(["check", "--out", str(tmp_path), "--jobs", jobs]) == 1
+    sentence = "ArithmeticError: no root in the box <0, 1>."
+    assert f"fig9-monotone: its judge failed: {sentence}" in capsys.readouterr().out
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["changed"] == ["fig9-monotone"]
+    assert report["claims"][1]["failure"] == sentence
+    assert report["counts"]["failed"] == 1
+    page = (tmp_path / "index.html").read_text()
+    assert page.count("no root in the box &lt;0, 1&gt;.") == 2  # on top and in its row
+    assert "second line" not in page
+
+
+def test_a_changed_verdict_exits_with_1_and_is_named(monkeypatch, capsys):
+    import example_claims.fig9
+
+    changed = example_claims.fig9.CLAIMS[0]
+    monkeypatch.setitem(changed.__dict__, "recorded", Verdict.PARTIAL)
+    assert main(["check", "fig9"]) == 1
+    sentence = "fig9-decay: on record as 'holds only in part', now 'reproduced'."
+    assert sentence in capsys.readouterr().out
+
+
+def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
+    monkeypatch.setenv("EXAMPLE_TROUBLE", "kill:fig9-monotone")
+    assert main(["check", "--jobs", "2", "--json"]) == 1
+    report = json.loads(capsys.readouterr().out)
+    assert report["changed"] == ["fig9-monotone"]
+    assert "ended without an answer" in report["claims"][1]["failure"]
+    assert report["counts"]["failed"] == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["fig61"], "'fig61' is neither a claim nor a group of claims: did you mean fig16"),
+        (["--verdict", "wrong"], "'wrong' is not a verdict"),
+        (["fig9", "--verdict", "untestable"], "no claim of fig9 has the verdict 'untestable'"),
+        (["--jobs", "0"], "0 processes: it must be from 1"),
+        (["--jobs", "two"], "'two' is not a whole number"),
+        (["--resume"], "--resume needs --out DIR"),
+        (["--list", "--out", "x"], "--list judges nothing"),
+        (["--out", "a-file"], "--out a-file is a file: name a folder."),
+        (["--out", "a-file/below"], "--out a-file/below cannot be written"),
+    ],
+)
+def test_bad_input_exits_with_2_before_any_work(arguments, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("a-file").touch()
+    assert main(["check", *arguments]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("\n") == 1
+    assert sentence in shown.err
+    assert judged(tmp_path) == []
+    assert [path.name for path in tmp_path.iterdir()] == ["a-file"]
+
+
+def test_a_folder_that_takes_no_files_is_refused_before_any_work(tmp_path, monkeypatch, capsys):
+    def refuse(**options):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr("fronts.commands.check.tempfile.TemporaryFile", refuse)
+    assert main(["check", "--out", str(tmp_path / "report")]) == 2
+    assert "cannot be written: Read-only file system." in capsys.readouterr().err
+    assert judged(tmp_path) == []
+
+
+def test_verdict_selects_by_the_record_and_the_rest_is_not_judged(tmp_path, capsys):
+    assert main(["check", "--verdict", "not-reproduced", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert [claim["key"] for claim in report["claims"]] == ["fig16-speed"]
+    assert report["claims_available"] == 6
+    assert judged(tmp_path) == ["fig16-speed"]
+
+
+def test_list_judges_nothing(tmp_path, capsys):
+    assert main(["check", "--list", "--json"]) == 0
+    claims = json.loads(capsys.readouterr().out)["claims"]
+    assert [claim["key"] for claim in claims] == KEYS
+    assert judged(tmp_path) == []
+
+
+def test_one_and_two_processes_give_the_same_report(tmp_path, capsys):
+    reports = []
+    for jobs in ("1", "2"):
+        folder = tmp_path / jobs
+        assert main(["check", "--out", str(folder), "--jobs", jobs]) == 0
+        reports.append(without_times(json.loads((folder / "report.json").read_text())))
+    assert reports[0] == reports[1]
+    names = sorted(path.name for path in (tmp_path / "1").iterdir() if path.is_file())
+    assert names == sorted(path.name for path in (tmp_path / "2").iterdir() if path.is_file())
+    assert len(names) == 2 + 2 * 2  # the page, the JSON, and two files for each picture
+    for name in (name for name in names if name.endswith((".svg", ".csv"))):
+        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
+
+
+def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
+    assert main(["check", "--out", str(tmp_path), "--json"]) == 0
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert json.loads(capsys.readouterr().out) == report
+    text = (HERE.parent / "docs" / "report_schema.md").read_text()
+    documented = [
+        re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE) for section in text.split("\n## ")
+    ]
+    assert list(report) == documented[1]
+    assert all(list(claim) == documented[2] for claim in report["claims"])
+    pictures = [one for claim in report["claims"] for one in claim["pictures"]]
+    assert all(list(one) == documented[3] for one in pictures)
+    assert all(
+        (tmp_path / one[kind]).stat().st_size for one in pictures for kind in ("svg", "data")
+    )
+    assert sum(report["counts"].values()) == len(report["claims"]) == 6
+    assert report["headlines"] == ["fig9-monotone", "fig16-speed", "fig16-misprint"]
+    assert {"python", "toolkit", "numpy", "scipy", "mpmath", "sympy"} <= set(report["versions"])
+    assert set(report["machine"]) == {"system", "architecture", "cores"}
+
+
+def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
+    assert main(["check", "--out", str(tmp_path)]) == 0
+    text = (tmp_path / "index.html").read_text()
+    page = Page(text)
+    words = "".join(page.words)
+    for markup in (
+        "<b>bold</b> & \"quoted\" 'text'",
+        "<script>alert(1)</script>",
+        "</details><img src=x onerror=alert(1)>",
+        "echo '<i>' && echo \"&\"",
+        'Markup such as </summary> & <b id="x"> stays text.',
+    ):
+        assert markup in words
+    assert page.tags.count("script") == 1
+    assert page.tags.count("b") == 5  # the counts
+    assert page.tags.count("i") == 2 * 6  # "The paper:" and "Ours:" in each row
+    assert not {"img", "link", "iframe", "object", "u"} & set(page.tags)
+    assert len(page.ids) == len(set(page.ids))
+    anchors = {f"#{name}" for name in page.ids}
+    others = [link for link in page.links if link not in anchors]
+    choices = [link for link in others if link.startswith("#verdict=")]
+    data = [link for link in others if link.startswith("data:text/csv")]
+    assert sorted(others) == sorted(choices + data)
+    assert len(choices) == 5
+    assert len(data) == 2
+    assert "url(http" not in text
+    assert "@import" not in text
+
+
+def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeypatch, capsys):
+    import example_claims.fig9
+    import example_claims.fig16
+
+    figure, _ = new_axes()
+    other = picture("fig9-decay", "Another one.", figure, {"x": [1.0]})
+    claim = example_claims.fig16.CLAIMS[1]
+    first = claim.judge
+    monkeypatch.setitem(
+        claim.__dict__,
+        "judge",
+        lambda: type(first())(**{**first().__dict__, "pictures": (other,)}),
+    )
+    assert main(["check", "--json"]) == 1
+    report = json.loads(capsys.readouterr().out)
+    assert report["changed"] == ["fig16-misprint"]
+    assert "of fig9-decay" in report["claims"][3]["failure"]
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, capsys, jobs):
+    folder = tmp_path / "report"
+    monkeypatch.setenv("EXAMPLE_TROUBLE", "wait:fig16-speed")
+    process = start("--out", str(folder), "--jobs", jobs)
+    for line in process.stderr:  # with two processes all others end while one waits
+        if f"[{2 if jobs == '1' else 5}/6]" in line:
+            break
+    wait_for(tmp_path / "log", "fig16-speed")
+    for pid in [process.pid, *pids_of(tmp_path / "log")]:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+    process.communicate(timeout=20)
+    done = 2 if jobs == "1" else 5
+    judged(tmp_path)
+    assert not (folder / "index.html").exists()
+    monkeypatch.delenv("EXAMPLE_TROUBLE")
+    assert main(["check", "--out", str(folder), "--resume", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert len(judged(tmp_path)) == 6 - done
+    assert sum(claim["stored"] for claim in report["claims"]) == done
+    assert main(["check", "--out", str(tmp_path / "fresh"), "--json"]) == 0
+    assert without_times(json.loads(capsys.readouterr().out)) == without_times(report)
+
+
+def wait_for(log, word):
+    deadline = time.monotonic() + 20
+    while not (log.exists() and word in log.read_text()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def pids_of(log):
+    return {int(line.split()[1]) for line in log.read_text().splitlines()}
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_an_interrupt_keeps_what_is_finished_and_leaves_no_process(tmp_path, monkeypatch, jobs):
+    folder = tmp_path / "report"
+    monkeypatch.setenv("EXAMPLE_TROUBLE", "wait:fig16-speed")
+    process = start("--out", str(folder), "--jobs", jobs)
+    finished = 2 if jobs == "1" else 5
+    for line in process.stderr:
+        if f"[{finished}/6]" in line:
+            break
+    wait_for(tmp_path / "log", "fig16-speed")
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers as well
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert f"{finished} of 6 claims are judged and kept" in errors
+    assert "Traceback" not in errors
+    assert len(list((folder / ".findings").glob("*.json"))) == finished
+    assert [path.name for path in folder.iterdir()] == [".findings"]
+    pids = pids_of(tmp_path / "log")
+    deadline = time.monotonic() + 5  # a terminated process needs a moment to be gone
+    while pids and time.monotonic() < deadline:
+        pids = {pid for pid in pids if alive(pid)}
+    assert not pids
+
+
+def alive(pid):
+    if Path("/proc/self/stat").exists():
+        stat = Path(f"/proc/{pid}/stat")
+        # A process that nobody has waited for yet is a zombie, not alive.
+        return stat.exists() and ") Z " not in stat.read_text()
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(pid, 0)
+        return True
+    return False
+
+
+@pytest.mark.parametrize("damage", ["half", "empty", "other digits", "other code", "no JSON"])
+def test_a_damaged_or_stale_finding_is_ignored(tmp_path, monkeypatch, capsys, damage):
+    folder = tmp_path / "report"
+    assert main(["check", "fig9", "--out", str(folder)]) == 0
+    judged(tmp_path)
+    path = folder / ".findings" / "fig9-decay.json"
+    text = path.read_text()
+    path.write_text(
+        {
+            "half": text[: len(text) // 2],
+            "empty": "",
+            "other digits": text.replace("0.700 000 000 1", "0.700 000 000 2"),
+            "other code": re.sub(r'("fingerprint": ")..', r"\1xx", text),
+            "no JSON": "[1, 2]",
+        }[damage]
+    )
+    assert main(["check", "fig9", "--out", str(folder), "--resume", "--json"]) == 0
+    assert judged(tmp_path) == ["fig9-decay"]
+    capsys.readouterr()
+    assert main(["check", "fig9", "--out", str(folder), "--resume"]) == 0
+    assert judged(tmp_path) == []
+    assert main(["check", "fig9", "--out", str(folder)]) == 0
+    assert judged(tmp_path) == ["fig9-decay", "fig9-monotone"]
+
+
+def test_the_fingerprint_depends_on_key_code_and_versions(tmp_path):
+    first = Store(tmp_path, "a" * 64, {"python": "3.11"})
+    others = [Store(tmp_path, "b" * 64, {"python": "3.11"}), Store(tmp_path, "a" * 64, {})]
+    prints = {store.fingerprint("k") for store in (first, *others)} | {first.fingerprint("l")}
+    assert len(prints) == 4
+
+
+def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
+    def draw():
+        figure, axes = new_axes("page", xlabel=r"$\hat v$")
+        axes.plot([0, 1], [0, 1], "o-")
+        axes.fill_between([0, 1], [0, 1], alpha=0.3)
+        return picture("pair", "A pair.", figure, {"n": [1, 2, 3], "x": np.array([0.1, 1 / 3])})
+
+    first, second = draw(), draw()
+    assert first == second
+    assert not re.search(r"<dc:date|Matplotlib v", first.svg)
+    assert "<text" in first.svg  # letters stay letters
+    assert first.data == f"n,x\n1,0.1\n2,{1 / 3!r}\n3,\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "message"),
+    [
+        ("../up", {"x": [1.0]}, "choose another"),
+        ("ok", {"x": np.ones((2, 2))}, "2 dimensions"),
+        ("ok", {"x": [1j]}, "real and imaginary"),
+    ],
+)
+def test_unusable_pictures_are_refused(name, data, message):
+    figure, _ = new_axes()
+    with pytest.raises(ValueError, match=message):
+        picture(name, "c", figure, data)
+
+
+def test_claim_records_and_pictures_do_not_import_matplotlib():
+    code = (
+        "import sys, paper_checks.claim, paper_checks.pictures, fronts.commands.check;"
+        "assert not any(name.startswith('matplotlib') for name in sys.modules)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(HERE.parent)}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)

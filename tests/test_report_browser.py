@@ -1,0 +1,216 @@
+"""The page works in a real browser: silent console, pictures and links load, filter, phone."""
+
+import json
+import re
+import shutil
+import subprocess
+from html import unescape
+from pathlib import Path
+
+import pytest
+
+from fronts.cli import main
+from paper_checks import discover
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--enable-logging=stderr",
+    "--virtual-time-budget=3000",
+    "--dump-dom",
+)
+
+# Runs in the page and reports what only a browser knows.
+PROBE = """<script>
+addEventListener("load", () => setTimeout(() => {
+  const all = (selector) => [...document.querySelectorAll(selector)];
+  const here = (id) => document.getElementById(id) !== null;
+  const rows = all("#claims > li");
+  const state = () => ({
+    shown: rows.filter((row) => row.getBoundingClientRect().height > 0).map((row) => row.id),
+    open: rows.filter((row) => row.querySelector("details").open).map((row) => row.id),
+    text: document.getElementById("shown").textContent,
+    chosen: document.getElementById("verdict").selectedIndex,
+    none: !document.getElementById("none").hidden,
+    hash: location.hash,
+  });
+  const report = { first: state(), resources: performance.getEntriesByType("resource").length };
+  report.dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  report.background = getComputedStyle(document.body).backgroundColor;
+  report.card = all(".card").map((card) => getComputedStyle(card).backgroundColor);
+  report.width = innerWidth;
+  const place = document.getElementById("place");
+  const verdict = document.getElementById("verdict");
+  verdict.value = "";
+  place.value = "fig. 9";
+  place.dispatchEvent(new Event("input"));
+  report.place = state();
+  place.value = "nothing of the kind";
+  place.dispatchEvent(new Event("input"));
+  report.nothing = state();
+  place.value = "";
+  place.dispatchEvent(new Event("input"));
+  document.getElementById("unfold").click();
+  report.unfolded = state();
+  report.overflow = document.documentElement.scrollWidth - innerWidth;
+  report.pictures = all("figure svg").map((svg) => {
+    const box = svg.getBoundingClientRect();
+    const names = [...svg.querySelectorAll("use")].map((use) => use.href.baseVal.slice(1));
+    for (const one of svg.querySelectorAll("[clip-path]")) {
+      names.push(one.getAttribute("clip-path").slice(5, -1));
+    }
+    return {
+      width: box.width,
+      height: box.height,
+      label: svg.getAttribute("aria-label"),
+      names: names.length,
+      lost: names.filter((name) => !svg.contains(document.getElementById(name))),
+    };
+  });
+  report.data = all("a[download]").map((link) => atob(link.href.split(",")[1]).split("\\n")[0]);
+  report.dead = all("a[href^='#']:not([href*='='])")
+    .map((link) => link.getAttribute("href").slice(1))
+    .filter((id) => !here(id));
+  report.unnamed = all("select, input").filter((one) => one.labels.length !== 1).length;
+  report.alerted = all("#claims img, #claims script, #claims u").length;
+  const out = document.createElement("pre");
+  out.id = "probe";
+  out.textContent = JSON.stringify(report);
+  document.body.append(out);
+  parent.postMessage(out.textContent, "*");
+}, 50));
+</script></body>"""
+
+# A window cannot be as narrow as a phone, but a frame in it can.
+FRAME = """<!doctype html><body><iframe src="probed.html" width="375" height="800"></iframe>
+<script>addEventListener("message", (event) => {
+  const out = document.createElement("pre");
+  out.id = "probe";
+  out.textContent = event.data;
+  document.body.append(out);
+});</script></body>"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    program = next(filter(None, map(shutil.which, NAMES)), None)
+    if program is None:
+        pytest.skip(f"no browser found: none of {', '.join(NAMES)} is installed")
+    return program
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Write the report on the made-up claims, and a copy of it with the probe."""
+    out = tmp_path_factory.mktemp("report")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parent / "report_example"))
+        patch.setattr(discover, "PACKAGE", "example_claims")
+        assert main(["check", "--out", str(out)]) == 0
+    text = (out / "index.html").read_text(encoding="utf-8")
+    (out / "probed.html").write_text(text.replace("</body>", PROBE), encoding="utf-8")
+    (out / "phone.html").write_text(FRAME, encoding="utf-8")
+    return out
+
+
+def load(browser, page, hash_="", *flags, profile):
+    """Open a page; give its DOM after the scripts have run, and the lines of its console."""
+    done = subprocess.run(
+        [browser, *FLAGS, f"--user-data-dir={profile}", *flags, page.as_uri() + hash_],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if "<html" not in done.stdout:
+        pytest.skip(f"the browser {browser} does not run here (exit code {done.returncode})")
+    return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+
+
+def probe(*args, **kwargs):
+    dom, console = load(*args, **kwargs)
+    assert console == []
+    return json.loads(unescape(re.search(r'<pre id="probe">(.*?)</pre>', dom).group(1)))
+
+
+def test_the_page_itself_is_silent_and_whole(browser, folder, tmp_path):
+    dom, console = load(browser, folder / "index.html", profile=tmp_path)
+    assert console == []
+    assert "6 of 6 shown" in dom
+
+
+def test_an_error_in_the_page_would_be_noticed(browser, folder, tmp_path):
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    broken = tmp_path / "broken.html"
+    broken.write_text(text.replace("</body>", "<img src='x.png'><script>no()</script></body>"))
+    _, console = load(browser, broken, profile=tmp_path / "profile")
+    assert any("no is not defined" in line for line in console)
+    assert any("Content Security Policy" in line for line in console)
+
+
+def test_pictures_data_and_links_load(browser, folder, tmp_path):
+    found = probe(browser, folder / "probed.html", profile=tmp_path)
+    assert len(found["pictures"]) == 2
+    for picture in found["pictures"]:
+        assert picture["width"] > 300
+        assert picture["height"] > 100
+        assert picture["label"]
+        assert picture["names"] > 5
+        assert picture["lost"] == []
+    assert found["data"] == ["t,amplitude", "c,v,simulated"]
+    assert found["dead"] == []
+    assert found["resources"] == 0
+    assert found["unnamed"] == 0
+    assert found["alerted"] == 0
+
+
+@pytest.mark.parametrize(
+    ("address", "expected"),
+    [
+        ("", (6, [])),
+        ("#verdict=not-reproduced", (["claim-fig16-speed"], [])),
+        ("#verdict=reproduced&place=eqs.+1", (["claim-fig16-escape"], [])),
+        ("#place=Section%205", (["claim-fig16-vague"], [])),
+        ("#verdict=nonsense", (6, [])),
+        ("#claim-fig16-speed", (6, ["claim-fig16-speed"])),
+        ("#claim-none-such", (6, [])),
+        ("#%", (6, [])),
+    ],
+)
+def test_the_address_filters_and_opens(browser, folder, tmp_path, address, expected):
+    shown, opened = expected
+    found = probe(browser, folder / "probed.html", address, profile=tmp_path)["first"]
+    assert found["shown"] == shown or len(found["shown"]) == shown
+    assert found["text"] == f"{len(found['shown'])} of 6 shown"
+    assert found["open"] == opened
+    assert found["chosen"] >= 0
+
+
+def test_typing_filters_and_is_kept_in_the_address(browser, folder, tmp_path):
+    found = probe(browser, folder / "probed.html", profile=tmp_path)
+    assert found["place"]["shown"] == ["claim-fig9-decay", "claim-fig9-monotone"]
+    assert found["place"]["hash"] == "#place=fig.+9"
+    assert found["nothing"]["shown"] == []
+    assert found["nothing"]["none"]
+    assert len(found["unfolded"]["open"]) == 6
+
+
+@pytest.mark.parametrize(("scheme", "dark"), [(0, True), (1, False)])
+def test_it_follows_the_colour_scheme_and_pictures_stay_on_white(
+    browser, folder, tmp_path, scheme, dark
+):
+    flag = f"--blink-settings=preferredColorScheme={scheme}"
+    found = probe(browser, folder / "probed.html", "", flag, profile=tmp_path)
+    assert found["dark"] is dark
+    brightness = sum(map(int, re.findall(r"\d+", found["background"])[:3])) / 3
+    assert (brightness < 50) is dark
+    assert found["card"] == ["rgb(255, 255, 255)"] * 2
+
+
+def test_it_fits_a_phone(browser, folder, tmp_path):
+    found = probe(browser, folder / "phone.html", profile=tmp_path)
+    assert found["width"] == 375
+    assert found["overflow"] <= 0

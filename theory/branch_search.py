@@ -1,0 +1,243 @@
+"""Every solution v of |Σ(v, c)| = 2r, for many couplings at once, losing no pair at a fold.
+
+The search works on g(ln v) = |Σ| - 2r with its exact derivative, between bounds outside of which no
+solution can lie. It starts from points spaced by the scales of g (the exponential wiggles in 1/v at
+small v, the resonances at large c), and divides each cell until one of three things holds: twice
+its slopes cannot bring g to zero inside (dropped); g changes sign and is monotone (one solution);
+or the cell is as short as rounding allows (a fold to within rounding).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.dispersion import FloatArray
+from theory.limits import resonant_velocities, static_sum, strong_coupling_sum
+from theory.sum_integral import sums
+
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+_TOLERANCE = 1e-13
+_SHORTEST = 1e-10
+_COARSEST = 0.25
+NEAREST_TO_PINNING = 1e-12
+"""Solutions that need |Σ| nearer than this to its limit at v = 0 are not looked for (v < 0.018)."""
+
+
+@dataclass(frozen=True)
+class Solutions:
+    """Solutions of the kinetic relation, of all scenes in one list, ascending in (scene, v).
+
+    Attributes
+    ----------
+    scene : ndarray of int, shape (n,)
+        Index of the coupling that each belongs to.
+    v, error : ndarray of float, shape (n,)
+        Velocity v̂ and its error bound.
+    slope : ndarray of float, shape (n,)
+        ∂|Σ|/∂v.
+    by_coupling : ndarray of float, shape (n,)
+        ∂|Σ|/∂c.
+    evaluations : int
+        Values of Σ computed, over all scenes.
+    """
+
+    scene: IntArray
+    v: FloatArray
+    error: FloatArray
+    slope: FloatArray
+    by_coupling: FloatArray
+    evaluations: int
+
+
+@dataclass
+class _Relation:
+    """g and its derivative in t = ln v, for scenes with couplings and targets; counts its work."""
+
+    c: FloatArray
+    target: FloatArray
+    evaluations: int = 0
+
+    def __call__(self, scene: IntArray, t: FloatArray) -> tuple[FloatArray, ...]:
+        """Return g, dg/dt, the error of g, and ∂|Σ|/∂c."""
+        self.evaluations += t.size
+        v, c = np.exp(t), self.c[scene]
+        found = sums(v, c, _TOLERANCE, slopes=True)
+        assert found.by_v is not None
+        assert found.by_c is not None
+        size = np.abs(found.value)
+        direction = np.conj(found.value) / np.where(size > 0, size, 1.0)
+        by_t = v * np.real(direction * found.by_v)
+        return size - self.target[scene], by_t, found.error, np.real(direction * found.by_c)
+
+
+def all_velocities(c: FloatArray, target: FloatArray, refine: float = 1.0) -> Solutions:
+    """Return every v > 0 with |Σ(v, c)| = target, for each pair of c and target.
+
+    Parameters
+    ----------
+    c, target : ndarray of float, shape (n,)
+        Couplings, and right sides 2r of (54).
+    refine : float
+        Divides the spacing of the first points; 1 is enough, tests try 4.
+    """
+    relation = _Relation(c, target)
+    starts = [_first_points(float(c_), float(g_), refine) for c_, g_ in zip(c, target, strict=True)]
+    scene = np.concatenate([np.full(s.size, i) for i, s in enumerate(starts)])
+    t = np.concatenate(starts)
+    left = np.flatnonzero(scene[1:] == scene[:-1])
+    g, d, e, _ = relation(scene, t)
+    ends = np.stack([t, g, d, e])
+    cells = np.concatenate([ends[:, left], ends[:, left + 1]])
+    owner, brackets = _brackets(relation, scene[left], cells)
+    return _polish(relation, owner, brackets)
+
+
+def _first_points(c: float, target: float, refine: float) -> FloatArray:
+    """Return ascending t = ln v between the bounds, spaced by the scales of g."""
+    low = _lowest_velocity(c, target)
+    # |Σ| ≤ 2c(1 + 2c)/v: |¼ - A²| ≤ c(1 - cos k)(1 + 2c) and |A² + v²k²| ≥ ¼ on the real line.
+    high = max(2.0 * c * (1.0 + 2.0 * c) / target, 2.0 * low)
+    wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
+    spacing = _COARSEST / refine
+    turn = min(max(spacing / wiggle, low), high)
+    logarithmic = np.linspace(
+        math.log(turn), math.log(high), 2 + math.ceil(math.log(high / turn) / spacing)
+    )
+    even = np.linspace(1.0 / low, 1.0 / turn, 2 + math.ceil((1.0 / low - 1.0 / turn) / wiggle))
+    fine = -np.log(even)
+    if c > 100.0:  # wiggles of height about v/c^{3/2} matter only where the smooth part is near 2r
+        v = 1.0 / even
+        smooth = np.abs(np.abs(strong_coupling_sum(v / math.sqrt(c))) - target)
+        fine = fine[smooth < 8.0 * v / c**1.5 + 4.0 / math.sqrt(c)]
+        coarse = np.linspace(math.log(low), math.log(turn), 2 + math.ceil(math.log(turn / low) / spacing))
+        fine = np.concatenate([coarse, fine])
+    points = [fine, logarithmic]
+    if c > 1.0:
+        velocities, widths = resonant_velocities(c, min(12, 2 + int(c / (math.pi * low))))
+        centre, width = np.array(velocities), np.array(widths) / refine
+        near = np.concatenate([centre, centre - width, centre + width])
+        points.append(np.log(near[(near > low) & (near < high)]))
+    return np.unique(np.concatenate(points))
+
+
+def _lowest_velocity(c: float, target: float) -> float:
+    """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
+    gap = max(abs(abs(static_sum(c)) - target), NEAREST_TO_PINNING)
+    # The bound theory.limits.static_sum_distance equal to the gap, solved for e^{-1/2v}.
+    e = 2.0 * gap / (2.0 + 2.0 * gap + math.sqrt((2.0 + 2.0 * gap) ** 2 + 4.0 * gap * (2.0 - gap)))
+    low = 0.5 / math.log(1.0 / e)
+    if c <= 3.0:
+        return low
+    high = math.sqrt(c)
+    if _distance_on_contour(low, c) > 0.5 * gap:
+        return low
+    for _ in range(12):  # a sharper bound for large c, where the plain one costs many points
+        middle = math.sqrt(low * high)
+        if _distance_on_contour(middle, c) > 0.5 * gap:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+_SIGMA = np.arange(-30.0, 30.0, 0.25)
+_SQUARE = 1j * np.exp(2.0 * _SIGMA)
+_X = _SQUARE / (1.0 + _SQUARE)
+_LENGTH = 0.25 / np.abs(np.cosh(_SIGMA + 0.25j * np.pi)) / np.pi
+
+
+def _distance_on_contour(v: float, c: float) -> float:
+    """Return the bound of ``static_sum_distance`` taken pointwise on the graded contour."""
+    A = 0.5 - 2j * c * _X
+    e = np.exp(-A.real / v)
+    return float(np.sum(_LENGTH * e * (np.abs(1.0 - 2.0 * _X) + e) / (np.abs(A) * (1.0 - e) ** 2)))
+
+
+def _brackets(
+    relation: _Relation, owner: IntArray, cells: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Divide cells (rows t, g, dg/dt, error at both ends) until each holds one solution or none."""
+    done_owner, done_cells = [], []
+    while owner.size:
+        ta, ga, da, ea, tb, gb, db, eb = cells
+        width = tb - ta
+        # Where |Σ| is lost in rounding a sign means nothing.
+        differ = (ga > 0) != (gb > 0)
+        steepest = np.maximum(np.abs(da), np.abs(db))
+        flattest = np.minimum(np.abs(da), np.abs(db))
+        safe = ~differ & (np.minimum(np.abs(ga), np.abs(gb)) > width * steepest)
+        monotone = differ & (np.sign(da) == np.sign(db)) & (np.abs(da - db) < 0.5 * flattest)
+        monotone &= np.sign(da) == np.sign(gb - ga)
+        short = width < _SHORTEST
+        found = monotone | (short & differ)
+        # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
+        touched = short & ~differ & (np.minimum(np.abs(ga) - ea, np.abs(gb) - eb) <= 0)
+        done_owner += [owner[found], owner[touched][:1]]
+        done_cells += [cells[:, found], cells[:, touched][:, :1]]
+        rest = ~(safe | found | short)
+        owner, cells = owner[rest], cells[:, rest]
+        if owner.size:
+            middle_t = 0.5 * (cells[0] + cells[4])
+            g, d, e, _ = relation(owner, middle_t)
+            middle = np.stack([middle_t, g, d, e])
+            cells = np.concatenate(
+                [np.concatenate([cells[:4], middle]), np.concatenate([middle, cells[4:]])], axis=1
+            )
+            owner = np.concatenate([owner, owner])
+    return np.concatenate(done_owner), np.concatenate(done_cells, axis=1)
+
+
+def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
+    """Refine each bracket by Newton kept inside it, then bound the error by a change of sign."""
+    order = np.lexsort((cells[0], owner))
+    owner, cells = owner[order], cells[:, order]
+    ta, ga, _, _, tb, gb, _, _ = (row.copy() for row in cells)
+    t = np.where(ga == gb, ta, ta - ga * (tb - ta) / np.where(ga == gb, 1.0, gb - ga))
+    slope, error, by_c = np.ones(t.size), np.zeros(t.size), np.zeros(t.size)
+    value = np.zeros(t.size)
+    for _ in range(30):
+        value, slope, error, by_c = relation(owner, t)
+        left = (value > 0) == (ga > 0)
+        ta, tb = np.where(left, t, ta), np.where(left, tb, t)
+        step = value / np.where(slope == 0, 1.0, slope)
+        newton = t - step
+        inside = (newton >= ta) & (newton <= tb) & (slope != 0)
+        new = np.where(inside, newton, 0.5 * (ta + tb))
+        settled = np.abs(new - t) <= 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / np.abs(
+            np.where(slope == 0, 1.0, slope)
+        )
+        if np.all(settled):
+            break
+        t = np.where(settled, t, new)
+    spread = _confirmed_spread(relation, owner, t, value, slope, error)
+    v = np.exp(t)
+    return Solutions(owner, v, v * spread, slope / v, by_c, relation.evaluations)
+
+
+def _confirmed_spread(
+    relation: _Relation,
+    owner: IntArray,
+    t: FloatArray,
+    value: FloatArray,
+    slope: FloatArray,
+    error: FloatArray,
+) -> FloatArray:
+    """Return δ such that g at t - δ and t + δ has opposite signs beyond its own error."""
+    floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
+    spread = floor + 2.5 * (np.abs(value) + error) / np.where(slope == 0, 1e-300, np.abs(slope))
+    spread = np.minimum(spread, 1e-3)
+    for _ in range(12):
+        below, _, e_below, _ = relation(owner, t - spread)
+        above, _, e_above, _ = relation(owner, t + spread)
+        sure = (np.abs(below) > e_below) & (np.abs(above) > e_above)
+        sure &= (below > 0) != (above > 0)
+        if np.all(sure):
+            break
+        spread = np.where(sure, spread, 2.0 * spread)
+    return spread

@@ -1,0 +1,43 @@
+"""Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of the kinetic relation (53): what a method returns.
+
+Four methods that share no code give it:
+
+* ``theory.sum_integral``: the periodised integral by the trapezoidal rule, the fast one;
+* ``theory.sum_series``: the printed series over the roots, its tail summed, at any precision;
+* ``theory.sum_bessel``: a series of Bessel-function integrals, from the direct solution in time;
+* ``theory.sum_quadrature``: adaptive quadrature on the real line, the plain baseline.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class KineticSum:
+    """One value of Σ(v, c).
+
+    Attributes
+    ----------
+    value : complex or mpmath.mpc
+        Σ, dimensionless.
+    error : float
+        Bound on |value - Σ|.
+    terms : int
+        Roots summed, or points at which an integrand was evaluated.
+    method : str
+        How it was computed.
+    seconds : float
+        Wall time.
+    """
+
+    value: Any
+    error: float
+    terms: int
+    method: str
+    seconds: float
+
+
+class PrecisionError(ArithmeticError):
+    """A tolerance that a method cannot reach at these parameters; says what to use instead."""

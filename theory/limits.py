@@ -1,0 +1,182 @@
+"""Closed limits of the kinetic relation (54): pinning as v → 0, √c growth as c → ∞, and η → 0."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError, positive
+from theory.unit_cell import eta_from_ratio, threshold_ratio
+
+ETA_PIN_END = 2.0 / 25.0
+"""r = ½. From here on static fronts exist at every coupling, and no c_pin."""
+
+
+def static_sum(c: float) -> complex:
+    """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v.
+
+    As v → 0, sinh a/(cosh a - cos k) → 1 in the periodised integral, which leaves the mean of
+    1/(1 - 4ic sin²(k/2)).
+
+    Examples
+    --------
+    >>> abs(static_sum(1e-8)) < 1e-7
+    True
+    """
+    return -1.0 + 1.0 / cmath.sqrt(1.0 - 4j * c)
+
+
+def static_sum_distance(v: float, c: float) -> float:
+    """Return a bound on |Σ(v, c) - Σ(0⁺, c)|, from e^{-1/2v}; exponentially flat in 1/v.
+
+    |1/(2A)| ≤ 1 and |sinh a/(cosh a - cos k) - 1| ≤ 2e(1 + e)/(1 - e)², e = e^{-1/2v} ≥ |e^{-a}|.
+    """
+    e = math.exp(-0.5 / v)
+    return 2.0 * e * (1.0 + e) / math.expm1(-0.5 / v) ** 2
+
+
+def pinning_coupling(eta: float) -> float | None:
+    """Return c_pin(η): static fronts exist up to there; None if they exist at every coupling.
+
+    |Σ(0⁺, c)| = 2r. With √(1 - 4ic) = cosh θ - i sinh θ and p = cosh θ, 4c = sinh 2θ, this is
+    (1 - 4r²)p² - p + 2r² = 0, whose root above 1 gives c = ½ p √(p² - 1).
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², dimensionless, 0 < η ≤ 1/8.
+
+    Returns
+    -------
+    float or None
+        c_pin, dimensionless; None for η ≥ 2/25 (r ≥ ½).
+
+    Examples
+    --------
+    >>> c = pinning_coupling(0.03125)
+    >>> abs(abs(static_sum(c)) - 2 * threshold_ratio(0.03125)) < 1e-14
+    True
+    >>> pinning_coupling(0.08) is None
+    True
+    """
+    r2 = threshold_ratio(eta) ** 2
+    if eta >= ETA_PIN_END or 4.0 * r2 >= 1.0:
+        return None
+    gap = 1.0 - 4.0 * r2
+    # p - 1 written so that neither small r nor r near ½ cancels.
+    root = math.sqrt(1.0 - 8.0 * r2 * gap)
+    excess = (8.0 * r2 - 8.0 * r2 * gap / (1.0 + root)) / (2.0 * gap)
+    return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
+
+
+def pinning_eta(c: float) -> float:
+    """Return η_pin(c), the inverse of :func:`pinning_coupling`: static fronts exist above it.
+
+    Examples
+    --------
+    >>> abs(pinning_eta(pinning_coupling(0.05)) - 0.05) < 1e-15
+    True
+    """
+    return eta_from_ratio(0.5 * abs(static_sum(positive("coupling c", c))))
+
+
+def strong_coupling_sum(x: npt.ArrayLike) -> npt.NDArray[np.complex128]:
+    """Return lim Σ(x√c, c) as c → ∞: 1/(q(iq - x)) with q = √(i - x²), Re q > 0.
+
+    With k = κ/√c, (50) becomes -iκ²/2 - ixκ + ½ = 0; above the axis κ = -x + iq.
+    """
+    x_ = np.asarray(x, dtype=complex)
+    q = np.sqrt(1j - x_ * x_)
+    result: npt.NDArray[np.complex128] = 1.0 / (q * (1j * q - x_))
+    return result
+
+
+def strong_coupling_velocity(eta: float) -> float | None:
+    """Return V(η) with v ≈ V √c as c → ∞: |q (x - iq)| = 1/(2r), q = √(i - x²), at x = V.
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², 0 < η ≤ 1/8.
+
+    Returns
+    -------
+    float or None
+        V, dimensionless; None for η ≥ 2/25, where no front travels as c → ∞.
+
+    Examples
+    --------
+    >>> V = strong_coupling_velocity(0.03125)
+    >>> abs(abs(strong_coupling_sum(V)) - 2 * threshold_ratio(0.03125)) < 1e-13
+    True
+    """
+    target = 2.0 * threshold_ratio(eta)
+    if eta >= ETA_PIN_END or target >= 1.0:
+        return None
+    low, high = 0.0, 1.0
+    while abs(strong_coupling_sum(high)) > target:
+        high *= 2.0
+    while high - low > 4.0 * np.finfo(float).eps * high:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        if abs(strong_coupling_sum(middle)) > target:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def weak_threshold_velocity(c: float, eta: float) -> float:
+    """Return v ≈ √(c/(8r)), the limit η → 0 at fixed c.
+
+    As v → ∞, A² ≈ ¼ - ick²/2 under the real-line integral gives Σ ≈ ic/(4v²). The limits do not
+    commute: for c → ∞ first, V(η) ≈ 1/(2√r), which is √2 times larger.
+
+    Examples
+    --------
+    >>> round(weak_threshold_velocity(0.5, 1e-10), 3)
+    66.474
+    """
+    return math.sqrt(positive("coupling c", c) / (8.0 * threshold_ratio(eta)))
+
+
+def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
+    """Return the velocities at which the front runs with a linear wave, and their widths.
+
+    v = c max_k (1 - cos k)/(k + 2πj), j = 0, 1, …: there two roots of opposite half-planes nearly
+    meet and |Σ| has a peak of half-width about 1/(2(k + 2πj)), narrow when c is large.
+
+    Returns
+    -------
+    velocities, widths : list of float
+        Descending in velocity; at most ``most`` of them.
+    """
+    velocities, widths = [], []
+    for j in range(most):
+        offset = 2.0 * math.pi * j
+        low, high = 2.0, math.pi  # (k + offset) sin k = 1 - cos k at the maximum
+        for _ in range(60):
+            k = 0.5 * (low + high)
+            if (k + offset) * math.sin(k) > 1.0 - math.cos(k):
+                low = k
+            else:
+                high = k
+        velocities.append(c * math.sin(k))
+        widths.append(0.5 / (k + offset))
+    return velocities, widths
+
+
+def check_bistable_eta(eta: float) -> None:
+    """Refuse η where the cell has no two cycles.
+
+    Raises
+    ------
+    ParameterError
+        If η is not in (0, 1/8).
+    """
+    if not 0.0 < eta < 0.125:
+        raise ParameterError("eta = b/a^2", eta, "between 0 and 1/8", "choose 8 b < a^2")

@@ -1,0 +1,130 @@
+"""How many roots of (50) a box holds, by the argument principle; knows nothing of labels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from theory.dispersion import ComplexArray, dispersion
+from theory.parameters import ParameterError
+from theory.roots import IntArray, checked_velocity_and_coupling, strip_bounds
+
+_EPS = float(np.finfo(float).eps)
+_DEEPEST = 80
+
+
+def height_above_roots(v: float, c: float, extent: float) -> float:
+    """Return Y such that every root with |Re k| ≤ ``extent`` has |Im k| < Y.
+
+    |c (1 - cos k)| ≥ c (sinh|y| - 1) outgrows |½ - i v k| ≤ ½ + v (extent + |y|) from there on.
+    """
+    height = max(1.0, math.asinh(2.0 * v / c))  # there c cosh y > v: the difference only grows
+    while c * (math.sinh(height) - 1.0) <= 0.5 + v * (extent + height):
+        height += 0.5
+    return height
+
+
+def count_in_box(
+    v: float, c: float, x_low: float, x_high: float, y_low: float, y_high: float
+) -> int:
+    """Return the number of roots in the open box, by the winding of L along its edge.
+
+    Each edge is divided until |L| at the middle of a piece exceeds the most that L can change
+    on half of it, |L_k| ≤ v + c cosh(Im k), rounding included. L then stays in a half-plane on
+    the piece and its change of argument there is exact; no sampling density is assumed.
+
+    Parameters
+    ----------
+    v, c : float
+        Front velocity v̂ and coupling, dimensionless.
+    x_low, x_high, y_low, y_high : float
+        The box in the plane of k.
+
+    Raises
+    ------
+    ParameterError
+        If a root lies so near the edge that double precision cannot tell on which side, or the
+        box is empty or so tall that cosh(Im k) overflows.
+
+    Examples
+    --------
+    >>> count_in_box(0.3, 0.5, -np.pi, np.pi, -10.0, 10.0)
+    2
+    """
+    v, c = checked_velocity_and_coupling(v, c)
+    if not (x_low < x_high and y_low < y_high and max(abs(y_low), abs(y_high)) < 600):
+        raise ParameterError(
+            "box of k",
+            (x_low, x_high, y_low, y_high),
+            "of positive size with |Im k| < 600",
+            "order its ends",
+        )
+    corners = box_corners(x_low, x_high, y_low, y_high)
+    turn = sum(_turning(v, c, a, b) for a, b in zip(corners, corners[1:], strict=False))
+    return round(turn / (2.0 * math.pi))
+
+
+def box_corners(x_low: float, x_high: float, y_low: float, y_high: float) -> list[complex]:
+    """Return the corners of a box, anticlockwise, the first one again at the end."""
+    return [
+        complex(x_low, y_low),
+        complex(x_high, y_low),
+        complex(x_high, y_high),
+        complex(x_low, y_high),
+        complex(x_low, y_low),
+    ]
+
+
+def box_of_strips(
+    v: float, c: float, labels: IntArray, upper: bool
+) -> tuple[float, float, float, float]:
+    """Return a box that holds every root of the consecutive strips ``labels``, and no other."""
+    low, high = strip_bounds(labels, upper)
+    x_low, x_high = float(low.min()), float(high.max())
+    height = height_above_roots(v, c, max(abs(x_low), abs(x_high)))
+    return (x_low, x_high, 0.0, height) if upper else (x_low, x_high, -height, 0.0)
+
+
+def count_in_strips(v: float, c: float, labels: IntArray, upper: bool) -> int:
+    """Return the number of roots in the consecutive strips ``labels`` of one half-plane."""
+    return count_in_box(v, c, *box_of_strips(v, c, labels, upper))
+
+
+def edge_pieces(v: float, c: float, start: complex, end: complex) -> tuple[ComplexArray, ComplexArray]:
+    """Return the ends of pieces of the edge on each of which L stays in a half-plane.
+
+    Raises
+    ------
+    ParameterError
+        If a root lies on the edge to within rounding.
+    """
+    pieces = max(4, math.ceil(abs(end - start)))
+    a: ComplexArray = start + (end - start) * np.arange(pieces) / pieces
+    b: ComplexArray = start + (end - start) * np.arange(1, pieces + 1) / pieces
+    sure_a, sure_b = [], []
+    for _ in range(_DEEPEST):
+        middle = 0.5 * (a + b)
+        value = np.abs(dispersion(middle, v, c))
+        square = np.abs(np.sin(0.5 * middle)) ** 2
+        value -= 8.0 * _EPS * (0.5 + 2.0 * c * square + v * np.abs(middle))
+        steepest = v + c * np.cosh(np.maximum(np.abs(a.imag), np.abs(b.imag)))
+        sure = value > 0.5 * np.abs(b - a) * steepest
+        sure_a.append(a[sure])
+        sure_b.append(b[sure])
+        a, middle, b = a[~sure], middle[~sure], b[~sure]
+        if a.size == 0:
+            return np.concatenate(sure_a), np.concatenate(sure_b)
+        a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
+    raise ParameterError(
+        "box of k",
+        f"an edge through {complex(a[0]):.6g}",
+        "away from every root by more than rounding",
+        "move the edge",
+    )
+
+
+def _turning(v: float, c: float, start: complex, end: complex) -> float:
+    """Return the change of arg L along the straight edge from ``start`` to ``end``."""
+    a, b = edge_pieces(v, c, start, end)
+    return float(np.sum(np.angle(dispersion(b, v, c) / dispersion(a, v, c))))

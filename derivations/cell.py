@@ -163,7 +163,10 @@ class _Numbers:
         rng: random.Random = random.Random(5)
         kept: list[dict[Any, Any]] = []
         names = self.envelope.symbols
-        amplitudes = [sp.lambdify(names, q.amplitude, "cmath") for q in self.envelope.cycles]
+        amplitudes = [
+            sp.lambdify(names, q.amplitude.evalf() if q.amplitude.is_number else q.amplitude, "cmath")
+            for q in self.envelope.cycles
+        ]
         for _ in range(4000):
             given = self.given(rng)
             listed = [complex(amplitude(*given.values())) for amplitude in amplitudes]

@@ -25,6 +25,9 @@ class Evidence:
     holds: bool
     statement: str
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "holds", bool(self.holds))  # numpy has a truth of its own
+
 
 Check = Callable[[sp.Basic], Evidence]
 """Judges an equation by means that share no code with its derivation."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 from typing import Any
 
 import sympy as sp
@@ -46,7 +48,9 @@ def equation_latex(equation: sp.Basic) -> str:
 
 def equation_mathml(equation: sp.Basic) -> str:
     """Presentation MathML, one ``math`` element."""
-    rows = [sp.mathml(part, printer="presentation") for part in parts_of(equation)]
+    rows = [_ENTITY.sub(_plain, sp.mathml(part, printer="presentation"))
+            for part in parts_of(equation)]  # fmt: skip
+    rows = [row.replace("<mo><</mo>", "<mo>&lt;</mo>") for row in rows]  # left bare by SymPy
     body = rows[0]
     if len(rows) > 1:
         cells = "".join(f"<mtr><mtd>{row}</mtd></mtr>" for row in rows)
@@ -160,6 +164,15 @@ def _lines(total: sp.Expr, prefix: str) -> str:
             pieces.append((" \\\\\n" if place else "") + "& ")
         pieces.append(printed + " ")
     return prefix + "".join(pieces).rstrip()
+
+
+_ENTITY = re.compile(r"&([A-Za-z]+);")
+"""SymPy writes names such as InvisibleTimes, which XML does not know."""
+
+
+def _plain(match: re.Match[str]) -> str:
+    known = ("lt", "gt", "amp", "quot", "apos")
+    return match[0] if match[1] in known else html.unescape(match[0])
 
 
 def _one_text(part: sp.Basic) -> str:

@@ -7,20 +7,27 @@ import sys
 import sympy as sp
 
 from derivations import averaging_evidence as seen
+from derivations.averaging_symbols import (
+    OFFSETS,
+    A_n,
+    h,
+    phi,
+    phi_rate,
+    psi,
+    psi_rate,
+    r,
+    r0,
+    r0_rate,
+    r1,
+    r_rate,
+    s,
+    y,
+    y_rate,
+    y_second,
+)
 from derivations.derivation import Derivation, Step, equation
 from derivations.harmonics import HarmonicRing, Harmonics
 from derivations.symbols import a, alpha_0, b, c, epsilon, i, k_1, k_2, n, omega, t
-
-OFFSETS = (-1, 0, 1)
-psi = {o: sp.Symbol(rf"\Psi_{{n{o:+d}}}" if o else r"\Psi_n") for o in OFFSETS}
-phi = {o: sp.Symbol(rf"\varphi_{{n{o:+d}}}" if o else r"\varphi_n") for o in OFFSETS}
-psi_rate, phi_rate = sp.Symbol(r"\dot{\Psi}_n"), sp.Symbol(r"\dot{\varphi}_n")
-y, y_rate, y_second = sp.symbols(r"y_n \dot{y}_n \ddot{y}_n", real=True)
-r = {o: sp.Symbol(f"r_{{n{o:+d}}}" if o else "r_n", real=True) for o in OFFSETS}
-r_rate, r0_rate, r0, r1 = sp.symbols("r_n' r_0' r_0 r_1", real=True)
-s = sp.symbols("s_n s_m s_p", real=True)
-h = sp.symbols("h_n h_m h_p", real=True)
-A_n = sp.Symbol("A_n", positive=True)
 
 
 def derive(order: int = 1) -> Derivation:
@@ -35,12 +42,12 @@ def derive(order: int = 1) -> Derivation:
 
 
 def displacement(value: sp.Expr) -> sp.Expr:
-    """y from Psi (Eq. 31)."""
+    """Y from Psi (Eq. 31)."""
     return -i * (value - sp.conjugate(value)) / (2 * omega)
 
 
 def complex_form() -> sp.Expr:
-    """The left side of Eq. (32)."""
+    """Return the left side of Eq. (32)."""
     own = psi[0]
     velocity = (own + sp.conjugate(own)) / 2
     wave = (own - sp.conjugate(own)) / (2 * omega)
@@ -52,7 +59,7 @@ def complex_form() -> sp.Expr:
 
 
 def rotating_form() -> sp.Expr:
-    """The left side of Eq. (33): (32) at ``Psi = phi e^{i omega t}``, divided by that phase."""
+    """Return the left of (33): (32) at ``Psi = phi e^{i omega t}``, divided by that phase."""
     turn = sp.exp(i * omega * t)
     bar = sp.conjugate(phi[0])
     mixed = {o: phi[o] - sp.conjugate(phi[o]) / turn**2 for o in OFFSETS}
@@ -67,7 +74,7 @@ def rotating_form() -> sp.Expr:
 
 
 def averaged_form() -> sp.Expr:
-    """The left side of Eq. (34): the mean of (33) over the fast period, by the algebra."""
+    """Return the left side of Eq. (34): the mean of (33) over the fast period, by the algebra."""
     inverse = sp.Symbol("w", positive=True)  # 1/omega
     ring = HarmonicRing(tuple(phi[o] for o in OFFSETS), (a, b, c, epsilon, omega, inverse))
     turned = {o: Harmonics(ring, {1: ring.amplitude(o)}) for o in OFFSETS}

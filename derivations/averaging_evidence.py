@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import root
 
-from derivations import averaging as under_test
+from derivations import averaging_symbols as under_test
 from derivations.evidence import Point, equals, fast_average, vanishes_at
 from derivations.symbols import a, alpha_0, b, c, epsilon, k_1, k_2, n, omega, t
 
@@ -52,7 +52,7 @@ def _rotating_residual(values: list[complex], rate: complex, p: dict[str, float]
 
 
 def direct_average(values: list[complex], rate: complex, p: dict[str, float]) -> complex:
-    """The mean of (33) over a period 2 pi / omega, by direct sampling."""
+    """Return the mean of (33) over a period 2 pi / omega, by direct sampling."""
     at = _rotating_residual(values, rate, p)
     return fast_average(lambda s: at(s / p["w"]))
 
@@ -106,7 +106,7 @@ def _decaying_point(rng: random.Random) -> tuple[Point, list[complex]]:
 
 
 def damping_mean(size: float, p: dict[str, float]) -> float:
-    """The damping part of the average at |phi|^2 = size, omega = 1, a unit of eps."""
+    """Return the damping part of the average at |phi|^2 = size, omega = 1, a unit of eps."""
     unit = {**p, "w": 1.0, "e": 1.0, "c": 0.0}
     return (direct_average([cmath.sqrt(size), 0, 0], 0, unit) / cmath.sqrt(size)).real
 
@@ -187,7 +187,7 @@ def _staggered(rng: random.Random, centre: bool) -> tuple[Point, list[complex]]:
 
 
 def _tail_point(rng: random.Random) -> Point:
-    """The ratio of neighbours far out on a steady breather, found by Newton's method."""
+    """Return the ratio of neighbours far out on a steady breather, found by Newton's method."""
     spring, linear, quintic, size = rng.uniform(0.08, 0.16), 2.5, 0.5, 16
 
     def drag(amplitude: float) -> float:

@@ -45,11 +45,13 @@ def at_every_site(candidate: sp.Basic) -> Evidence:
             means = [damping_mean((size * math.exp(growth * site)) ** 2, p) for site in (1, 2, 3)]
             if max(means) - min(means) < 1e-6:
                 return Evidence(True, "three sites balance at once")
-    return Evidence(False, "sites 1, 2 and 3 never share their mean damping: twelve sequences tried")
+    return Evidence(
+        False, "sites 1, 2 and 3 never share their mean damping: twelve sequences tried"
+    )
 
 
 def of_the_site(decay: sp.Tuple) -> tuple[Reading, ...]:
-    """The readings of (37): together with (29) at n = 0, n = 1, and far out."""
+    """Return the readings of (37): together with (29) at n = 0, n = 1, and far out."""
     far = sp.Tuple(*(part.subs({sp.exp(2 * k_1 * n): 0, sp.exp(4 * k_1 * n): 0}) for part in decay))
     return (
         Reading("n = 0, the centre", decay.subs(n, 0), False,

@@ -56,7 +56,9 @@ def numeric(
     return total
 
 
-def breather(modulation: Modulation, given: Mapping[str, float], sites: int = 9) -> BreatherCorrection:
+def breather(
+    modulation: Modulation, given: Mapping[str, float], sites: int = 9
+) -> BreatherCorrection:
     """Second-order correction of the breather of nucleus one.
 
     Parameters
@@ -111,8 +113,10 @@ def breather(modulation: Modulation, given: Mapping[str, float], sites: int = 9)
     return BreatherCorrection(r, real_part, found[:sites] / r, float(found[sites]))
 
 
-def _fundamental_shift(modulation: Modulation, given: Mapping[str, float], r: Any, phases: Any) -> Any:
-    """What the oscillating part of phi adds to the fundamental of y, per eps, in units of r."""
+def _fundamental_shift(
+    modulation: Modulation, given: Mapping[str, float], r: Any, phases: Any
+) -> Any:
+    """Return what the oscillating part of phi adds to the fundamental of y, per eps, like r."""
     ring = modulation.ring
     shift = -ring.conjugate(modulation.correction.coefficient(-2))
     wave = r * phases
@@ -126,4 +130,3 @@ def _jacobian(function: Any, at: Any, step: float = 1e-6) -> Any:
     columns = [(function(at + step * row) - function(at - step * row)) / (2 * step)
                for row in np.eye(len(at))]  # fmt: skip
     return np.array(columns).T
-

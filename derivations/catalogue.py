@@ -62,7 +62,7 @@ def load(name: str, order: int = 1) -> Derivation:
 
 
 def owner(number: int) -> str:
-    """The derivation that contains an equation number.
+    """Return the derivation that contains an equation number.
 
     Raises
     ------

@@ -118,7 +118,7 @@ class Derivation:
         return tuple(found)
 
     def numbered(self, number: int) -> Step:
-        """The step that carries an equation number of the paper.
+        """Return the step that carries an equation number of the paper.
 
         Raises
         ------
@@ -134,7 +134,7 @@ class Derivation:
         )
 
     def only(self, number: int) -> Derivation:
-        """The same derivation with the single step that carries ``number``."""
+        """Return the same derivation with the single step that carries ``number``."""
         return replace(self, steps=(self.numbered(number),))
 
     def _repr_markdown_(self) -> str:

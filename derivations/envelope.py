@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import sympy as sp
 
 from derivations.derivation import equation
 from derivations.envelope_input import Coefficients, coefficients, number, values_of
+from derivations.envelope_results import Compiled, KineticRelation, LimitCycle
 from derivations.errors import DerivationInputError
 from derivations.front_symbols import M_plus, SumOver, k
 from derivations.harmonics import site_symbol
@@ -21,72 +21,6 @@ r, square = sp.symbols("r s", positive=True)
 r_rate = sp.Symbol("r'", real=True)
 PHI = {offset: site_symbol(r"\varphi", offset) for offset in (-1, 0, 1)}
 phi_rate = sp.Symbol(r"\varphi_{n}'")
-
-
-@dataclass(frozen=True)
-class LimitCycle:
-    """A cycle of the averaged cell.
-
-    Attributes
-    ----------
-    amplitude : Expr
-        Amplitude of y (dimensionless).
-    exponent : Expr
-        Growth rate of a small change of the amplitude, a unit of ``eps t``.
-    stability : str or None
-        ``stable``, ``unstable`` or ``half-stable``; None where it hangs on symbols.
-    multiplicity : int
-        Of the root; above 1 the cycle sits on a fold.
-    """
-
-    amplitude: sp.Expr
-    exponent: sp.Expr
-    stability: str | None
-    multiplicity: int = 1
-
-
-@dataclass(frozen=True)
-class Compiled:
-    """Numeric functions of an envelope; arrays are allowed, shapes broadcast.
-
-    Attributes
-    ----------
-    rate : callable
-        ``rate(phi, left, right)``: complex dphi_n/d(eps t).
-    amplitude_rate : callable
-        ``amplitude_rate(r)``: dr/d(eps t) of the isolated cell.
-    frequency_shift : callable
-        ``frequency_shift(r)``: the frequency is 1 + eps times this.
-    amplitudes : tuple of float
-        All cycles, inner to outer.
-    """
-
-    rate: Callable[..., Any]
-    amplitude_rate: Callable[..., Any]
-    frequency_shift: Callable[..., Any]
-    amplitudes: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class KineticRelation:
-    """``|Sum over M+ of 1/(k L_k)| = 2 ratio`` for velocity and coupling over ``rest_rate``.
-
-    Attributes
-    ----------
-    ratio : Expr
-        |phi_us| / |phi_s|.
-    rest_rate : Expr
-        h(0): the sum is taken at ``v/h(0)``, ``c/h(0)``, for the rest state decays at h(0)/2.
-    equation : Eq
-        The relation.
-    neglected : str
-        What the simplified model leaves out for this cell; empty if nothing more than in print.
-    """
-
-    ratio: sp.Expr
-    rest_rate: sp.Expr
-    equation: sp.Eq
-    neglected: str
 
 
 @dataclass(frozen=True)
@@ -140,7 +74,9 @@ class Envelope:
         for place, (root, times) in enumerate(roots):
             low = roots[place - 1][0] if place else sp.Integer(0)
             high = roots[place + 1][0] if place + 1 < len(roots) else 2 * root + 1
-            before, after = (_sign_between(polynomial, *ends) for ends in ((low, root), (root, high)))
+            before, after = (
+                _sign_between(polynomial, *ends) for ends in ((low, root), (root, high))
+            )
             kind = {(-1, 1): "stable", (1, -1): "unstable"}.get((before, after), "half-stable")
             found.append(LimitCycle(sp.sqrt(root), self._exponent(root), kind, times))
         return tuple(found)
@@ -204,7 +140,7 @@ class Envelope:
         )  # fmt: skip
 
     def kinetic_relation(self) -> KineticRelation:
-        """The kinetic relation (54) of the simplified model of this cell.
+        """Return the kinetic relation (54) of the simplified model of this cell.
 
         Raises
         ------
@@ -231,8 +167,12 @@ class Envelope:
         numeric = self.with_values(given)
         left = sorted(symbol.name for symbol in numeric.symbols)
         if left:
-            raise DerivationInputError("values", ", ".join(given) or "none",
-                                       f"complete ({', '.join(left)} missing)", "give them all")  # fmt: skip
+            raise DerivationInputError(
+                "values",
+                ", ".join(given) or "none",
+                f"complete ({', '.join(left)} missing)",
+                "give them all",
+            )
         right = numeric.equation.rhs
         rate = sp.lambdify((PHI[0], PHI[-1], PHI[1]), right, "numpy", cse=True)
         own = sp.lambdify(r, numeric.amplitude_equation.rhs, "numpy", cse=True)
@@ -240,7 +180,7 @@ class Envelope:
         return Compiled(rate, own, shift, tuple(float(q.amplitude) for q in numeric.cycles))
 
     def with_values(self, given: Mapping[str, float | str]) -> Envelope:
-        """The same envelope with numbers for some letters, exact for decimal numbers.
+        """Return the same envelope with numbers for some letters, exact for decimal numbers.
 
         Raises
         ------
@@ -310,13 +250,17 @@ def _averaged(oscillator: Oscillator) -> Envelope:
         factor = square ** powers[1]
         for symbol, power in zip(parameters, powers[2:], strict=True):
             factor *= symbol.as_expr() ** power
-        real += -2 * sp.Rational(int(coefficient.x.numerator), int(coefficient.x.denominator)) * factor
-        imaginary += sp.Rational(int(coefficient.y.numerator), int(coefficient.y.denominator)) * factor
+        real += (
+            -2 * sp.Rational(int(coefficient.x.numerator), int(coefficient.x.denominator)) * factor
+        )
+        imaginary += (
+            sp.Rational(int(coefficient.y.numerator), int(coefficient.y.denominator)) * factor
+        )
     return Envelope(oscillator, real, imaginary, oscillator.parameters)
 
 
 def _sign_between(polynomial: sp.Poly, low: sp.Expr, high: sp.Expr) -> int:
-    """The sign of the polynomial between two neighbouring roots."""
+    """Return the sign of the polynomial between two neighbouring roots."""
     digits = 30
     while True:
         middle = sp.Rational(str(((low + high) / 2).evalf(digits)))

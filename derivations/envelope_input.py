@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from typing import TypeAlias
 
 import sympy as sp
 
 from derivations.errors import DerivationInputError
 from derivations.polynomial_text import HIGHEST, Monomial, read_polynomial
 
-Coefficients = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None
+Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None
 
 VARIABLE = "y"
 
@@ -46,7 +47,7 @@ def coefficients(given: Coefficients, quantity: str) -> dict[int, sp.Expr]:
 
 
 def number(given: object, quantity: str) -> sp.Expr:
-    """A coefficient: a finite real number, a letter, or a polynomial in letters other than y.
+    """Return a coefficient: a finite real number, or a polynomial in letters other than y.
 
     Raises
     ------
@@ -72,7 +73,9 @@ def number(given: object, quantity: str) -> sp.Expr:
     return sp.Rational(str(given))
 
 
-def values_of(given: Mapping[str, float | str], symbols: Sequence[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
+def values_of(
+    given: Mapping[str, float | str], symbols: Sequence[sp.Symbol]
+) -> dict[sp.Symbol, sp.Expr]:
     """Exact numbers for letters.
 
     Raises
@@ -84,8 +87,10 @@ def values_of(given: Mapping[str, float | str], symbols: Sequence[sp.Symbol]) ->
     put = {}
     for name, value in given.items():
         if name not in names:
-            raise DerivationInputError("value", name, f"one of the letters {', '.join(names) or '(none)'}",
-                                       "leave it out")  # fmt: skip
+            letters = ", ".join(names) or "(none)"
+            raise DerivationInputError(
+                "value", name, f"one of the letters {letters}", "leave it out"
+            )
         exact = number(value, name)
         if not exact.is_Rational:
             raise DerivationInputError(name, value, "a number", "give for example 0.3")

@@ -26,12 +26,12 @@ TOLERANCE = 1e-9
 
 
 def parts_of(equation: sp.Basic) -> tuple[sp.Basic, ...]:
-    """The equations of a system, or the equation alone."""
+    """Return the equations of a system, or the equation alone."""
     return tuple(equation.args) if isinstance(equation, sp.Tuple) else (equation,)
 
 
 def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
-    """A number: the expression with everything in ``point`` put in.
+    """Return a number: the expression with everything in ``point`` put in.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def residual(part: sp.Basic, point: Point, digits: int = 15) -> tuple[Any, float
 
 
 def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int = 15) -> Any:
-    """The value that an equation gives to a symbol in which it is affine.
+    """Return the value that an equation gives to a symbol in which it is affine.
 
     Raises
     ------
@@ -69,7 +69,8 @@ def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int 
         raise TypeError("an expression, not an equation")
     left, right = candidate.args
     zero, one, two = (
-        value(left, {**point, symbol: given}, digits) - value(right, {**point, symbol: given}, digits)
+        value(left, {**point, symbol: given}, digits)
+        - value(right, {**point, symbol: given}, digits)
         for given in (0, 1, 2)
     )
     if one == zero or abs(two - 2 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
@@ -86,7 +87,9 @@ def vanishes_at(
     parts: int | None = None,
 ) -> Check:
     """Check that each part of the equation is satisfied at points found without it."""
-    return equals(lambda rng: (draw(rng), None), what, count=count, tolerance=tolerance, parts=parts)
+    return equals(
+        lambda rng: (draw(rng), None), what, count=count, tolerance=tolerance, parts=parts
+    )
 
 
 def equals(
@@ -193,7 +196,7 @@ def predicate(test: Callable[[sp.Basic], bool], what: str) -> Check:
 
 
 def fast_average(function: Callable[[Any], Any], harmonic: int = 0, samples: int = 64) -> complex:
-    """The mean of ``function(t) e^{-i harmonic t}`` over a period 2 pi, by equal samples.
+    """Return the mean of ``function(t) e^{-i harmonic t}`` over a period 2 pi, by equal samples.
 
     Exact to rounding for trigonometric polynomials of degree below ``samples``.
     """
@@ -203,7 +206,7 @@ def fast_average(function: Callable[[Any], Any], harmonic: int = 0, samples: int
 
 def _number(given: Any, digits: int) -> sp.Expr:
     if isinstance(given, sp.Basic):
-        return given  # type: ignore[return-value]
+        return given
     if isinstance(given, (mpmath.mpf, mpmath.mpc)):
         return sp.Float(given.real, digits) + sp.I * sp.Float(given.imag, digits)
     number = complex(given)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
@@ -14,7 +15,6 @@ from derivations.evidence import (
     Point,
     all_of,
     equals,
-    has_order,
     parts_of,
     predicate,
     value,
@@ -22,20 +22,24 @@ from derivations.evidence import (
 )
 
 t, tau = sp.symbols("t tau", real=True)
-m, d, k, eta_c, F_N, v_0, omega_n, y_0 = sp.symbols("m d k eta_c F_N v_0 omega_n y_0", positive=True)
+m, d, k, eta_c, F_N, v_0, omega_n, y_0 = sp.symbols(
+    "m d k eta_c F_N v_0 omega_n y_0", positive=True
+)
 c, xi, mu_st, mu_d, v_tilde_0 = sp.symbols(r"c xi mu_st mu_d \tilde{v}_0", positive=True)
 v_rel, v_tilde_rel = sp.symbols(r"v_rel \tilde{v}_rel", real=True)
-v_d, v_H = sp.symbols(r"\tilde{v}_d \tilde{v}_H", positive=True)
+v_d, v_hopf = sp.symbols(r"\tilde{v}_d \tilde{v}_H", positive=True)
 F, F_tilde, mu, y_star = sp.symbols(r"F \tilde{F} mu \tilde{y}_*", real=True)
 lam = sp.Symbol("lambda")
 Y = tuple(sp.Function(name)(t) for name in ("y_{n-1}", "y_n", "y_{n+1}"))
 X = tuple(sp.Function(rf"\tilde{{{n}}}")(tau) for n in ("y_{n-1}", "y_n", "y_{n+1}"))
 
 
-def chain(y: tuple[sp.Expr, ...], time: sp.Symbol, inertia: sp.Expr, damping: sp.Expr,
-          stiffness: sp.Expr, coupling: sp.Expr, force: sp.Expr) -> sp.Eq:  # fmt: skip
-    """An interior site of a chain with two neighbours and a force."""
+def chain(
+    y: tuple[sp.Expr, ...], time: sp.Symbol, coefficients: Sequence[sp.Expr], force: sp.Expr
+) -> sp.Eq:
+    """Return an interior site with two neighbours; inertia, damping, stiffness, coupling."""
     left, middle, right = y
+    inertia, damping, stiffness, coupling = coefficients
     own = inertia * middle.diff(time, 2) + damping * middle.diff(time) + stiffness * middle
     return equation(own + coupling * (2 * middle - right - left), force)
 
@@ -47,7 +51,7 @@ def friction_coefficient(speed: sp.Expr, scale: sp.Symbol) -> sp.Expr:
 
 def derive() -> Derivation:
     """Eqs. (1)-(7), from Newton's law to the loss of stability of steady sliding."""
-    dimensional = chain(Y, t, m, d, k, eta_c, F)
+    dimensional = chain(Y, t, (m, d, k, eta_c), F)
     scales = sp.Tuple(
         equation(omega_n, sp.sqrt(k / m)),
         equation(y_0, F_N / k),
@@ -60,7 +64,7 @@ def derive() -> Derivation:
     by_scales = [(coefficient / F_N).subs({y_0: F_N / k, omega_n: sp.sqrt(k / m)})
                  for coefficient in coefficients]  # fmt: skip
     named = [sp.simplify(q.subs({d: 2 * xi * sp.sqrt(k * m), eta_c: c * k})) for q in by_scales]
-    scaled = chain(X, tau, named[0], named[1], named[2], named[3], F_tilde)
+    scaled = chain(X, tau, named, F_tilde)
     sliding = friction_coefficient(v_d, v_tilde_0).subs(sp.Abs(v_d), v_d)
     damping = 2 * xi + sp.diff(sliding, v_d)
     lost = sp.solve(sp.Eq(damping, 0), v_d)[0]
@@ -95,14 +99,14 @@ def derive() -> Derivation:
              equation(lam**2 + damping * lam + 1 + 4 * c * sp.sin(sp.Symbol("q") / 2) ** 2, 0),
              vanishes_at(_wave_point, "eigenvalues of a ring, found numerically", tolerance=1e-7)),
         Step("Steady sliding loses stability where the effective damping vanishes",
-             equation(v_H, lost),
+             equation(v_hopf, lost),
              vanishes_at(_hopf_point, "the sign change of the damping, found by bisection")),
     )  # fmt: skip
     return Derivation("friction", "Model I: scales, steady sliding, stability (Eqs. 1-7)", steps)
 
 
 def _law(speed: float, static: float, dynamic: float, scale: float) -> float:
-    """The force of (3) and (6) as prose states it, for a normal force of one."""
+    """Return the force of (3) and (6) as prose states it, for a normal force of one."""
     size = dynamic + (static - dynamic) / math.exp(abs(speed) / scale)
     return -math.copysign(size, speed)
 
@@ -149,7 +153,7 @@ def _friction_law(candidate: sp.Basic) -> Evidence:
     worst = 0.0
     for speed in (-1.3, -1e-9, 0.4, 2.0):
         point = {**base, v_rel: speed, F: 1.7 * _law(speed, 0.9, 0.35, 0.7)}
-        worst = max(worst, abs(value(law.lhs, point) - value(law.rhs, point)))  # type: ignore[attr-defined]
+        worst = max(worst, abs(value(law.lhs, point) - value(law.rhs, point)))
     holds = worst < 1e-9 and _stick(bound, base, F, 0.9 * 1.7)
     return Evidence(
         holds, f"opposes slip at four velocities, meets the stick limit at zero: {worst:.1e}"
@@ -165,7 +169,7 @@ def _scaled_friction_law(candidate: sp.Basic) -> Evidence:
     for speed in (-1.3, -0.2, 0.4, 2.0):
         point = {**base, v_tilde_rel: speed / (rate * length),
                  F_tilde: _law(speed, 0.9, 0.35, reference)}  # fmt: skip
-        worst = max(worst, abs(value(law.lhs, point) - value(law.rhs, point)))  # type: ignore[attr-defined]
+        worst = max(worst, abs(value(law.lhs, point) - value(law.rhs, point)))
     holds = worst < 1e-9 and _stick(bound, base, F_tilde, 0.9)
     return Evidence(holds, f"equals the dimensional force over F_N at four velocities: {worst:.1e}")
 
@@ -193,8 +197,10 @@ def _scaled_point(rng: random.Random) -> tuple[Point, list[complex]]:
 
 
 def _bistable_at_125(candidate: sp.Basic) -> bool:
-    static, dynamic, scale, ratio = (float(part.rhs) for part in parts_of(candidate))  # type: ignore[attr-defined]
-    slope = (_law(-1.25 - 1e-6, static, dynamic, scale) - _law(-1.25 + 1e-6, static, dynamic, scale)) / 2e-6
+    static, dynamic, scale, ratio = (float(part.rhs) for part in parts_of(candidate))
+    slope = (
+        _law(-1.25 - 1e-6, static, dynamic, scale) - _law(-1.25 + 1e-6, static, dynamic, scale)
+    ) / 2e-6
     return static > dynamic and 2 * ratio + slope > 0
 
 
@@ -218,7 +224,7 @@ def _sliding_point(rng: random.Random) -> Point:
 
 
 def _slope(speed: float, static: float, dynamic: float, scale: float) -> float:
-    """Derivative of the friction force with respect to y', by four-point differences."""
+    """Return Derivative of the friction force with respect to y', by four-point differences."""
     h = 1e-3
 
     def force(rate: float) -> float:
@@ -252,10 +258,7 @@ def _hopf_point(rng: random.Random) -> Point:
         return 2 * ratio - (static - dynamic) / scale * math.exp(-speed / scale)
 
     lost = _bisect(damping, 0.0, 50.0)
-    return {mu_st: static, mu_d: dynamic, v_tilde_0: scale, xi: ratio, v_H: lost}
-
-
-__all__ = ["derive", "friction_coefficient", "has_order"]
+    return {mu_st: static, mu_d: dynamic, v_tilde_0: scale, xi: ratio, v_hopf: lost}
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import sympy as sp
 from derivations import front_numbers as numbers
 from derivations.derivation import Evidence, Step, equation
 from derivations.evidence import parts_of, solved_for, value
-from derivations.front_symbols import M_minus, M_plus, ON_SITE, c, eta, k, over_roots, ratio, v
+from derivations.front_symbols import ON_SITE, M_minus, M_plus, c, eta, k, over_roots, ratio, v
 
 m = sp.Symbol("m", integer=True)
 a_of_k = sp.Symbol("A")
@@ -24,7 +24,7 @@ kappa, spread = sp.symbols("kappa q")
 
 
 def steps() -> tuple[Step, ...]:
-    """The forms and limits as steps."""
+    """Return the forms and limits as steps."""
     total = over_roots(1, M_plus)
     along = sp.Integral(1 / (ON_SITE**2 + v**2 * k**2), (k, 0, sp.oo))
     period = sp.sinh(a_of_k / v) / (sp.cosh(a_of_k / v) - sp.cos(k)) / (2 * a_of_k)
@@ -92,7 +92,7 @@ def _comb(candidate: sp.Basic) -> Evidence:
 
 
 def _static(candidate: sp.Basic) -> Evidence:
-    """A front so slow that the correction, of order e^{-strip/v}, is below rounding."""
+    """Check with a front so slow that the correction, about e^{-strip/v}, is below rounding."""
     worst = 0.0
     for spring in (0.2, 0.6):
         exact = numbers.kinetic_sum(0.02, spring)
@@ -137,7 +137,7 @@ def _largest_eta(candidate: sp.Basic) -> Evidence:
 
 
 def _continuum_root(candidate: sp.Basic) -> Evidence:
-    """The root nearest the origin at very large c, found by Newton's method in its strip."""
+    """Check with the root nearest the origin at very large c, found in its strip."""
     speed, errors = 0.8, []
     for spring in (1e4, 1e6):
         exact = numbers.roots(speed * math.sqrt(spring), spring, 2)
@@ -169,4 +169,3 @@ def _continuum(candidate: sp.Basic) -> Evidence:
         errors.append(abs(left - right))
     holds = errors[1] < 1e-3 and errors[1] < errors[0] / 5
     return Evidence(holds, f"difference at c = 1e3, 1e5: {errors[0]:.1e}, {errors[1]:.1e}")
-

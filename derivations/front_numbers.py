@@ -8,6 +8,7 @@ dimensionless; v stands for the paper's velocity over eps.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -54,10 +55,8 @@ def roots(v: float, c: float, strips: int = STRIPS, upper: bool = True) -> Any:
             if not open_.any():
                 break
             k = low[open_] + part * (high[open_] - low[open_]) + 1j * sign * start
-            k = _newton(_settle(k, low[open_], high[open_], v, c, sign), v, c)
-            good = (np.abs(dispersion(k, v, c)) < 1e-9 * (1 + v * np.abs(k))) & (
-                sign * k.imag > 0
-            )
+            k = _newton(_settle(k, (low[open_], high[open_]), v, c, sign), v, c)
+            good = (np.abs(dispersion(k, v, c)) < 1e-9 * (1 + v * np.abs(k))) & (sign * k.imag > 0)
             good &= (k.real > low[open_]) & (k.real < high[open_])
             found[np.flatnonzero(open_)[good]] = k[good]
     if np.isnan(found).any():
@@ -65,8 +64,9 @@ def roots(v: float, c: float, strips: int = STRIPS, upper: bool = True) -> Any:
     return found
 
 
-def _settle(k: Any, low: Any, high: Any, v: float, c: float, sign: float) -> Any:
-    """A few turns of ``e^{-i sign k} = P(k)``, with the phase taken inside the strip."""
+def _settle(k: Any, strip: tuple[Any, Any], v: float, c: float, sign: float) -> Any:
+    """Iterate ``e^{-i sign k} = P(k)`` a few times, with the phase taken inside the strip."""
+    low, high = strip
     for _ in range(8):
         q = 1 + v * k / c + 0.5j / c
         root = np.sqrt(q * q - 1)
@@ -86,7 +86,7 @@ def _newton(k: Any, v: float, c: float) -> Any:
 
 
 def count_in_strip(left: float, right: float, upper: bool, v: float, c: float) -> int:
-    """Number of roots in a half-infinite strip: the winding number of L along its boundary."""
+    """Return the number of roots in a half-infinite strip: the winding number of L around it."""
     height = 5.0
     while c * np.exp(height) < 20 * (1 + c + v * (abs(left) + abs(right) + height)):
         height += 1.0
@@ -95,7 +95,7 @@ def count_in_strip(left: float, right: float, upper: bool, v: float, c: float) -
     path = [along, right + 1j * sign * up, along[::-1] + 1j * sign * height,
             left + 1j * sign * up[::-1]]  # fmt: skip
     angles = np.unwrap(np.angle(dispersion(np.concatenate(path), v, c)))
-    return int(round(sign * (angles[-1] - angles[0]) / (2 * np.pi)))
+    return round(sign * float(angles[-1] - angles[0]) / (2 * np.pi))
 
 
 @lru_cache(maxsize=256)
@@ -122,12 +122,12 @@ def profile(zeta: float, v: float, c: float) -> complex:
 
 
 def kinetic_sum(v: float, c: float) -> complex:
-    """The sum of (53), from the profile at the front."""
+    """Return the sum of (53), from the profile at the front."""
     return -2 * profile(0.0, v, c)
 
 
 def evaluated(expression: sp.Basic, point: Point, strips: int = STRIPS) -> complex:
-    """A number, with sums over roots summed and integrals integrated numerically."""
+    """Return a number, with sums over roots summed and integrals integrated numerically."""
     v, c = float(point[s.v]), float(point[s.c])
     expression = expression.xreplace({node: _sum_over(node, point, v, c, strips)
                                       for node in expression.atoms(s.SumOver)})  # fmt: skip
@@ -154,12 +154,16 @@ def _integral(node: Any, point: Point) -> sp.Expr:
     rest.pop(variable, None)
     integrand = node.function.xreplace({q: sp.sympify(given) for q, given in rest.items()})
     function = sp.lambdify(variable, integrand, "numpy")
-    ends = [float(low), float(high) if high != sp.oo else np.inf]
+    start, end = float(low), float(high) if high != sp.oo else np.inf
+
+    def part_of(name: str) -> Callable[[float], float]:
+        return lambda q: float(getattr(complex(function(q)), name))
+
     with warnings.catch_warnings():
         warnings.simplefilter("error", IntegrationWarning)
         try:
-            parts = [quad(lambda q, part=part: getattr(complex(function(q)), part), *ends,
-                          limit=400, epsabs=1e-11)[0] for part in ("real", "imag")]  # fmt: skip
+            parts = [quad(part_of(name), start, end, limit=400, epsabs=1e-11)[0]
+                     for name in ("real", "imag")]  # fmt: skip
         except IntegrationWarning:
             raise ArithmeticError("an integral did not converge") from None
     return sp.sympify(complex(*parts))

@@ -12,7 +12,7 @@ from derivations.piecewise_front_evidence import figure_16
 
 
 def real_ratio(_: sp.Basic) -> Evidence:
-    """The phase of phi_us / phi_s = -Sum/2 at the velocity that (54) gives for Fig. 16."""
+    """Check the phase of phi_us / phi_s = -Sum/2 at the velocity that (54) gives for Fig. 16."""
     fast, spring, ratio = figure_16()
     found = numbers.profile(0.0, fast, spring)
     phase = cmath.phase(found)

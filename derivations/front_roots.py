@@ -37,7 +37,7 @@ def _split(at: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def steps() -> tuple[Step, ...]:
-    """The proofs as steps."""
+    """Return the proofs as steps."""
     whole = sp.Symbol("n", integer=True)
     on_axis = sp.re(DISPERSION.subs(k, x)).doit()
     # sin k = -v/c < 0 is real: off the axis Re k = -pi/2 + 2 pi n, and v = c cosh kappa.
@@ -146,7 +146,7 @@ def _turning(candidate: sp.Basic) -> Evidence:
 
 
 def _gap(candidate: sp.Basic) -> Evidence:
-    """The bound is met by, and is the infimum of, the distances on a fine grid."""
+    """Check that the bound is the infimum of the distances on a fine grid."""
     import numpy as np
 
     heights = np.linspace(-12, 12, 4001)

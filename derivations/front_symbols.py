@@ -17,6 +17,7 @@ phi = sp.Function(r"\varphi")
 L, L_k = sp.symbols("L L_k")
 M_plus, M_minus = sp.symbols("M^+ M^-")
 ratio = sp.Symbol("r", positive=True)
+F = sp.Symbol("F")
 
 DISPERSION = sp.Rational(1, 2) - sp.I * v * k - 2 * sp.I * c * sp.sin(k / 2) ** 2
 """L(k) of Eq. (50)."""
@@ -26,7 +27,7 @@ ON_SITE = sp.Rational(1, 2) - sp.I * c * (1 - sp.cos(k))
 """A(k) = L(k) + i v k, even in k."""
 
 
-class SumOver(sp.Expr):
+class SumOver(sp.Expr):  # type: ignore[misc]
     """``sum of term over k in roots``; args are the term, k, and the name of the set."""
 
     def __new__(cls, term: Any, variable: Any, roots: Any) -> SumOver:
@@ -49,5 +50,5 @@ class SumOver(sp.Expr):
 
 
 def over_roots(numerator: sp.Expr | int, roots: sp.Symbol) -> SumOver:
-    """The sum of ``numerator / (k L_k)`` over a set of roots."""
+    """Return the sum of ``numerator / (k L_k)`` over a set of roots."""
     return SumOver(numerator / (k * L_k), k, roots)

@@ -56,24 +56,24 @@ class HarmonicRing:
         return len(self.amplitudes) // 2
 
     def amplitude(self, offset: int) -> Coefficient:
-        """The amplitude of the site ``offset`` places from the middle."""
+        """Return the amplitude of the site ``offset`` places from the middle."""
         return self.ring.gens[self._position(offset)]
 
     def element(self, value: sp.Expr | int) -> Coefficient:
-        """A polynomial in the generators, as an element of the ring."""
+        """Return a polynomial in the generators, as an element of the ring."""
         return self.ring.from_expr(sp.sympify(value)) if value != 0 else self.ring.zero
 
     def constant(self, value: complex) -> Coefficient:
-        """A Gaussian integer as an element of the ring."""
+        """Return a Gaussian integer as an element of the ring."""
         return self.ring.ground_new(QQ_I(int(value.real), int(value.imag)))
 
     def real_wave(self, offset: int) -> Harmonics:
-        """``A e^{i T0} + conjugate``, the solution of the linear oscillator (Eq. 20)."""
+        """Return ``A e^{i T0} + conjugate``, the solution of the linear oscillator (Eq. 20)."""
         amplitude = self.amplitude(offset)
         return Harmonics(self, {1: amplitude, -1: self.conjugate(amplitude)})
 
     def conjugate(self, value: Coefficient) -> Coefficient:
-        """The complex conjugate of a coefficient."""
+        """Return the complex conjugate of a coefficient."""
         count = len(self.amplitudes)
         out = {}
         for powers, number in value.items():
@@ -82,7 +82,7 @@ class HarmonicRing:
         return self.ring.from_dict(out)
 
     def shift(self, value: Coefficient, places: int) -> Coefficient:
-        """The same coefficient written for the site ``places`` further on.
+        """Return the same coefficient written for the site ``places`` further on.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class HarmonicRing:
         return self.ring.from_dict(out)
 
     def along(self, value: Coefficient, flow: Mapping[int, Coefficient]) -> Coefficient:
-        """The derivative of a coefficient along ``d A_j = flow[j]`` for each offset j."""
+        """Return the derivative of a coefficient along ``d A_j = flow[j]`` for each offset j."""
         count = len(self.amplitudes)
         total = self.ring.zero
         for offset, rate in flow.items():
@@ -113,14 +113,12 @@ class HarmonicRing:
         return total
 
     def flow(self, rate: Coefficient, reach: int) -> dict[int, Coefficient]:
-        """The rate of the middle site, written for every site within ``reach``."""
+        """Return the rate of the middle site, written for every site within ``reach``."""
         return {offset: self.shift(rate, offset) for offset in range(-reach, reach + 1)}
 
     def as_expr(self, value: Coefficient) -> sp.Expr:
-        """A SymPy expression, with ``conjugate(A)`` for the conjugate amplitudes."""
-        names = dict(
-            zip(self.conjugates, map(sp.conjugate, self.amplitudes), strict=True)  # type: ignore[arg-type]
-        )
+        """Return a SymPy expression, with ``conjugate(A)`` for the conjugate amplitudes."""
+        names = dict(zip(self.conjugates, map(sp.conjugate, self.amplitudes), strict=True))
         return value.as_expr().xreplace(names)
 
     def _position(self, offset: int) -> int:
@@ -142,7 +140,7 @@ class Harmonics:
         object.__setattr__(self, "terms", kept)
 
     def coefficient(self, harmonic: int) -> Coefficient:
-        """What multiplies ``e^{i harmonic T0}``."""
+        """Return what multiplies ``e^{i harmonic T0}``."""
         return self.terms.get(harmonic, self.ring.ring.zero)
 
     def __add__(self, other: Harmonics) -> Harmonics:
@@ -173,11 +171,11 @@ class Harmonics:
         return Harmonics(self.ring, {m: value * factor for m, value in self.terms.items()})
 
     def turned(self, harmonics: int) -> Harmonics:
-        """The element times ``e^{i harmonics T0}``."""
+        """Return the element times ``e^{i harmonics T0}``."""
         return Harmonics(self.ring, {m + harmonics: value for m, value in self.terms.items()})
 
     def conjugate(self) -> Harmonics:
-        """The complex conjugate."""
+        """Return the complex conjugate."""
         return Harmonics(
             self.ring, {-m: self.ring.conjugate(value) for m, value in self.terms.items()}
         )
@@ -188,12 +186,12 @@ class Harmonics:
         return Harmonics(self.ring, {m: value * i * m for m, value in self.terms.items()})
 
     def oscillation(self) -> Harmonics:
-        """The antiderivative in T0 with zero mean, of everything but the mean."""
+        """Return the antiderivative in T0 with zero mean, of everything but the mean."""
         out = {m: value * QQ_I(0, sp.QQ(-1, m)) for m, value in self.terms.items() if m}
         return Harmonics(self.ring, out)
 
     def response(self) -> Harmonics:
-        """The solution u of ``u'' + u = self`` without ``e^{±i T0}``; resonant terms are left out.
+        """Solve ``u'' + u = self`` for u without ``e^{±i T0}``; resonant terms are left out.
 
         The resonant coefficients must have been made to vanish by the secular condition.
         """
@@ -205,18 +203,18 @@ class Harmonics:
         return Harmonics(self.ring, out)
 
     def shifted(self, places: int) -> Harmonics:
-        """The same element written for the site ``places`` further on."""
+        """Return the same element written for the site ``places`` further on."""
         return Harmonics(self.ring, {m: self.ring.shift(v, places) for m, v in self.terms.items()})
 
     def along(self, flow: Mapping[int, Coefficient]) -> Harmonics:
-        """The slow derivative: along ``d A_j = flow[j]``."""
+        """Return the slow derivative: along ``d A_j = flow[j]``."""
         return Harmonics(self.ring, {m: self.ring.along(v, flow) for m, v in self.terms.items()})
 
 
 def chain_ring(
     name: str, parameters: Sequence[sp.Symbol], reach: int, index: str = "n"
 ) -> HarmonicRing:
-    """A ring with the amplitudes ``name_{n-reach} … name_{n+reach}``; one site if reach is 0."""
+    """Return a ring with ``name_{n-reach} … name_{n+reach}``; with one site if reach is 0."""
     if reach == 0:
         return HarmonicRing((sp.Symbol(name),), tuple(parameters))
     symbols = tuple(site_symbol(name, offset, index) for offset in range(-reach, reach + 1))
@@ -224,6 +222,6 @@ def chain_ring(
 
 
 def site_symbol(name: str, offset: int, index: str = "n") -> sp.Symbol:
-    """The symbol of the site ``offset`` places from site n, as in ``A_{n+1}``."""
+    """Return the symbol of the site ``offset`` places from site n, as in ``A_{n+1}``."""
     place = index if offset == 0 else f"{index}{offset:+d}"
     return sp.Symbol(f"{name}_{{{place}}}")

@@ -31,7 +31,7 @@ def states(sites: int) -> tuple[sp.Symbol, ...]:
 
 
 def vector_field(sites: int, ends: str = "ring") -> sp.ImmutableMatrix:
-    """The right side of Eq. (40).
+    """Return the right side of Eq. (40).
 
     Parameters
     ----------
@@ -64,14 +64,14 @@ def vector_field(sites: int, ends: str = "ring") -> sp.ImmutableMatrix:
 
 
 def neighbours(place: int, sites: int, ends: str) -> list[int]:
-    """The sites, from 0, that a spring joins to ``place``."""
+    """Return the sites, from 0, that a spring joins to ``place``."""
     if ends == "ring":
         return [(place + 1) % sites, (place - 1) % sites]
     return [other for other in (place + 1, place - 1) if 0 <= other < sites]
 
 
 def jacobian(sites: int, ends: str = "ring") -> sp.ImmutableMatrix:
-    """The derivative of `vector_field`, shape (2 N, 2 N); only entries that can differ from 0.
+    """Differentiate `vector_field`, shape (2 N, 2 N); only entries that can differ from 0.
 
     Parameters and errors are those of `vector_field`.
     """
@@ -84,7 +84,7 @@ def jacobian(sites: int, ends: str = "ring") -> sp.ImmutableMatrix:
 
 
 def numerical_field(x: Any, p: dict[str, Any], ends: str = "ring") -> Any:
-    """The right side of (40) from an adjacency matrix; any number type that supports @."""
+    """Return the right side of (40) from an adjacency matrix; any number type that supports @."""
     size = len(x) // 2
     joined = np.diag(np.ones(size - 1), 1)
     if ends == "ring":
@@ -135,7 +135,7 @@ def matrix_check(ends: str, columns: int) -> Check:
 
 
 def _state_check(candidate: sp.Basic) -> Evidence:
-    """The derivative of the first half of X is its second half, along the field."""
+    """Check that the first half of X is displacements and the second their rates."""
     name, vector = candidate.args
     entries = [str(entry) for entry in vector]
     holds = name == state_name and entries == [str(entry) for entry in states(len(entries) // 2)]
@@ -162,7 +162,7 @@ def perturbations(sites: int) -> tuple[sp.Symbol, ...]:
 
 
 def _extra_term() -> sp.Eq:
-    """The resonant part of ``-y' d``, which print adds to the linearised equation (a '1')."""
+    """Return the resonant part of ``-y' d``, which the '1' in print adds to the equation."""
     ring = HarmonicRing((first_mode, motion), ())
     y, d = (Harmonics(ring, {1: ring.ring.gens[k], -1: ring.ring.gens[2 + k]}) for k in (1, 0))
     return equation(mean_extra, ring.as_expr((y.fast_derivative() * d).coefficient(1)))
@@ -191,7 +191,7 @@ def derive(sites: int = SITES) -> Derivation:
              equation(field_name, vector_field(sites)), ring[0], 40),
         Step("The same with free ends: sites 1 and N have one neighbour",
              equation(field_name, vector_field(sites, "free")), free[0]),
-        Step("Linearise about a solution: d(delta)/dt = J delta, here the row of site 1 for N = 3",
+        Step("Linearise about a solution: d(delta)/dt = J delta, here for site 1 of N = 3",
              equation(row_name, change),
              has_order(_taylor_error, 2, "what the exact change adds to J delta, against delta"),
              41),
@@ -200,7 +200,8 @@ def derive(sites: int = SITES) -> Derivation:
              equation(jacobian_name, jacobian(sites, "free")), free[1]),
         Step("Mean at e^{it} of the product that print adds to (42) by its '1', for motions "
              "A e^{it} + c.c. and D e^{it} + c.c.: it vanishes, so print errs at O(eps^2) only",
-             _extra_term(), equals(_extra_point, "the product averaged by direct sampling", floor=1.0)),
+             _extra_term(),
+             equals(_extra_point, "the product averaged by direct sampling", floor=1.0)),
     )  # fmt: skip
     return Derivation("linearisation", "Linearisation and the Jacobian (39)-(42)", steps)
 

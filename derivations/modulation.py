@@ -38,11 +38,11 @@ class Modulation:
     correction: Harmonics
 
     def first_expr(self) -> sp.Expr:
-        """The O(eps) right-hand side as a SymPy expression."""
+        """Return the O(eps) right-hand side as a SymPy expression."""
         return self.ring.as_expr(self.first)
 
     def second_expr(self) -> sp.Expr:
-        """The O(eps^2) right-hand side as a SymPy expression."""
+        """Return the O(eps^2) right-hand side as a SymPy expression."""
         return self.ring.as_expr(self.second if self.second is not None else self.ring.ring.zero)
 
 
@@ -131,7 +131,7 @@ def by_averaging(cell: Oscillator, order: int = 1) -> Modulation:
 
 
 def in_scales_amplitude(averaged: Modulation) -> tuple[Coefficient, Coefficient]:
-    """The averaged equations rewritten for the amplitude A of ``e^{it}`` in y itself.
+    """Return the averaged equations rewritten for the amplitude A of ``e^{it}`` in y itself.
 
     ``A = -(i/2)(phi + eps W)``: the conjugate of the oscillating part of phi at ``e^{-2it}``
     contributes to ``e^{it}`` in y, which is W. In phi, the equation of A is then
@@ -148,9 +148,7 @@ def in_scales_amplitude(averaged: Modulation) -> tuple[Coefficient, Coefficient]
     shift = -ring.conjugate(averaged.correction.coefficient(-2))
     reach = 1 if len(ring.amplitudes) > 1 else 0
     moved = averaged.second
-    moved += ring.along(shift, ring.flow(first, reach)) - ring.along(
-        first, ring.flow(shift, reach)
-    )
+    moved += ring.along(shift, ring.flow(first, reach)) - ring.along(first, ring.flow(shift, reach))
     return _phi_to_amplitude(ring, first), _phi_to_amplitude(ring, moved)
 
 

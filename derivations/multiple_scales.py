@@ -7,19 +7,41 @@ import sys
 import sympy as sp
 
 from derivations import multiple_scales_evidence as seen
+from derivations import secular_evidence as secular
 from derivations.derivation import Derivation, Step, equation
 from derivations.harmonics import HarmonicRing, Harmonics
+from derivations.multiple_scales_symbols import (
+    Y0,
+    Y1,
+    A,
+    A_rate,
+    R_rate,
+    Y,
+    loss,
+    theta_rate,
+)
 from derivations.symbols import (
-    R, a, alpha_0, b, c, damping_factor, delta, epsilon, i, k_1, k_2, n, omega, omega_1, omega_2,
-    site, t, t_hat, tau, theta,
-)  # fmt: skip
-
-Y = sp.Function("y_0", real=True)(t_hat, tau)
-Y0 = sp.Function("y_0^{(0)}", real=True)(t_hat, tau)
-Y1 = sp.Function("y_0^{(1)}", real=True)(t_hat, tau)
-A, A_rate = sp.symbols("A A'")
-R_rate, theta_rate = sp.symbols("R' theta'", real=True)
-loss = sp.Symbol("E", real=True)
+    R,
+    a,
+    alpha_0,
+    b,
+    c,
+    damping_factor,
+    delta,
+    epsilon,
+    i,
+    k_1,
+    k_2,
+    n,
+    omega,
+    omega_1,
+    omega_2,
+    site,
+    t,
+    t_hat,
+    tau,
+    theta,
+)
 
 
 def chain() -> sp.Eq:
@@ -119,7 +141,8 @@ def _to_amplitudes() -> tuple[Step, ...]:
     turn = sp.exp(i * theta)
     growth, lag, cosine, sine = sp.symbols("K lag cosine sine", real=True)
     polar = condition.xreplace({
-        sp.exp(k_1): growth, sp.exp(i * k_2): lag * turn, A: R * turn, sp.conjugate(A): R / turn, A_rate: (R_rate + i * R * theta_rate) * turn,
+        sp.exp(k_1): growth, sp.exp(i * k_2): lag * turn, A: R * turn,
+        sp.conjugate(A): R / turn, A_rate: (R_rate + i * R * theta_rate) * turn,
     })  # fmt: skip
     polar = sp.expand(polar / turn)
     parts = sp.expand(polar.subs(lag, cosine + i * sine))
@@ -130,12 +153,12 @@ def _to_amplitudes() -> tuple[Step, ...]:
     steady = both.subs({R_rate: 0, theta_rate: 0})
     return (
         Step("No secular terms: the coefficient of e^{i t} in (19) vanishes",
-             equation(condition, 0), seen.secular, 21),
-        Step("Polar form of the amplitude", equation(A, R * turn), seen.polar, 22),
+             equation(condition, 0), secular.secular, 21),
+        Step("Polar form of the amplitude", equation(A, R * turn), secular.polar, 22),
         Step("Put (22) into (21) and divide by e^{i theta}", equation(polar, 0),
-             seen.secular_polar, 23),
-        Step("Imaginary and real parts", both, seen.secular_parts, 24),
-        Step("Steady state", steady, seen.steady_parts, 25),
+             secular.secular_polar, 23),
+        Step("Imaginary and real parts", both, secular.secular_parts, 24),
+        Step("Steady state", steady, secular.steady_parts, 25),
     )  # fmt: skip
 
 
@@ -147,19 +170,19 @@ def _to_breather() -> tuple[Step, ...]:
     amplitude = sp.expand((damped / (2 * c)).subs(R, alpha_0 / 2) * 16 * c) / (16 * c)
     return (
         Step("With alpha_0 = 2 R, square and add: the phase k_2 - theta drops out",
-             modulus, seen.modulus, 26),
+             modulus, secular.modulus, 26),
         Step("Assume that the frequency is close to 1 + eps c",
-             equation(omega_1, c + delta), seen.close_frequency, 27),
+             equation(omega_1, c + delta), secular.close_frequency, 27),
         Step("What delta is, before it is neglected",
-             equation(delta, -c * sp.exp(k_1) * sp.sin(k_2 - theta)), seen.close_frequency),
-        Step("Put (27) into (26) and neglect delta^2", neglected, seen.neglected, 28),
+             equation(delta, -c * sp.exp(k_1) * sp.sin(k_2 - theta)), secular.close_frequency),
+        Step("Put (27) into (26) and neglect delta^2", neglected, secular.neglected, 28),
         Step("What neglecting costs: relative error E of (28). Small needs delta << c e^{k_1}, "
              "not only delta << c", equation(loss, (delta / c) ** 2 * sp.exp(-2 * k_1)),
-             seen.cost),
+             secular.cost),
         Step("The positive root of (28), with R = alpha_0/2",
-             equation(sp.exp(k_1), amplitude), seen.decay, 29),
+             equation(sp.exp(k_1), amplitude), secular.decay, 29),
         Step("The frequency to first order; delta = 0 when k_2 - theta = 0 as at k_2 = -pi/2",
-             equation(omega, 1 + epsilon * c), seen.breather_frequency, 30),
+             equation(omega, 1 + epsilon * c), secular.breather_frequency, 30),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What Eqs. (8)-(30) are held against: forces, numerical derivatives, direct averages.
+"""What Eqs. (8)-(20) are held against: forces and numerical derivatives.
 
 Nothing here is symbolic. Test motions are fixed smooth functions; parameters are random.
 """
@@ -15,45 +15,67 @@ import mpmath as mp
 import numpy as np
 import sympy as sp
 
-from derivations import multiple_scales as under_test
+from derivations import multiple_scales_symbols as under_test
 from derivations.derivation import Evidence
-from derivations.evidence import Point, equals, fast_average, has_order, residual, solved_for, vanishes_at
+from derivations.evidence import (
+    Point,
+    equals,
+    has_order,
+    residual,
+    solved_for,
+    vanishes_at,
+)
 from derivations.symbols import (
-    R, a, alpha_0, b, c, delta, epsilon, k_1, k_2, n, omega, omega_1, omega_2, site, t, t_hat, tau,
-    theta,
-)  # fmt: skip
+    a,
+    alpha_0,
+    b,
+    c,
+    epsilon,
+    k_1,
+    k_2,
+    n,
+    omega,
+    omega_1,
+    omega_2,
+    site,
+    t,
+    t_hat,
+    tau,
+)
 
 
 def _chain_force(y: Any, left: Any, right: Any, rate: Any, p: Any) -> Any:
-    """What Eq. (8) says besides y'': springs as tensions, damping factored in y^2."""
+    """Return what (8) says besides y'': springs as tensions, damping factored in y^2."""
     tension = p["e"] * p["c"] * ((right - y) - (y - left))
     return y - tension + p["e"] * rate * (1 + y**2 * (p["b"] * y**2 - p["a"]))
 
 
-def _parameters(rng: random.Random) -> dict[str, float]:
+def parameters(rng: random.Random) -> dict[str, float]:
+    """Draw numbers for the coefficients and the assumed wave."""
     return {"e": rng.uniform(0.1, 0.5), "a": rng.uniform(1, 3), "b": rng.uniform(0.2, 1),
             "c": rng.uniform(0.1, 0.6), "k1": rng.uniform(-2, -0.3), "k2": rng.uniform(-2, 2),
             "alpha": rng.uniform(0.5, 2)}  # fmt: skip
 
 
-def _named(p: dict[str, float]) -> dict[Any, Any]:
+def named(p: dict[str, Any]) -> dict[Any, Any]:
+    """Return the numbers under the symbols of the paper."""
     return {epsilon: p["e"], a: p["a"], b: p["b"], c: p["c"], k_1: p["k1"], k_2: p["k2"],
             alpha_0: p["alpha"]}  # fmt: skip
 
 
 def _chain_point(rng: random.Random) -> tuple[Point, list[complex]]:
-    p = _parameters(rng)
+    p = parameters(rng)
     y, left, right, rate, second = (rng.uniform(-1, 1) for _ in range(5))
-    point = {**_named(p), site(): y, site(-1): left, site(1): right, site().diff(t): rate,
+    point = {**named(p), site(): y, site(-1): left, site(1): right, site().diff(t): rate,
              site().diff(t, 2): second}  # fmt: skip
     return point, [second + _chain_force(y, left, right, rate, p)]
 
 
 def _central_point(rng: random.Random) -> tuple[Point, list[complex]]:
-    p = _parameters(rng)
+    p = parameters(rng)
     y, side, rate, second, when, w = (rng.uniform(0.2, 1) for _ in range(6))
     own = site(0, index="")
-    point = {**_named(p), own: y, site(1, index=""): side, own.diff(t): rate,
+    point = {**named(p), own: y, site(1, index=""): side, own.diff(t): rate,
              own.diff(t, 2): second, t: when, omega: w}  # fmt: skip
     return point, [second + _chain_force(y, side, side, rate, p)]
 
@@ -71,9 +93,9 @@ def _forced_point(rng: random.Random) -> tuple[Point, list[complex]]:
 
 def _ansatz_point(rng: random.Random) -> Point:
     place, when, w = rng.choice([-3, -1, 2]), rng.uniform(0, 1), rng.uniform(0.5, 1.5)
-    p = _parameters(rng)
+    p = parameters(rng)
     y = (cmath.exp(1j * w * when) * cmath.exp(p["k1"] + 1j * p["k2"]) ** abs(place)).imag
-    return {**_named(p), n: place, t: when, omega: w, site(): p["alpha"] * y}
+    return {**named(p), n: place, t: when, omega: w, site(): p["alpha"] * y}
 
 
 chain = equals(_chain_point, "the forces of springs and damper")
@@ -113,7 +135,8 @@ def _chain_rule_point(rng: random.Random) -> Point:
         return _test_motion(w * s, e * s)
 
     return {own.diff(t): mp.diff(motion, when), own.diff(t, 2): mp.diff(motion, when, 2),
-            omega: w, epsilon: e, **_partials(_test_motion, under_test.Y, w * when, e * when)}  # fmt: skip
+            **_partials(_test_motion, under_test.Y, w * when, e * when), omega: w,
+            epsilon: e}  # fmt: skip
 
 
 times = vanishes_at(_times_point, "time counted in periods and in units of 1/eps", parts=2)
@@ -140,8 +163,8 @@ def _exact_residual(motion: Callable[[Any, Any, Any], Any], e: Any) -> Any:
 
 
 def _fixed_point(e: Any) -> dict[Any, Any]:
-    named = _named({**_FIXED, "e": e})
-    return {**named, omega: 1 + e * _W1 + e**2 * _W2, omega_1: _W1, omega_2: _W2, t_hat: _AT[0],
+    w = 1 + e * _W1 + e**2 * _W2
+    return {**named({**_FIXED, "e": e}), omega: w, omega_1: _W1, omega_2: _W2, t_hat: _AT[0],
             tau: _AT[1]}  # fmt: skip
 
 
@@ -175,7 +198,7 @@ order_one = has_order(_order_one_error, 2, "difference from the change of (11) w
 
 
 def frequency(candidate: sp.Basic) -> Evidence:
-    """The linear frequency at eps = 0, and the coefficients as derivatives in eps."""
+    """Check the linear frequency at eps = 0, and the coefficients as derivatives in eps."""
     h = 1e-3
     down, middle, up = (
         solved_for(candidate, omega, {epsilon: e, omega_1: 0.7, omega_2: -0.4}).real
@@ -207,124 +230,3 @@ def free_solution(candidate: sp.Basic) -> Evidence:
     expected[1], expected[-1] = size, size.conjugate()
     worst = float(abs(spectrum - expected).max())
     return Evidence(worst < 1e-12, f"its Fourier coefficients are A and A*: off by {worst:.1e}")
-
-
-def _secular_integral(size: complex, rate: complex, w1: float, p: dict[str, float]) -> complex:
-    """Minus the e^{it} Fourier coefficient of the right side of (19), by direct averaging."""
-
-    def right(s: Any) -> Any:
-        y = 2 * (size * np.exp(1j * s)).real
-        first = 2 * (1j * size * np.exp(1j * s)).real
-        mixed = 2 * (1j * rate * np.exp(1j * s)).real
-        side = p["alpha"] * math.exp(p["k1"]) * np.sin(s + p["k2"])
-        damping = first * (1 + y**2 * (p["b"] * y**2 - p["a"]))
-        return 2 * w1 * y - 2 * mixed - 2 * p["c"] * (y - side) - damping
-
-    return -fast_average(right, 1)
-
-
-def _amplitude_numbers(rng: random.Random) -> tuple[dict[Any, Any], dict[str, float]]:
-    p = _parameters(rng)
-    size, angle, grow, turn, w1 = (rng.uniform(0.3, 1.4) for _ in range(5))
-    point = {**_named(p), R: size, theta: angle, under_test.R_rate: grow,
-             under_test.theta_rate: turn, omega_1: w1}  # fmt: skip
-    return point, p
-
-
-def _secular_point(rng: random.Random) -> tuple[Point, list[complex]]:
-    point, p = _amplitude_numbers(rng)
-    size = point[R] * cmath.exp(1j * point[theta])
-    rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
-    point |= {under_test.A: size, under_test.A_rate: rate}
-    return point, [_secular_integral(size, rate, point[omega_1], p)]
-
-
-def _turned(rng: random.Random, steady: bool = False) -> tuple[dict[Any, Any], complex]:
-    point, p = _amplitude_numbers(rng)
-    size = point[R] * cmath.exp(1j * point[theta])
-    grow, turn = point[under_test.R_rate], point[under_test.theta_rate]
-    rate = 0 if steady else (grow + 1j * point[R] * turn) * cmath.exp(1j * point[theta])
-    found = _secular_integral(size, rate, point[omega_1], p)
-    return point, found * cmath.exp(-1j * point[theta])
-
-
-def _polar_form_point(rng: random.Random) -> Point:
-    size, angle = rng.uniform(0.3, 2), rng.uniform(-3, 3)
-    return {R: size, theta: angle, under_test.A: complex(size * math.cos(angle),
-                                                         size * math.sin(angle))}  # fmt: skip
-
-
-def _parts(steady: bool) -> Callable[[random.Random], tuple[Point, list[complex]]]:
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, turned = _turned(rng, steady)
-        return point, [turned.imag, turned.real]
-
-    return draw
-
-
-def _polar_point(rng: random.Random) -> tuple[Point, list[complex]]:
-    point, turned = _turned(rng)
-    return point, [turned]
-
-
-_DIRECT = "the Fourier coefficient of (19) by direct averaging"
-secular = equals(_secular_point, _DIRECT)
-polar = vanishes_at(_polar_form_point, "modulus and argument")
-secular_polar = equals(_polar_point, _DIRECT)
-secular_parts = equals(_parts(steady=False), _DIRECT)
-steady_parts = equals(_parts(steady=True), _DIRECT)
-
-
-def _balanced(rng: random.Random, phase: float | None = None) -> dict[Any, Any]:
-    """Numbers for which the direct average vanishes with alpha_0 = 2 R: the rest is solved for.
-
-    The average is affine in b and in omega_1, so two evaluations a parameter give both.
-    """
-    p = _parameters(rng)
-    size, angle = rng.uniform(0.5, 1.2), rng.uniform(-3, 3)
-    p["alpha"] = 2 * size
-    p["k2"] = angle + (rng.uniform(0.4, 1.2) if phase is None else phase)
-    amplitude = size * cmath.exp(1j * angle)
-
-    def average(extra: float, w1: float) -> complex:
-        return _secular_integral(amplitude, 0, w1, {**p, "b": extra}) * cmath.exp(-1j * angle)
-
-    rest, by_b, by_w = average(0, 0), average(1, 0), average(0, 1)
-    extra, w1 = -rest.imag / (by_b - rest).imag, -rest.real / (by_w - rest).real
-    return {**_named({**p, "b": extra}), R: size, theta: angle, omega_1: w1, delta: w1 - p["c"]}
-
-
-def _cost_point(rng: random.Random) -> Point:
-    point = _balanced(rng)
-    size = 4 * point[c] ** 2 * math.exp(2 * point[k_1])
-    damped = -2 * point[R] ** 4 * point[b] + point[R] ** 2 * point[a] - 1
-    return {**point, under_test.loss: 1 - damped**2 / size}
-
-
-def _neglected_error(candidate: sp.Basic, shift: Any) -> Any:
-    """The exact balance at detuning ``shift``: only the phase moves it off the neglected one."""
-    growth, size, linear, spring = mp.mpf("-0.7"), mp.mpf("0.9"), mp.mpf("2.1"), mp.mpf("0.4")
-    drive = 2 * spring * mp.exp(growth)
-    balance = mp.sqrt(drive**2 - 4 * shift**2)
-    extra = (linear * size**2 - 1 - balance) / (2 * size**4)
-    point = {k_1: growth, R: size, a: linear, b: extra, c: spring}
-    return residual(candidate, point, 40)[0]
-
-
-def _decay_point(rng: random.Random) -> Point:
-    point = _balanced(rng, phase=0.0)
-    return {**point, alpha_0: 2 * point[R], sp.exp(k_1): math.exp(point[k_1])}
-
-
-def _breather_frequency_point(rng: random.Random) -> Point:
-    point = _balanced(rng, phase=0.0)
-    return {**point, omega: 1 + point[epsilon] * point[omega_1]}
-
-
-_SOLVED = "amplitudes for which the direct average of (19) vanishes"
-modulus = vanishes_at(_balanced, _SOLVED)
-close_frequency = vanishes_at(_balanced, _SOLVED)
-neglected = has_order(_neglected_error, 2, "what (28) leaves of (26), against delta")
-cost = vanishes_at(_cost_point, _SOLVED)
-decay = vanishes_at(_decay_point, _SOLVED + " at k_2 = theta")
-breather_frequency = vanishes_at(_breather_frequency_point, _SOLVED + " at k_2 = theta")

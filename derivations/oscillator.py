@@ -28,7 +28,7 @@ class Oscillator:
 
     damping: Mapping[int, sp.Expr]
     stiffness: Mapping[int, sp.Expr] = field(default_factory=dict)
-    coupling: sp.Expr = sp.Integer(0)
+    coupling: sp.Expr = sp.S.Zero
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
@@ -40,7 +40,7 @@ class Oscillator:
     @property
     def is_chain(self) -> bool:
         """Whether neighbours are coupled."""
-        return self.coupling != 0
+        return bool(self.coupling != 0)
 
     def force(self, ring: HarmonicRing, y: Harmonics, rate: Harmonics) -> Harmonics:
         """``y' h(y) + g(y)`` of one site, without the coupling."""
@@ -49,7 +49,7 @@ class Oscillator:
     def force_change(
         self, ring: HarmonicRing, y: Harmonics, rate: Harmonics, dy: Harmonics, drate: Harmonics
     ) -> Harmonics:
-        """The first-order change of ``force`` under ``y + dy``, ``rate + drate``."""
+        """Return the first-order change of ``force`` under ``y + dy``, ``rate + drate``."""
         slope = rate * _polynomial(ring, _derivative(self.damping), y)
         slope = slope + _polynomial(ring, _derivative(self.stiffness), y)
         return drate * _polynomial(ring, self.damping, y) + dy * slope
@@ -63,7 +63,7 @@ class Oscillator:
 
 
 def van_der_pol(coupled: bool) -> Oscillator:
-    """The cell of Eq. (8), ``h = 1 - a y^2 + b y^4``, isolated or in the chain."""
+    """Return the cell of Eq. (8), ``h = 1 - a y^2 + b y^4``, isolated or in the chain."""
     a, b, c = sp.symbols("a b c", positive=True)
     return Oscillator({0: sp.Integer(1), 2: -a, 4: b}, {}, c if coupled else sp.Integer(0))
 

@@ -15,7 +15,7 @@ import numpy as np
 def orbit(
     start: Any, frequency: float, p: dict[str, float], *, steps: int = 30
 ) -> tuple[Any, float]:
-    """A periodic orbit of Eq. (8) on a half chain that is mirrored at site 0 and ends in rest.
+    """Find a periodic orbit of (8) on a half chain, mirrored at site 0 and ending in rest.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def orbit(
         slope = -2 * p["a"] * y + 4 * p["b"] * y**3
         for site in range(sites):
             block = slice(site * samples, (site + 1) * samples)
-            matrix[block, block] += p["e"] * w * (
-                factor[site][:, None] * first + np.diag(rate[site] * slope[site])
+            matrix[block, block] += (
+                p["e"] * w * (factor[site][:, None] * first + np.diag(rate[site] * slope[site]))
             )
         matrix[:size, size] = (2 * w * (y @ second.T) + p["e"] * rate * factor).ravel()
         matrix[size, :samples] = phase
@@ -72,7 +72,7 @@ def orbit(
 
 
 def harmonic(y: Any, number: int) -> Any:
-    """The complex coefficient of ``e^{i number w t}``, shape of y without its last axis."""
+    """Return the complex coefficient of ``e^{i number w t}``, shape of y without its last axis."""
     return np.fft.fft(y, axis=-1)[..., number] / y.shape[-1]
 
 

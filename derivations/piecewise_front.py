@@ -7,15 +7,40 @@ import sys
 import sympy as sp
 
 from derivations import piecewise_front_evidence as seen
-from derivations.averaging import averaged_form, phi as site_phi, phi_rate
+from derivations.averaging import averaged_form
+from derivations.averaging_symbols import phi as site_phi
+from derivations.averaging_symbols import phi_rate as site_rate
 from derivations.derivation import Derivation, Step, equation
 from derivations.front_symbols import (
-    DISPERSION, L, L_k, M_minus, M_plus, SLOPE, SumOver, a, b, c, epsilon, eta, k, n, over_roots,
-    phi, phi_s, phi_us, ratio, speed, t, v, zeta,
-)  # fmt: skip
-from derivations.symbols import a as a_chain, b as b_chain, c as c_chain, epsilon as small, omega
+    DISPERSION,
+    SLOPE,
+    F,
+    L,
+    L_k,
+    M_minus,
+    M_plus,
+    a,
+    b,
+    c,
+    epsilon,
+    eta,
+    k,
+    n,
+    over_roots,
+    phi,
+    phi_s,
+    phi_us,
+    speed,
+    t,
+    v,
+    zeta,
+)
+from derivations.symbols import a as a_chain
+from derivations.symbols import b as b_chain
+from derivations.symbols import c as c_chain
+from derivations.symbols import epsilon as small
+from derivations.symbols import omega
 
-F = sp.Symbol("F")
 i = sp.I
 
 
@@ -32,15 +57,15 @@ def derive() -> Derivation:
 
 
 def switched(target: sp.Expr, threshold: sp.Expr) -> sp.Piecewise:
-    """The two branches of Eq. (44), by the modulus of phi."""
+    """Return the two branches of Eq. (44), by the modulus of phi."""
     own = site_phi[0]
     return sp.Piecewise((own, sp.Abs(own) < sp.Abs(threshold)), (own - target, True))
 
 
 def lattice_side() -> sp.Expr:
-    """The left side of Eq. (44)."""
+    """Return the left side of Eq. (44)."""
     differences = 2 * site_phi[0] - site_phi[-1] - site_phi[1]
-    return phi_rate - i * epsilon * c / 2 * differences
+    return site_rate - i * epsilon * c / 2 * differences
 
 
 def _to_moving_frame() -> tuple[Step, ...]:
@@ -54,7 +79,7 @@ def _to_moving_frame() -> tuple[Step, ...]:
                       equation(site_phi[-1], phi(zeta - 1)))  # fmt: skip
     # phi_n' = -v dphi/dzeta with v = eps v_hat; theta(|phi| - |phi_us|) = theta(-zeta); over eps.
     front = lattice_side().subs({
-        phi_rate: -epsilon * v * phi(zeta).diff(zeta), own: phi(zeta),
+        site_rate: -epsilon * v * phi(zeta).diff(zeta), own: phi(zeta),
         site_phi[1]: phi(zeta + 1), site_phi[-1]: phi(zeta - 1),
     })  # fmt: skip
     linear = sp.expand((front + epsilon * phi(zeta) / 2) / epsilon)
@@ -88,11 +113,12 @@ def _to_profile() -> tuple[Step, ...]:
     ahead = sp.simplify(pre * 2 * sp.pi * i) * over_roots(wave, M_plus)
     pole = sp.simplify(-pre * 2 * sp.pi * i / DISPERSION.subs(k, 0))
     behind = pole + sp.simplify(-pre * 2 * sp.pi * i) * over_roots(wave, M_minus)
-    sets = sp.Tuple(
-        sp.Contains(k, sp.ConditionSet(k, sp.And(sp.Eq(DISPERSION, 0), sp.im(k) > 0), sp.S.Complexes),
-                    evaluate=False),
-        sp.Contains(k, sp.ConditionSet(k, sp.And(sp.Eq(DISPERSION, 0), sp.im(k) < 0), sp.S.Complexes),
-                    evaluate=False))  # fmt: skip
+    sides = (sp.im(k) > 0, sp.im(k) < 0)
+    members = (sp.And(sp.Eq(DISPERSION, 0), side) for side in sides)
+    sets = sp.Tuple(*(
+        sp.Contains(k, sp.ConditionSet(k, member, sp.S.Complexes), evaluate=False)
+        for member in members
+    ))  # fmt: skip
     on_roots = -1 / (2 * k) + 2 * i * c / k * sp.sin(k / 2) ** 2 - i * c * sp.sin(k)
     return (
         Step("Fourier transform of (48) and its inverse, closed above for zeta > 0 (residues in M+)"
@@ -122,9 +148,6 @@ def _to_kinetic_relation() -> tuple[Step, ...]:
         Step("Absolute values; only they are known, for the phase of each cycle is free",
              relation, seen.relation, 54),
     )  # fmt: skip
-
-
-__all__ = ["SumOver", "derive", "lattice_side", "ratio", "switched"]
 
 
 if __name__ == "__main__":

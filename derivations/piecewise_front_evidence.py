@@ -15,8 +15,9 @@ from scipy.optimize import brentq
 
 from derivations import front_numbers as numbers
 from derivations import front_symbols as s
-from derivations import piecewise_front as under_test
 from derivations.averaging_evidence import direct_average
+from derivations.averaging_symbols import phi as site_phi
+from derivations.averaging_symbols import phi_rate as site_rate
 from derivations.derivation import Evidence
 from derivations.evidence import Point, equals, parts_of, solved_for, value, vanishes_at
 
@@ -34,8 +35,8 @@ def _cell(rng: random.Random) -> dict[str, float]:
 
 
 def _sites(values: list[complex], rate: complex, p: dict[str, float]) -> dict[Any, Any]:
-    return {under_test.site_phi[0]: values[0], under_test.site_phi[-1]: values[1],
-            under_test.site_phi[1]: values[2], under_test.phi_rate: rate, s.epsilon: p["e"],
+    return {site_phi[0]: values[0], site_phi[-1]: values[1],
+            site_phi[1]: values[2], site_rate: rate, s.epsilon: p["e"],
             s.a: p["a"], s.b: p["b"], s.c: p["c"]}  # fmt: skip
 
 
@@ -50,7 +51,7 @@ def _averaged_point(rng: random.Random) -> tuple[Point, list[complex]]:
 
 
 def _two_lines_point(rng: random.Random) -> tuple[Point, list[complex]]:
-    """The direct average linearised at rest; beyond the threshold, the same about phi_s."""
+    """Linearise the direct average at rest; beyond the threshold, the same about phi_s."""
     p, rate = _cell(rng), _complex(rng)
     cycle = 3 * cmath.exp(1j * rng.uniform(0, 6))
     excited = rng.random() < 0.5
@@ -68,8 +69,8 @@ def _force_point(rng: random.Random) -> Point:
     size = rng.choice([0.6, 1.6])
     own = size * cmath.exp(1j * rng.uniform(0, 6))
     force = -p["e"] / 2 * (own - target if size > 1 else own)
-    return {s.epsilon: p["e"], under_test.site_phi[0]: own, s.phi_s: target,
-            s.phi_us: 1j, under_test.F: force}  # fmt: skip
+    return {s.epsilon: p["e"], site_phi[0]: own, s.phi_s: target,
+            s.phi_us: 1j, s.F: force}  # fmt: skip
 
 
 def _wave(z: Any) -> Any:
@@ -85,7 +86,7 @@ def _moving_point(rng: random.Random) -> Point:
     here = place - fast * when
     point: dict[Any, Any] = {s.n: place, s.t: when, s.speed: fast, s.zeta: here}
     for offset in (-1, 0, 1):
-        point[under_test.site_phi[offset]] = seen_at(place + offset)
+        point[site_phi[offset]] = seen_at(place + offset)
         point[s.phi(s.zeta + offset)] = complex(_wave(here + offset))
     return point
 
@@ -115,7 +116,7 @@ def figure_16() -> tuple[float, float, float]:
 
 
 def admissible(candidate: sp.Basic) -> Evidence:
-    """The two sides agree at every one of a row of places of the front of Fig. 16."""
+    """Check that the two sides agree at each of a row of places of the front of Fig. 16."""
     fast, spring, r = figure_16()
     places = [-4.3, -2.0, -1.2, -0.5, -0.1, 0.1, 0.5, 1.2, 2.0, 4.3]
     for place in places:
@@ -132,7 +133,7 @@ def profile(candidate: sp.Basic) -> Evidence:
     """Against the front built in the time domain, at both signs of zeta."""
     (_, right), worst = candidate.args, 0.0
     target = 0.8 - 0.4j
-    for place, (fast, spring) in zip((-1.5, -0.4, 0.3, 1.5), _SCENES + ((0.5, 0.5),), strict=True):
+    for place, (fast, spring) in zip((-1.5, -0.4, 0.3, 1.5), (*_SCENES, (0.5, 0.5)), strict=True):
         exact = target * numbers.profile(place, fast, spring)
         point: dict[Any, Any] = {s.v: fast, s.c: spring, s.phi_s: target}
         branch = right.xreplace({s.zeta: sp.Float(place)})
@@ -194,7 +195,7 @@ def threshold(candidate: sp.Basic) -> Evidence:
 
 
 def relation(candidate: sp.Basic) -> Evidence:
-    """The modulus of (53) on the front, and the two cycles from the direct average."""
+    """Check the modulus of (53) on the front, and the two cycles of the direct average."""
     pieces = parts_of(candidate)
     if len(pieces) != 3:
         return Evidence(False, "three equations are expected")
@@ -208,12 +209,12 @@ def relation(candidate: sp.Basic) -> Evidence:
         def rate(size: float, p: dict[str, float] = p) -> float:
             return direct_average([complex(size), 0, 0], 0, p).real / size
 
-        valley = brentq(lambda q, rate=rate: rate(q + 1e-4) - rate(q - 1e-4), 0.2, 30.0)  # type: ignore[misc]
+        valley = brentq(lambda q, rate=rate: rate(q + 1e-4) - rate(q - 1e-4), 0.2, 30.0)
         inner, outer = brentq(rate, 1e-6, valley), brentq(rate, valley, 60.0)
         point = {s.a: linear, s.b: quintic, s.eta: quintic / (linear * linear),
                  s.phi_us: inner * 1j, s.phi_s: outer * cmath.exp(0.3j)}  # fmt: skip
         for piece in pieces[1:]:
-            worst = max(worst, abs(value(piece.lhs, point) - value(piece.rhs, point)))  # type: ignore[attr-defined]
+            worst = max(worst, abs(value(piece.lhs, point) - value(piece.rhs, point)))
     return Evidence(
         worst < 1e-9,
         f"{first.statement}; cycles of the direct average: off by at most {worst:.1e}",

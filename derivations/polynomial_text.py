@@ -61,7 +61,7 @@ class _Reader:
 
 
 def read_polynomial(text: str, quantity: str = "polynomial") -> dict[Monomial, Fraction]:
-    """The terms of a polynomial.
+    """Return the terms of a polynomial.
 
     Parameters
     ----------

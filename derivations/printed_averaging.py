@@ -6,7 +6,7 @@ import sympy as sp
 
 from derivations import averaging_readings as readings
 from derivations import linearisation
-from derivations.averaging import A_n, phi, phi_rate, psi, psi_rate, y, y_rate, y_second
+from derivations.averaging_symbols import A_n, phi, phi_rate, psi, psi_rate, y, y_rate, y_second
 from derivations.derivation import equation
 from derivations.printed import Printed, Reading, Verdict
 from derivations.symbols import a, alpha_0, b, c, epsilon, i, k_1, k_2, n, omega, t
@@ -24,7 +24,7 @@ def _mixed(offset: int) -> sp.Expr:
 
 
 def _bracket(square_sign: int) -> sp.Expr:
-    """The damping bracket of (33); print has -1 for the sign of its last a-term."""
+    """Return the damping bracket of (33); print has -1 for the sign of its last a-term."""
     up = sp.exp(2 * i * omega * t)
     second = _p**2 * up - 2 * _p * _q + square_sign * _q**2 * _fast
     fourth = _p**4 * up**2 - 4 * _p * _q * _p**2 * up + 6 * _p**2 * _q**2
@@ -115,7 +115,8 @@ _AVERAGED = (
     Printed(
         36, r"\sin k_2 = \frac{2(1+\varepsilon c)}{c(e^{k_1} - e^{-k_1})}\left(\frac12 - a"
             r"\frac{\alpha_0^2e^{2k_1n}}{8(1+\varepsilon c)^2} + b\frac{\alpha_0^4e^{4k_1n}}"
-            r"{16(1+\varepsilon c)^4}\right),\ \cos k_2 = -\frac{\varepsilon c}{e^{k_1} + e^{-k_1}}",
+            r"{16(1+\varepsilon c)^4}\right),\ \cos k_2 = -\frac{\varepsilon c}{e^{k_1} "
+            r"+ e^{-k_1}}",
         sp.Tuple(
             equation(sp.sin(k_2), 2 * (1 + epsilon * c) / (c * _lean)
                      * (sp.Rational(1, 2) - a * alpha_0**2 * sp.exp(2 * k_1 * n)
@@ -136,8 +137,8 @@ _AVERAGED = (
     Printed(
         38, r"A_n = \alpha_0 e^{k_1|n|}", equation(A_n, alpha_0 * sp.exp(k_1 * sp.Abs(n))),
         Verdict.HOLDS,
-        "The amplitude of (9), said again. For the averaged breather the ratio of neighbours is not "
-        "constant: at a = 2.5, b = 0.5, c = 0.1 it is 0.1046, then 0.0991, then 0.0990.",
+        "The amplitude of (9), said again. For the averaged breather the ratio of neighbours is "
+        "not constant: at a = 2.5, b = 0.5, c = 0.1 it is 0.1046, then 0.0991, then 0.0990.",
     ),
 )  # fmt: skip
 
@@ -165,8 +166,8 @@ def _field_as_printed() -> sp.Eq:
     rows = list(x[sites:])
     for place in range(sites):
         right, left = x[(place + 1) % sites], x[(place - 1) % sites]
-        rows.append(-x[place] - epsilon * c * (2 * x[place] - right - left)
-                    - epsilon * x[sites + place] * (1 - a * x[place] ** 2 + b * x[place] ** 4))  # fmt: skip
+        drag = epsilon * x[sites + place] * (1 - a * x[place] ** 2 + b * x[place] ** 4)
+        rows.append(-x[place] - epsilon * c * (2 * x[place] - right - left) - drag)
     return equation(linearisation.field_name, sp.ImmutableMatrix(rows))
 
 

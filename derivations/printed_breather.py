@@ -5,12 +5,29 @@ from __future__ import annotations
 import sympy as sp
 
 from derivations.derivation import equation
-from derivations.multiple_scales import A, A_rate, R_rate, Y, Y0, Y1, theta_rate
+from derivations.multiple_scales_symbols import Y0, Y1, A, A_rate, R_rate, Y, theta_rate
 from derivations.printed import Printed, Verdict
 from derivations.symbols import (
-    R, a, alpha_0, b, c, delta, epsilon, i, k_1, k_2, n, omega, omega_1, omega_2, site, t, t_hat,
-    tau, theta,
-)  # fmt: skip
+    R,
+    a,
+    alpha_0,
+    b,
+    c,
+    delta,
+    epsilon,
+    i,
+    k_1,
+    k_2,
+    n,
+    omega,
+    omega_1,
+    omega_2,
+    site,
+    t,
+    t_hat,
+    tau,
+    theta,
+)
 
 _y, _y0, _y1 = site(), site(0, index=""), site(1, index="")
 _wave = alpha_0 * sp.exp(k_1) * sp.sin(omega * t + k_2)
@@ -36,8 +53,8 @@ _TO_ORDERS = (
         9, r"y_n = \alpha_0 e^{k_1|n|}\sin(\omega t + k_2|n|)",
         equation(_y, alpha_0 * sp.exp(k_1 * sp.Abs(n)) * sp.sin(omega * t + k_2 * sp.Abs(n))),
         Verdict.ASSUMPTION,
-        "Constant k_1 and k_2. No such motion solves the averaged chain at three or more sites; see "
-        "(35).",
+        "Constant k_1 and k_2. No such motion solves the averaged chain at three or more sites; "
+        "see (35).",
         "(11), (29), (35)-(38), Fig. 8.",
     ),
     Printed(
@@ -162,9 +179,9 @@ _TO_BREATHER = (
     Printed(
         27, r"\omega_1 = c + \delta;\quad \delta\ll c", equation(omega_1, c + delta),
         Verdict.ASSUMPTION,
-        "delta = -c e^{k_1} sin(k_2 - theta), which is zero for phase steps of -pi/2. The condition "
-        "that (28) needs is delta << c e^{k_1}, which is stronger than the one printed. The letter "
-        "delta returns in (41) as a perturbation.",
+        "delta = -c e^{k_1} sin(k_2 - theta), which is zero for phase steps of -pi/2. The "
+        "condition that (28) needs is delta << c e^{k_1}, stronger than the one printed. The "
+        "letter delta returns in (41) as a perturbation.",
         "(28)-(30).",
     ),
     Printed(

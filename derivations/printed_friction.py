@@ -6,14 +6,34 @@ import sympy as sp
 
 from derivations.derivation import equation
 from derivations.friction import (
-    F_N, F_tilde, X, Y, F, c, d, eta_c, k, m, mu, mu_d, mu_st, omega_n, t, tau, v_0, v_rel,
-    v_tilde_0, v_tilde_rel, xi, y_0,
-)  # fmt: skip
+    F_N,
+    F,
+    F_tilde,
+    X,
+    Y,
+    c,
+    d,
+    eta_c,
+    k,
+    m,
+    mu,
+    mu_d,
+    mu_st,
+    omega_n,
+    t,
+    tau,
+    v_0,
+    v_rel,
+    v_tilde_0,
+    v_tilde_rel,
+    xi,
+    y_0,
+)
 from derivations.printed import Printed, Reading, Verdict
 
 
 def _friction(speed: sp.Symbol, scale: sp.Symbol) -> sp.Expr:
-    """mu as its two limits require; (3) and (6) only refer to it."""
+    """Mu as its two limits require; (3) and (6) only refer to it."""
     return mu_d + (mu_st - mu_d) * sp.exp(-sp.Abs(speed) / scale)
 
 
@@ -36,8 +56,8 @@ EQUATIONS = (
         2, r"\mu(v_{rel}) = \mu_{st} + (\mu_{st} - \mu_d)e^{-|v_{rel}|/v_0}",
         equation(mu, mu_st + (mu_st - mu_d) * sp.exp(-sp.Abs(v_rel) / v_0)),
         Verdict.MISPRINT,
-        "The first mu_st must be mu_d. As printed mu(0) = 2 mu_st - mu_d and mu tends to mu_st; the "
-        "text below states mu(0) = mu_st and mu(infinity) = mu_d.",
+        "The first mu_st must be mu_d. As printed mu(0) = 2 mu_st - mu_d and mu tends to mu_st; "
+        "the text below states mu(0) = mu_st and mu(infinity) = mu_d.",
         "(3), (6) and all of model I use mu: the steady state, its stability and Figs. 2-6. With "
         "the printed sign the slip force at rest would also exceed the stick limit of (3).",
     ),
@@ -90,7 +110,7 @@ EQUATIONS = (
         sp.Tuple(equation(mu_st, 1), equation(mu_d, sp.Rational(1, 2)),
                  equation(v_tilde_0, sp.Rational(1, 2)), equation(xi, sp.Rational(1, 20))),
         Verdict.DEFINITION,
-        "The parameters of model I. With them steady sliding is stable from v_d = 0.5 ln 10 = 1.151 "
-        "on, so 1.25 is in the bistable range, as Fig. 2 says.",
+        "The parameters of model I. With them steady sliding is stable from v_d = 0.5 ln 10 = "
+        "1.151 on, so 1.25 is in the bistable range, as Fig. 2 says.",
     ),
 )  # fmt: skip

@@ -5,14 +5,32 @@ from __future__ import annotations
 import sympy as sp
 
 from derivations import piecewise_front_evidence as seen
-from derivations.averaging import phi as site_phi, phi_rate
+from derivations.averaging_symbols import phi as site_phi
+from derivations.averaging_symbols import phi_rate
 from derivations.derivation import equation
 from derivations.front_readings import real_ratio
 from derivations.front_symbols import (
-    L, L_k, M_minus, M_plus, SumOver, a, b, c, epsilon, eta, k, n, phi, phi_s, phi_us, speed, t, v,
+    F,
+    L,
+    L_k,
+    M_minus,
+    M_plus,
+    SumOver,
+    a,
+    b,
+    c,
+    epsilon,
+    eta,
+    k,
+    n,
+    phi,
+    phi_s,
+    phi_us,
+    speed,
+    t,
+    v,
     zeta,
-)  # fmt: skip
-from derivations.piecewise_front import F
+)
 from derivations.printed import Printed, Reading, Verdict
 
 i = sp.I
@@ -59,7 +77,7 @@ EQUATIONS = (
         _lines(_own, phi_us), Verdict.AMBIGUOUS,
         "An inequality between complex numbers has no meaning. The model also fixes the phase of "
         "phi_s, which (43) leaves free, and gives the cycle the decay rate of the rest state; in "
-        "(43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2, 12.9 instead of 0.5 at a = 4, b = 0.5.",
+        "(43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2: 12.9, not 0.5, at a = 4, b = 0.5.",
         "(45), (47), (53), (54): the reading decides which kinetic relation follows.",
         (
             Reading("|phi_n| against |phi_us|", _lines(sp.Abs(_own), sp.Abs(phi_us)), True,

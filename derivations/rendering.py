@@ -28,7 +28,7 @@ PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 
 
 def equation_text(equation: sp.Basic) -> str:
-    """An equation on one line, a system on several.
+    """Return an equation on one line, a system on several.
 
     Examples
     --------
@@ -40,7 +40,7 @@ def equation_text(equation: sp.Basic) -> str:
 
 def equation_latex(equation: sp.Basic) -> str:
     """LaTeX for use inside a display; a system becomes ``aligned`` lines."""
-    parts = [sp.latex(part) for part in parts_of(equation)]
+    parts = [str(sp.latex(part)) for part in parts_of(equation)]
     if len(parts) == 1:
         return parts[0]
     return "\\begin{aligned}\n" + " \\\\\n".join(f"& {part}" for part in parts) + "\n\\end{aligned}"
@@ -59,7 +59,7 @@ def equation_mathml(equation: sp.Basic) -> str:
 
 
 def text(derivation: Derivation) -> str:
-    """The steps with their evidence, for a terminal; says so where a check fails, and stops."""
+    """Write the steps with their evidence; where a check fails, say so and stop."""
     lines = [derivation.title, ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
         label = f"  (Eq. {step.number})" if step.number is not None else ""
@@ -72,7 +72,7 @@ def text(derivation: Derivation) -> str:
 
 
 def records(derivation: Derivation) -> dict[str, Any]:
-    """The derivation as plain data for JSON."""
+    """Return the derivation as plain data for JSON."""
     steps = []
     complete = True
     for step, evidence in derivation.examined():
@@ -119,7 +119,7 @@ def mathml(derivation: Derivation) -> str:
 
 
 def document(*derivations: Derivation) -> str:
-    """A complete LaTeX document."""
+    """Return a complete LaTeX document."""
     body = []
     for derivation in derivations:
         body.append(f"\\section*{{{_tex_words(derivation.title)}}}\n\\begin{{enumerate}}")
@@ -132,8 +132,10 @@ def document(*derivations: Derivation) -> str:
 
 
 def shown(derivation: Derivation, form: str) -> str:
-    """The derivation in one of the text formats."""
-    return {"text": text, "latex": document, "mathml": mathml}[form](derivation)
+    """Return the derivation in one of the text formats."""
+    if form == "latex":
+        return document(derivation)
+    return mathml(derivation) if form == "mathml" else text(derivation)
 
 
 def _display(step: Step) -> str:

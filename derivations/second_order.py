@@ -16,17 +16,22 @@ from derivations.modulation import (
     same_polynomial,
 )
 from derivations.oscillator import van_der_pol
-from derivations.symbols import a, b, c, epsilon, omega
-
-rate = sp.Symbol("A'")
-phi_rate, fundamental = sp.symbols(r"\varphi' A_1")
-square = sp.Symbol("s", positive=True)
-y_next, size = sp.symbols("y^{(1)} |A|")
-turn = sp.Symbol("E")
-r_n, r_left, r_right, r_far_left, r_far_right = sp.symbols(
-    "r_n r_{n-1} r_{n+1} r_{n-2} r_{n+2}", real=True
+from derivations.second_order_symbols import (
+    fundamental,
+    phi_rate,
+    r_far_left,
+    r_far_right,
+    r_left,
+    r_n,
+    r_rate,
+    r_right,
+    rate,
+    size,
+    square,
+    turn,
+    y_next,
 )
-r_rate = sp.Symbol("rho_n'")
+from derivations.symbols import a, b, c, epsilon, omega
 
 
 def derive() -> Derivation:
@@ -52,7 +57,7 @@ def frequency_shift(cell: Modulation) -> sp.Expr:
 
 
 def staggered(chain: Modulation) -> sp.Expr:
-    """``rho_n'`` a unit of eps, at real r_n, for ``2 i A_n = (-i)^n rho_n e^{i eps c t}``, n > 1."""
+    """Put real r_n for rho_n in the equation of ``2 i A_n = (-i)^n rho_n e^{i eps c t}``, n > 1."""
     reals = (r_far_left, r_left, r_n, r_right, r_far_right)
     put: dict[sp.Basic, sp.Expr] = {}
     for offset, (symbol, real) in enumerate(zip(chain.ring.amplitudes, reals, strict=True), -2):
@@ -71,7 +76,9 @@ def steps() -> tuple[Step, ...]:
         if not (same_polynomial(first, scales.first) and same_polynomial(second, scales.second)):
             raise ArithmeticError(f"the two routes disagree for the {name}")
         shift = -averaged.ring.conjugate(averaged.correction.coefficient(-2))
-        carried = averaged.ring.as_expr(first) * epsilon + averaged.ring.as_expr(second) * epsilon**2
+        carried = (
+            averaged.ring.as_expr(first) * epsilon + averaged.ring.as_expr(second) * epsilon**2
+        )
         carried = carried.subs(
             dict(zip(averaged.ring.amplitudes, scales.ring.amplitudes, strict=True))
         )
@@ -94,7 +101,8 @@ def steps() -> tuple[Step, ...]:
                 Step("The next harmonics of the cell, E = e^{it}", equation(y_next, wave),
                      seen.next_harmonics),
                 Step("Frequency of both cycles of the cell, s = r^2 with 1 - a s/4 + b s^2/8 = 0",
-                     equation(omega, 1 + epsilon**2 * frequency_shift(scales)), seen.cell_frequency),
+                     equation(omega, 1 + epsilon**2 * frequency_shift(scales)),
+                     seen.cell_frequency),
                 Step("Their fundamental amplitude has no correction of order eps",
                      equation(size, sp.sqrt(square) / 2), seen.cell_amplitude),
             ]  # fmt: skip

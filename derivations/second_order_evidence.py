@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from derivations import second_order as under_test
+from derivations import second_order_symbols as under_test
 from derivations.derivation import Check, Evidence
 from derivations.evidence import solved_for, value
 from derivations.harmonics import site_symbol
@@ -55,7 +55,9 @@ def _slope(errors: list[float], order: int, what: str) -> Evidence:
     if min(errors) == 0:
         return Evidence(False, f"{what}: the error is exactly zero, so nothing was tested")
     found = math.log(errors[0] / errors[1]) / math.log(_STEPS[0] / _STEPS[1])
-    return Evidence(abs(found - order) < 0.1, f"{what}: slope {found:.3f} in eps, predicted {order}")
+    return Evidence(
+        abs(found - order) < 0.1, f"{what}: slope {found:.3f} in eps, predicted {order}"
+    )
 
 
 def _predicted(candidate: sp.Basic, names: dict[Any, Any], e: float) -> complex:
@@ -66,7 +68,7 @@ def _predicted(candidate: sp.Basic, names: dict[Any, Any], e: float) -> complex:
 
 
 def _residual(rate: complex, values: dict[int, complex], coupled: bool, e: float) -> float:
-    """What (8) leaves at e^{it} for a given dA/dt, with y1 from a Fourier transform."""
+    """Return what (8) leaves at e^{it} for a given dA/dt, with y1 from a Fourier transform."""
     size, h = values[0], 1e-5
     # A'' to order eps^2: the first-order flow differentiated along itself.
     flow = {at: _first(values, coupled, at) for at in ((-1, 0, 1) if coupled else (0,))}
@@ -104,7 +106,7 @@ def scales(coupled: bool) -> Check:
 
 
 def _right_side(values: dict[int, Any], coupled: bool) -> Any:
-    """phi' over eps, sampled; each phi a number or samples."""
+    """Phi' over eps, sampled; each phi a number or samples."""
     turned = {at: q * np.exp(1j * _T) for at, q in values.items()}
     force = _force(turned[0].imag, turned[0].real)
     if coupled:
@@ -113,7 +115,7 @@ def _right_side(values: dict[int, Any], coupled: bool) -> Any:
 
 
 def _oscillating(values: dict[int, complex], coupled: bool, at: int) -> Any:
-    """The zero-mean antiderivative of the right side at a site, by Fourier transform."""
+    """Return the zero-mean antiderivative of the right side at a site, by Fourier transform."""
     near = {0: values[at]}
     if coupled:
         near |= {-1: values[at - 1], 1: values[at + 1]}
@@ -124,7 +126,7 @@ def _oscillating(values: dict[int, complex], coupled: bool, at: int) -> Any:
 
 
 def averaging(coupled: bool) -> Check:
-    """The mean of the right side at phi plus its oscillating part, both by sampling."""
+    """Return the mean of the right side at phi plus its oscillating part, both by sampling."""
 
     def residual(candidate: sp.Basic, e: float) -> float:
         rate = _predicted(candidate, _names(r"\varphi", coupled, _SITES), e)
@@ -140,7 +142,7 @@ def averaging(coupled: bool) -> Check:
 
 
 def fundamental(coupled: bool) -> Check:
-    """The Fourier coefficient of y at e^{it}; y is the imaginary part of phi e^{it}."""
+    """Return the Fourier coefficient of y at e^{it}; y is the imaginary part of phi e^{it}."""
 
     def check(candidate: sp.Basic) -> Evidence:
         worst = 0.0
@@ -160,7 +162,7 @@ _EPS = (0.02, 0.01)
 
 @lru_cache(maxsize=32)
 def cell_orbit(linear: float, quintic: float, outer: bool, e: float) -> tuple[Any, float, float]:
-    """The true cycle, its frequency, and the square of its averaged amplitude."""
+    """Return the true cycle, its frequency, and the square of its averaged amplitude."""
     squares = np.sort(np.roots([quintic / 8, -linear / 4, 1.0]).real)
     s = float(squares[1 if outer else 0])
     samples = 101
@@ -204,7 +206,7 @@ def _amplitude_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any
 
 
 def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
-    """y minus its fundamental, against eps y1, over one period."""
+    """Y minus its fundamental, against eps y1, over one period."""
     first = complex(harmonic(y, 1))
     times = 2 * np.pi * np.arange(len(y)) / len(y)
     rest = y - 2 * (first * np.exp(1j * times)).real
@@ -218,7 +220,7 @@ def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any
 
 
 def staggered(candidate: sp.Basic) -> Evidence:
-    """The flow of A at staggered real amplitudes, with the residual projected by sampling."""
+    """Check the flow of A at staggered real amplitudes; the residual is projected by sampling."""
     reals = {-2: 1.7, -1: 1.4, 0: 1.2, 1: 0.9, 2: 0.7}
     names = {under_test.r_far_left: 1.7, under_test.r_left: 1.4, under_test.r_n: 1.2,
              under_test.r_right: 0.9, under_test.r_far_right: 0.7}  # fmt: skip

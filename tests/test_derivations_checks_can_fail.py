@@ -5,6 +5,8 @@ from functools import lru_cache
 
 import pytest
 import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.core.relational import Relational
 
 from derivations import catalogue
 from derivations.cell import derive as derive_cell
@@ -12,8 +14,6 @@ from derivations.derivation import Derivation, Step, equation
 from derivations.envelope import derive_envelope
 from derivations.errors import CheckFailedError
 from derivations.front_symbols import SumOver
-from sympy.core.function import AppliedUndef
-from sympy.core.relational import Relational
 
 MOST_OF_A_KIND = 12
 """Perturbations of each kind a step; long equations are sampled evenly to keep the run short."""
@@ -46,9 +46,9 @@ def perturbed(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
             yield f"{name} of {part}", rebuilt(factor * part)
         if isinstance(expression, sp.Pow) and place == 1 and part.is_Integer and part > 1:
             yield f"exponent {part}", rebuilt(part + 1)
-        if isinstance(expression, sp.Equality) and place == 1 and part == 0:
-            if expression.args[0].is_Symbol:
-                yield "zero", rebuilt(sp.Integer(1))
+        if isinstance(expression, sp.Equality) and (place, part) == (1, 0):
+            named = expression.args[0].is_Symbol
+            yield from [("zero", rebuilt(sp.Integer(1)))] if named else []
         for name, inner in perturbed(part):
             yield name, rebuilt(inner)
     if isinstance(expression, (sp.Equality, sp.Tuple)):
@@ -66,7 +66,7 @@ def factors_for(expression: sp.Basic, place: int) -> list[tuple[str, int]]:
     if isinstance(expression, sp.Function):
         if isinstance(expression, (sp.re, sp.im)):
             return both[:1]  # only compared with zero
-        if isinstance(expression, sp.conjugate) or len(expression.args) > 1 and place:
+        if isinstance(expression, sp.conjugate) or (len(expression.args) > 1 and place):
             return []
         if isinstance(expression, EVEN):
             return both[1:]

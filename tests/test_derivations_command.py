@@ -54,7 +54,9 @@ def test_all_in_json_has_one_entry_for_each_number(capsys):
 def test_each_format(capsys, form):
     code, out, _ = run(capsys, "linearisation", "--format", form)
     assert code == 0
-    assert {"text": "checked:", "latex": "\\documentclass", "mathml": "<math", "json": '"steps"'}[form] in out
+    assert {"text": "checked:", "latex": "\\documentclass", "mathml": "<math", "json": '"steps"'}[
+        form
+    ] in out
 
 
 def test_one_equation_shows_its_check_and_its_verdict(capsys):

@@ -42,7 +42,10 @@ def test_the_cell_of_the_paper():
     root = sp.sqrt(1 - 8 * eta)
     expected = sp.sqrt((1 - root) / (1 + root))
     assert sp.simplify(cell.ratio.subs(b, eta * a**2) - expected) == 0
-    assert [q.stability for q in cell.with_values({"a": 4, "b": 0.5}).cycles] == ["unstable", "stable"]
+    assert [q.stability for q in cell.with_values({"a": 4, "b": 0.5}).cycles] == [
+        "unstable",
+        "stable",
+    ]
     assert cell.kinetic_relation().rest_rate == 1
 
 
@@ -75,7 +78,9 @@ def test_a_fold_of_cycles_is_one_half_stable_cycle():
 
 
 def test_compiled_functions_follow_direct_integration():
-    cell = derive_envelope("1 - a*y**2 + b*y**4", "k*y**3", "c").compiled(a=2.5, b=0.5, k=0.4, c=0.2)
+    cell = derive_envelope("1 - a*y**2 + b*y**4", "k*y**3", "c").compiled(
+        a=2.5, b=0.5, k=0.4, c=0.2
+    )
     e, end = 2e-3, 1000.0
 
     def field(_, x):
@@ -199,4 +204,6 @@ def test_reading_undoes_writing(powers):
     expression = sum((sp.Rational(q.numerator, q.denominator) * y**k for k, q in powers.items()),
                      sp.Integer(0))  # fmt: skip
     terms = read_polynomial(str(expression))
-    assert {dict(m).get("y", 0): q for m, q in terms.items()} == {k: q for k, q in powers.items() if q}
+    assert {dict(m).get("y", 0): q for m, q in terms.items()} == {
+        k: q for k, q in powers.items() if q
+    }

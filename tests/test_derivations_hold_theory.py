@@ -49,7 +49,9 @@ def test_50_the_dispersion_relation(front):
         number = complex(rng.uniform(-8, 8), rng.uniform(-2, 2))
         point = {v: fast, c: spring, k: number}
         derived = solved_for(front.numbered(50).equation, L, point)
-        assert complex(dispersion.dispersion(np.array(number), fast, spring)) == pytest.approx(derived)
+        assert complex(dispersion.dispersion(np.array(number), fast, spring)) == pytest.approx(
+            derived
+        )
 
 
 def test_51_its_slope_at_any_k(front):

@@ -6,8 +6,9 @@ import pytest
 import sympy as sp
 
 from derivations import catalogue, printed
-from derivations.averaging import averaged_form, phi, phi_rate
+from derivations.averaging import averaged_form
 from derivations.averaging_evidence import averaged
+from derivations.averaging_symbols import phi, phi_rate
 from derivations.errors import DerivationInputError
 from derivations.evidence import value
 from derivations.symbols import a, b, c, epsilon, omega, t
@@ -53,9 +54,7 @@ def test_the_record_of_each_equation_is_plain_data(report):
         record = json.loads(json.dumps(found.record()))
         assert record["verdict"] in {kind.value for kind in printed.Verdict}
         assert record["note"]
-        assert (record["corrected"] is None) == (
-            record["number"] not in MISPRINTS | AMBIGUOUS
-        )
+        assert (record["corrected"] is None) == (record["number"] not in MISPRINTS | AMBIGUOUS)
 
 
 def test_all_equations_with_checks_take_less_than_fifteen_seconds(report):

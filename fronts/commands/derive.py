@@ -149,7 +149,7 @@ def _all(args: argparse.Namespace) -> Answer:
 
 def _cell(args: argparse.Namespace) -> Answer:
     if args.damping is None:
-        raise UsageError("a cell needs its damping, as in --damping \"1 - a*y**2 + b*y**4\".")
+        raise UsageError('a cell needs its damping, as in --damping "1 - a*y**2 + b*y**4".')
     if args.equation is not None or args.order != 1:
         raise UsageError("'cell' takes neither --equation nor --order: it averages to first order.")
     from derivations.cell import derive

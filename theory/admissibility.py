@@ -50,7 +50,8 @@ def check_admissible(v: float, c: float, r: float) -> Admissibility:
     Parameters
     ----------
     v, c : float
-        Front velocity v̂, a solution of (54), and coupling.
+        Front velocity v̂, a solution of (54), and coupling. The shape of a retreating front,
+        v < 0, is 1 - φ(-ζ) with φ that of -v.
     r : float
         Threshold |φ_us|/|φ_s|, 0 < r < 1.
 
@@ -59,30 +60,60 @@ def check_admissible(v: float, c: float, r: float) -> Admissibility:
     >>> check_admissible(0.3009923508929, 0.5, 0.2679491924311227).admissible
     True
     """
-    rate_behind, size_behind = tail_bound(v, c, ahead=False)
-    rate_ahead, size_ahead = tail_bound(v, c, ahead=True)
+    speed, retreating = abs(v), v < 0
+    rate_behind, size_behind = tail_bound(speed, c, ahead=False)
+    rate_ahead, size_ahead = tail_bound(speed, c, ahead=True)
+    if retreating:
+        rate_behind, rate_ahead = rate_ahead, rate_behind
+        size_behind, size_ahead = size_ahead, size_behind
     left = max(1.0, math.ceil(math.log(max(size_behind / (1.0 - r), 1.0)) / rate_behind))
     right = max(1.0, math.ceil(math.log(max(size_ahead / r, 1.0)) / rate_ahead))
     try:
-        grid = ProfileGrid.make(v, c, max(left, right) + 2.0, _TOLERANCE)
+        grid = ProfileGrid.make(speed, c, max(left, right) + 2.0, _TOLERANCE)
     except PrecisionError:
         return Admissibility(None, None, (left, right), 0)
-    zeta, phi = grid.on_lattice(_PER_SITE)
-    first = np.searchsorted(zeta, -left - 1.0)
-    last = np.searchsorted(zeta, right + 1.0) + 1
-    zeta, phi = zeta[first:last], phi[first:last]
-    inner = slice(_PER_SITE, -_PER_SITE)
-    slope = profile_slope(
-        zeta[inner], phi[inner], phi[2 * _PER_SITE :] + phi[: -2 * _PER_SITE], v, c
-    )
-    points = grid.points * _PER_SITE
-    zeta, phi = zeta[inner], phi[inner]
-    fails_at, more = _first_violation(grid, zeta, phi, slope, r)
-    return Admissibility(fails_at is None, fails_at, (left, right), points + more)
+    shape = _Shape(grid, retreating)
+    zeta, phi = shape.sampled(left + 1.0, right + 1.0)
+    outer = slice(_PER_SITE, -_PER_SITE)
+    slope = shape.slope(zeta[outer], phi[outer], phi[2 * _PER_SITE :] + phi[: -2 * _PER_SITE])
+    fails_at, more = _first_violation(shape, zeta[outer], phi[outer], slope, r)
+    points = grid.points * _PER_SITE + more
+    return Admissibility(fails_at is None, fails_at, (left, right), points)
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """The front φ(ζ)/φ_s of either direction, on the quadrature of the advancing one."""
+
+    grid: ProfileGrid
+    retreating: bool
+
+    @property
+    def velocity(self) -> float:
+        return -self.grid.v if self.retreating else self.grid.v
+
+    def sampled(self, left: float, right: float) -> tuple[FloatArray, ComplexArray]:
+        """Return ζ and φ at eight points a site from -left to right, both included."""
+        zeta, phi = self.grid.on_lattice(_PER_SITE)
+        if self.retreating:
+            zeta, phi = -zeta[::-1], 1.0 - phi[::-1]
+        kept = (zeta >= -left) & (zeta <= right)
+        return zeta[kept], phi[kept]
+
+    def at(self, zeta: FloatArray) -> ComplexArray:
+        """Return φ at ζ, shape (n,)."""
+        position = -zeta if self.retreating else zeta
+        m = np.floor(position)
+        phi = self.grid.at(m, position - m)
+        return 1.0 - phi if self.retreating else phi
+
+    def slope(self, zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray) -> ComplexArray:
+        """Return dφ/dζ; at ζ = 0 just ahead."""
+        return profile_slope(zeta, phi, neighbours, self.velocity, self.grid.c)
 
 
 def _first_violation(
-    grid: ProfileGrid, zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float
+    shape: _Shape, zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float
 ) -> tuple[float | None, int]:
     """Return the violation nearest 0, if any, and the further values of φ computed."""
     side = np.where(zeta < 0, 1.0, -1.0)  # g > 0 is what (47) asks for
@@ -91,7 +122,7 @@ def _first_violation(
     origin = int(np.searchsorted(zeta, 0.0))
     # At ζ = 0 the threshold is crossed: g = 0, and the slope behind differs from the one ahead by
     # the jump of θ in (48). Where either has the wrong sign (47) fails at once.
-    d_behind = -d[origin] + 2.0 * float(np.real(np.conj(phi[origin]) * (-0.5 / grid.v)))
+    d_behind = -d[origin] + 2.0 * float(np.real(np.conj(phi[origin]) * (-0.5 / shape.velocity)))
     if d[origin] < 0 or d_behind > 0:
         return 0.0, 0
     g[origin] = 0.0
@@ -115,13 +146,12 @@ def _first_violation(
         if cells.shape[1] == 0:
             return (None if worst == math.inf else worst), computed
         middle = 0.5 * (cells[0] + cells[3])
-        m = np.floor(middle)
-        whole = grid.at(np.concatenate([m, m + 1, m - 1]), np.tile(middle - m, 3))
+        whole = shape.at(np.concatenate([middle, middle + 1.0, middle - 1.0])).reshape(3, -1)
         computed += whole.size
-        here, neighbours = whole[: m.size], whole[m.size : 2 * m.size] + whole[2 * m.size :]
+        here, neighbours = whole[0], whole[1] + whole[2]
         side = np.where(middle < 0, 1.0, -1.0)
         g_middle = side * (np.abs(here) ** 2 - r * r)
-        d_middle = profile_slope(middle, here, neighbours, grid.v, grid.c)
+        d_middle = shape.slope(middle, here, neighbours)
         d_middle = side * 2.0 * np.real(np.conj(here) * d_middle)
         wrong = middle[g_middle < -_TOLERANCE]
         if wrong.size:

@@ -1,8 +1,10 @@
 """Every solution v of |Σ(v, c)| = 2r, for many couplings at once, losing no pair at a fold.
 
-The search works on g(ln v) = |Σ| - 2r with its exact derivative, between bounds outside of which no
-solution can lie. It starts from points spaced by the scales of g (the exponential wiggles in 1/v at
-small v, the resonances at large c), and divides each cell until one of three things holds: twice
+A front that retreats with velocity -v obeys |Σ₋(v, c)| = |2 + Σ(v, c)| = 2r, since v → -v turns
+the roots k into -k and exchanges the half-planes. Both are |Σ + shift| = 2r with shift 0 or 2.
+The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative, between bounds outside
+of which no solution can lie. It starts from points spaced by the scales of g (the exponential
+wiggles in 1/v at small v, the resonances at large c), and divides each cell until one of three things holds: twice
 its slopes cannot bring g to zero inside (dropped); g changes sign and is monotone (one solution);
 or the cell is as short as rounding allows (a fold to within rounding).
 """
@@ -40,9 +42,9 @@ class Solutions:
     v, error : ndarray of float, shape (n,)
         Velocity v̂ and its error bound.
     slope : ndarray of float, shape (n,)
-        ∂|Σ|/∂v.
+        ∂|Σ + shift|/∂v.
     by_coupling : ndarray of float, shape (n,)
-        ∂|Σ|/∂c.
+        ∂|Σ + shift|/∂c.
     evaluations : int
         Values of Σ computed, over all scenes.
     """
@@ -61,6 +63,7 @@ class _Relation:
 
     c: FloatArray
     target: FloatArray
+    shift: float
     evaluations: int = 0
 
     def __call__(self, scene: IntArray, t: FloatArray) -> tuple[FloatArray, ...]:
@@ -70,24 +73,32 @@ class _Relation:
         found = sums(v, c, _TOLERANCE, slopes=True)
         assert found.by_v is not None
         assert found.by_c is not None
-        size = np.abs(found.value)
-        direction = np.conj(found.value) / np.where(size > 0, size, 1.0)
+        value = found.value + self.shift
+        size = np.abs(value)
+        direction = np.conj(value) / np.where(size > 0, size, 1.0)
         by_t = v * np.real(direction * found.by_v)
         return size - self.target[scene], by_t, found.error, np.real(direction * found.by_c)
 
 
-def all_velocities(c: FloatArray, target: FloatArray, refine: float = 1.0) -> Solutions:
+def all_velocities(
+    c: FloatArray, target: FloatArray, retreating: bool = False, refine: float = 1.0
+) -> Solutions:
     """Return every v > 0 with |Σ(v, c)| = target, for each pair of c and target.
 
     Parameters
     ----------
     c, target : ndarray of float, shape (n,)
-        Couplings, and right sides 2r of (54).
+        Couplings, and right sides 2r of (54), between 0 and 2.
+    retreating : bool
+        Solve |2 + Σ(v, c)| = target instead; the front's velocity is then -v.
     refine : float
         Divides the spacing of the first points; 1 is enough, tests try 4.
     """
-    relation = _Relation(c, target)
-    starts = [_first_points(float(c_), float(g_), refine) for c_, g_ in zip(c, target, strict=True)]
+    relation = _Relation(c, target, 2.0 if retreating else 0.0)
+    starts = [
+        _first_points(float(c_), float(target_), relation.shift, refine)
+        for c_, target_ in zip(c, target, strict=True)
+    ]
     scene = np.concatenate([np.full(s.size, i) for i, s in enumerate(starts)])
     t = np.concatenate(starts)
     left = np.flatnonzero(scene[1:] == scene[:-1])
@@ -98,11 +109,11 @@ def all_velocities(c: FloatArray, target: FloatArray, refine: float = 1.0) -> So
     return _polish(relation, owner, brackets)
 
 
-def _first_points(c: float, target: float, refine: float) -> FloatArray:
+def _first_points(c: float, target: float, shift: float, refine: float) -> FloatArray:
     """Return ascending t = ln v between the bounds, spaced by the scales of g."""
-    low = _lowest_velocity(c, target)
+    low = _lowest_velocity(c, target, shift)
     # |Σ| ≤ 2c(1 + 2c)/v: |¼ - A²| ≤ c(1 - cos k)(1 + 2c) and |A² + v²k²| ≥ ¼ on the real line.
-    high = max(2.0 * c * (1.0 + 2.0 * c) / target, 2.0 * low)
+    high = max(2.0 * c * (1.0 + 2.0 * c) / abs(target - shift), 2.0 * low)
     wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
     spacing = _COARSEST / refine
     turn = min(max(spacing / wiggle, low), high)
@@ -113,9 +124,11 @@ def _first_points(c: float, target: float, refine: float) -> FloatArray:
     fine = -np.log(even)
     if c > 100.0:  # wiggles of height about v/c^{3/2} matter only where the smooth part is near 2r
         v = 1.0 / even
-        smooth = np.abs(np.abs(strong_coupling_sum(v / math.sqrt(c))) - target)
+        smooth = np.abs(np.abs(strong_coupling_sum(v / math.sqrt(c)) + shift) - target)
         fine = fine[smooth < 8.0 * v / c**1.5 + 4.0 / math.sqrt(c)]
-        coarse = np.linspace(math.log(low), math.log(turn), 2 + math.ceil(math.log(turn / low) / spacing))
+        coarse = np.linspace(
+            math.log(low), math.log(turn), 2 + math.ceil(math.log(turn / low) / spacing)
+        )
         fine = np.concatenate([coarse, fine])
     points = [fine, logarithmic]
     if c > 1.0:
@@ -126,9 +139,9 @@ def _first_points(c: float, target: float, refine: float) -> FloatArray:
     return np.unique(np.concatenate(points))
 
 
-def _lowest_velocity(c: float, target: float) -> float:
+def _lowest_velocity(c: float, target: float, shift: float) -> float:
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
-    gap = max(abs(abs(static_sum(c)) - target), NEAREST_TO_PINNING)
+    gap = max(abs(abs(static_sum(c) + shift) - target), NEAREST_TO_PINNING)
     # The bound theory.limits.static_sum_distance equal to the gap, solved for e^{-1/2v}.
     e = 2.0 * gap / (2.0 + 2.0 * gap + math.sqrt((2.0 + 2.0 * gap) ** 2 + 4.0 * gap * (2.0 - gap)))
     low = 0.5 / math.log(1.0 / e)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -68,7 +69,9 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     flint.ctx.prec = _BITS
     try:
         found = labelled_roots(v, c, labels, upper)
-        radius = np.array([_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)])
+        radius = np.array(
+            [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
+        )
         counted = _certified_count(flint, v, c, labels, upper)
     finally:
         flint.ctx.prec = before
@@ -118,9 +121,11 @@ def _certified_count(flint: Any, v: float, c: float, labels: IntArray, upper: bo
         return flint.acb(0.5) - 2 * i * c_ * (k / 2).sin() ** 2 - i * v_ * k
 
     turn = 0.0
-    for start, end in zip(corners, corners[1:], strict=False):
+    for start, end in itertools.pairwise(corners):
         a, b = edge_pieces(v, c, start, end)
-        pieces = [(flint.acb(p), flint.acb(q), 0) for p, q in zip(a.tolist(), b.tolist(), strict=True)]
+        pieces = [
+            (flint.acb(p), flint.acb(q), 0) for p, q in zip(a.tolist(), b.tolist(), strict=True)
+        ]
         while pieces:
             low, high, depth = pieces.pop()
             middle = (low + high) / 2

@@ -28,12 +28,13 @@ the argument principle, ``derivations.piecewise_front`` in symbols.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-ComplexArray = npt.NDArray[np.complex128]
-FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+FloatArray = npt.NDArray[np.floating[Any]]
 
 
 def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
@@ -46,12 +47,11 @@ def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
     c : float
         Coupling, dimensionless.
     """
-    return 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+    value: ComplexArray = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+    return value
 
 
-def dispersion(
-    k: ComplexArray, v: float | FloatArray, c: float | FloatArray
-) -> ComplexArray:
+def dispersion(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:
     """Return L(k) of Eq. (50), as printed.
 
     Parameters
@@ -69,9 +69,7 @@ def dispersion(
     return onsite(k, c) - 1j * v * k
 
 
-def dispersion_slope(
-    k: ComplexArray, v: float | FloatArray, c: float | FloatArray
-) -> ComplexArray:
+def dispersion_slope(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:
     """Return L_k(k) = dL/dk = -i (v + c sin k).
 
     Equation (51) as printed, -1/(2k) + (2ic/k) sin²(k/2) - i c sin k, has used L(k) = 0 to
@@ -100,7 +98,9 @@ def root_free_strip(v: float, c: float) -> float:
     True
     """
     s = min(0.5 / (c + v), math.asinh(0.5 / c))
-    for _ in range(60):  # c sinh s + v s is convex: Newton from the left overshoots once, then falls
+    for _ in range(
+        60
+    ):  # c sinh s + v s is convex: Newton from the left overshoots once, then falls
         step = (c * math.sinh(s) + v * s - 0.5) / (c * math.cosh(s) + v)
         s -= step
         if abs(step) <= 1e-15 * s:

@@ -110,7 +110,7 @@ class ProfileGrid:
     v: float
     c: float
     k: FloatArray
-    over_A: ComplexArray
+    inverse_onsite: ComplexArray
     pole: ComplexArray
     a: ComplexArray
     wave: ComplexArray
@@ -134,8 +134,8 @@ class ProfileGrid:
         needed = extent + 1.0 + math.log(1.0 + 4.0 * size / tolerance) / rate
         if needed > MOST_POINTS:
             raise PrecisionError(
-                f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, more "
-                f"than {MOST_POINTS}."
+                f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, "
+                f"more than {MOST_POINTS}."
             )
         points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
         k = 2.0 * np.pi * (np.arange(points) + 0.5) / points
@@ -152,7 +152,7 @@ class ProfileGrid:
         f = f[:, None]
         late: ComplexArray = np.exp(-self.a * (1.0 - f)) * self.wave
         late /= 1.0 - self.wave * np.exp(-self.a)
-        return (self.pole + late) * self.over_A
+        return (self.pole + late) * self.inverse_onsite
 
     def at(self, m: FloatArray, f: FloatArray) -> ComplexArray:
         """Return φ/φ_s at ζ = m + f, shape (n,)."""

@@ -88,7 +88,7 @@ def graded_sum(v: FloatArray, c: FloatArray, slopes: bool) -> GradedSum:
 
 
 def weighted(rows: npt.NDArray[_Number], weight: npt.NDArray[Any]) -> npt.NDArray[_Number]:
-    """Return rows · weight, shape (n,); not by BLAS, whose threads cost more than they give here."""
+    """Return rows · weight, shape (n,); not by BLAS, whose threads cost more than they give."""
     result: npt.NDArray[_Number] = np.einsum("ij,j->i", rows, weight)
     return result
 
@@ -122,15 +122,17 @@ class _Poles:
 
     @property
     def residue(self) -> ComplexArray:
-        """t = 1/(k L_k)."""
-        return 1.0 / (self.k * self.slope)
+        """The term 1/(k L_k) of the series."""
+        term: ComplexArray = 1.0 / (self.k * self.slope)
+        return term
 
     def weight(self, step: float) -> ComplexArray:
         """1/(e^{-2πiσ_p/h} - 1), σ_p = log tan(-k/2) - iπ/4."""
         sigma = np.log(np.tan(-0.5 * self.k)) - 0.25j * np.pi
-        return 1.0 / np.expm1(-2j * np.pi / step * sigma)
+        weight: ComplexArray = 1.0 / np.expm1(-2j * np.pi / step * sigma)
+        return weight
 
-    def total(self, each: ComplexArray) -> ComplexArray:
+    def total(self, each: ComplexArray | FloatArray) -> ComplexArray:
         """Sum over the three roots; zero where there are none. Shape (n,)."""
         result = np.zeros(self.here.shape, dtype=complex)
         result[self.here] = each.sum(axis=1)
@@ -146,7 +148,7 @@ class _Poles:
         return 64.0 * float(np.finfo(float).eps) * self.total(near).real
 
     def correction_slopes(self, step: float) -> tuple[ComplexArray, ComplexArray]:
-        """Derivatives of the correction by v and c, through the root: L_k dk = -dL."""
+        """Return its derivatives by v and c, through the root: L_k dk = -dL."""
         k, slope, weight = self.k, self.slope, self.weight(step)
         sine, cosine = np.sin(k), np.cos(k)
 

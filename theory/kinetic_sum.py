@@ -1,4 +1,4 @@
-"""Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of the kinetic relation (53): what a method returns.
+"""What a method returns for Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of (53).
 
 Four methods that share no code give it:
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError, positive
+from theory.parameters import positive
 from theory.unit_cell import eta_from_ratio, threshold_ratio
 
 ETA_PIN_END = 2.0 / 25.0
@@ -70,6 +70,27 @@ def pinning_coupling(eta: float) -> float | None:
     root = math.sqrt(1.0 - 8.0 * r2 * gap)
     excess = (8.0 * r2 - 8.0 * r2 * gap / (1.0 + root)) / (2.0 * gap)
     return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
+
+
+def retreat_coupling(eta: float) -> float | None:
+    """Return the coupling above which the excited state retreats; None for η ≤ 2/25.
+
+    Static fronts also end on the other side, where the site behind falls below threshold:
+    |2 + Σ(0⁺, c)| = |1 + 1/√(1 - 4ic)| = 2r, which gives (4r² - 1)p² - p - 2r² = 0 and again
+    c = ½ p √(p² - 1). The paper does not mention it.
+
+    Examples
+    --------
+    >>> c = retreat_coupling(0.11)
+    >>> abs(abs(2 + static_sum(c)) - 2 * threshold_ratio(0.11)) < 1e-14
+    True
+    """
+    r2 = threshold_ratio(eta) ** 2
+    gap = 4.0 * r2 - 1.0
+    if eta <= ETA_PIN_END or gap <= 0.0:
+        return None
+    p = (1.0 + math.sqrt(1.0 + 8.0 * r2 * gap)) / (2.0 * gap)
+    return 0.5 * p * math.sqrt(max(p * p - 1.0, 0.0))
 
 
 def pinning_eta(c: float) -> float:
@@ -168,15 +189,3 @@ def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
         velocities.append(c * math.sin(k))
         widths.append(0.5 / (k + offset))
     return velocities, widths
-
-
-def check_bistable_eta(eta: float) -> None:
-    """Refuse η where the cell has no two cycles.
-
-    Raises
-    ------
-    ParameterError
-        If η is not in (0, 1/8).
-    """
-    if not 0.0 < eta < 0.125:
-        raise ParameterError("eta = b/a^2", eta, "between 0 and 1/8", "choose 8 b < a^2")

@@ -1,4 +1,4 @@
-"""Roots of (50) to any number of digits: Newton in mpmath from the labelled double-precision ones."""
+"""Roots of (50) to any number of digits: Newton in mpmath from the labelled roots."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -61,7 +62,7 @@ def count_in_box(
             "order its ends",
         )
     corners = box_corners(x_low, x_high, y_low, y_high)
-    turn = sum(_turning(v, c, a, b) for a, b in zip(corners, corners[1:], strict=False))
+    turn = sum(_turning(v, c, a, b) for a, b in itertools.pairwise(corners))
     return round(turn / (2.0 * math.pi))
 
 
@@ -91,7 +92,9 @@ def count_in_strips(v: float, c: float, labels: IntArray, upper: bool) -> int:
     return count_in_box(v, c, *box_of_strips(v, c, labels, upper))
 
 
-def edge_pieces(v: float, c: float, start: complex, end: complex) -> tuple[ComplexArray, ComplexArray]:
+def edge_pieces(
+    v: float, c: float, start: complex, end: complex
+) -> tuple[ComplexArray, ComplexArray]:
     """Return the ends of pieces of the edge on each of which L stays in a half-plane.
 
     Raises

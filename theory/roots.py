@@ -57,9 +57,7 @@ class RootSet:
 
     def take(self, index: IntArray | npt.NDArray[np.bool_]) -> RootSet:
         """Return the roots at ``index``, in that order."""
-        return RootSet(
-            self.labels[index], self.k[index], self.residual[index], self.radius[index]
-        )
+        return RootSet(self.labels[index], self.k[index], self.residual[index], self.radius[index])
 
 
 def checked_velocity_and_coupling(v: float, c: float) -> tuple[float, float]:
@@ -134,7 +132,8 @@ def labelled_roots(
                 missing = missing[~good]
     if missing.size:
         raise IncompleteRootsError(
-            f"no root found in strips {labels[missing].tolist()} at v = {v[missing]}, c = {c[missing]}"
+            f"no root found in strips {labels[missing].tolist()} at v = {v[missing]}, "
+            f"c = {c[missing]}"
         )
     for _ in range(2):
         k -= _plain_step(k, labels, v, c, upper)
@@ -172,7 +171,9 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
     extent = positive("extent |Re k|", extent)
     reach = math.ceil(extent / (2.0 * np.pi)) + 1
     if 2 * reach + 1 > MOST_ROOTS:
-        raise ParameterError("extent |Re k|", extent, f"at most {np.pi * MOST_ROOTS:.0f}", "ask less")
+        raise ParameterError(
+            "extent |Re k|", extent, f"at most {np.pi * MOST_ROOTS:.0f}", "ask less"
+        )
     roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
     roots = roots.take(np.abs(roots.k.real) <= extent)
     return roots.take(np.argsort(np.abs(roots.k), kind="stable"))
@@ -203,7 +204,7 @@ def _argument(
 
     q - 2 = (2vk + i)/c. With w from arcsinh nothing cancels for small k and nothing overflows.
     """
-    w = 2.0 * np.arcsinh(np.sqrt((2.0 * v * k + 1j) / (4.0 * c)))
+    w: ComplexArray = 2.0 * np.arcsinh(np.sqrt((2.0 * v * k + 1j) / (4.0 * c)))
     if not upper:  # the strips left of the origin span (0, 2π), not (-π, π)
         w = np.where((labels < 0) & (w.imag < 0), w + 2j * np.pi, w)
     return w
@@ -216,7 +217,8 @@ def _labelled_step(
     sign = 1j if upper else -1j
     z = (2.0 * v * k + 1j) / (4.0 * c)
     value = k - sign * _argument(k, labels, v, c, upper) - 2.0 * np.pi * labels
-    return value / (1.0 - sign * (0.5 * v / c) / (np.sqrt(z) * np.sqrt(1.0 + z)))
+    step: ComplexArray = value / (1.0 - sign * (0.5 * v / c) / (np.sqrt(z) * np.sqrt(1.0 + z)))
+    return step
 
 
 def _plain_step(
@@ -247,9 +249,7 @@ def _iterate(
     return k
 
 
-def _seeds(
-    labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
-) -> Iterator[ComplexArray]:
+def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[ComplexArray]:
     """Yield starting points, the likeliest first; nearly every scene stops after one."""
     base = 2.0 * np.pi * labels
     sign = 1j if upper else -1j
@@ -263,9 +263,10 @@ def _seeds(
     for _ in range(3):  # the labelled fixed point
         k = sign * _argument(k, labels, v, c, upper) + base
     yield k
-    far = -(v + np.sqrt(v * v - 1j * c)) / c  # k² + 2(v/c)k + i/c = 0, the continuum
-    for root in (far, 1j / (c * far), -0.5j / v):
-        yield root
+    far: ComplexArray = -(v + np.sqrt(v * v - 1j * c)) / c  # k² + 2(v/c)k + i/c = 0, the continuum
+    yield far
+    yield 1j / (c * far)
+    yield -0.5j / v + 0.0 * far
     low, high = strip_bounds(labels, upper)
     for part in (0.05, 0.25, 0.5, 0.75, 0.95):
         for height in (0.01, 0.1, 0.5, 1.5, 4.0, 10.0, 20.0):

@@ -1,8 +1,9 @@
 """Σ(v, c) from Bessel functions: the front built up in time, no Fourier transform and no roots.
 
-Each site, once crossed, feeds ½ into the linear chain dφ/dT = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - φ/2,
-whose response at distance m is (-i)^|m| e^{-s/2 + ics} J_|m|(cs). The m-th site behind the one
-at threshold was crossed m/v ago, so with φ(0) = -½ φ_s Σ (Eqs. 49, 53)
+Each site, once crossed, feeds ½ into the linear chain
+dφ/dT = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - φ/2, whose response at distance m is
+(-i)^|m| e^{-s/2 + ics} J_|m|(cs). The m-th site behind the one at threshold was crossed m/v ago,
+so with φ(0) = -½ φ_s Σ (Eqs. 49, 53)
 
     Σ(v, c) = -Σ_{m ≥ 1} (-i)^m ∫₀^{m/v} e^{-s/2 + ics} J_m(cs) ds.
 
@@ -68,8 +69,8 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     cost = panels * pieces_each * 34.0 * orders
     if cost > _MOST_EVALUATIONS:
         raise PrecisionError(
-            f"the Bessel series at v = {v:.6g}, c = {c:.6g} needs {cost:.2g} Bessel functions, more "
-            f"than {_MOST_EVALUATIONS:.0e}; use the method integral."
+            f"the Bessel series at v = {v:.6g}, c = {c:.6g} needs {cost:.2g} Bessel functions, "
+            f"more than {_MOST_EVALUATIONS:.0e}; use the method integral."
         )
     coarse, evaluations, _ = _summed(v, c, panels, pieces_each, 14)
     fine, more, size = _summed(v, c, panels, pieces_each, 20)
@@ -101,16 +102,21 @@ def _later_sites(x: FloatArray, first: int) -> ComplexArray:
     top = float(x.max())
     last = math.ceil(max(first, top + 12.0 * (top + 1.0) ** (1 / 3) + 12.0)) + 20
     above, here = np.zeros_like(x), np.full_like(x, 1e-280)
-    norm, total = np.zeros_like(x), np.zeros(x.shape, dtype=complex)
+    norm = np.zeros_like(x)
+    total: ComplexArray = np.zeros(x.shape, dtype=complex)
     for m in range(last, -1, -1):
         if m >= first:
-            total += (-1j) ** (m % 4) * here
+            total = total + (-1j) ** (m % 4) * here
         if m % 2 == 0:
             norm += here if m == 0 else 2.0 * here
         if m:
             above, here = here, (2.0 * m / x) * here - above
             if m % 8 == 0 and np.max(np.abs(here)) > 1e100:
                 shrink = np.where(np.abs(here) > 1e100, 1e-120, 1.0)
-                above, here, norm, total = above * shrink, here * shrink, norm * shrink, total * shrink
-    scaled: ComplexArray = total / norm
-    return scaled
+                above, here, norm, total = (
+                    above * shrink,
+                    here * shrink,
+                    norm * shrink,
+                    total * shrink,
+                )
+    return total / norm

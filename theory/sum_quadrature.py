@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from time import perf_counter
 
@@ -57,8 +58,8 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     pieces = end / widest + math.log2(end) + 1.0
     if pieces > _MOST_PIECES:
         raise PrecisionError(
-            f"quadrature to {tolerance:g} at v = {v:.6g}, c = {c:.6g} needs {pieces:.2g} pieces, more "
-            f"than {_MOST_PIECES}; use the method integral, or a larger tolerance."
+            f"quadrature to {tolerance:g} at v = {v:.6g}, c = {c:.6g} needs {pieces:.2g} pieces, "
+            f"more than {_MOST_PIECES}; use the method integral, or a larger tolerance."
         )
     edges = [0.0]
     while edges[-1] < end:
@@ -72,7 +73,7 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
         return 1.0 / (onsite * onsite + x * x)
 
     total, error = 1.0 / end + 0j, largest / (2.0 * end**3)
-    for low, high in zip(edges, edges[1:], strict=False):
+    for low, high in itertools.pairwise(edges):
         part, estimate, _ = quad(
             integrand,
             low,

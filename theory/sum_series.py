@@ -138,7 +138,9 @@ def _kept_terms(scene: _Scene, first: int, last: int, digits: int) -> tuple[Any,
         return mp.mpc(math.fsum(terms.real), math.fsum(terms.imag)), error
     total = mp.mpc(0)
     size = mp.mpf(0)
-    for label, k in zip(labels, precise_roots(scene.v, scene.c, labels, upper, mp.mp.dps), strict=True):
+    for label, k in zip(
+        labels, precise_roots(scene.v, scene.c, labels, upper, mp.mp.dps), strict=True
+    ):
         term = 1 / (k * -1j * (scene.v + scene.c * mp.sin(k)))
         total += term / 2 if label in (first, last) else term
         size += abs(term)

@@ -11,7 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
+from theory.dispersion import FloatArray
 from theory.limits import pinning_coupling, pinning_eta, static_sum
 from theory.parameters import positive
 from theory.sum_integral import sums
@@ -19,6 +21,11 @@ from theory.unit_cell import eta_from_ratio, threshold_ratio
 
 _SLOWEST = 0.018
 """At smaller v, |Σ| is within 1e-12 of its limit at v = 0."""
+
+LAST_FOLD = 2.0
+"""From c ≈ 0.9 on no maximum of |Σ| over v exceeds the static limit; none is sought from here."""
+
+_EXCESS = 2e-13
 
 
 @dataclass(frozen=True)
@@ -40,16 +47,6 @@ class Fold:
     velocity: float
 
 
-@dataclass(frozen=True)
-class _Crest:
-    """A maximum of |Σ| over v at one c: place, height less the static limit, ∂|Σ|/∂c, error."""
-
-    v: float
-    height: float
-    by_c: float
-    error: float
-
-
 def fold_coupling(eta: float) -> Fold | None:
     """Return c_fold(η), below which no front of (44) moves steadily.
 
@@ -62,7 +59,7 @@ def fold_coupling(eta: float) -> Fold | None:
     -------
     Fold or None
         ``velocity`` is 0 and c_fold = c_pin where no moving front exists below c_pin to within
-        1e-12. None for η ≥ 2/25, where |Σ| < 1 ≤ 2r for every v and c that was tried.
+        1e-12. None for η ≥ 2/25, where no front advances.
 
     Examples
     --------
@@ -70,25 +67,40 @@ def fold_coupling(eta: float) -> Fold | None:
     >>> fold.value < pinning_coupling(0.03125) and fold.error < 1e-11
     True
     """
-    pin = pinning_coupling(eta)
-    if pin is None:
-        return None
-    target = 2.0 * threshold_ratio(eta)
-    static = Fold(pin, 4e-16 * pin, 0.0)
-    crests = [crest for crest in _crests(pin) if crest.height - target > 2e-13]
-    folds = [static]
-    for crest in sorted(crests, key=lambda one: -one.height)[:3]:
-        c, here = pin, crest
-        for _ in range(30):
-            step = (here.height - target) / here.by_c
-            c -= step
-            here = _climb(here.v, c)
-            if abs(step) < 1e-14 * c:
-                break
-        # The height is stationary in v, so only its own error matters.
-        error = 2.0 * (abs(here.height - target) + here.error) / here.by_c
-        folds.append(Fold(c, error, here.v))
-    return min(folds, key=lambda fold: fold.value)
+    return fold_couplings([eta])[0]
+
+
+def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
+    """Return :func:`fold_coupling` for many η at once.
+
+    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: Newton in (ln v, c) from the highest maximum at c_pin.
+    """
+    etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
+    pins = [pinning_coupling(value) for value in etas]
+    folds = [None if pin is None else Fold(pin, 4e-16 * pin, 0.0) for pin in pins]
+    start = {i: _highest(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
+    start = {i: v for i, v in start.items() if v is not None}
+    if not start:
+        return folds
+    some = list(start)
+    target = np.array([2.0 * threshold_ratio(etas[i]) for i in some])
+    t = np.log(np.array([start[i] for i in some], dtype=float))
+    c = np.array([pins[i] for i in some], dtype=float)
+    height = by_c = error = np.zeros_like(t)
+    for _ in range(12):
+        t = _climb(t, c)
+        height, _, by_c, error = _height(t, c)
+        step = (height - target) / by_c
+        c = c - step
+        if np.all(np.abs(step) < 1e-14 * c):
+            break
+    # The height is stationary in v, so only its own error matters.
+    spread = 2.0 * (np.abs(height - target) + error) / by_c
+    for i, c_, e_, v_ in zip(some, c.tolist(), spread.tolist(), np.exp(t).tolist(), strict=True):
+        pin = pins[i]
+        if pin is not None and c_ < pin - e_:
+            folds[i] = Fold(c_, e_, v_)
+    return folds
 
 
 def fold_eta(c: float) -> Fold:
@@ -101,63 +113,47 @@ def fold_eta(c: float) -> Fold:
     True
     """
     c = positive("coupling c", c)
-    crests = [crest for crest in _crests(c) if crest.height > abs(static_sum(c)) + 2e-13]
-    if not crests:
+    v = _highest(c) if c < LAST_FOLD else None
+    if v is None:
         return Fold(pinning_eta(c), 1e-15, 0.0)
-    highest = max(crests, key=lambda crest: crest.height)
-    r = 0.5 * highest.height
+    t = _climb(np.log([v]), np.array([c]))
+    height, _, _, error = (float(row[0]) for row in _height(t, np.array([c])))
+    r = 0.5 * height
     by_r = r * (1.0 - r * r) / (1.0 + r * r) ** 3
-    return Fold(eta_from_ratio(r), by_r * highest.error + 1e-16, highest.v)
+    return Fold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
 
 
-def _crests(c: float) -> list[_Crest]:
-    """Return the local maxima of |Σ(v, c)| over v above the slowest one told apart."""
+def _highest(c: float) -> float | None:
+    """Return v near the highest maximum of |Σ(v, c)| above the static limit, if there is one."""
     fastest = 2.0 * math.sqrt(c) + 1.0
     wiggle = math.pi / (4.0 * c + 1.0) / 2.0
     even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, wiggle)
     v = np.unique(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
-    size, by_t, _, _ = _height(v, c)
-    up = np.flatnonzero((by_t[:-1] > 0) & (by_t[1:] < 0))
-    worth = up[np.maximum(size[up], size[up + 1]) > abs(static_sum(c)) * (1 - 1e-3)]
-    return [_climb(float(math.sqrt(v[i] * v[i + 1])), c, v[i], v[i + 1]) for i in worth[-6:]]
+    size = np.abs(sums(v, c, 1e-14).value)
+    best = int(np.argmax(size))
+    return float(v[best]) if size[best] > abs(static_sum(c)) + _EXCESS else None
 
 
-def _climb(v: float, c: float, low: float | None = None, high: float | None = None) -> _Crest:
-    """Return the maximum of |Σ| near v: d|Σ|/d ln v = 0 by the secant rule, kept in its bracket."""
-    t = math.log(v)
-    a = math.log(low) if low else t - 0.05
-    b = math.log(high) if high else t + 0.05
-    ends = _height(np.exp([a, b]), c)[1]
-    for _ in range(40):
-        if ends[0] > 0 > ends[1]:
+def _climb(t: FloatArray, c: FloatArray) -> FloatArray:
+    """Return ln v of the maximum of |Σ| near t: Newton on its slope, which is exact."""
+    for _ in range(20):
+        slope = _height(t, c)[1]
+        ahead, behind = _height(t + 1e-4, c)[1], _height(t - 1e-4, c)[1]
+        bend = np.minimum((ahead - behind) / 2e-4, -1e-300)
+        step = np.clip(slope / bend, -0.05, 0.05)
+        t = t - step
+        if np.all(np.abs(step) < 1e-9):  # the height is quadratic there: 1e-18
             break
-        a, b = a - 0.05 * (ends[0] <= 0), b + 0.05 * (ends[1] >= 0)
-        ends = _height(np.exp([a, b]), c)[1]
-    fa, fb = float(ends[0]), float(ends[1])
-    for _ in range(60):
-        t = 0.5 * (a + b) if fa == fb else b - fb * (b - a) / (fb - fa)
-        t = min(max(t, a + 0.1 * (b - a)), b - 0.1 * (b - a))
-        f = float(_height(np.exp([t]), c)[1][0])
-        if f > 0:
-            a, fa = t, f
-        else:
-            b, fb = t, f
-        if b - a < 1e-9:  # the height is quadratic there: 1e-18
-            break
-    size, _, by_c, error = _height(np.exp([0.5 * (a + b)]), c)
-    return _Crest(math.exp(0.5 * (a + b)), float(size[0]), float(by_c[0]), float(error[0]))
+    return t
 
 
-def _height(v: np.ndarray, c: float) -> tuple[np.ndarray, ...]:
-    """Return |Σ|, d|Σ|/d ln v, ∂|Σ|/∂c and the error of |Σ|."""
+def _height(t: FloatArray, c: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return |Σ|, d|Σ|/dt, ∂|Σ|/∂c and the error of |Σ| at v = e^t."""
+    v = np.exp(t)
     found = sums(v, c, 1e-14, slopes=True)
     assert found.by_v is not None
     assert found.by_c is not None
     size = np.abs(found.value)
     direction = np.conj(found.value) / size
-    return (
-        size,
-        v * np.real(direction * found.by_v),
-        np.real(direction * found.by_c),
-        found.error,
-    )
+    by_t = v * np.real(direction * found.by_v)
+    return size, by_t, np.real(direction * found.by_c), found.error

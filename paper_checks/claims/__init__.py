@@ -1,1 +1,1 @@
-"""One file a group of claims. Add a file here and it is in the next report; nothing else to edit."""
+"""One file a group of claims. A file added here is in the next report; nothing else to edit."""

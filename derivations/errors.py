@@ -1,0 +1,48 @@
+"""Errors of this package: input that cannot be derived from, and a check that failed."""
+
+from __future__ import annotations
+
+
+class DerivationInputError(ValueError):
+    """An input from which nothing can be derived.
+
+    The message is one sentence: quantity, value, what is allowed, remedy.
+
+    Parameters
+    ----------
+    quantity : str
+        What was given.
+    value : object
+        The value that was given.
+    allowed : str
+        What is allowed, in words.
+    remedy : str
+        What to do instead.
+    """
+
+    def __init__(self, quantity: str, value: object, allowed: str, remedy: str) -> None:
+        self.quantity = quantity
+        self.value = value
+        self.allowed = allowed
+        self.remedy = remedy
+        super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
+
+
+class CheckFailedError(ArithmeticError):
+    """The check of a step failed; the derivation stops there.
+
+    Parameters
+    ----------
+    derivation : str
+        Key of the derivation.
+    position : int
+        Position of the step, from 1.
+    statement : str
+        What the check found.
+    """
+
+    def __init__(self, derivation: str, position: int, statement: str) -> None:
+        self.derivation = derivation
+        self.position = position
+        self.statement = statement
+        super().__init__(f"{derivation}, step {position}: the check failed: {statement}")

@@ -80,16 +80,16 @@ def eta_of(options: argparse.Namespace) -> Any:
     return eta_from_damping(options.a, options.b)
 
 
-def check_writable(path: Path, suffixes: tuple[str, ...]) -> Path:
+def check_writable(path: Path, suffixes: tuple[str, ...] = ()) -> Path:
     """Refuse early, before any work, a path that cannot be written.
 
     Raises
     ------
     UsageError
         If the folder does not exist or may not be written, the path is a folder, or its suffix
-        is not one of ``suffixes``.
+        is not one of ``suffixes`` (if any are named).
     """
-    if path.suffix.lower() not in suffixes:
+    if suffixes and path.suffix.lower() not in suffixes:
         raise UsageError(f"--out {path} must end in {' or '.join(suffixes)}.")
     folder = path.parent
     if path.is_dir():

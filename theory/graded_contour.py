@@ -167,7 +167,8 @@ def departing_labels(v: FloatArray, c: FloatArray) -> npt.NDArray[np.int64]:
     crossing = -(c / v) * (1.0 + np.cosh(np.minimum(0.5 / v, 30.0)))
     nearest = np.maximum(np.floor(crossing / (2.0 * np.pi)), -1e12)
     middle: npt.NDArray[np.int64] = np.minimum(nearest, -2.0).astype(np.int64)
-    return middle[:, None] + np.array([-1, 0, 1])
+    labels: npt.NDArray[np.int64] = middle[:, None] + np.array([-1, 0, 1], dtype=np.int64)
+    return labels
 
 
 def _departing_poles(v: FloatArray, c: FloatArray) -> _Poles:

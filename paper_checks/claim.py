@@ -90,6 +90,8 @@ class Claim:
         A shell command that reproduces the number.
     judge : callable
         Computes the finding.
+    weight : int
+        Importance to a reader: 0 for a detail, 1 by default, 2 for what the paper rests on.
     """
 
     key: str
@@ -99,3 +101,4 @@ class Claim:
     recorded: Verdict
     command: str
     judge: Callable[[], Finding] = field(repr=False)
+    weight: int = 1

@@ -65,10 +65,28 @@ class Report:
     def headlines(self) -> tuple[Outcome, ...]:
         """The three findings that a reader should see first.
 
-        Those that disagree with the paper come first, each kind in the order of the claims.
+        Those that disagree with the paper come first, by the weight of their claims, then by how
+        much they disagree, then in the order of the claims.
         """
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
-        return tuple(sorted(found, key=lambda one: one.status == slug(Verdict.REPRODUCED))[:3])
+
+        def rank(outcome: Outcome) -> tuple[bool, int, int]:
+            agrees = outcome.status == slug(Verdict.REPRODUCED)
+            return agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
+
+        return tuple(sorted(found, key=rank)[:3])
+
+
+_SEVERITY = tuple(
+    slug(verdict)
+    for verdict in (
+        Verdict.NOT_REPRODUCED,
+        Verdict.PARTIAL,
+        Verdict.CORRECTED,
+        Verdict.UNTESTABLE,
+        Verdict.REPRODUCED,
+    )
+)
 
 
 def make_report(

@@ -240,7 +240,7 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
         (tmp_path / one[kind]).stat().st_size for one in pictures for kind in ("svg", "data")
     )
     assert sum(report["counts"].values()) == len(report["claims"]) == 6
-    assert report["headlines"] == ["fig9-monotone", "fig16-speed", "fig16-misprint"]
+    assert report["headlines"] == ["fig16-speed", "fig9-monotone", "fig16-misprint"]
     assert {"python", "toolkit", "numpy", "scipy", "mpmath", "sympy"} <= set(report["versions"])
     assert set(report["machine"]) == {"system", "architecture", "cores"}
 

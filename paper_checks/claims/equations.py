@@ -1,0 +1,81 @@
+"""Equations (1) to (54) as printed, judged by the checks of the derivations."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+from typing import TYPE_CHECKING
+
+from paper_checks.claim import Claim, Finding, Verdict
+
+if TYPE_CHECKING:
+    from derivations.printed import Judgement
+
+MISPRINTS = frozenset({2, 4, 32, 33, 42})
+"""Right after a correction that the derivation proves."""
+
+OPEN = frozenset({6, 9, 27, 35, 37, 40, 44, 45, 47, 51, 53})
+"""Ambiguous, or an assumption that does not always hold: right under one reading or in places."""
+
+_VERDICT_OF = {
+    "holds": Verdict.REPRODUCED,
+    "definition": Verdict.REPRODUCED,
+    "misprint": Verdict.CORRECTED,
+    "ambiguous": Verdict.PARTIAL,
+    "assumption": Verdict.PARTIAL,
+}
+_EXPANSIONS = frozenset({12, 17})
+"""Assumptions of form that hold at every order that was taken."""
+
+
+@cache
+def _judgements() -> dict[int, Judgement]:
+    from derivations.printed import report
+
+    return {found.printed.number: found for found in report().judgements}
+
+
+def _judge(number: int) -> Finding:
+    found = _judgements()[number]
+    kind = found.printed.verdict.value
+    verdict = Verdict.REPRODUCED if number in _EXPANSIONS else _VERDICT_OF[kind]
+    if not found.confirmed:
+        verdict = Verdict.NOT_REPRODUCED
+    lines = [found.printed.note]
+    if found.printed.affects:
+        lines.append(f"What it affects: {found.printed.affects}")
+    lines += [
+        f"Reading: {reading.meaning}: {'holds' if evidence.holds else 'fails'}. {reading.implies}"
+        for reading, evidence in zip(found.printed.readings, found.on_readings, strict=True)
+    ]
+    if found.corrected:
+        lines.append(f"Corrected, in LaTeX: {found.corrected}")
+    lines.append(f"The check on print: {found.on_print.statement}.")
+    return Finding(
+        verdict=verdict,
+        value=f"{kind}; print {'passes' if found.on_print.holds else 'fails'} its check",
+        error="none: the comparison is symbolic, or to rounding at random points",
+        methods=("derived step by step in computer algebra", found.on_derived.statement),
+        tolerance="a printed equation must pass the same check as the derived one, or fail it",
+        explanation="\n\n".join(line for line in lines if line),
+    )
+
+
+def _recorded(number: int) -> Verdict:
+    if number in MISPRINTS:
+        return Verdict.CORRECTED
+    return Verdict.PARTIAL if number in OPEN else Verdict.REPRODUCED
+
+
+CLAIMS = tuple(
+    Claim(
+        key=f"eq{number:02d}",
+        place=f"Eq. ({number})",
+        statement=f"Equation ({number}) is right as printed.",
+        printed=None,
+        recorded=_recorded(number),
+        command=f"fronts derive --equation {number}",
+        judge=partial(_judge, number),
+        weight=0,
+    )
+    for number in range(1, 55)
+)

@@ -1,0 +1,84 @@
+"""The claims: complete where this version says so, and able to change their verdict."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from paper_checks.claim import Claim, Verdict
+from paper_checks.claims import fig16, fig17, fig18
+from paper_checks.discover import discover
+from theory import admissibility, limits, sum_integral
+from theory.front_profile import FrontProfile
+
+
+def _claim(key: str) -> Claim:
+    return next(
+        claim for claim in (*fig16.CLAIMS, *fig17.CLAIMS, *fig18.CLAIMS) if claim.key == key
+    )
+
+
+def test_every_equation_has_one_claim_of_its_own() -> None:
+    keys = [claim.key for claim in discover()]
+    assert len(set(keys)) == len(keys)
+    assert [key for key in keys if re.fullmatch(r"eq\d\d", key)] == [
+        f"eq{number:02d}" for number in range(1, 55)
+    ]
+
+
+@pytest.mark.parametrize("figure", [16, 17, 18])
+def test_every_figure_of_the_simplified_model_has_claims(figure: int) -> None:
+    assert any(claim.key.startswith(f"fig{figure}-") for claim in discover())
+
+
+@pytest.mark.parametrize("module", [fig16, fig17, fig18])
+def test_verdicts_are_as_recorded(module: object) -> None:
+    for claim in module.CLAIMS:  # type: ignore[attr-defined]
+        assert claim.judge().verdict is claim.recorded, claim.key
+
+
+def test_a_wrong_profile_changes_the_verdict_on_fig_16(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = _profile_of()
+
+    def wrong(*arguments: object, **options: object) -> FrontProfile:
+        found = right(*arguments, **options)
+        return FrontProfile(found.zeta, 1.001 * found.phi, found.error, found.points)
+
+    monkeypatch.setattr("theory.front_profile.front_profile", wrong)
+    assert _claim("fig16-admissible").judge().verdict is Verdict.NOT_REPRODUCED
+
+
+def _profile_of():  # type: ignore[no-untyped-def]
+    from theory.front_profile import front_profile
+
+    return front_profile
+
+
+def test_a_blind_admissibility_check_changes_the_verdict_on_fig_16(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        "theory.admissibility.check_admissible",
+        lambda v, c, r: admissibility.Admissibility(False, 0.0, (1.0, 1.0), 0),
+    )
+    assert _claim("fig16-admissible").judge().verdict is Verdict.NOT_REPRODUCED
+
+
+def test_a_wrong_sum_changes_the_verdict_on_fig_18(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = sum_integral.sums
+
+    def wrong(*arguments: object, **options: object) -> sum_integral.SumArray:
+        found = right(*arguments, **options)  # type: ignore[arg-type]
+        return sum_integral.SumArray(
+            1.001 * found.value, found.error, found.by_v, found.by_c, found.points
+        )
+
+    monkeypatch.setattr("theory.branch_search.sums", wrong)
+    assert _claim("fig18-velocity").judge().verdict is Verdict.NOT_REPRODUCED
+
+
+def test_a_wrong_retreat_changes_the_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = limits.threshold_ratio
+    monkeypatch.setattr("theory.kinetic_relation.threshold_ratio", lambda eta: 0.999 * right(eta))
+    assert _claim("fig18-forward").judge().verdict is not Verdict.PARTIAL

@@ -8,7 +8,7 @@ import pytest
 
 from paper_checks.claim import Claim, Verdict
 from paper_checks.claims import fig16, fig17, fig18
-from paper_checks.discover import discover
+from paper_checks.discover import find_entries
 from theory import admissibility, limits, sum_integral
 from theory.front_profile import FrontProfile
 
@@ -20,7 +20,7 @@ def _claim(key: str) -> Claim:
 
 
 def test_every_equation_has_one_claim_of_its_own() -> None:
-    keys = [claim.key for claim in discover()]
+    keys = [entry.claim.key for entry in find_entries()]
     assert len(set(keys)) == len(keys)
     assert [key for key in keys if re.fullmatch(r"eq\d\d", key)] == [
         f"eq{number:02d}" for number in range(1, 55)
@@ -29,7 +29,7 @@ def test_every_equation_has_one_claim_of_its_own() -> None:
 
 @pytest.mark.parametrize("figure", [16, 17, 18])
 def test_every_figure_of_the_simplified_model_has_claims(figure: int) -> None:
-    assert any(claim.key.startswith(f"fig{figure}-") for claim in discover())
+    assert any(entry.claim.key.startswith(f"fig{figure}-") for entry in find_entries())
 
 
 @pytest.mark.parametrize("module", [fig16, fig17, fig18])

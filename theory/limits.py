@@ -131,7 +131,7 @@ def strong_coupling_velocity(eta: float) -> float | None:
     Examples
     --------
     >>> V = strong_coupling_velocity(0.03125)
-    >>> abs(abs(strong_coupling_sum(V)) - 2 * threshold_ratio(0.03125)) < 1e-13
+    >>> bool(abs(abs(strong_coupling_sum(V)) - 2 * threshold_ratio(0.03125)) < 1e-13)
     True
     """
     target = 2.0 * threshold_ratio(eta)
@@ -160,7 +160,7 @@ def weak_threshold_velocity(c: float, eta: float) -> float:
     Examples
     --------
     >>> round(weak_threshold_velocity(0.5, 1e-10), 3)
-    66.474
+    66.479
     """
     return math.sqrt(positive("coupling c", c) / (8.0 * threshold_ratio(eta)))
 

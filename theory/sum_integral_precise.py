@@ -40,7 +40,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     --------
     >>> total = precise_sum_by_integral("0.3", "0.5", digits=30)
     >>> print(mp.nstr(total.value.real, 25))
-    -0.2887967561902530221506064
+    -0.2887967561902519894582199
     """
     start = perf_counter()
     digits = count_within("digits", digits, 1, MOST_DIGITS)

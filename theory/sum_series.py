@@ -78,7 +78,7 @@ def sum_by_roots(
     --------
     >>> total = sum_by_roots("0.3", "0.5", digits=30)
     >>> print(mp.nstr(total.value.real, 25), total.terms < 60)
-    -0.2887967561902530221506064 True
+    -0.2887967561902519894582199 True
     """
     start = perf_counter()
     digits = count_within("digits", digits, 1, MOST_DIGITS)

@@ -9,7 +9,7 @@ import pytest
 from paper_checks.claim import Claim, Verdict
 from paper_checks.claims import fig16, fig17, fig18
 from paper_checks.discover import find_entries
-from theory import admissibility, limits, sum_integral
+from theory import admissibility, sum_integral
 from theory.front_profile import FrontProfile
 
 
@@ -65,7 +65,12 @@ def test_a_blind_admissibility_check_changes_the_verdict_on_fig_16(
     assert _claim("fig16-admissible").judge().verdict is Verdict.NOT_REPRODUCED
 
 
-def test_a_wrong_sum_changes_the_verdict_on_fig_18(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "key", ["fig17-linear", "fig17-single", "fig17-stable", "fig18-velocity", "fig18-forward"]
+)
+def test_a_wrong_sum_fails_the_claim_instead_of_judging_it(
+    key: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     right = sum_integral.sums
 
     def wrong(*arguments: object, **options: object) -> sum_integral.SumArray:
@@ -75,10 +80,14 @@ def test_a_wrong_sum_changes_the_verdict_on_fig_18(monkeypatch: pytest.MonkeyPat
         )
 
     monkeypatch.setattr("theory.branch_search.sums", wrong)
-    assert _claim("fig18-velocity").judge().verdict is Verdict.NOT_REPRODUCED
+    with pytest.raises(ArithmeticError, match="d"):
+        _claim(key).judge()
 
 
-def test_a_wrong_retreat_changes_the_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = limits.threshold_ratio
-    monkeypatch.setattr("theory.kinetic_relation.threshold_ratio", lambda eta: 0.999 * right(eta))
-    assert _claim("fig18-forward").judge().verdict is not Verdict.PARTIAL
+def test_a_wrong_series_fails_the_claim_on_explicitness(monkeypatch: pytest.MonkeyPatch) -> None:
+    from theory.kinetic_sum import KineticSum
+
+    wrong = KineticSum(0.5 + 0.5j, 1e-14, 19, "series", 0.0)
+    monkeypatch.setattr("theory.sum_series.sum_by_roots", lambda v, c: wrong)
+    with pytest.raises(ArithmeticError, match="differ"):
+        _claim("eq54-explicit").judge()

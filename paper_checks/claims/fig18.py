@@ -68,11 +68,13 @@ def _velocity() -> Finding:
         },
     )
     shape = np.array([answer.branches[-1].v for answer in answers if answer.branches])
+    if gap > 1e-9:
+        raise ArithmeticError(f"theory and chain disagree by {gap:.1e}")
     falls = bool(np.all(np.diff(shape) < 0))
     broken = [eta for eta, v in zip(*kinds[False], strict=True) if v > 1.05 * min(shape)]
     least = min(kinds[True][0])
     return Finding(
-        verdict=Verdict.REPRODUCED if falls and gap < 1e-9 else Verdict.NOT_REPRODUCED,
+        verdict=Verdict.REPRODUCED if falls else Verdict.NOT_REPRODUCED,
         value=f"v falls with η and ends at η_fold = {fold.value:.9f}",
         error=f"η_fold {fold.error:.1e}; velocities below 1e-9",
         methods=(
@@ -84,7 +86,8 @@ def _velocity() -> Finding:
             "The shape is right. Static fronts exist for η above "
             f"η_pin = {pin:.9f}, moving ones up to η_fold, so both exist between. Below "
             f"η = {least:.2g} the fastest solution is no longer admissible in this scan "
-            f"({len(broken)} of the points): the site behind the front falls back below threshold."
+            f"({len(broken)} of the points): it fails at ζ = 0. "
+            "How the fall compares with the full model (8) is not judged here."
         ),
         pictures=(drawn,),
     )
@@ -105,13 +108,15 @@ def _forward() -> Finding:
         for row in retreats
         if row[3].v is not None
     )
+    if gap > 1e-9:
+        raise ArithmeticError(f"theory and chain disagree by {gap:.1e}")
     text = "; ".join(
         f"c = {c:g}, η = {eta:g}: v = {run.v:.9f} ({run.status.value}), "
         f"c_retreat = {answer.c_retreat:.6f}"
         for c, eta, answer, run in rows
     )
     return Finding(
-        verdict=Verdict.PARTIAL if retreats and gap < 1e-9 else Verdict.REPRODUCED,
+        verdict=Verdict.PARTIAL if retreats else Verdict.REPRODUCED,
         value=text,
         error=f"theory and chain differ by {gap:.1e}",
         methods=("|2 + Σ(v, c)| = 2r, from (54) at v < 0", "direct simulation of (44)"),
@@ -133,11 +138,13 @@ def _explicit() -> Finding:
 
     integral, series = sum_by_integral(0.3, 0.5), sum_by_roots(0.3, 0.5)
     gap = abs(integral.value - series.value)
+    if gap > integral.error + series.error:
+        raise ArithmeticError(f"integral and series differ by {gap:.1e}")
     far = kinetic_relation(1e6, 0.03125).branches[-1].v / 1e3
     limit = strong_coupling_velocity(0.03125) or 0.0
     small = kinetic_relation(0.3, 1e-12).branches[-1].v / weak_threshold_velocity(0.3, 1e-12)
     return Finding(
-        verdict=Verdict.PARTIAL if gap <= integral.error + series.error else Verdict.REPRODUCED,
+        verdict=Verdict.PARTIAL,
         value=f"one integral over a period, {integral.terms} points, no roots",
         error=f"both methods differ by {gap:.1e}, bounds {integral.error + series.error:.1e}",
         methods=("periodised integral, trapezoidal rule", f"series over {series.terms} roots"),
@@ -156,7 +163,7 @@ CLAIMS = (
     Claim(
         "fig18-velocity",
         "Fig. 18, section 2.3.2",
-        "The velocity falls with η in the simplified model, qualitatively as in the full one.",
+        "The velocity falls with η in the simplified model.",
         None,
         Verdict.REPRODUCED,
         "fronts kinetic --c 0.3 --eta 0.001:0.022:100 --out curve.png",

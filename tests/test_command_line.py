@@ -1,0 +1,170 @@
+"""The command line as a user meets it: examples, JSON, files, and one sentence on bad input."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import math
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fronts.cli import COMMANDS, main
+
+
+def _json(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
+    assert main([*shlex.split(line), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name != "check"])
+def test_the_first_example_of_every_help_works(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    example = importlib.import_module(f"fronts.commands.{name}").EXAMPLE
+    words = shlex.split(example.splitlines()[1].split("   ")[0])
+    assert words[0] == "fronts"
+    assert main(words[1:]) == 0
+    assert capsys.readouterr().out.strip()
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_help_with_an_example(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main([name, "--help"])
+    assert stopped.value.code == 0
+    assert f"fronts {name}" in capsys.readouterr().out
+
+
+def test_kinetic_gives_the_documented_object(capsys: pytest.CaptureFixture[str]) -> None:
+    answer = _json(capsys, "kinetic --c 0.45 --a 4 --b 0.5")
+    assert {"c", "eta", "status", "branches", "c_pin", "c_fold", "method", "terms", "seconds"} <= {
+        *answer
+    }
+    assert answer["status"] == "propagating"
+    branches = answer["branches"]
+    assert isinstance(branches, list)
+    assert [set(branch) >= {"v", "error", "admissible", "slope"} for branch in branches] == [
+        True,
+        True,
+    ]
+    assert branches[0]["v"] < branches[1]["v"]
+    assert [branch["admissible"] for branch in branches] == [False, True]
+
+
+def test_pinned_and_not_bistable_are_answers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _json(capsys, "kinetic --c 0.2 --eta 0.03125")["status"] == "pinned"
+    outside = _json(capsys, "kinetic --c 0.2 --eta 0.2")
+    assert outside["status"] == "not_bistable"
+    assert outside["c_pin"] is None
+
+
+@pytest.mark.parametrize("method", ["integral", "series", "bessel", "quadrature"])
+def test_sum_gives_the_same_by_every_method(
+    method: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answer = _json(capsys, f"sum --v 0.3 --c 0.5 --digits 10 --method {method}")
+    assert set(answer) == {"re", "im", "error", "terms", "method", "seconds"}
+    # digits of the 50-digit series, to the ten asked for
+    assert answer["re"] == pytest.approx(-0.2887967561902520, abs=1e-10)
+    assert answer["im"] == pytest.approx(0.4522687587493947, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["integral", "series"])
+def test_many_digits_come_as_strings(method: str, capsys: pytest.CaptureFixture[str]) -> None:
+    answer = _json(capsys, f"sum --v 0.3 --c 0.5 --digits 50 --method {method}")
+    assert isinstance(answer["re"], str)
+    assert isinstance(answer["im"], str)
+    assert len(answer["re"].lstrip("-0.")) >= 49
+
+
+def test_roots_are_listed_counted_and_certified(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("flint")
+    answer = _json(capsys, "roots --v 0.3 --c 0.5 --count 12 --certify")
+    upper, lower = answer["upper"], answer["lower"]
+    assert isinstance(upper, list)
+    assert isinstance(lower, list)
+    assert answer["counted"] == len(upper) + len(lower) == 24
+    assert answer["certified"] is True
+    for rows in (upper, lower):
+        sizes = [math.hypot(row["re"], row["im"]) for row in rows]
+        assert sizes == sorted(sizes)
+        assert {"label", "re", "im", "residual", "radius"} == set(rows[0])
+
+
+def test_the_direct_simulation_agrees_with_the_theory(capsys: pytest.CaptureFixture[str]) -> None:
+    run = _json(capsys, "front piecewise --c 0.5 --eta 0.03125")
+    theory = _json(capsys, "kinetic --c 0.5 --eta 0.03125")
+    assert {"v", "error", "steady", "status", "events", "seconds"} <= set(run)
+    branches = theory["branches"]
+    assert isinstance(branches, list)
+    assert run["v"] == pytest.approx(branches[0]["v"], abs=1e-12)
+    assert run["steady"] is True
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".png", ".svg"])
+def test_curves_and_profiles_are_written_whole(suffix: str, tmp_path: Path) -> None:
+    curve, shape = tmp_path / f"curve{suffix}", tmp_path / f"shape{suffix}"
+    assert main(shlex.split(f"kinetic --c 0.4:0.6:5 --eta 0.03125 --out {curve}")) == 0
+    assert main(shlex.split(f"profile --c 0.5 --eta 0.03125 --out {shape}")) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {curve.name, shape.name}
+    if suffix == ".csv":
+        assert curve.read_text().splitlines()[0].startswith("c,eta,status,v,error")
+        assert len(shape.read_text().splitlines()) == 322
+
+
+BAD = [
+    "kinetic --c 0 --eta 0.03",
+    "kinetic --c -1 --eta 0.03",
+    "kinetic --c nan --eta 0.03",
+    "kinetic --c inf --eta 0.03",
+    "kinetic --c 0.5 --eta 0",
+    "kinetic --c 0.5 --eta -1",
+    "kinetic --c 0.5 --eta nan",
+    "kinetic --c 0.5",
+    "kinetic --c 0.5 --eta 0.03 --a 4 --b 0.5",
+    "kinetic --c 0.3:3 --eta 0.03",
+    "kinetic --c 0.3:3:4 --eta 0.03 --out /nowhere/curve.csv",
+    "sum --v 0 --c 0.5",
+    "sum --v 0.3 --c inf",
+    "sum --v 0.3 --c 0.5 --digits 0",
+    "sum --v 1e-9 --c 5 --method bessel",
+    "roots --v 0.3 --c 0.5 --count 1000000000",
+    "roots --v 0.3 --c 0.5 --count 0",
+    "roots --v -0.3 --c 0.5",
+    "profile --c 0.2 --eta 0.03125",
+    "profile --c 0.5 --eta 0.03125 --branch 7",
+    "profile --c 0.5 --eta 0.03125 --out /nowhere/shape.png",
+    "front piecewise --c 0 --eta 0.03",
+    "front piecewise --c 0.5 --eta 0.2",
+    "check nosuchclaim",
+    "nosuchcommand",
+]
+
+
+@pytest.mark.parametrize("line", BAD)
+def test_bad_input_gets_one_sentence_and_exit_code_2(
+    line: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(shlex.split(line)) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert len(shown.err.strip().splitlines()) == 1
+    assert main([*shlex.split(line), "--json"]) == 2
+    error = json.loads(capsys.readouterr().err)["error"]
+    assert error["message"]
+
+
+def test_one_point_imports_nothing_it_does_not_use() -> None:
+    code = (
+        "import sys; from fronts.cli import main; main(['kinetic', '--c', '0.5', '--eta', '0.03']);"
+        "print(sorted({name.split('.')[0] for name in sys.modules}), file=sys.stderr)"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    for heavy in ("scipy", "sympy", "matplotlib", "mpmath", "flint"):
+        assert f"'{heavy}'" not in shown.stderr

@@ -1,0 +1,288 @@
+"""Claims about Σ(v, c), the left side of the kinetic relation (53), and its four evaluations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from theory.kinetic_sum import KineticSum, PrecisionError
+from theory.limits import static_sum
+from theory.parameters import ParameterError
+from theory.sum_bessel import sum_by_bessel
+from theory.sum_integral import sum_by_integral, sums
+from theory.sum_integral_precise import precise_sum_by_integral
+from theory.sum_quadrature import sum_by_quadrature
+from theory.sum_series import sum_by_roots
+from verification.scenes import SCENES, Scene, scene_named, scenes_tagged
+
+# Where a method is at its limits: roots that cross or touch the graded contour, the first
+# resonance of c = 100, and the corners of the (v, c) plane.
+HARD = [
+    (159.82338529816317, 214.92354611211903),
+    (7.0562693897135915, 10.802444936499525),
+    (72.46, 100.0),
+    (1e5, 1e-5),
+    (0.5, 300.0),
+    (1e-9, 1e9),
+]
+EVERY = sorted({*HARD, *((scene.v, scene.c) for scene in SCENES)})
+
+
+def random_scenes(seed: int, count: int, decades: float) -> list[tuple[float, float]]:
+    rng = np.random.default_rng(seed)
+    v, c = np.exp(rng.uniform(-1, 1, (2, count)) * decades * math.log(10))
+    return list(zip(v.tolist(), c.tolist(), strict=True))
+
+
+def distance(a: KineticSum, b: KineticSum) -> float:
+    """|a - b|, not rounded before the subtraction."""
+    with mp.workdps(60):
+        return float(abs(mp.mpc(a.value) - mp.mpc(b.value)))
+
+
+def textbook_sum(v: float, c: float) -> complex:
+    """Return -1 + (v/π) ∫₀^∞ dk/(A² + v²k²), A = ½ - ic(1 - cos k), by plain equispaced points.
+
+    Beyond K = 4000π the integrand is 1/(vk)², but for |A|²/(vk)⁴.
+    """
+    count, end = 1 << 19, 4000 * math.pi
+    k = np.linspace(0, end, count + 1)
+    value = 1 / ((0.5 - 1j * c * (1 - np.cos(k))) ** 2 + (v * k) ** 2)
+    value[[0, -1]] *= 0.5
+    return complex(-1 + v / math.pi * (np.sum(value) * end / count + 1 / (v * v * end)))
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 1.0), (3.0, 0.2)])
+def test_sigma_is_the_real_line_integral_of_the_printed_relation(v: float, c: float) -> None:
+    # the rest beyond K is below |A|²/(v³K³) = 1e-11 at v = 0.3; the points are exact to e^{-2πs/h}
+    assert abs(textbook_sum(v, c) - sum_by_integral(v, c).value) < 3e-11
+
+
+def test_the_printed_value_is_the_plain_sum_over_roots_found_by_newton() -> None:
+    """Σ 1/(kL_k) over 4000 roots above the axis, from seeds of its own, at v = 0.3, c = 0.5."""
+    v, c = 0.3, 0.5
+    n = np.arange(-2000, 2001)
+    centre = 2 * np.pi * n - np.pi / 2
+    k = centre + 1j * np.log(np.maximum(2 * v * np.abs(centre) / c, 2.0))
+    for _ in range(60):
+        value = 0.5 - 1j * c * (1 - np.cos(k)) - 1j * v * k
+        k = k + value / (1j * (v + c * np.sin(k)))
+    k = np.unique(np.round(k[(k.imag > 0) & (abs(k.real) < 12500)], 8))
+    terms = 1 / (-1j * k * (v + c * np.sin(k)))
+    # the terms left out are 1/(v k²) and alternate in no way: 2/(v 2π 12500) in all
+    assert abs(np.sum(terms) - sum_by_integral(v, c).value) < 2 / (v * 2 * np.pi * 12000)
+
+
+@pytest.mark.parametrize(("v", "c"), random_scenes(11, 8, 0.6))
+def test_the_four_evaluations_agree_at_random(v: float, c: float) -> None:
+    found = [
+        sum_by_integral(v, c),
+        sum_by_roots(v, c),
+        sum_by_bessel(v, c, 1e-11),
+        sum_by_quadrature(v, c, 1e-8),
+    ]
+    assert {each.method for each in found} == {"integral", "series", "bessel", "quadrature"}
+    for i, a in enumerate(found):
+        assert a.terms > 0
+        assert 0 <= a.seconds < 60
+        for b in found[:i]:
+            assert distance(a, b) <= a.error + b.error, (a.method, b.method)
+    assert found[0].error < 1e-12
+    assert found[1].error < 1e-12
+
+
+@pytest.mark.parametrize(("v", "c"), [*EVERY, *random_scenes(12, 16, 6.0)])
+def test_integral_and_series_agree_over_twelve_decades(v: float, c: float) -> None:
+    try:
+        series = sum_by_roots(v, c)
+    except PrecisionError:
+        assert c / v > 1e4  # too many roots near the axis: the series' one weakness
+        return
+    integral = sum_by_integral(v, c)
+    assert distance(integral, series) <= integral.error + series.error
+
+
+@pytest.mark.parametrize(("v", "c"), EVERY)
+@pytest.mark.parametrize(
+    "method",
+    [
+        sum_by_integral,
+        sum_by_roots,
+        lambda v, c: sum_by_bessel(v, c, 1e-10),
+        lambda v, c: sum_by_quadrature(v, c, 1e-6),
+    ],
+    ids=["integral", "series", "bessel", "quadrature"],
+)
+def test_no_error_bound_is_exceeded(
+    method: Callable[[float, float], KineticSum], v: float, c: float
+) -> None:
+    # what is too dear for this test: 1e5 pieces of quadrature or Bessel functions at a time
+    slow = method not in (sum_by_integral, sum_by_roots) and (c > 20 or v < 5e-3 or c / v > 200)
+    if slow:
+        return
+    try:
+        found = method(v, c)
+    except PrecisionError:
+        assert method is not sum_by_integral
+        return
+    exact = precise_sum_by_integral(v, c, 20)
+    assert distance(found, exact) <= found.error + exact.error
+    assert found.error < 1e-5  # an honest bound is also a useful one
+
+
+def test_no_error_bound_of_the_array_is_exceeded_at_any_tolerance() -> None:
+    scenes = [*HARD, *random_scenes(13, 14, 4.0)]
+    exact = [precise_sum_by_integral(v, c, 22) for v, c in scenes]
+    v, c = np.array(scenes).T
+    for tolerance in (1e-3, 1e-8, 1e-12, 1e-15):
+        found = sums(v, c, tolerance)
+        off = np.array(
+            [
+                float(abs(mp.mpc(value) - reference.value))
+                for value, reference in zip(found.value, exact, strict=True)
+            ]
+        )
+        assert np.all(off <= found.error)
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (3.0, 0.7), (1e5, 1e-5), HARD[1]])
+def test_integral_and_series_agree_to_fifty_digits(v: float, c: float) -> None:
+    integral, series = precise_sum_by_integral(v, c, 50), sum_by_roots(v, c, 50)
+    assert distance(integral, series) <= integral.error + series.error
+    assert integral.error + series.error < 1e-49
+
+
+@pytest.mark.parametrize(("v", "c"), [*HARD[:5], (0.01, 0.5), (74.0, 1e4)])
+def test_precise_integral_and_precise_series_agree_to_thirty_digits(v: float, c: float) -> None:
+    integral, series = precise_sum_by_integral(v, c, 30), sum_by_roots(v, c, 30)
+    assert distance(integral, series) <= integral.error + series.error
+    assert integral.error + series.error < 1e-28
+
+
+def test_a_string_is_a_decimal_and_a_float_is_binary() -> None:
+    decimal, binary = sum_by_roots("0.3", "0.5", 25), sum_by_roots(0.3, 0.5, 25)
+    # 0.3 in binary is off by 1.1e-17, and |∂Σ/∂v| is about one
+    assert 1e-19 < distance(decimal, binary) < 1e-16
+    assert distance(decimal, precise_sum_by_integral("0.3", "0.5", 25)) < 1e-24
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 1.0), HARD[0], HARD[1], (1e-2, 0.5)])
+def test_both_half_planes_together_give_minus_two(v: float, c: float) -> None:
+    above, below = sum_by_roots(v, c, 25), sum_by_roots(v, c, 25, upper=False)
+    with mp.workdps(40):
+        assert abs(above.value + below.value + 2) <= above.error + below.error
+    quick = sum_by_roots(v, c).value + sum_by_roots(v, c, upper=False).value
+    assert abs(quick + 2) < 1e-11  # double precision, sums of at most a few hundred terms
+
+
+@pytest.mark.parametrize("scene", scenes_tagged("ordinary"), ids=lambda scene: scene.name)
+def test_sixty_roots_are_enough_for_twelve_digits(scene: Scene) -> None:
+    found = sum_by_roots(scene.v, scene.c, 12)
+    assert found.terms <= 60
+    exact = precise_sum_by_integral(scene.v, scene.c, 20)
+    assert distance(found, exact) < 1e-12
+
+
+def test_terms_are_paid_for_by_the_tolerance_and_the_strip() -> None:
+    points = [sum_by_integral(0.3, 0.5, tolerance).terms for tolerance in (1e-3, 1e-8, 1e-14)]
+    assert points == sorted(set(points))
+    # c sinh s + v s = 1/2: a strip ten times narrower wants more points, not fewer
+    assert sum_by_integral(3.0, 5.0).terms > sum_by_integral(0.3, 0.5).terms
+    assert len({sum_by_roots(0.3, 0.5, digits).terms for digits in (5, 15, 50)}) == 3
+
+
+@pytest.mark.parametrize(
+    ("v", "c"), [(0.3, 0.5), (1.0, 1.0), (0.05, 0.2), (7.4, 100.0), (72.46, 100.0), (0.01, 3.0)]
+)
+def test_derivatives_are_those_of_finite_differences(v: float, c: float) -> None:
+    found = sums(v, c, 1e-14, slopes=True)
+    assert found.by_v is not None
+    assert found.by_c is not None
+
+    def at(v: float, c: float) -> complex:
+        return complex(precise_sum_by_integral(v, c, 17).value)
+
+    for slope, dv, dc in ((found.by_v, 1.0, 0.0), (found.by_c, 0.0, 1.0)):
+        h = 1e-4 * (v * dv + c * dc)
+        h = min(h, 1e-3)  # the resonance at v = 72.46 is some 0.2 wide
+        near = at(v + h * dv, c + h * dc) - at(v - h * dv, c - h * dc)
+        far = at(v + 2 * h * dv, c + 2 * h * dc) - at(v - 2 * h * dv, c - 2 * h * dc)
+        fourth = (8 * near - far) / (12 * h)
+        # fourth order, plus rounding of the values over the step
+        assert abs(complex(slope) - fourth) < 1e-9 * (1 + abs(fourth)) + 1e-15 / h
+
+
+def test_the_sum_is_flat_at_small_v_and_small_at_large_v() -> None:
+    assert abs(sum_by_integral(1e-6, 0.5).value - static_sum(0.5)) < 1e-14
+    assert abs(static_sum(0.5) - (1 / np.sqrt(1 - 2j) - 1)) < 1e-15
+    # as v → ∞ Σ ≈ ic/(4v²), with the next term smaller by 1/v
+    assert abs(sum_by_integral(1e3, 0.5).value / (0.5j / 4e6) - 1) < 1e-2
+
+
+def test_arrays_broadcast_and_equal_their_single_values() -> None:
+    v, c = np.geomspace(0.01, 100, 7)[:, None], np.geomspace(0.1, 1000, 5)
+    found = sums(v, c)
+    assert found.value.shape == found.error.shape == found.points.shape == (7, 5)
+    for i in range(7):
+        for j in range(5):
+            one = sum_by_integral(float(v[i, 0]), float(c[j]))
+            # the same points in another order of summation: a few roundings
+            assert abs(found.value[i, j] - one.value) <= 1e-15 * found.points[i, j] ** 0.5 + 1e-15
+
+
+REFUSED = [
+    pytest.param(lambda: sum_by_roots(1.0, 1e8), id="series"),
+    pytest.param(lambda: sum_by_roots(1.0, 1e6, 30), id="precise series"),
+    pytest.param(lambda: sum_by_quadrature(1e-6, 1.0, 1e-12), id="quadrature"),
+    pytest.param(lambda: sum_by_bessel(1e-3, 1e6), id="bessel"),
+]
+
+
+@pytest.mark.parametrize("refused", REFUSED)
+def test_a_refusal_is_one_sentence_that_says_what_to_do(refused: Callable[[], Any]) -> None:
+    with pytest.raises(PrecisionError) as caught:
+        refused()
+    message = str(caught.value)
+    assert message.endswith(".")
+    assert "\n" not in message
+    assert ". " not in message
+    assert "v = " in message
+    assert "use the method integral" in message
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf, 1e13])
+@pytest.mark.parametrize(
+    "method", [sum_by_integral, sum_by_roots, sum_by_bessel, sum_by_quadrature]
+)
+def test_bad_parameters_are_refused_by_name(
+    method: Callable[[float, float], KineticSum], bad: float
+) -> None:
+    with pytest.raises(ParameterError, match="coupling c"):
+        method(1.0, bad)
+    with pytest.raises(ParameterError, match="velocity v"):
+        method(bad, 1.0)
+
+
+def test_bad_digits_and_tolerances_are_refused() -> None:
+    for digits in (0, -1, 2001):
+        with pytest.raises(ParameterError, match="digits"):
+            sum_by_roots(0.3, 0.5, digits)
+        with pytest.raises(ParameterError, match="digits"):
+            precise_sum_by_integral(0.3, 0.5, digits)
+    for tolerance in (0.0, -1.0, 1.0, math.nan):
+        for method in (sum_by_integral, sum_by_bessel, sum_by_quadrature):
+            with pytest.raises(ParameterError, match="tolerance"):
+                method(0.3, 0.5, tolerance)
+
+
+def test_scenes_have_distinct_names_and_can_be_found() -> None:
+    names = [scene.name for scene in SCENES]
+    assert len(set(names)) == len(names)
+    assert scene_named("ordinary").c == 0.5
+    with pytest.raises(KeyError):
+        scene_named("nowhere")

@@ -6,6 +6,7 @@ import time
 import pytest
 
 from benchmarks import piecewise_suite, piecewise_targets, tables
+from benchmarks.piecewise_diagram import worth_choosing
 from benchmarks.piecewise_sum import contenders, references
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
 from benchmarks.runner import (
@@ -109,6 +110,14 @@ def test_a_ratio_is_taken_at_equal_error_and_is_the_least_favourable():
     rows = piecewise_targets.ratio_targets(points, "s")
     assert rows[0].measured == pytest.approx(200.0)
     assert rows[0].verdict == "met"
+
+
+def test_a_line_of_the_diagram_joins_only_settings_that_none_beats():
+    def point(error, seconds):
+        return WorkPoint("sum", "s", "m", "k", error, None, seconds, seconds, 3)
+
+    fast, beaten, exact = point(1e-3, 1.0), point(1e-3, 2.0), point(1e-9, 3.0)
+    assert worth_choosing([exact, beaten, fast]) == ([fast, exact], [beaten])
 
 
 def test_a_record_survives_writing_and_shows_its_failings(tmp_path):

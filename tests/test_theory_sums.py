@@ -102,7 +102,7 @@ def test_integral_and_series_agree_over_twelve_decades(v: float, c: float) -> No
         series = sum_by_roots(v, c)
     except PrecisionError:
         assert c / v > 1e4  # too many roots near the axis: the series' one weakness
-        return
+        pytest.skip("refused: see the refusals below")
     integral = sum_by_integral(v, c)
     assert distance(integral, series) <= integral.error + series.error
 
@@ -124,12 +124,12 @@ def test_no_error_bound_is_exceeded(
     # what is too dear for this test: 1e5 pieces of quadrature or Bessel functions at a time
     slow = method not in (sum_by_integral, sum_by_roots) and (c > 20 or v < 5e-3 or c / v > 200)
     if slow:
-        return
+        pytest.skip("too dear for this test")
     try:
         found = method(v, c)
     except PrecisionError:
         assert method is not sum_by_integral
-        return
+        pytest.skip("refused: see the refusals below")
     exact = precise_sum_by_integral(v, c, 20)
     assert distance(found, exact) <= found.error + exact.error
     assert found.error < 1e-5  # an honest bound is also a useful one

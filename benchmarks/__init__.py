@@ -1,0 +1,1 @@
+"""Error against run time, beside peers, in one process; run with ``python -m benchmarks``."""

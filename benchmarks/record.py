@@ -1,0 +1,189 @@
+"""What a benchmark leaves behind: points of error against run time, failures, targets, the machine.
+
+Errors are absolute and dimensionless, times are wall-clock seconds.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Literal
+
+PACKAGES = ("numpy", "scipy", "mpmath", "cxroots", "python-flint")
+
+
+@dataclass(frozen=True)
+class WorkPoint:
+    """One method at one setting: what it cost and how wrong it was.
+
+    Attributes
+    ----------
+    quantity, scene, method, knob : str
+        What was computed, where, how, and the setting that trades error for time.
+    error : float
+        Distance from the reference.
+    claimed : float or None
+        The bound or estimate that the method itself gave; None where it gives none.
+    first_seconds : float
+        First call in this process, per evaluation; imports and caches may be warm from other knobs.
+    seconds : float
+        Median over the repeated calls, per evaluation.
+    repeats : int
+        Repeated calls, the first not counted.
+    warning : str
+        What the method warned of on the first call; empty if nothing.
+    """
+
+    quantity: str
+    scene: str
+    method: str
+    knob: str
+    error: float
+    claimed: float | None
+    first_seconds: float
+    seconds: float
+    repeats: int
+    warning: str = ""
+
+    @property
+    def honest(self) -> bool:
+        """Whether the error is within what the method claims; true if it claims nothing."""
+        return self.claimed is None or self.error <= self.claimed
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One method that gave no value at one setting, and why."""
+
+    quantity: str
+    scene: str
+    method: str
+    knob: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Target:
+    """A speed that was promised beside the speed that was measured.
+
+    Attributes
+    ----------
+    claim : str
+        What is measured, in words.
+    measured : float or None
+        None where it could not be measured; ``detail`` says why.
+    relation : {"at least", "below", "no target"}
+        How it must compare with ``limit``.
+    limit : float or None
+        The target.
+    unit : str
+        Of both.
+    detail : str
+        What was done, and the numbers behind the ratio.
+    """
+
+    claim: str
+    measured: float | None
+    relation: Literal["at least", "below", "no target"]
+    limit: float | None
+    unit: str
+    detail: str
+
+    @property
+    def verdict(self) -> str:
+        """``met``, ``not met``, ``not measured``, or ``-`` where nothing was promised."""
+        if self.measured is None:
+            return "not measured"
+        if self.limit is None:
+            return "-"
+        at_least = self.relation == "at least"
+        good = self.measured >= self.limit if at_least else self.measured < self.limit
+        return "met" if good else "not met"
+
+
+@dataclass(frozen=True)
+class Record:
+    """One run of the benchmarks.
+
+    Attributes
+    ----------
+    command : str
+        What was typed.
+    date : str
+        UTC, to the minute.
+    machine, versions : mapping of str to str
+        Where it ran and with what; no host name, no path.
+    agreement : mapping of str to float
+        For each scene, the distance between the two references that share no code.
+    points, failures, targets
+        The measurements.
+    """
+
+    command: str
+    date: str
+    machine: Mapping[str, str]
+    versions: Mapping[str, str]
+    agreement: Mapping[str, float]
+    points: tuple[WorkPoint, ...]
+    failures: tuple[Failure, ...]
+    targets: tuple[Target, ...]
+
+
+def write_record(record: Record, path: Path) -> None:
+    """Write a record as JSON, each target with its verdict."""
+    payload = asdict(record)
+    for row, target in zip(payload["targets"], record.targets, strict=True):
+        row["verdict"] = target.verdict
+    path.write_text(json.dumps(payload, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def read_record(path: Path) -> Record:
+    """Read what :func:`write_record` wrote."""
+    payload = json.loads(path.read_text(encoding="utf-8"))
+    for row in payload["targets"]:
+        del row["verdict"]
+    rows = {"points": WorkPoint, "failures": Failure, "targets": Target}
+    for name, kind in rows.items():
+        payload[name] = tuple(kind(**row) for row in payload[name])
+    return Record(**payload)
+
+
+def this_machine() -> dict[str, str]:
+    """Return platform, processor and thread settings; nothing that identifies the machine."""
+    return {
+        "system": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
+        "cores": str(os.cpu_count()),
+        "threads": os.environ.get("OMP_NUM_THREADS", "not limited"),
+    }
+
+
+def these_versions() -> dict[str, str]:
+    """Return the versions of Python and of every package that is measured."""
+    found = {"python": platform.python_version()}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
+
+
+def now() -> str:
+    """Return the date and time, UTC."""
+    return datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+def _processor() -> str:
+    information = Path("/proc/cpuinfo")
+    if information.is_file():
+        for line in information.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or "unknown"

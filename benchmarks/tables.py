@@ -1,0 +1,51 @@
+"""A record as plain text: the machine, points by scene, failures by name, targets with verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from benchmarks.record import Record
+
+
+def as_text(run: Record) -> str:
+    """Return the whole record as tables."""
+    return "\n".join([*_head(run), *_points(run), *_failures(run), *_targets(run)])
+
+
+def _head(run: Record) -> Iterator[str]:
+    yield f"{run.command}    {run.date}"
+    yield ", ".join(f"{name} {value}" for name, value in run.machine.items())
+    yield ", ".join(f"{name} {value}" for name, value in run.versions.items())
+
+
+def _points(run: Record) -> Iterator[str]:
+    for scene in dict.fromkeys(point.scene for point in run.points):
+        yield ""
+        yield f"{scene}: references without common code differ by {run.agreement[scene]:.0e}"
+        yield f"  {'method':22} {'setting':30} {'error':>8} {'claimed':>8} {'first s':>8}" + (
+            f" {'median s':>9} {'of':>4}"
+        )
+        for point in (each for each in run.points if each.scene == scene):
+            claimed = "-" if point.claimed is None else f"{point.claimed:.1e}"
+            mark = "" if point.honest else "  WORSE THAN IT CLAIMS"
+            warned = f"  warned: {point.warning[:50]}" if point.warning else ""
+            yield (
+                f"  {point.method:22} {point.knob:30} {point.error:8.1e} {claimed:>8} "
+                f"{point.first_seconds:8.1e} {point.seconds:9.2e} {point.repeats:4d}{mark}{warned}"
+            )
+
+
+def _failures(run: Record) -> Iterator[str]:
+    yield ""
+    yield "failures" if run.failures else "failures: none"
+    for each in run.failures:
+        yield f"  {each.scene}, {each.method}, {each.knob}: {each.reason}"
+
+
+def _targets(run: Record) -> Iterator[str]:
+    yield ""
+    yield "promised speeds"
+    for each in run.targets:
+        measured = "-" if each.measured is None else f"{each.measured:.3g}"
+        wanted = "" if each.limit is None else f"{each.relation} {each.limit:g}, "
+        yield f"  {each.verdict:12} {each.claim}: {measured} {each.unit} ({wanted}{each.detail})"

@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.runner import Answer, Contender
 from theory.root_count import height_above_roots
-from theory.sum_series import _Scene, _tail  # the tail alone has no public name
+from theory.sum_series import SeriesScene, tail_sum
 
 _TAIL_DIGITS = 15
 _MOST_TAIL_TERMS = 24
@@ -107,6 +107,6 @@ def by_contour_roots(
         return Answer(complex(np.sum(terms)), None)
     terms = np.where(np.abs(labels) == reach, 0.5 * terms, terms)  # the tail holds the other half
     with mp.workdps(_TAIL_DIGITS + 15):
-        scene = _Scene(mp.mpf(v), mp.mpf(c), 1)
-        rest = [_tail(scene, side * reach, side, _MOST_TAIL_TERMS) for side in (-1, 1)]
+        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
+        rest = [tail_sum(scene, side * reach, side, _MOST_TAIL_TERMS) for side in (-1, 1)]
         return Answer(complex(sum(part for part, _ in rest)) + complex(np.sum(terms)), None)

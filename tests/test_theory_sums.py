@@ -286,3 +286,13 @@ def test_scenes_have_distinct_names_and_can_be_found() -> None:
     assert scene_named("ordinary").c == 0.5
     with pytest.raises(KeyError):
         scene_named("nowhere")
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.02, 0.5), (0.3, 0.5), (7.4, 100.0), (1.0, 1.0)])
+@pytest.mark.parametrize("upper", [True, False])
+def test_few_digits_have_an_honest_error_too(v: float, c: float, upper: bool) -> None:
+    """At 4 and 5 digits the tail once began too near its singularities for its own estimate."""
+    exact = sum_by_roots(v, c, 30, upper)
+    for digits in range(1, 16):
+        found = sum_by_roots(v, c, digits, upper)
+        assert distance(found, exact) <= found.error + exact.error, digits

@@ -35,8 +35,16 @@ _MOST_PRECISE_ROOTS = 20_000
 
 
 @dataclass(frozen=True)
-class _Scene:
-    """One (v, c) and half-plane, at the current precision; ``sign`` is ±1 above/below the axis."""
+class SeriesScene:
+    """One scene and half-plane, at the current precision.
+
+    Attributes
+    ----------
+    v, c : mpf
+        Front velocity v̂ and coupling, dimensionless.
+    sign : int
+        1 above the real axis, -1 below.
+    """
 
     v: Any
     c: Any
@@ -44,10 +52,12 @@ class _Scene:
 
     @property
     def alpha(self) -> Any:
+        """2v/c."""
         return 2 * self.v / self.c
 
     @property
     def beta(self) -> Any:
+        """2 + i/c."""
         return mp.mpc(2, 1 / self.c)
 
 
@@ -83,15 +93,16 @@ def sum_by_roots(
     start = perf_counter()
     digits = count_within("digits", digits, 1, MOST_DIGITS)
     checked_velocity_and_coupling(float(v), float(c))
-    corners = digits / 2.7 + 2.0  # e^{-2πρ} = 10^{-digits} and a little
+    # e^{-2πρ} = 10^{-digits} and a little; nearer in, the smallest term is no measure of the error.
+    corners = max(digits, 10) / 2.7 + 2.0
     for _ in range(6):
         with mp.workdps(max(digits, _DOUBLE) + 15):
-            scene = _Scene(exact(v), exact(c), 1 if upper else -1)
+            scene = SeriesScene(exact(v), exact(c), 1 if upper else -1)
             first, last = _kept_labels(scene, corners)
             value, rounding = _kept_terms(scene, first, last, digits)
             uncertain = mp.mpf(0)
             for label, side in ((first, -1), (last, 1)):
-                tail, missed = _tail(scene, label, side, math.ceil(3.2 * corners))
+                tail, missed = tail_sum(scene, label, side, math.ceil(3.2 * corners))
                 value, uncertain = value + tail, uncertain + missed
         if uncertain <= mp.mpf(10) ** (-digits):
             break
@@ -101,7 +112,7 @@ def sum_by_roots(
     return KineticSum(value, float(rounding + uncertain), terms, "series", perf_counter() - start)
 
 
-def _kept_labels(scene: _Scene, distance: float) -> tuple[int, int]:
+def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:
     """Return the labels at which the tails begin, ``distance`` from every singularity of t."""
     i, sign = mp.mpc(0, 1), scene.sign
     q_turn = mp.sqrt(4 - scene.alpha**2)
@@ -123,7 +134,7 @@ def _kept_labels(scene: _Scene, distance: float) -> tuple[int, int]:
     return math.floor(first), math.ceil(last)
 
 
-def _kept_terms(scene: _Scene, first: int, last: int, digits: int) -> tuple[Any, Any]:
+def _kept_terms(scene: SeriesScene, first: int, last: int, digits: int) -> tuple[Any, Any]:
     """Return the sum of t over the labels, the first and last counted half, and its rounding."""
     labels, upper = np.arange(first, last + 1), scene.sign > 0
     if digits <= _DOUBLE:
@@ -147,11 +158,12 @@ def _kept_terms(scene: _Scene, first: int, last: int, digits: int) -> tuple[Any,
     return total, size * mp.mpf(10) ** (8 - mp.mp.dps)
 
 
-def _tail(scene: _Scene, label: int, side: int, most: int) -> tuple[Any, Any]:
+def tail_sum(scene: SeriesScene, label: int, side: int, most: int) -> tuple[Any, Any]:
     """Return the sum of t beyond ``label`` on one side, plus half of t there, and its error.
 
     Euler–Maclaurin: ∫ t dν ∓ Σ_j B_{2j}/(2j) t_{2j-1}, t_j the Taylor coefficients at the label.
-    It is cut at its smallest term, ten times which is charged as the error.
+    It is cut at its smallest term, thirty times which is charged as the error; that bounds it where
+    ``label`` keeps the distance of :func:`sum_by_roots` from the singularities, and not nearer.
     """
     (k,) = precise_roots(scene.v, scene.c, np.array([label]), scene.sign > 0, mp.mp.dps)
     u = mp.exp(-scene.sign * 1j * k)
@@ -172,10 +184,10 @@ def _tail(scene: _Scene, label: int, side: int, most: int) -> tuple[Any, Any]:
         smallest = size
         if size < mp.mpf(10) ** (-mp.mp.dps):
             break
-    return total, 10 * smallest
+    return total, 30 * smallest
 
 
-def _taylor(scene: _Scene, k0: Any, S0: Any, order: int) -> list[Any]:
+def _taylor(scene: SeriesScene, k0: Any, S0: Any, order: int) -> list[Any]:
     """Return the Taylor coefficients of t(ν) about a root, from k'(S ∓ iα) = 2πS, S² = q² - 4."""
     shift = -scene.sign * 1j * scene.alpha
     k, S, q = [k0], [S0], [scene.alpha * k0 + scene.beta]

@@ -192,8 +192,11 @@ def _brackets(
         found = monotone | (short & differ)
         # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
         touched = short & ~differ & (np.minimum(np.abs(ga) - ea, np.abs(gb) - eb) <= 0)
-        done_owner += [owner[found], owner[touched][:1]]
-        done_cells += [cells[:, found], cells[:, touched][:, :1]]
+        # One a scene and round is enough: its neighbours are the same fold.
+        touches = np.flatnonzero(touched)
+        touches = touches[np.unique(owner[touches], return_index=True)[1]]
+        done_owner += [owner[found], owner[touches]]
+        done_cells += [cells[:, found], cells[:, touches]]
         rest = ~(safe | found | short)
         owner, cells = owner[rest], cells[:, rest]
         if owner.size:
@@ -207,10 +210,32 @@ def _brackets(
     return np.concatenate(done_owner), np.concatenate(done_cells, axis=1)
 
 
-def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
-    """Refine each bracket by Newton kept inside it, then bound the error by a change of sign."""
+def _told_apart(
+    relation: _Relation, owner: IntArray, cells: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Sort the brackets; of neighbours between which g is zero to within rounding keep the outer.
+
+    Beside a fold the computed g changes sign many times over by rounding alone. A run of such
+    brackets is a pair if g has the same sign on both sides of it, and one solution if not.
+    """
     order = np.lexsort((cells[0], owner))
     owner, cells = owner[order], cells[:, order]
+    if owner.size < 2:
+        return owner, cells
+    between = 0.5 * (cells[4, :-1] + cells[0, 1:])
+    g, _, e, _ = relation(owner[:-1], between)
+    flat = np.maximum(np.abs(cells[5, :-1]), np.abs(cells[1, 1:])) <= 2.0 * e
+    joined = (owner[:-1] == owner[1:]) & flat & (np.abs(g) <= 2.0 * e)
+    kept: list[int] = []
+    for run in np.split(np.arange(owner.size), np.flatnonzero(~joined) + 1):
+        same = (cells[1, run[0]] > 0) == (cells[5, run[-1]] > 0)
+        kept += [run[0], run[-1]] if same and run.size > 1 else [run[run.size // 2]]
+    return owner[kept], cells[:, kept]
+
+
+def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
+    """Refine each bracket by Newton kept inside it, then bound the error by a change of sign."""
+    owner, cells = _told_apart(relation, owner, cells)
     ta, ga, _, _, tb, gb, _, _ = (row.copy() for row in cells)
     t = np.where(ga == gb, ta, ta - ga * (tb - ta) / np.where(ga == gb, 1.0, gb - ga))
     slope, error, by_c = np.ones(t.size), np.zeros(t.size), np.zeros(t.size)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import SupportsFloat
 
 
 class ParameterError(ValueError):
@@ -31,7 +32,9 @@ class ParameterError(ValueError):
         super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
 
 
-def positive(quantity: str, value: float, remedy: str = "give a positive number") -> float:
+def positive(
+    quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
+) -> float:
     """Return ``value`` as a float if it is finite and positive.
 
     Raises
@@ -88,7 +91,11 @@ def count_within(quantity: str, value: int, low: int, high: int, remedy: str | N
 
 
 def _checked(
-    quantity: str, value: float, allowed: str, remedy: str, accept: Callable[[float], bool]
+    quantity: str,
+    value: SupportsFloat | str,
+    allowed: str,
+    remedy: str,
+    accept: Callable[[float], bool],
 ) -> float:
     try:
         number = float(value)

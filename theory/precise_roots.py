@@ -48,8 +48,8 @@ def precise_roots(
     """
     digits = count_within("digits", digits, 1, MOST_DIGITS)
     with mp.workdps(digits + 10):
+        start = labelled_roots(*checked_velocity_and_coupling(v, c), labels, upper)
         v_, c_ = exact(v), exact(c)
-        start = labelled_roots(*checked_velocity_and_coupling(float(v_), float(c_)), labels, upper)
         return [refine_root(mp.mpc(k), v_, c_) for k in np.atleast_1d(start.k).tolist()]
 
 

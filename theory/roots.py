@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import SupportsFloat
 
 import numpy as np
 import numpy.typing as npt
@@ -60,7 +61,9 @@ class RootSet:
         return RootSet(self.labels[index], self.k[index], self.residual[index], self.radius[index])
 
 
-def checked_velocity_and_coupling(v: float, c: float) -> tuple[float, float]:
+def checked_velocity_and_coupling(
+    v: SupportsFloat | str, c: SupportsFloat | str
+) -> tuple[float, float]:
     """Return (v, c) as floats within the range that the roots are tested on.
 
     Raises

@@ -44,7 +44,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     """
     start = perf_counter()
     digits = count_within("digits", digits, 1, MOST_DIGITS)
-    v_, c_ = checked_velocity_and_coupling(float(v), float(c))
+    v_, c_ = checked_velocity_and_coupling(v, c)
     lost = math.log10(2.0 + c_ / v_) + math.log10(2.0 + v_)
     strip = 0.9 * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)

@@ -12,6 +12,9 @@ from theory.roots import checked_velocity_and_coupling
 
 _MOST_PIECES = 50_000
 
+LARGEST_COUPLING = 20.0
+"""Beyond, peaks of width 1/c lie between QUADPACK's points and its estimate is no bound."""
+
 
 def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSum:
     """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²), A = ½ - i c (1 - cos k), by QUADPACK.
@@ -38,7 +41,7 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     ParameterError
         If a parameter is out of range.
     PrecisionError
-        If it would take more than 50 000 pieces: small v, or large c.
+        If c is above 20, or it would take more than 50 000 pieces (small v).
 
     Examples
     --------
@@ -52,6 +55,11 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     start = perf_counter()
     v, c = checked_velocity_and_coupling(v, c)
     within("tolerance", tolerance, 1e-14, 0.1)
+    if c > LARGEST_COUPLING:
+        raise PrecisionError(
+            f"quadrature at v = {v:.6g}, c = {c:.6g} would step over narrow peaks and understate "
+            f"its error beyond c = {LARGEST_COUPLING:g}; use the method integral."
+        )
     largest = 0.25 + 4.0 * c * c
     end = max((2.0 * largest / tolerance) ** (1.0 / 3.0), 2.0 * math.sqrt(largest), 2.0)
     widest = 4.0 * math.pi * v

@@ -92,7 +92,7 @@ def sum_by_roots(
     """
     start = perf_counter()
     digits = count_within("digits", digits, 1, MOST_DIGITS)
-    checked_velocity_and_coupling(float(v), float(c))
+    checked_velocity_and_coupling(v, c)
     # e^{-2πρ} = 10^{-digits} and a little; nearer in, the smallest term is no measure of the error.
     corners = max(digits, 10) / 2.7 + 2.0
     for _ in range(6):

@@ -1,0 +1,1 @@
+"""Compiled steppers: one method a file."""

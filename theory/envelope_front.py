@@ -65,8 +65,8 @@ def strong_coupling_front(eta: float) -> StrongCouplingFront:
     Parameters
     ----------
     eta : float
-        η = b/a², from 1e-4 to 0.085. Beyond, the side on which the solution finally leaves no longer
-        tells on which side it left r_s, and the bisection would end at another front.
+        η = b/a², from 1e-4 to 0.085. Beyond, the side on which the solution finally leaves does
+        not tell on which side it left r_s, and the bisection would end at another front.
 
     Raises
     ------

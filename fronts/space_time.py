@@ -54,5 +54,6 @@ def draw_space_time(
         )
         axes.legend(loc="upper left", fontsize=7, framealpha=0.8)
     axes.set(xlabel="time t", ylabel="site n")
+    axes.locator_params(axis="x", nbins=6)
     figure.colorbar(image, ax=axes, label="amplitude |Ψ|")
     figure.savefig(path, dpi=160)

@@ -31,6 +31,7 @@ from theory.roots import checked_velocity_and_coupling
 _EPS = float(np.finfo(float).eps)
 _CHUNK = 1 << 13
 _GRADED_CHUNK = 256
+_PARTS = np.array([[0.75], [0.88], [0.95]])  # of the strip, on which G is bounded
 
 
 @dataclass(frozen=True)
@@ -150,29 +151,21 @@ def equispaced_points(
     contour is faster, which needs points in proportion to the square of the digits.
     """
     strip = np.minimum(0.5 / (c + v), np.arcsinh(0.5 / c))
-    for _ in range(8):
+    for _ in range(4):  # from above, to within 0.03 per cent
         strip -= (c * np.sinh(strip) + v * strip - 0.5) / (c * np.cosh(strip) + v)
-    best = np.full(v.shape, np.inf)
-    reached = np.zeros(v.shape)
-    peak_there = np.zeros(v.shape)
-    for part in (0.75, 0.88, 0.95):
-        sigma = part * strip
-        gap = 0.5 - c * np.sinh(sigma)
-        peak = 1.0 / (np.tanh(0.5 * (gap - v * sigma) / v) * 2.0 * gap)
-        needed = np.log1p(2.0 * peak / tolerance) / sigma
-        better = needed < best
-        best[better], reached[better], peak_there[better] = (
-            needed[better],
-            sigma[better],
-            peak[better],
-        )
+    sigma = _PARTS * strip
+    gap = 0.5 - c * np.sinh(sigma)
+    peak = 1.0 / (np.tanh(0.5 * (gap - v * sigma) / v) * 2.0 * gap)
+    needed = np.log1p(2.0 * peak / tolerance) / sigma
+    fewest = needed.argmin(axis=0), np.arange(v.size)
+    best = needed[fewest]
     plain = best <= 100.0 + 1.3 * (4.0 - np.log(tolerance)) ** 2  # equal times, measured
     best = np.where(plain, best, 4.0)
     octave = 2.0 ** np.floor(np.log2(best))
     count = octave * np.ceil(4.0 * best / octave) / 4.0  # eighths, sixths … of a power of two
     count = np.maximum(8.0, 2.0 * np.ceil(count / 2.0))
     with np.errstate(over="ignore"):
-        bound = np.where(plain, 2.0 * peak_there / np.expm1(count * reached), 0.0)
+        bound = np.where(plain, 2.0 * peak[fewest] / np.expm1(count * sigma[fewest]), 0.0)
     return np.where(plain, count, 0.0).astype(np.int64), bound
 
 

@@ -32,7 +32,7 @@ from typing import Any, TypeAlias
 
 from theory.parameters import count_within
 from verification.journal import Journal, journal_path
-from verification.table import Point, Scalar, Table, plain, table_of
+from verification.table import Point, Scalar, Table, load_table, plain, table_of
 
 Task: TypeAlias = Callable[[Point], Mapping[str, Scalar]]
 """From a point to its results; picklable (a function of a module, or a frozen dataclass with
@@ -84,7 +84,7 @@ def sweep(
         CSV file for the table; the stamp goes beside it into ``<out>.json``, and while the sweep
         runs the journal into ``<out>.part``.
     resume : bool, optional
-        Go on from the journal, if there is one.
+        Go on from the journal, if there is one; take the table if it is there already.
     workers : int, optional
         Processes, by default one a core that may be used; 1 computes in this process.
     executor : Executor, optional
@@ -114,6 +114,10 @@ def sweep(
     begin = time.perf_counter()
     points = [point if isinstance(point, Point) else Point(point) for point in points]
     stamp = stamp_of(task, points)
+    if out and resume and not journal_path(out).exists():
+        table = load_table(out)
+        if table is not None and table.stamp == stamp:
+            return table
     finished: dict[int, Mapping[str, Scalar]] = {}
     failures: dict[int, Exception] = {}
     journal = Journal(journal_path(out), stamp, len(points), resume) if out else None

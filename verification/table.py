@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -149,11 +150,43 @@ class Table:
 
     def save(self, path: Path) -> None:
         """Write the CSV, whole or not at all, and the stamp beside it in ``<path>.json``."""
-        text = json.dumps(
-            {**self.stamp, "seconds": self.seconds, "resumed": self.resumed}, indent=1
-        )
-        write_whole(stamp_path(path), text + "\n")
-        write_whole(path, self.as_csv())
+        text = self.as_csv()
+        about = {
+            "columns": {name: column.dtype.kind for name, column in self.columns.items()},
+            "sha256": _digest(text),
+            "seconds": self.seconds,
+            "resumed": self.resumed,
+        }
+        stamp = json.dumps({**self.stamp, "table": about}, indent=1)
+        write_whole(stamp_path(path), stamp + "\n")
+        write_whole(path, text)
+
+
+def load_table(path: Path) -> Table | None:
+    """Read a table that `Table.save` wrote; None if it is missing or no longer what was written."""
+    try:
+        stamp = json.loads(stamp_path(path).read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        about = stamp.pop("table")
+        if about["sha256"] != _digest(text):
+            return None
+        reads: dict[str, Callable[[str], Scalar]] = {
+            "f": float,
+            "i": int,
+            "U": str,
+            "b": lambda word: word == "True",
+        }
+        kinds = [reads[kind] for kind in about["columns"].values()]
+        lines = [line.split(",") for line in text.splitlines()[1:]]
+        rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
+        named = [dict(zip(about["columns"], row, strict=True)) for row in rows]
+        return table_of(named, stamp, about["seconds"], len(rows))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def stamp_path(path: Path) -> Path:

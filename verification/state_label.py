@@ -97,7 +97,7 @@ def label_state(
     model: Model = Model.FULL,
     *,
     end: float = 2000.0,
-    tolerance: float = 1e-9,
+    tolerance: float = 1e-8,
 ) -> StateLabel:
     """Run a chain until its state has a name.
 

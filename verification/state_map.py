@@ -64,7 +64,7 @@ class StateTask:
     eps: float = 0.01
     displacement: float = 6.0
     end: float = 2000.0
-    tolerance: float = 1e-9
+    tolerance: float = 1e-8
     perturbation: float = 1e-6
     seed: int = 15
 

@@ -2,7 +2,7 @@
 
 Steps are those of Dormand and Prince's 8(5,3) pair, whose tableau scipy publishes as attributes of
 ``scipy.integrate.DOP853``. A run of the map needs no dense output and no long chain, so that this
-is cheaper here than ``verification.integrators.taylor``: measured at N = 16, 1e-9, by four times.
+is cheaper here than ``verification.integrators.taylor``: measured at N = 16, by more than four times.
 
 The state is an array of shape (2, N): (y, ẏ), or (Re φ, Im φ). The clock is t, or T = εt.
 """
@@ -37,28 +37,39 @@ SHORTEST = 1e-9
 """A step below this ends the run as BROKEN."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def slope(model: int, p: FloatArray, state: FloatArray, out: FloatArray) -> None:
     """Put the right side of (8) or (43), free ends, into ``out``; p = (a, b, c, ε)."""
     a, b, c, eps = p[0], p[1], p[2], p[3]
     last = state.shape[1] - 1
-    for n in range(last + 1):
-        left, right = max(n - 1, 0), min(n + 1, last)
-        u, w = state[0, n], state[1, n]
-        pull_u = c * (2.0 * u - state[0, left] - state[0, right])
-        if model == FULL:
-            s = u * u
+    if model == FULL:
+        pull = eps * c
+        for n in range(1, last):
+            out[1, n] = -pull * (2.0 * state[0, n] - state[0, n - 1] - state[0, n + 1])
+        out[1, 0] = -pull * (state[0, 0] - state[0, 1])
+        out[1, last] = -pull * (state[0, last] - state[0, last - 1])
+        for n in range(last + 1):
+            y, w = state[0, n], state[1, n]
+            s = y * y
             out[0, n] = w
-            out[1, n] = -u - eps * (pull_u + w * (1.0 - a * s + b * s * s))
-        else:
-            s = u * u + w * w
-            pull_w = c * (2.0 * w - state[1, left] - state[1, right])
-            g = 1.0 - 0.25 * a * s + 0.125 * b * s * s
-            out[0, n] = -0.5 * (pull_w + g * u)
-            out[1, n] = 0.5 * (pull_u - g * w)
+            out[1, n] -= y + eps * w * (1.0 - a * s + b * s * s)
+        return
+    pull = 0.5 * c
+    for n in range(1, last):
+        out[0, n] = -pull * (2.0 * state[1, n] - state[1, n - 1] - state[1, n + 1])
+        out[1, n] = pull * (2.0 * state[0, n] - state[0, n - 1] - state[0, n + 1])
+    for n, inner in ((0, 1), (last, last - 1)):
+        out[0, n] = -pull * (state[1, n] - state[1, inner])
+        out[1, n] = pull * (state[0, n] - state[0, inner])
+    for n in range(last + 1):
+        re, im = state[0, n], state[1, n]
+        s = re * re + im * im
+        g = 0.5 - 0.125 * a * s + 0.0625 * b * s * s
+        out[0, n] -= g * re
+        out[1, n] -= g * im
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def step(
     model: int,
     p: FloatArray,
@@ -72,40 +83,33 @@ def step(
 
     K[0] must hold the slope at ``state``; the error is measured against the largest value.
     """
-    sites = state.shape[1]
-    size = 0.0
-    for i in range(2):
-        for n in range(sites):
-            size = max(size, abs(state[i, n]))
+    flat, target = state.reshape(-1), trial.reshape(-1)
+    k = K.reshape((STAGES, -1))
     for s in range(1, STAGES):
-        for i in range(2):
-            for n in range(sites):
-                trial[i, n] = state[i, n]
+        for n in range(flat.size):
+            target[n] = flat[n]
         for j in range(s):
             weight = h * A[s, j]
             if weight != 0.0:
-                for i in range(2):
-                    for n in range(sites):
-                        trial[i, n] += weight * K[j, i, n]
+                for n in range(flat.size):
+                    target[n] += weight * k[j, n]
         slope(model, p, trial, K[s])
-    for i in range(2):
-        for n in range(sites):
-            trial[i, n] = state[i, n]
-    for j in range(STAGES):
-        weight = h * B[j]
-        if weight != 0.0:
-            for i in range(2):
-                for n in range(sites):
-                    trial[i, n] += weight * K[j, i, n]
-    third, fifth = 0.0, 0.0
-    for i in range(2):
-        for n in range(sites):
-            three, five = 0.0, 0.0
-            for j in range(STAGES):
-                three += E3[j] * K[j, i, n]
-                five += E5[j] * K[j, i, n]
-            third = max(third, abs(three))
-            fifth = max(fifth, abs(five))
+    size = third = fifth = 0.0
+    for n in range(flat.size):
+        # Stages 1 to 4 have no weight in the result or in either estimate.
+        total = B[0] * k[0, n]
+        three = E3[0] * k[0, n]
+        five = E5[0] * k[0, n]
+        for j in range(5, STAGES):
+            total += B[j] * k[j, n]
+            three += E3[j] * k[j, n]
+            five += E5[j] * k[j, n]
+        target[n] = flat[n] + h * total
+        size = max(size, abs(flat[n]))
+        third = max(third, abs(three))
+        fifth = max(fifth, abs(five))
+    if not math.isfinite(third + fifth):
+        return math.nan
     if fifth == 0.0:
         return 0.0
     error: float = h * fifth * fifth / math.hypot(fifth, 0.1 * third)

@@ -17,7 +17,8 @@ COMMANDS = {
     "sum": "the sum of the kinetic relation, by four methods (Eq. 53)",
     "roots": "labelled complex roots of the dispersion relation (Eqs. 50-52)",
     "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
-    "front": "direct simulation of a front (Eq. 44)",
+    "front": "velocity of a front by direct simulation (Eqs. 8, 43, 44)",
+    "simulate": "a run of a chain from given sites, as numbers and as a picture (Eqs. 8, 43)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
     "check": "the verdict on each claim of the paper",
 }

@@ -94,3 +94,41 @@ class Progress:
     def _clear(self) -> None:
         self._stream.write("\r\x1b[K")
         self._stream.flush()
+
+
+class Fraction:
+    """A live line with the fraction of one long step and the time left; silent without a terminal.
+
+    Parameters
+    ----------
+    name : str
+        What is running.
+    stream : file, optional
+        By default standard error.
+    """
+
+    def __init__(self, name: str, stream: TextIO | None = None) -> None:
+        self._name = name
+        self._stream = stream or sys.stderr
+        self._live = self._stream.isatty()
+        self._begin = self._shown = time.perf_counter()
+
+    def __enter__(self) -> Fraction:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._live:
+            self._stream.write("\r\x1b[K")
+            self._stream.flush()
+
+    def show(self, fraction: float) -> None:
+        """Refresh the line, at most twice a second."""
+        now = time.perf_counter()
+        if not self._live or now - self._shown < PERIOD:
+            return
+        self._shown = now
+        left = (now - self._begin) * (1.0 - fraction) / fraction if fraction > 0 else 0.0
+        columns = shutil.get_terminal_size().columns
+        text = f"... {self._name}: {100 * fraction:.0f} %, about {left:.0f} s left"
+        self._stream.write(f"\r\x1b[K{text[: columns - 1]}")
+        self._stream.flush()

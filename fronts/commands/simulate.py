@@ -1,0 +1,188 @@
+"""``fronts simulate MODEL``: run a chain from a given start; samples, arrivals, a picture."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fronts.answer import Answer, UsageError
+from fronts.arguments import check_writable, real, write_whole
+from fronts.progress import Fraction
+
+if TYPE_CHECKING:
+    from verification.vdp_run import VdpRun
+
+EXAMPLE = """examples:
+  fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
+  fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.25 --excite 15 --t-end 20000 \\
+      --out run.npz --picture run.png
+  fronts simulate vdp --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --model envelope --t-end 9000"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fronts simulate``."""
+    parser.add_argument("chain", choices=sorted(MODELS), help="the chain to run")
+    parser.add_argument("--n", type=int, default=31, help="number of oscillators (default 31)")
+    parser.add_argument("--a", type=real, required=True, help="damping coefficient a")
+    parser.add_argument("--b", type=real, required=True, help="damping coefficient b")
+    parser.add_argument("--c", type=real, required=True, help="coupling c")
+    parser.add_argument("--eps", type=real, default=0.01, help="small parameter (default 0.01)")
+    parser.add_argument("--ends", choices=("free", "periodic"), default="free")
+    parser.add_argument(
+        "--model", choices=("full", "envelope"), default="full", help="Eq. 8, or its average 43"
+    )
+    parser.add_argument(
+        "--excite", type=sites, required=True, help="sites displaced: 15, or 14,15,16, or 14:16"
+    )
+    parser.add_argument(
+        "--displacement", type=real, help="how far (default: the stable cycle of one cell)"
+    )
+    parser.add_argument("--perturb", type=real, default=0.0, help="size of noise on every site")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
+    parser.add_argument("--t-end", type=real, required=True, help="end time t; slow time is eps t")
+    parser.add_argument("--tolerance", type=real, default=1e-9, help="local error (default 1e-9)")
+    parser.add_argument("--samples", type=int, default=201, help="states kept (default 201)")
+    parser.add_argument("--out", type=Path, help="write times, states, arrivals to a .npz file")
+    parser.add_argument("--picture", type=Path, help="draw the envelope in space and time")
+    parser.add_argument(
+        "--checkpoint",
+        type=Path,
+        help="keep the run in this .npz file; if it exists, go on from it",
+    )
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Run the model that was named."""
+    return MODELS[options.chain](options)
+
+
+def sites(text: str) -> tuple[int, ...]:
+    """Read ``15``, ``14,15,16`` or ``14:16`` (both ends included).
+
+    Examples
+    --------
+    >>> sites("15"), sites("14:16"), sites("3,5")
+    ((15,), (14, 15, 16), (3, 5))
+    """
+    try:
+        if ":" in text:
+            first, last = (int(part) for part in text.split(":"))
+            return tuple(range(first, last + 1))
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not a site, a list as in 14,15,16 or a range as in 14:16"
+        ) from None
+
+
+def _vdp(options: argparse.Namespace) -> Answer:
+    for path, kinds in (
+        (options.out, (".npz",)),
+        (options.picture, (".png", ".svg", ".pdf")),
+        (options.checkpoint, (".npz",)),
+    ):
+        if path is not None:
+            check_writable(path, kinds)
+    if options.seed < 0:
+        raise UsageError(f"--seed {options.seed} must not be negative.")
+    from theory.parameters import within
+    from theory.vdp_chain import Ends, VdpChain
+    from verification.vdp_run import Model, run_vdp
+    from verification.vdp_start import displaced, perturbed
+
+    chain = VdpChain(options.a, options.b, options.c, options.eps, options.n, Ends(options.ends))
+    within("size of the noise", options.perturb, 0.0, 1.0)
+    start = displaced(chain, options.excite, options.displacement)
+    if options.perturb > 0:
+        start = perturbed(start, options.perturb, options.seed)
+    level = None if chain.bistable else max(1e-3, 0.5 * float(np.abs(start).max()))
+    with Fraction(f"run to t = {options.t_end:g}") as shown:
+        result = run_vdp(
+            chain,
+            start,
+            options.t_end,
+            model=Model(options.model),
+            tolerance=options.tolerance,
+            samples=options.samples,
+            level=level,
+            checkpoint=options.checkpoint,
+            progress=shown.show,
+        )
+    if options.out is not None:
+        write_whole(options.out, lambda path: _save(path, result))
+    if options.picture is not None:
+        write_whole(options.picture, lambda path: _draw(path, result))
+    return Answer(_payload(result), _in_words(result))
+
+
+def _payload(run: VdpRun) -> dict[str, object]:
+    arrivals = [None if np.isnan(t) else float(t) for t in run.arrivals]
+    return {
+        "model": run.model.value,
+        "t_end": float(run.times[-1]),
+        "amplitudes": run.amplitude[-1].tolist(),
+        "width": int(run.width[-1]),
+        "arrivals": arrivals,
+        "level": run.level,
+        "error": run.error,
+        "arrival_error": run.arrival_error if np.isfinite(run.arrival_error or 0.0) else None,
+        "steps": run.steps,
+        "stiff_steps": run.stiff_steps,
+        "mean_active": run.mean_active,
+        "seconds": run.seconds,
+    }
+
+
+def _in_words(run: VdpRun) -> str:
+    last = run.amplitude[-1]
+    reached = int(np.count_nonzero(~np.isnan(run.arrivals)))
+    loudest = int(np.argmax(last))
+    return "\n".join(
+        [
+            f"t = {run.times[-1]:g}: {run.width[-1]} of {run.chain.sites} sites above "
+            f"{run.level:.4g} (at the start {run.width[0]}), {reached} were at some time",
+            f"  largest amplitude {last[loudest]:.8g} at site {loudest + 1}",
+            f"  error of the states at most {run.error:.1e} (run beside it at a hundred times the "
+            "tolerance)",
+            f"  {run.steps} steps of {run.mean_active:.1f} sites, {run.stiff_steps} stiff steps, "
+            f"{run.seconds:.3f} s",
+        ]
+    )
+
+
+def _save(path: Path, run: VdpRun) -> None:
+    chain = run.chain
+    parameters = {
+        "model": run.model.value,
+        "a": chain.a,
+        "b": chain.b,
+        "c": chain.c,
+        "eps": chain.eps,
+        "sites": chain.sites,
+        "ends": chain.ends.value,
+        "tolerance": run.tolerance,
+        "error": run.error,
+    }
+    np.savez_compressed(
+        path,
+        times=run.times,
+        psi=run.psi,
+        arrivals=run.arrivals,
+        level=run.level,
+        parameters=json.dumps(parameters),
+    )
+
+
+def _draw(path: Path, run: VdpRun) -> None:
+    from fronts.space_time import draw_space_time
+
+    draw_space_time(path, run.times, run.amplitude, run.arrivals, run.level)
+
+
+MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"vdp": _vdp}
+"""Chain and the function that runs it."""

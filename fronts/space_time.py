@@ -1,0 +1,59 @@
+"""Space-time pictures of a run: amplitude by site and time, and when each site was reached."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def draw_space_time(
+    path: Path, times: FloatArray, amplitude: FloatArray, arrivals: FloatArray, level: float
+) -> None:
+    """Draw |Ψ| over site and time into a file.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .png, .svg or .pdf.
+    times : ndarray, shape (M,)
+        Times of the rows.
+    amplitude : ndarray, shape (M, N)
+        Amplitudes.
+    arrivals : ndarray, shape (N,)
+        Time at which each site passed ``level``, nan where it did not.
+    level : float
+        Named in the legend.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.0, 3.6), layout="constrained")
+    axes = figure.subplots()
+    count = amplitude.shape[1]
+    image = axes.imshow(
+        amplitude.T,
+        origin="lower",
+        aspect="auto",
+        extent=(float(times[0]), float(times[-1]), 0.5, count + 0.5),
+        cmap="cividis",
+        vmin=0.0,
+        interpolation="nearest",
+    )
+    reached = np.flatnonzero(~np.isnan(arrivals))
+    if reached.size:
+        axes.plot(
+            arrivals[reached],
+            reached + 1,
+            "o",
+            ms=2.0,
+            color="#D55E00",
+            label=f"reaches {level:.3g}",
+        )
+        axes.legend(loc="upper left", fontsize=7, framealpha=0.8)
+    axes.set(xlabel="time t", ylabel="site n")
+    axes.locator_params(axis="x", nbins=6)
+    figure.colorbar(image, ax=axes, label="amplitude |Ψ|")
+    figure.savefig(path, dpi=160)

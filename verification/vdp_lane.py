@@ -1,0 +1,181 @@
+"""One run of Model II in progress: everything that is needed to go on with it, and nothing else."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.vdp_chain import Ends, VdpChain
+from verification.integrators import taylor
+
+FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+SHORTEST = 5e-4
+"""Steps of (8) below this are left to the stiff method: the damping rate is then some 1e4."""
+
+_REST = 0.1
+"""Rest level of the active window over the tolerance times the largest |Ψ| of the start."""
+
+
+class NotFiniteError(ArithmeticError):
+    """The state has left the range of double precision."""
+
+
+class Lane:
+    """A run at one tolerance.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        Parameters.
+    full : bool
+        (8) or, if false, (43) in slow time T = εt.
+    start : ndarray of complex, shape (N,)
+        Ψ(0).
+    times : ndarray, shape (M,)
+        Times t of the samples, from 0 to the end.
+    tolerance, level, window, behind
+        As in ``verification.vdp_run.run_vdp``.
+    """
+
+    def __init__(
+        self,
+        chain: VdpChain,
+        full: bool,
+        start: ComplexArray,
+        times: FloatArray,
+        tolerance: float,
+        level: float,
+        window: bool,
+        behind: int,
+    ) -> None:
+        self._chain, self._full = chain, full
+        self._scale = 1.0 if full else chain.eps
+        self.tolerance, self.level, self._behind = tolerance, level, behind
+        self._order = taylor.taylor_order(tolerance)
+        self.sample_times = times * self._scale
+        self._start = hashlib.sha256(np.ascontiguousarray(start).tobytes()).hexdigest()[:16]
+        # y = Im Ψ and ẏ = Re Ψ; for the envelope (Re φ, Im φ).
+        self.state = np.array([start.imag, start.real] if full else [start.real, start.imag])
+        self.samples = np.zeros((times.size, 2, chain.sites))
+        self.clock = np.zeros(1)
+        self.counters = np.zeros(6, dtype=np.int64)
+        self._arrivals = np.full(chain.sites, np.nan)
+        size = np.abs(start)
+        self._arrivals[size >= level] = 0.0
+        self._rest = -1.0
+        self.counters[:2] = 0, chain.sites
+        if window and chain.ends is Ends.FREE:
+            self._rest = _REST * tolerance * float(size.max())
+            moving = np.flatnonzero(size > self._rest)
+            if moving.size:
+                self.counters[0] = max(0, moving[0] - taylor.MARGIN)
+                self.counters[1] = min(chain.sites, moving[-1] + taylor.MARGIN + 1)
+                self.state[:, : self.counters[0]] = 0.0
+                self.state[:, self.counters[1] :] = 0.0
+
+    @property
+    def kept(self) -> dict[str, FloatArray | npt.NDArray[np.int64]]:
+        """The arrays that make up the state of the run; filled in place when it is resumed."""
+        return {
+            "state": self.state,
+            "samples": self.samples,
+            "clock": self.clock,
+            "counters": self.counters,
+            "arrivals": self._arrivals,
+        }
+
+    @property
+    def stamp(self) -> dict[str, float | int | str | bool]:
+        """What decides the run, to be held against a checkpoint."""
+        chain = self._chain
+        return {
+            "a": chain.a,
+            "b": chain.b,
+            "c": chain.c,
+            "eps": chain.eps,
+            "sites": chain.sites,
+            "ends": chain.ends.value,
+            "full": self._full,
+            "tolerance": self.tolerance,
+            "level": self.level,
+            "behind": self._behind,
+            "rest": self._rest,
+            "t_end": self.end,
+            "samples": int(self.sample_times.size),
+            "start": self._start,
+        }
+
+    @property
+    def time(self) -> float:
+        """Time t reached, at most the end."""
+        return min(float(self.clock[0]), self.end) / self._scale
+
+    @property
+    def end(self) -> float:
+        """Time of the last sample, slow time for the envelope."""
+        return float(self.sample_times[-1])
+
+    @property
+    def finished(self) -> bool:
+        """Whether every sample has been taken."""
+        return bool(self.counters[2] == self.sample_times.size)
+
+    @property
+    def stiff_steps(self) -> int:
+        """Steps of the stiff method."""
+        return int(self.counters[5])
+
+    @property
+    def psi(self) -> ComplexArray:
+        """The samples as Ψ or φ, shape (M, N)."""
+        y, w = self.samples[:, 0], self.samples[:, 1]
+        psi: ComplexArray = w + 1j * y if self._full else y + 1j * w
+        return psi
+
+    @property
+    def arrivals(self) -> FloatArray:
+        """Times t of arrival, shape (N,)."""
+        return self._arrivals / self._scale
+
+    def go_on(self, budget: int) -> None:
+        """Step until the end, or until some ``budget`` of sites times steps is spent.
+
+        Raises
+        ------
+        NotFiniteError
+            If the state overflows.
+        """
+        chain = self._chain
+        active = max(1, int(self.counters[1] - self.counters[0]))
+        ended = taylor.advance(
+            taylor.FULL if self._full else taylor.ENVELOPE,
+            np.array([chain.a, chain.b, chain.c, chain.eps]),
+            chain.ends is Ends.PERIODIC,
+            self.state,
+            self.clock,
+            self.counters,
+            self.end,
+            self.tolerance,
+            self._order,
+            self._rest,
+            self.level,
+            self._behind,
+            self._arrivals,
+            self.sample_times,
+            self.samples,
+            SHORTEST if self._full else 0.0,
+            max(1, budget // active),
+        )
+        if ended == taylor.TOO_SHORT:
+            from verification.stiff_stage import pass_stiff_stage
+
+            pass_stiff_stage(chain, self)
+        elif ended == taylor.NOT_FINITE:
+            raise NotFiniteError(
+                f"the run overflowed at t = {self.time:.6g}; "
+                "start from a smaller displacement, or lower the coupling."
+            )

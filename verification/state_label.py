@@ -30,20 +30,11 @@ import numpy.typing as npt
 from theory.parameters import ParameterError, positive, within
 from theory.vdp_chain import VdpChain
 from verification.integrators import label_run
+from verification.vdp_run import Model
 
 HOLD = 10.0
 WINDOW = 5.0
 STILL = 1e-5
-
-
-class Model(StrEnum):
-    """Which equation is stepped."""
-
-    FULL = "full"
-    """(8)."""
-
-    ENVELOPE = "envelope"
-    """(43)."""
 
 
 class Label(StrEnum):
@@ -124,10 +115,9 @@ def label_state(
 
     Examples
     --------
+    >>> from verification.vdp_start import displaced
     >>> chain = VdpChain(a=4, b=0.5, c=0.6, sites=16)
-    >>> start = np.zeros(16, dtype=complex)
-    >>> start[-1] = 6j
-    >>> str(label_state(chain, start, Model.ENVELOPE).label)
+    >>> str(label_state(chain, displaced(chain, [16], 6.0), Model.ENVELOPE).label)
     'front'
     """
     begin = perf_counter()

@@ -13,15 +13,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from theory.parameters import ParameterError, count_within, positive, within
 from theory.vdp_chain import VdpChain
-from verification.state_label import HOLD, Label, Model, label_state
+from verification.state_label import HOLD, Label, label_state
 from verification.table import Point, Scalar, Table, grid
+from verification.vdp_run import Model
+from verification.vdp_start import displaced, perturbed
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,14 @@ class StateTask:
         within("tolerance", self.tolerance, 1e-13, 1e-3)
         within("perturbation", self.perturbation, 0.0, 1e-2)
 
+    def alone(self) -> StateTask:
+        """Return the same task without the second, perturbed run, as bisection uses it."""
+        return replace(self, perturbation=0.0)
+
+    def averaged(self) -> StateTask:
+        """Return the same task by the averaged equation."""
+        return replace(self, model=Model.ENVELOPE)
+
     def chain(self, eta: float, c: float) -> VdpChain:
         """Return the chain at a point."""
         positive("eta = b/a^2", eta)
@@ -91,11 +100,13 @@ class StateTask:
     def __call__(self, point: Point) -> dict[str, Scalar]:
         """Return label, why it is undecided if it is, time, sites above the level, and steps."""
         chain = self.chain(point.number("eta"), point.number("c"))
-        start = np.zeros(self.sites, dtype=complex)
-        start[-1] = 1j * self.displacement
+        starts = [displaced(chain, [self.sites], self.displacement)]
+        if self.perturbation:
+            size = self.perturbation * self.displacement
+            starts.append(perturbed(starts[0], size, self.seed))
         states = [
-            label_state(chain, s, self.model, end=self.end, tolerance=self.tolerance)
-            for s in self._starts(start)
+            label_state(chain, start, self.model, end=self.end, tolerance=self.tolerance)
+            for start in starts
         ]
         first, labels = states[0], {state.label for state in states}
         if Label.UNDECIDED in labels:
@@ -109,13 +120,6 @@ class StateTask:
             "above": first.above,
             "steps": sum(state.steps for state in states),
         }
-
-    def _starts(self, start: npt.NDArray[np.complex128]) -> tuple[npt.NDArray[np.complex128], ...]:
-        if not self.perturbation:
-            return (start,)
-        noise = np.random.default_rng(self.seed).standard_normal((2, self.sites))
-        size = self.perturbation * self.displacement
-        return start, start + size * (noise[0] + 1j * noise[1])
 
 
 def state_points(etas: Sequence[float], couplings: Sequence[float]) -> tuple[Point, ...]:

@@ -2,7 +2,7 @@
 
 Steps are those of Dormand and Prince's 8(5,3) pair, whose tableau scipy publishes as attributes of
 ``scipy.integrate.DOP853``. A run of the map needs no dense output and no long chain, so that this
-is cheaper here than ``verification.integrators.taylor``: measured at N = 16, by more than four times.
+is cheaper here than ``verification.integrators.taylor``: at N = 16 by more than four times.
 
 The state is an array of shape (2, N): (y, ẏ), or (Re φ, Im φ). The clock is t, or T = εt.
 """

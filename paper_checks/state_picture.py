@@ -68,10 +68,10 @@ def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Ta
         low, high = float(row["low"]), float(row["high"])
         if row["along"] == up:
             axes.plot([x - half[across], x + half[across]], [at, at], color="0.1", lw=0.8)
-            axes.plot([x, x], [low, high], color="0.1", lw=0.8)
+            axes.plot([x, x], [low, high], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
         else:
             axes.plot([at, at], [y - half[up], y + half[up]], color="0.1", lw=0.8)
-            axes.plot([low, high], [y, y], color="0.1", lw=0.8)
+            axes.plot([low, high], [y, y], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
     axes.plot([], [], color="0.1", lw=0.8, label="change of label, bisected")
 
 

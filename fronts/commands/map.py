@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -16,6 +16,8 @@ from fronts.arguments import MOST_POINTS, check_writable, real, real_or_range, w
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from verification.sweep import Task
     from verification.table import Point, Table
 
@@ -86,11 +88,16 @@ def _values(option: str, given: float | tuple[float, float, int]) -> list[float]
 def _vdp(options: argparse.Namespace) -> Answer:
     from theory.parameters import count_within, within
     from verification.boundary import Bisection
+    from verification.journal import journal_path
     from verification.state_map import StateTask, compare, state_points
     from verification.vdp_run import Model
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
+        # Before the map overwrites what an interrupted run has finished.
+        journal = journal_path(_boundary_path(options.out))
+        if journal.exists() and not options.resume:
+            raise UsageError(f"{journal} is left by an interrupted run: --resume it, or remove it.")
     if options.picture is not None:
         check_writable(options.picture, (".png", ".svg", ".pdf"), "--picture")
     if options.resume and options.out is None:
@@ -117,8 +124,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
     envelope = task.model is Model.ENVELOPE
     workers = 1 if envelope and options.workers is None else options.workers
     begin = perf_counter()
-    with ExitStack() as stack:
-        executor = stack.enter_context(_pool(workers, len(points)))
+    with _pool(workers, len(points)) as executor:
         states = _sweep("map", task, points, options.out, options.resume, executor)
         map_seconds = perf_counter() - begin
         boundary = None
@@ -157,10 +163,8 @@ def _vdp(options: argparse.Namespace) -> Answer:
     return Answer(payload, _in_words(payload))
 
 
-def _pool(workers: int | None, points: int):  # type: ignore[no-untyped-def]
+def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
     """Return one pool for both sweeps, so that processes start and load compiled code once."""
-    from contextlib import nullcontext
-
     from verification.sweep import own_workers, workers_allowed
 
     count = min(workers_allowed() if workers is None else workers, points)
@@ -173,7 +177,7 @@ def _sweep(
     points: tuple[Point, ...],
     out: Path | None,
     resume: bool,
-    executor: object,
+    executor: Executor | None,
 ) -> Table:
     from verification.sweep import sweep
 
@@ -184,16 +188,22 @@ def _sweep(
             out=out,
             resume=resume,
             workers=1,
-            executor=executor,  # type: ignore[arg-type]
+            executor=executor,
             progress=lambda done, total, left: shown.show(done / max(total, 1)),
         )
 
 
-def _boundary(states: Table, task: Task, options: argparse.Namespace, executor: object) -> Table:
+def _boundary_path(out: Path) -> Path:
+    return out.with_name(f"{out.stem}-boundary.csv")
+
+
+def _boundary(
+    states: Table, task: Task, options: argparse.Namespace, executor: Executor | None
+) -> Table:
     from verification.boundary import boundary_lines
 
     lines = boundary_lines(states, ("eta", "c"))
-    out = options.out and options.out.with_name(f"{options.out.stem}-boundary.csv")
+    out = None if options.out is None else _boundary_path(options.out)
     return _sweep("boundary", task, lines, out, options.resume, executor)
 
 

@@ -23,7 +23,7 @@ class Slow:
     def __call__(self, point: Point) -> dict[str, float | str | bool | int]:
         time.sleep(self.pause)
         with Path(self.log).open("a", encoding="ascii") as file:
-            file.write(f"{point['x']} {point['y']}\n")
+            file.write(f"{point['x']} {point['y']} {os.getpid()}\n")
         value = self.factor * math.sin(point.number("x")) / point.number("y")
         return {
             "value": value,

@@ -98,7 +98,7 @@ def test_a_label_holds_on_in_an_independent_run_long_after_it_was_given(
     time = float(result["time"])
     # just beyond η = 1/8 the passage by the lost cycle alone takes ten units
     beyond = 25.0 if label is Label.FIXED_POINT else 10.0
-    longer = np.array([0.0, max(time, 1e-3), 1.5 * time + 5.0, 2.0 * time + beyond])
+    longer = np.array([0.6 * time, max(time, 1e-3), 1.5 * time + 5.0, 2.0 * time + beyond])
     amplitude = _chain_by_scipy(task, eta, c, longer)
     level = level_of(task.chain(eta, c).a, task.chain(eta, c).b)
     above = np.count_nonzero(amplitude > level, axis=1)
@@ -108,8 +108,9 @@ def test_a_label_holds_on_in_an_independent_run_long_after_it_was_given(
         assert (amplitude[1:, 0] > level).all()
     elif label is Label.BREATHER:
         assert (above[1:] == result["above"]).all()
-        # the rule asks for 1e-5 of the level in a window of 5, and here 20 and more have passed
-        assert np.ptp(amplitude[1:], axis=0).max() < 1e-4 * level
+        # It was still from half of that time on: the rule asks for 1e-5 of the level in each
+        # window of 5, and here are several, all of the same transient.
+        assert np.ptp(amplitude, axis=0).max() < 1e-4 * level
     else:
         # small amplitudes decay like e^{-T/2}; the ripple of (8) is below one per cent there
         norms = np.linalg.norm(amplitude, axis=1)

@@ -30,6 +30,20 @@ def _computed(log: Path) -> list[str]:
     return log.read_text(encoding="ascii").splitlines() if log.exists() else []
 
 
+def _alive(log: Path) -> set[int]:
+    """Return the processes that wrote into the log and still run."""
+    running = set()
+    for pid in {int(line.split()[-1]) for line in _computed(log)} - {os.getpid()}:
+        try:
+            os.kill(pid, 0)
+            state = Path(f"/proc/{pid}/stat")
+            if not state.exists() or state.read_text(encoding="utf-8").split(") ")[1][0] != "Z":
+                running.add(pid)
+        except (ProcessLookupError, FileNotFoundError):
+            pass
+    return running
+
+
 def _command(out: Path, log: Path, workers: int) -> list[str]:
     program = "import sys, sweep_example; sweep_example.main(*sys.argv[1:])"
     return [sys.executable, "-c", program, str(out), str(log), str(workers)]
@@ -88,7 +102,8 @@ def test_a_killed_sweep_is_resumed_with_nothing_lost_and_nothing_twice(
     kept = journal.read_bytes().count(b"\n") - 1
     assert 5 <= kept <= len(before) < len(POINTS)
     time.sleep(0.3)
-    assert _computed(log) == before, "a worker lives on without its parent"
+    assert _computed(log) == before
+    assert not _alive(log), "a worker lives on without its parent"
     table = sweep(Slow(str(log), 0.1), POINTS, out=out, workers=workers, resume=True)
     assert out.read_bytes() == whole
     assert table.resumed == kept
@@ -114,6 +129,23 @@ def test_a_sweep_cut_at_any_byte_of_its_journal_gives_the_same_table(
         assert sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True).resumed == complete
         assert out.read_bytes() == whole
         assert len(_computed(log)) - before == len(POINTS) - complete
+
+
+def test_a_sweep_killed_twice_keeps_what_it_did_after_the_half_written_line(
+    tmp_path: Path, whole: bytes
+) -> None:
+    out, log = tmp_path / "out.csv", tmp_path / "log"
+    _interrupted(out, log)
+    journal_path(out).write_bytes(journal_path(out).read_bytes()[:-7])
+
+    def stop(done: int, total: int, left: float | None) -> None:
+        if done == 15:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(Slow(str(log)), POINTS, out=out, workers=1, progress=stop, resume=True)
+    assert sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True).resumed == 15
+    assert out.read_bytes() == whole
 
 
 def test_a_damaged_line_is_passed_over_and_its_point_computed_again(
@@ -216,7 +248,8 @@ def test_an_interrupt_ends_the_workers_and_keeps_the_journal(tmp_path: Path, who
     assert b"KeyboardInterrupt" in runner.communicate(timeout=10)[1]
     before = _computed(log)
     time.sleep(0.3)
-    assert _computed(log) == before, "a worker lives on"
+    assert _computed(log) == before
+    assert not _alive(log), "a worker lives on"
     assert not out.exists()
     sweep(Slow(str(log), 0.1), POINTS, out=out, workers=1, resume=True)
     assert out.read_bytes() == whole

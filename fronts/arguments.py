@@ -80,7 +80,7 @@ def eta_of(options: argparse.Namespace) -> Any:
     return eta_from_damping(options.a, options.b)
 
 
-def check_writable(path: Path, suffixes: tuple[str, ...] = ()) -> Path:
+def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--out") -> Path:
     """Refuse early, before any work, a path that cannot be written.
 
     Raises
@@ -90,15 +90,15 @@ def check_writable(path: Path, suffixes: tuple[str, ...] = ()) -> Path:
         is not one of ``suffixes`` (if any are named).
     """
     if suffixes and path.suffix.lower() not in suffixes:
-        raise UsageError(f"--out {path} must end in {' or '.join(suffixes)}.")
+        raise UsageError(f"{option} {path} must end in {' or '.join(suffixes)}.")
     folder = path.parent
     if path.is_dir():
-        raise UsageError(f"--out {path} is a folder: name a file in it.")
+        raise UsageError(f"{option} {path} is a folder: name a file in it.")
     if not folder.is_dir():
-        raise UsageError(f"--out {path} cannot be written: the folder {folder} does not exist.")
+        raise UsageError(f"{option} {path} cannot be written: the folder {folder} does not exist.")
     target = path if path.exists() else folder
     if not os.access(target, os.W_OK):
-        raise UsageError(f"--out {path} cannot be written: no permission on {target}.")
+        raise UsageError(f"{option} {path} cannot be written: no permission on {target}.")
     return path
 
 

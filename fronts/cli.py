@@ -19,6 +19,7 @@ COMMANDS = {
     "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
     "front": "velocity of a front by direct simulation (Eqs. 8, 43, 44)",
     "simulate": "a run of a chain from given sites, as numbers and as a picture (Eqs. 8, 43)",
+    "map": "the state of a chain over a plane of parameters (Fig. 15)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
     "check": "the verdict on each claim of the paper",
 }

@@ -1,0 +1,52 @@
+"""Tasks that test_sweep.py, and the processes it kills, import by name."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from verification.sweep import sweep
+from verification.table import Point, grid
+
+
+@dataclass(frozen=True)
+class Slow:
+    """Write one line a call into ``log``, so that a test can count what was computed."""
+
+    log: str
+    pause: float = 0.0
+    factor: float = 1.0
+
+    def __call__(self, point: Point) -> dict[str, float | str | bool | int]:
+        time.sleep(self.pause)
+        with Path(self.log).open("a", encoding="ascii") as file:
+            file.write(f"{point['x']} {point['y']} {os.getpid()}\n")
+        value = self.factor * math.sin(point.number("x")) / point.number("y")
+        return {
+            "value": value,
+            "label": "large one" if value > 0.1 else "small",
+            "count": int(10 * value),
+            "odd": int(point.number("x")) % 2 == 1,
+        }
+
+
+def failing(point: Point) -> dict[str, float]:
+    if point.number("x") in (2, 5):
+        raise ZeroDivisionError("no such point")
+    return {"value": point.number("x")}
+
+
+def dying(point: Point) -> dict[str, float]:
+    if point.number("x") == 4:
+        os._exit(9)
+    return {"value": point.number("x")}
+
+
+POINTS = grid(x=range(1, 11), y=[1.5, 2.5])
+
+
+def main(out: str, log: str, workers: str) -> None:
+    sweep(Slow(log, 0.1), POINTS, out=Path(out), workers=int(workers), resume=True)

@@ -1,55 +1,24 @@
-"""Branches of solutions of F(u, c) = 0: Newton, pseudo-arclength steps, folds, and crossings.
-
-A *system* is a function (u, c) → (F, ∂F/∂u, ∂F/∂c). Everything is dense: u has tens of entries.
-Arclength is measured in (u, `COUPLING_WEIGHT`·c), so that a step sees c and u alike.
-"""
+"""Branches of solutions of F(u, c) = 0: pseudo-arclength continuation, folds, and crossings."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-System = Callable[[Real, float], tuple[Real, Real, Real]]
+from verification.newton import (
+    COUPLING_WEIGHT,
+    BranchPoint,
+    NotConvergedError,
+    Real,
+    System,
+    solve_at,
+    step_along,
+)
+
 Monitor = Callable[[Real, float], tuple[float, ...]]
-
-COUPLING_WEIGHT = 10.0
-MOST_NEWTON = 20
-
-
-class NotConvergedError(ArithmeticError):
-    """Newton's method found no solution from this start."""
-
-
-@dataclass(frozen=True)
-class BranchPoint:
-    """One solution.
-
-    Attributes
-    ----------
-    u : float array
-        The unknowns.
-    c : float
-        Coupling.
-    tangent : float array
-        Unit tangent (du, weight·dc) of the branch, of either sense.
-    residual : float
-        Largest entry of F.
-    correction : float
-        Size of the last Newton step: with quadratic convergence it bounds the error of u.
-    iterations : int
-        Evaluations of the system.
-    """
-
-    u: Real
-    c: float
-    tangent: Real
-    residual: float
-    correction: float
-    iterations: int
 
 
 @dataclass(frozen=True)
@@ -114,80 +83,6 @@ class Branch:
     monitored: tuple[tuple[float, ...], ...]
 
 
-def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) -> BranchPoint:
-    """Solve F(u, c) = 0 for u by Newton's method.
-
-    Raises
-    ------
-    NotConvergedError
-        If the residual does not fall to ``tolerance``.
-
-    Examples
-    --------
-    >>> def circle(u, c):
-    ...     return u**2 + c**2 - 1.0, np.diag(2.0 * u), np.array([2.0 * c])
-    >>> round(float(solve_at(circle, np.array([1.0]), 0.6).u[0]), 9)
-    0.8
-    """
-    u = np.array(guess, dtype=float)
-    correction = np.inf
-    value, slope, by_c = system(u, c)
-    for iteration in range(1, MOST_NEWTON + 1):
-        residual = float(np.abs(value).max())
-        if not np.isfinite(residual):
-            break
-        # One more step once the residual is small costs little and squares the error.
-        if residual < tolerance and correction < np.sqrt(tolerance):
-            tangent = _tangent(slope, by_c, None)
-            return BranchPoint(u, c, tangent, residual, correction, iteration)
-        try:
-            change = np.linalg.solve(slope, value)
-        except np.linalg.LinAlgError:
-            break
-        for share in (1.0, 0.5, 0.25, 0.1, 0.03):
-            try:
-                trial = system(u - share * change, c)
-            except NotConvergedError:
-                continue
-            if float(np.abs(trial[0]).max()) < max(residual, tolerance):
-                break
-        else:
-            break
-        value, slope, by_c = trial
-        u = u - share * change
-        correction = float(np.abs(share * change).max())
-    raise NotConvergedError(f"no solution found at c = {c:.6g}")
-
-
-def step_along(
-    system: System, start: BranchPoint, length: float, tolerance: float = 1e-11
-) -> BranchPoint:
-    """Take one pseudo-arclength step: solve F = 0 on the plane across the tangent.
-
-    Raises
-    ------
-    NotConvergedError
-        If Newton's method fails; take a shorter step.
-    """
-    across = start.tangent
-    u = start.u + length * across[:-1]
-    c = start.c + length * float(across[-1]) / COUPLING_WEIGHT
-    correction = np.inf
-    for iteration in range(1, MOST_NEWTON + 1):
-        value, slope, by_c = system(u, c)
-        residual = float(np.abs(value).max())
-        if not np.isfinite(residual) or residual > 1e6:
-            break
-        if residual < tolerance and correction < np.sqrt(tolerance):
-            return BranchPoint(u, c, _tangent(slope, by_c, across), residual, correction, iteration)
-        plane = across[:-1] @ (u - start.u) + across[-1] * COUPLING_WEIGHT * (c - start.c) - length
-        change = np.linalg.solve(_bordered(slope, by_c, across), np.append(value, plane))
-        correction = float(np.abs(change).max())
-        u = u - change[:-1]
-        c -= float(change[-1]) / COUPLING_WEIGHT
-    raise NotConvergedError(f"no step of length {length:.2g} from c = {start.c:.6g}")
-
-
 def trace(
     system: System,
     start: BranchPoint,
@@ -245,7 +140,11 @@ def trace(
                 raise NotConvergedError(f"the branch could not be followed past c = {point.c:.6g}")
             continue
         if new.tangent[-1] <= 0.0:
-            fold = find_fold(system, point, new, length, tolerance, fold_tolerance)
+            try:
+                fold = find_fold(system, point, new, length, tolerance, fold_tolerance)
+            except NotConvergedError:
+                length *= 0.5
+                continue
             return Branch((*points, new), fold, tuple(seen))
         points.append(new)
         seen.append(watch(new.u, new.c))
@@ -337,6 +236,24 @@ def first_crossing(
     return Crossing(here.c, abs(here.c - last) + 1e-12, here.u, from_start=False)
 
 
+def arrive(system: System, branch: Branch, c: float) -> BranchPoint:
+    """Solve at a coupling that the branch has passed, on its part before the fold.
+
+    Raises
+    ------
+    NotConvergedError
+        If Newton's method fails from the interpolated start.
+    """
+    nearest = [point for point in branch.points[: len(branch.monitored)] if point.c <= c][-1]
+    end = branch.fold if branch.fold is not None else branch.points[-1]
+    span = end.c - nearest.c
+    share = (c - nearest.c) / span if span > 0.0 else 0.0
+    if branch.fold is not None:
+        # Across a fold u varies like the square root of the distance to it.
+        share = 1.0 - math.sqrt(max(0.0, 1.0 - share))
+    return solve_at(system, nearest.u + share * (end.u - nearest.u), c)
+
+
 def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
     """Return the distance of a step's end from the tangent, relative to its length."""
     across = start.tangent
@@ -347,18 +264,3 @@ def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
 def _length_to(start: BranchPoint, u: Real, c: float) -> float:
     across = start.tangent
     return float(across[:-1] @ (u - start.u) + across[-1] * COUPLING_WEIGHT * (c - start.c))
-
-
-def _bordered(slope: Real, by_c: Real, row: Real) -> Real:
-    return np.vstack([np.column_stack([slope, by_c / COUPLING_WEIGHT]), row])
-
-
-def _tangent(slope: Real, by_c: Real, along: Real | None) -> Real:
-    """Return the unit null vector of (∂F/∂u, ∂F/∂c), in the sense of ``along`` if given."""
-    size = slope.shape[1] + 1
-    row = np.zeros(size) if along is None else along
-    if along is None:
-        row[-1] = 1.0
-    vector = np.linalg.solve(_bordered(slope, by_c, row), np.append(np.zeros(size - 1), 1.0))
-    unit: Real = vector / np.linalg.norm(vector)
-    return unit

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from theory.breather import BreatherStatus
 from theory.envelope import (
     coupling_matrix,
-    envelope_jacobian,
     envelope_rate,
     staggered_defect,
     staggered_jacobian,
@@ -27,16 +26,15 @@ from theory.envelope import (
 )
 from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
-from verification.continuation import (
-    Branch,
-    BranchPoint,
-    Fold,
-    Monitor,
-    NotConvergedError,
-    System,
-    solve_at,
-    trace,
+from verification.continuation import Branch, Fold, arrive, trace
+from verification.exponents import (
+    Exponents,
+    exponents,
+    rotating_jacobian,
+    stability_monitor,
+    unpack,
 )
+from verification.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.nucleus import Nucleus
 
 Real = NDArray[np.float64]
@@ -44,40 +42,6 @@ Complex = NDArray[np.complex128]
 
 START = 0.01
 """Coupling at which branches leave the anticontinuum limit."""
-MARGINAL = 1e-9
-"""Growth rates below this count as zero: round-off of an eigenvalue that is exactly zero."""
-
-
-@dataclass(frozen=True)
-class Exponents:
-    """Eigenvalues of the linearisation in the rotating frame.
-
-    Attributes
-    ----------
-    values : complex array, shape (2N,)
-        All of them, by falling real part.
-    trivial : float
-        Distance from zero of the one that belongs to the phase; it should be zero.
-    growth : float
-        Largest real part of the others.
-    frequency : float
-        Imaginary part, taken positive, of the one that grows fastest.
-    symmetric, antisymmetric : float or None
-        Largest real parts (trivial one apart) among modes of the breather's own parity under
-        reflection and of the other one; None if the breather is not mirror-symmetric.
-    """
-
-    values: Complex
-    trivial: float
-    growth: float
-    frequency: float
-    symmetric: float | None
-    antisymmetric: float | None
-
-    @property
-    def stable(self) -> bool:
-        """Whether nothing grows."""
-        return self.growth <= MARGINAL
 
 
 @dataclass(frozen=True)
@@ -135,66 +99,6 @@ def rotating_system(chain: VdpChain, centre: int) -> System:
     return system
 
 
-def rotating_jacobian(phi: Complex, omega: float, chain: VdpChain) -> Real:
-    """Return the Jacobian of φ' - iΩφ in (Re φ, Im φ), shape (2N, 2N)."""
-    turn = omega * np.eye(chain.sites)
-    zero = np.zeros_like(turn)
-    turned: Real = envelope_jacobian(phi, chain) + np.block([[zero, turn], [-turn, zero]])
-    return turned
-
-
-def exponents(phi: Complex, omega: float, chain: VdpChain, mirrored: bool = False) -> Exponents:
-    """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``."""
-    jacobian = rotating_jacobian(phi, omega, chain)
-    if not mirrored:
-        values = np.asarray(np.linalg.eigvals(jacobian), dtype=complex)
-        values = values[np.argsort(-values.real, kind="stable")]
-        symmetric = antisymmetric = None
-        rest = np.delete(values, int(np.abs(values).argmin()))
-    else:
-        parity = 1 if np.abs(phi + phi[::-1]).sum() > np.abs(phi - phi[::-1]).sum() else -1
-        even = split_eigenvalues(jacobian, parity)
-        odd = split_eigenvalues(jacobian, -parity)
-        values = np.concatenate([even, odd])
-        values = values[np.argsort(-values.real, kind="stable")]
-        # The phase mode iφ has the parity of φ.
-        even = np.delete(even, int(np.abs(even).argmin()))
-        symmetric, antisymmetric = float(even.real.max()), float(odd.real.max())
-        rest = np.concatenate([even, odd])
-    leader = rest[int(rest.real.argmax())]
-    return Exponents(
-        values,
-        float(np.abs(values).min()),
-        float(leader.real),
-        float(abs(leader.imag)),
-        symmetric,
-        antisymmetric,
-    )
-
-
-def split_eigenvalues(matrix: Real, parity: int) -> Complex:
-    """Return the eigenvalues of a (2N, 2N) matrix on vectors of one parity under n → N+1-n.
-
-    Parameters
-    ----------
-    matrix : float array, shape (2N, 2N)
-        Two blocks of N sites each; commutes with the reflection.
-    parity : int
-        +1 or -1.
-    """
-    sites = matrix.shape[0] // 2
-    half = np.array(
-        [
-            np.eye(sites)[n] + parity * np.eye(sites)[sites - 1 - n]
-            for n in range((sites + (parity > 0)) // 2)
-        ]
-    )
-    half /= np.linalg.norm(half, axis=1, keepdims=True)
-    zero = np.zeros_like(half)
-    basis = np.block([[half, zero], [zero, half]])
-    return np.asarray(np.linalg.eigvals(basis @ matrix @ basis.T), dtype=complex)
-
-
 def start_of_branch(chain: VdpChain, nucleus: Nucleus, c: float = START) -> BranchPoint:
     """Solve near c = 0, from the cycle of one cell on every excited site.
 
@@ -228,25 +132,10 @@ def start_of_branch(chain: VdpChain, nucleus: Nucleus, c: float = START) -> Bran
     return point
 
 
-def stability_monitor(chain: VdpChain, nucleus: Nucleus) -> Monitor:
-    """Return a monitor of (growth, even growth, odd growth) less `MARGINAL`.
-
-    Without mirror symmetry the last two repeat the first.
-    """
-    mirrored = nucleus.mirrored(chain.sites)
-
-    def monitor(u: Real, c: float) -> tuple[float, ...]:
-        phi, omega = unpack(u)
-        found = exponents(phi, omega, replace(chain, c=c), mirrored)
-        even = found.growth if found.symmetric is None else found.symmetric
-        odd = found.growth if found.antisymmetric is None else found.antisymmetric
-        return found.growth - MARGINAL, even - MARGINAL, odd - MARGINAL
-
-    return monitor
-
-
-def envelope_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> Branch:
-    """Follow the breather from c → 0 through its fold, with its growth rates monitored.
+def envelope_branch(
+    chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0, *, monitored: bool = True
+) -> Branch:
+    """Follow the breather from c → 0 through its fold, with its growth rates if ``monitored``.
 
     Examples
     --------
@@ -256,7 +145,8 @@ def envelope_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> Br
     """
     start = start_of_branch(chain, nucleus)
     system = rotating_system(chain, nucleus.centre(chain.sites))
-    return trace(system, start, c_end, stability_monitor(chain, nucleus))
+    monitor = stability_monitor(chain, nucleus) if monitored else None
+    return trace(system, start, c_end, monitor)
 
 
 def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreather:
@@ -290,7 +180,7 @@ def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreath
             return EnvelopeBreather(
                 BreatherStatus.NONE, empty, math.nan, None, fold, math.inf, math.inf, seconds
             )
-        point = _arrive(system, branch, chain.c)
+        point = arrive(system, branch, chain.c)
     phi, omega = unpack(point.u)
     stability = exponents(phi, omega, chain, nucleus.mirrored(chain.sites))
     seconds = time.perf_counter() - started
@@ -339,26 +229,6 @@ def staggered_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> B
 def staggered_error(r: Real, chain: VdpChain) -> float:
     """Return what the reduction leaves out at the ends, relative to the largest amplitude."""
     return staggered_defect(r, chain) / float(np.abs(r).max())
-
-
-def unpack(u: Real) -> tuple[Complex, float]:
-    """Return φ and Ω from the unknowns of `rotating_system`."""
-    sites = (len(u) - 1) // 2
-    return u[:sites] + 1j * u[sites:-1], float(u[-1])
-
-
-def _arrive(system: System, branch: Branch, c: float) -> BranchPoint:
-    """Solve at c from the nearest point before the fold."""
-    before = [point for point in branch.points[: len(branch.monitored)] if point.c <= c]
-    nearest = before[-1]
-    slope = nearest.tangent[-1] / 10.0
-    guess = nearest.u + nearest.tangent[:-1] * (c - nearest.c) / slope if slope > 0 else nearest.u
-    after = branch.fold if branch.fold is not None else branch.points[-1]
-    if branch.fold is not None and after.c > nearest.c:
-        # Across a fold u varies like the square root of the distance to it.
-        share = 1.0 - math.sqrt(max(0.0, (after.c - c) / (after.c - nearest.c)))
-        guess = nearest.u + share * (after.u - nearest.u)
-    return solve_at(system, guess, c)
 
 
 def _left_pattern(u: Real, guess: Complex, excited: NDArray[np.intp], chain: VdpChain) -> bool:

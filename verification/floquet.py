@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from theory.breather import ClosedFormBreather
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
-from verification.envelope_breather import split_eigenvalues
+from verification.exponents import split_eigenvalues
 from verification.integrators.variational import STEPS, integrate_along_sinusoids
 
 Real = NDArray[np.float64]

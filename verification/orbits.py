@@ -6,6 +6,7 @@ centre of the nucleus. Starts come from the breather of the averaged chain, y = 
 
 from __future__ import annotations
 
+import cmath
 import contextlib
 import math
 import time
@@ -18,19 +19,11 @@ from theory.breather import BreatherStatus
 from theory.envelope import coupling_matrix
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
-from verification.continuation import (
-    Branch,
-    BranchPoint,
-    Fold,
-    Monitor,
-    NotConvergedError,
-    System,
-    solve_at,
-    trace,
-)
+from verification.continuation import Branch, Fold, Monitor, arrive, trace
 from verification.envelope_breather import solve_envelope_breather
 from verification.floquet import MARGINAL, Multipliers, floquet_multipliers
 from verification.integrators.variational import STEPS, integrate_variations
+from verification.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.nucleus import Nucleus
 
 Real = NDArray[np.float64]
@@ -138,10 +131,44 @@ def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> Real:
 
 
 def orbit_branch(
-    chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0, *, steps: int = STEPS
+    chain: VdpChain,
+    nucleus: Nucleus,
+    c_end: float = 2.0,
+    *,
+    steps: int = STEPS,
+    monitored: bool = True,
 ) -> Branch:
-    """Follow the orbit from small c through its fold, with its growth rates monitored."""
-    return _branch(chain, nucleus, c_end, steps, monitored=True)
+    """Follow the orbit from small c through its fold, with its growth rates if ``monitored``.
+
+    Raises
+    ------
+    ParameterError
+        If no orbit was found at small c.
+    """
+    system = shooting_system(chain, nucleus.centre(chain.sites), steps)
+    point = None
+    for start in STARTS if c_end > STARTS[0] else (0.5 * c_end,):
+        if start < c_end and point is None:
+            with contextlib.suppress(NotConvergedError):
+                guess = orbit_guess(replace(chain, c=start), nucleus)
+                point = solve_at(system, guess, start)
+    if point is None:
+        raise ParameterError(
+            "small parameter eps",
+            chain.eps,
+            f"small enough for an orbit with the pattern '{nucleus.pattern}'",
+            "take a smaller one, or another pattern",
+        )
+    monitor = stability_monitor(chain, nucleus, steps) if monitored else None
+    return trace(system, point, c_end, monitor, length=0.3)
+
+
+def leading_frequency(chain: VdpChain, u: Real) -> float:
+    """Return |arg μ|/(ε period) of the leading multiplier at (X, period), per unit T."""
+    period = float(u[-1])
+    flow = integrate_variations(chain, u[:-1], period)
+    leader = floquet_multipliers(flow.monodromy, period, chain.eps).leader
+    return abs(cmath.phase(leader)) / (chain.eps * period)
 
 
 def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int = STEPS) -> Monitor:
@@ -190,11 +217,11 @@ def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int = STEPS) -> Orb
         point = solve_at(system, orbit_guess(chain, nucleus), chain.c)
     except (NotConvergedError, ParameterError):
         # Too near the fold for a direct start: follow the branch.
-        branch = _branch(chain, nucleus, chain.c, steps, monitored=False)
+        branch = orbit_branch(chain, nucleus, chain.c, steps=steps, monitored=False)
         fold = branch.fold
         if fold is not None and chain.c > fold.c:
             return _no_orbit(fold, started)
-        point = _arrive(system, branch, chain.c)
+        point = arrive(system, branch, chain.c)
     return describe_orbit(chain, nucleus, point, started, steps=steps, fold=fold)
 
 
@@ -234,39 +261,6 @@ def describe_orbit(
         fold,
         time.perf_counter() - started,
     )
-
-
-def _branch(
-    chain: VdpChain, nucleus: Nucleus, c_end: float, steps: int, *, monitored: bool
-) -> Branch:
-    system = shooting_system(chain, nucleus.centre(chain.sites), steps)
-    point = None
-    for start in STARTS if c_end > STARTS[0] else (0.5 * c_end,):
-        if start < c_end and point is None:
-            with contextlib.suppress(NotConvergedError):
-                guess = orbit_guess(replace(chain, c=start), nucleus)
-                point = solve_at(system, guess, start)
-    if point is None:
-        raise ParameterError(
-            "small parameter eps",
-            chain.eps,
-            f"small enough for an orbit with the pattern '{nucleus.pattern}'",
-            "take a smaller one, or another pattern",
-        )
-    monitor = stability_monitor(chain, nucleus, steps) if monitored else None
-    return trace(system, point, c_end, monitor, length=0.3)
-
-
-def _arrive(system: System, branch: Branch, c: float) -> BranchPoint:
-    before = [point for point in branch.points[: len(branch.monitored)] if point.c <= c]
-    nearest = before[-1]
-    after = branch.fold if branch.fold is not None else branch.points[-1]
-    span = after.c - nearest.c
-    share = (c - nearest.c) / span if span > 0.0 else 0.0
-    if branch.fold is not None:
-        # Across a fold u varies like the square root of the distance to it.
-        share = 1.0 - math.sqrt(max(0.0, 1.0 - share))
-    return solve_at(system, nearest.u + share * (after.u - nearest.u), c)
 
 
 def _parity(state: Real, nucleus: Nucleus, sites: int) -> int:

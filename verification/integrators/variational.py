@@ -45,7 +45,7 @@ class Flow:
     state : float array, shape (2N,)
         Displacements, then velocities (Eq. 39).
     monodromy : float array, shape (2N, 2N)
-        Derivative of ``state`` by the initial state; identity-sized even if not asked for.
+        Derivative of ``state`` by the initial state.
     by_c : float array, shape (2N,)
         Derivative of ``state`` by c.
     samples : float array, shape (steps, N)
@@ -123,6 +123,32 @@ def integrate_along_sinusoids(
     return _integrate(chain, start, 2.0 * np.pi / omega, steps, order, base, omega, extra)
 
 
+def integrate_chain(
+    chain: VdpChain, start: Real, duration: float, steps: int, order: int = ORDER
+) -> Flow:
+    """Integrate (8) alone: `Flow.monodromy` and `Flow.by_c` are empty.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        Any N, both kinds of ends.
+    start : float array, shape (2N,)
+        Initial displacements and velocities.
+    duration : float
+        Time, dimensionless.
+    steps, order : int
+        Number of Taylor steps in all, and their order.
+
+    Raises
+    ------
+    ParameterError
+        As `integrate_variations`.
+    """
+    return _integrate(
+        chain, start, duration, steps, order, np.zeros((0, 0)), 0.0, 0.0, variations=False
+    )
+
+
 def _integrate(
     chain: VdpChain,
     start: Real,
@@ -132,14 +158,17 @@ def _integrate(
     base: Real,
     omega: float,
     extra: float,
+    *,
+    variations: bool = True,
 ) -> Flow:
     sites = chain.sites
     state = np.array(start, dtype=float)
-    columns = 2 * sites + 1
+    columns = 2 * sites + 1 if variations else 0
     tangent_y = np.zeros((sites, columns))
     tangent_v = np.zeros((sites, columns))
-    tangent_y[:, :sites] = np.eye(sites)
-    tangent_v[:, sites:-1] = np.eye(sites)
+    if variations:
+        tangent_y[:, :sites] = np.eye(sites)
+        tangent_v[:, sites:-1] = np.eye(sites)
     samples = np.zeros((steps, sites))
     fine = _run(
         state[:sites],
@@ -166,7 +195,8 @@ def _integrate(
             "take more steps or a start nearer to the cycle",
         )
     whole = np.vstack([tangent_y, tangent_v])
-    return Flow(state, whole[:, :-1], whole[:, -1], samples, steps)
+    by_c = whole[:, -1] if variations else np.empty(0)
+    return Flow(state, whole[:, :-1], by_c, samples, steps)
 
 
 @njit(cache=True)  # type: ignore[misc, unused-ignore]
@@ -217,6 +247,7 @@ def _run(y, v, ty, tv, samples, h, order, a, b, c, eps, ring, base, omega, extra
                 if ring:
                     left = sites - 1 if n == 0 else left
                     right = 0 if n == sites - 1 else right
+                # Two differences added: the same to the last bit after reflection.
                 spring = 0.0
                 if left >= 0:
                     spring += Y[k, n] - Y[k, left]
@@ -238,7 +269,8 @@ def _run(y, v, ty, tv, samples, h, order, a, b, c, eps, ring, base, omega, extra
                     p = P[j, n]
                     for m in range(columns):
                         row[m] += g * DV[k - j, n, m] + p * DY[k - j, n, m]
-                row[columns - 1] += spring
+                if columns > 0:
+                    row[columns - 1] += spring
                 if left >= 0:
                     for m in range(columns):
                         row[m] += c * (DY[k, n, m] - DY[k, left, m])

@@ -18,6 +18,8 @@ COMMANDS = {
     "roots": "labelled complex roots of the dispersion relation (Eqs. 50-52)",
     "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
     "front": "direct simulation of a front (Eq. 44)",
+    "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
+    "threshold": "the coupling at which a nucleus stops being localised (Fig. 11)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
     "check": "the verdict on each claim of the paper",
 }

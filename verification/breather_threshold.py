@@ -16,7 +16,6 @@ from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
 from verification import envelope_breather, exponents, orbits
 from verification.continuation import Branch, Crossing, Monitor, first_crossing
-from verification.integrators.variational import STEPS
 from verification.newton import System
 from verification.nucleus import MARGIN, Nucleus, Place
 
@@ -187,7 +186,7 @@ def _step_error(chain: VdpChain, nucleus: Nucleus, method: Method, branch: Branc
     """Return the shift of the fold under a halved integration step: residual over |∂F/∂c|."""
     if method is Method.ENVELOPE or branch.fold is None:
         return 0.0
-    finer = orbits.shooting_system(chain, nucleus.centre(chain.sites), 2 * STEPS)
+    finer = orbits.shooting_system(chain, nucleus.centre(chain.sites), 2 * orbits.steps_for(chain))
     value, _, by_c = finer(branch.fold.u, branch.fold.c)
     return float(abs(value).max() / abs(by_c).max())
 

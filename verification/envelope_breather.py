@@ -61,7 +61,7 @@ class EnvelopeBreather:
     fold : Fold or None
         Where the branch ends, if that was reached.
     error : float
-        Estimated error of φ: the last Newton correction.
+        Estimated error of φ and Ω: the Newton step that would come next.
     residual : float
         Largest entry of the equations.
     seconds : float
@@ -190,7 +190,7 @@ def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreath
         omega,
         stability,
         fold,
-        point.correction + point.residual,
+        point.correction + 1e-15,
         point.residual,
         seconds,
     )

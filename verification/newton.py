@@ -38,7 +38,7 @@ class BranchPoint:
     residual : float
         Largest entry of F.
     correction : float
-        Size of the last Newton step: with quadratic convergence it bounds the error of u.
+        Size of the Newton step that would come next: an estimate of the error of u.
     iterations : int
         Evaluations of the system.
     """
@@ -75,8 +75,8 @@ def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) ->
             break
         # One more step once the residual is small costs little and squares the error.
         if residual < tolerance and correction < np.sqrt(tolerance):
-            tangent = _tangent(slope, by_c, None)
-            return BranchPoint(u, c, tangent, residual, correction, iteration)
+            left = float(np.abs(np.linalg.solve(slope, value)).max())
+            return BranchPoint(u, c, _tangent(slope, by_c, None), residual, left, iteration)
         try:
             change = np.linalg.solve(slope, value)
         except np.linalg.LinAlgError:
@@ -115,10 +115,11 @@ def step_along(
         residual = float(np.abs(value).max())
         if not np.isfinite(residual) or residual > 1e6:
             break
-        if residual < tolerance and correction < np.sqrt(tolerance):
-            return BranchPoint(u, c, _tangent(slope, by_c, across), residual, correction, iteration)
         plane = across[:-1] @ (u - start.u) + across[-1] * COUPLING_WEIGHT * (c - start.c) - length
         change = np.linalg.solve(_bordered(slope, by_c, across), np.append(value, plane))
+        if residual < tolerance and correction < np.sqrt(tolerance):
+            left = float(np.abs(change).max())
+            return BranchPoint(u, c, _tangent(slope, by_c, across), residual, left, iteration)
         correction = float(np.abs(change).max())
         u = u - change[:-1]
         c -= float(change[-1]) / COUPLING_WEIGHT

@@ -242,7 +242,7 @@ def sweep_chain(
 
 
 def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float = 0.0) -> Delay:
-    """Fit the delay of escape at a fold, c = c_0 + K rate^{2/3} + K' rate, to sweeps at rates in one ratio.
+    """Fit c = c_0 + K rate^{2/3} + K' rate, the delay at a fold, to rates in one ratio.
 
     Parameters
     ----------

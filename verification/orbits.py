@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from theory.breather import BreatherStatus
 from theory.envelope import coupling_matrix
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
+from theory.vdp_chain import VdpChain, effective_epsilon
 from verification.continuation import Branch, Fold, Monitor, arrive, trace
 from verification.envelope_breather import solve_envelope_breather
 from verification.floquet import MARGINAL, Multipliers, floquet_multipliers
@@ -57,7 +57,7 @@ class Orbit:
     residual : float
         |X(period) - X(0)|, at the step used.
     error : float
-        Change of the unknowns that a halved step asks for, plus the last Newton correction.
+        Change of the unknowns that a halved step asks for, plus the next Newton step.
     fold : Fold or None
         Where the branch ends, if that was reached.
     seconds : float
@@ -93,14 +93,26 @@ def chain_rate(state: Real, chain: VdpChain) -> Real:
     return np.concatenate([v, -y - chain.eps * (chain.c * springs + damping)])
 
 
-def shooting_system(chain: VdpChain, centre: int, steps: int = STEPS) -> System:
+def steps_for(chain: VdpChain) -> int:
+    """Return Taylor steps a period for errors near 1e-12: more where ε max|damping| is larger.
+
+    Examples
+    --------
+    >>> steps_for(VdpChain(a=2.5, b=0.5, c=0.1)), steps_for(VdpChain(a=4, b=0.5, c=0.1))
+    (28, 37)
+    """
+    return STEPS + math.ceil(STEPS * effective_epsilon(chain))
+
+
+def shooting_system(chain: VdpChain, centre: int, steps: int | None = None) -> System:
     """Return F(u, c) with u = (X, period): X(period) - X = 0 and y = 0 at the centre."""
     sites = chain.sites
+    count = steps or steps_for(chain)
 
     def system(u: Real, c: float) -> tuple[Real, Real, Real]:
         here = replace(chain, c=abs(c))
         try:
-            flow = integrate_variations(here, u[:-1], float(u[-1]), steps)
+            flow = integrate_variations(here, u[:-1], float(u[-1]), count)
         except ParameterError as error:
             raise NotConvergedError(str(error)) from None
         value = np.append(flow.state - u[:-1], u[centre])
@@ -135,7 +147,7 @@ def orbit_branch(
     nucleus: Nucleus,
     c_end: float = 2.0,
     *,
-    steps: int = STEPS,
+    steps: int | None = None,
     monitored: bool = True,
 ) -> Branch:
     """Follow the orbit from small c through its fold, with its growth rates if ``monitored``.
@@ -150,8 +162,7 @@ def orbit_branch(
     for start in STARTS if c_end > STARTS[0] else (0.5 * c_end,):
         if start < c_end and point is None:
             with contextlib.suppress(NotConvergedError):
-                guess = orbit_guess(replace(chain, c=start), nucleus)
-                point = solve_at(system, guess, start)
+                point = _from_small_eps(replace(chain, c=start), nucleus, steps)
     if point is None:
         raise ParameterError(
             "small parameter eps",
@@ -163,19 +174,35 @@ def orbit_branch(
     return trace(system, point, c_end, monitor, length=0.3)
 
 
+def _from_small_eps(
+    chain: VdpChain, nucleus: Nucleus, steps: int | None, halvings: int = 5
+) -> BranchPoint:
+    """Solve from the averaged breather, or from the orbit at half the ε where that is too far."""
+    system = shooting_system(chain, nucleus.centre(chain.sites), steps)
+    try:
+        return solve_at(system, orbit_guess(chain, nucleus), chain.c)
+    except NotConvergedError:
+        if not halvings:
+            raise
+    weaker = replace(chain, eps=0.5 * chain.eps)
+    guess = _from_small_eps(weaker, nucleus, steps, halvings - 1).u
+    return solve_at(system, guess, chain.c)
+
+
 def leading_frequency(chain: VdpChain, u: Real) -> float:
     """Return |arg μ|/(ε period) of the leading multiplier at (X, period), per unit T."""
     period = float(u[-1])
-    flow = integrate_variations(chain, u[:-1], period)
+    flow = integrate_variations(chain, u[:-1], period, steps_for(chain))
     leader = floquet_multipliers(flow.monodromy, period, chain.eps).leader
     return abs(cmath.phase(leader)) / (chain.eps * period)
 
 
-def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int = STEPS) -> Monitor:
+def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int | None = None) -> Monitor:
     """Return a monitor of (growth, own-parity growth, other-parity growth) less `MARGINAL`."""
+    count = steps or steps_for(chain)
 
     def monitor(u: Real, c: float) -> tuple[float, ...]:
-        flow = integrate_variations(replace(chain, c=c), u[:-1], float(u[-1]), steps)
+        flow = integrate_variations(replace(chain, c=c), u[:-1], float(u[-1]), count)
         parity = _parity(u[:-1], nucleus, chain.sites)
         found = floquet_multipliers(flow.monodromy, float(u[-1]), chain.eps, parity)
         own = found.growth if found.symmetric is None else found.symmetric
@@ -185,7 +212,7 @@ def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int = STEPS) -> 
     return monitor
 
 
-def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int = STEPS) -> Orbit:
+def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int | None = None) -> Orbit:
     """Solve for the periodic orbit at the coupling of ``chain``.
 
     Parameters
@@ -195,7 +222,7 @@ def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int = STEPS) -> Orb
     nucleus : Nucleus
         Which sites, and the pattern of phases.
     steps : int, optional
-        Taylor steps a period.
+        Taylor steps a period; by default `steps_for`.
 
     Raises
     ------
@@ -231,17 +258,18 @@ def describe_orbit(
     point: BranchPoint,
     started: float,
     *,
-    steps: int = STEPS,
+    steps: int | None = None,
     fold: Fold | None = None,
 ) -> Orbit:
     """Measure an orbit that has been solved for: amplitudes, harmonics, multipliers, error."""
     state, period = point.u[:-1], float(point.u[-1])
     here = replace(chain, c=point.c)
     centre = nucleus.centre(chain.sites)
-    coarse = integrate_variations(here, state, period, steps)
-    value, slope, _ = shooting_system(here, centre, 2 * steps)(point.u, point.c)
-    error = float(np.abs(np.linalg.solve(slope, value)).max()) + point.correction**2
-    fine = integrate_variations(here, state, period, max(SAMPLES, 2 * steps))
+    count = steps or steps_for(chain)
+    coarse = integrate_variations(here, state, period, count)
+    value, slope, _ = shooting_system(here, centre, 2 * count)(point.u, point.c)
+    error = float(np.abs(np.linalg.solve(slope, value)).max()) + point.correction
+    fine = integrate_variations(here, state, period, max(SAMPLES, 2 * count))
     change = float(np.abs(fine.monodromy - coarse.monodromy).max())
     multipliers = floquet_multipliers(
         fine.monodromy, period, chain.eps, _parity(state, nucleus, chain.sites), change
@@ -252,7 +280,7 @@ def describe_orbit(
         state,
         period,
         2.0 * math.pi / period,
-        _largest(spectrum),
+        largest_displacements(spectrum),
         # y = Im(h e^{iωt}) has the Fourier coefficient h/(2i) at +ω.
         2j * spectrum[1],
         multipliers,
@@ -272,7 +300,7 @@ def _parity(state: Real, nucleus: Nucleus, sites: int) -> int:
     return 1 if even > odd else -1
 
 
-def _largest(spectrum: Complex) -> Real:
+def largest_displacements(spectrum: Complex) -> Real:
     """Return max |y_n(t)| of a trigonometric polynomial, one column a site."""
     fine = np.fft.irfft(spectrum * 2048, n=2048, axis=0)
     peak = np.abs(fine).argmax(axis=0)

@@ -102,17 +102,25 @@ def split_eigenvalues(matrix: Real, parity: int) -> Complex:
     parity : int
         +1 or -1.
     """
-    sites = matrix.shape[0] // 2
+    basis = parity_basis(matrix.shape[0] // 2, parity)
+    return np.asarray(np.linalg.eigvals(basis @ matrix @ basis.T), dtype=complex)
+
+
+def parity_basis(sites: int, parity: int) -> Real:
+    """Return orthonormal rows that span the vectors (y, v) of one parity, shape (~N, 2N).
+
+    Examples
+    --------
+    >>> parity_basis(3, -1).round(3).tolist()
+    [[0.707, 0.0, -0.707, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.707, 0.0, -0.707]]
+    """
+    unit = np.eye(sites)
     half = np.array(
-        [
-            np.eye(sites)[n] + parity * np.eye(sites)[sites - 1 - n]
-            for n in range((sites + (parity > 0)) // 2)
-        ]
+        [unit[n] + parity * unit[sites - 1 - n] for n in range((sites + (parity > 0)) // 2)]
     )
     half /= np.linalg.norm(half, axis=1, keepdims=True)
     zero = np.zeros_like(half)
-    basis = np.block([[half, zero], [zero, half]])
-    return np.asarray(np.linalg.eigvals(basis @ matrix @ basis.T), dtype=complex)
+    return np.block([[half, zero], [zero, half]])
 
 
 def unpack(u: Real) -> tuple[Complex, float]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from theory.breather import ClosedFormBreather
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
-from verification.exponents import split_eigenvalues
+from verification.exponents import parity_basis, split_eigenvalues
 from verification.integrators.variational import STEPS, integrate_along_sinusoids
 
 Real = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Multipliers:
     values : complex array, shape (2N,)
         All multipliers, by falling modulus.
     trivial : float
-        |μ - 1| of the multiplier nearest to 1.
+        |μ - 1| of the multiplier that belongs to a shift of time.
     leader : complex
         The one of largest modulus among the others.
     growth : float
@@ -62,7 +62,12 @@ class Multipliers:
 
 
 def floquet_multipliers(
-    monodromy: Real, period: float, eps: float, parity: int = 0, error: float = 0.0
+    monodromy: Real,
+    period: float,
+    eps: float,
+    parity: int = 0,
+    error: float = 0.0,
+    direction: Real | None = None,
 ) -> Multipliers:
     """Sort and split the eigenvalues of a monodromy matrix.
 
@@ -78,6 +83,9 @@ def floquet_multipliers(
         Parity of the breather under reflection; 0 if it has none.
     error : float, optional
         Error of the matrix, passed on.
+    direction : float array, shape (2N,), optional
+        Rate of the orbit at its start. If given, the trivial multiplier is the one whose vector
+        is most nearly along it; otherwise the one nearest to 1, as fits a true orbit.
 
     Examples
     --------
@@ -89,27 +97,25 @@ def floquet_multipliers(
     def rate(values: Complex) -> float:
         return math.log(max(float(np.abs(values).max()), 1e-300)) / (eps * period)
 
-    if not parity:
-        values = np.asarray(np.linalg.eigvals(monodromy), dtype=complex)
-        rest = np.delete(values, int(np.abs(values - 1.0).argmin()))
-        symmetric = antisymmetric = None
+    sites = monodromy.shape[0] // 2
+    basis = parity_basis(sites, parity) if parity else np.eye(2 * sites)
+    own, vectors = np.linalg.eig(basis @ monodromy @ basis.T)
+    own = np.asarray(own, dtype=complex)
+    if direction is None:
+        place = int(np.abs(own - 1.0).argmin())
     else:
-        own, other = split_eigenvalues(monodromy, parity), split_eigenvalues(monodromy, -parity)
-        values = np.concatenate([own, other])
-        own = np.delete(own, int(np.abs(own - 1.0).argmin()))
-        rest = np.concatenate([own, other])
-        symmetric, antisymmetric = rate(own), rate(other)
+        place = int(np.abs((basis @ direction) @ vectors).argmax())
+    trivial = float(abs(own[place] - 1.0))
+    rest = np.delete(own, place)
+    values = own
+    symmetric = antisymmetric = None
+    if parity:
+        other = split_eigenvalues(monodromy, -parity)
+        symmetric, antisymmetric = rate(rest), rate(other)
+        values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     leader = complex(rest[int(np.abs(rest).argmax())])
-    return Multipliers(
-        values,
-        float(np.abs(values - 1.0).min()),
-        leader,
-        rate(rest),
-        symmetric,
-        antisymmetric,
-        error,
-    )
+    return Multipliers(values, trivial, leader, rate(rest), symmetric, antisymmetric, error)
 
 
 def approximate_multipliers(

@@ -82,7 +82,7 @@ def fixed_steps(
     model: int,
     state: FloatArray,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     h: float,
     steps: int,
     A: FloatArray,
@@ -90,7 +90,7 @@ def fixed_steps(
 ) -> None:
     """Advance a state of shape (2, N) by steps of length h, all sites; for tests and benchmarks."""
     sites = state.shape[1]
-    left, right = end_codes(0, sites, sites, periodic, False)
+    left, right = end_codes(0, sites, sites, first, False)
     x = state.copy().reshape(2 * sites)
     out = np.zeros(2 * sites)
     K = np.zeros((weights.size, 2 * sites))

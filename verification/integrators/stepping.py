@@ -69,7 +69,7 @@ def advance(
     model: int,
     method: int,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     state: FloatArray,
     clock: FloatArray,
     counters: IntArray,
@@ -101,8 +101,8 @@ def advance(
         RUNGE_KUTTA or TAYLOR.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
-    periodic : bool
-        Whether the chain is a ring.
+    first : int
+        What is beyond the first site (``active``).
     state : ndarray, shape (2, N)
         In: at ``clock[0]``. Out: at the new ``clock[0]``.
     clock : ndarray, shape (5,)
@@ -155,7 +155,7 @@ def advance(
             C = series_room(order if series else 0, m)
             x[:m], x[m:] = state[0, lo:hi], state[1, lo:hi]
             packed_lo, packed_hi = lo, hi
-            left, right = end_codes(lo, hi, sites, periodic, behind > 0)
+            left, right = end_codes(lo, hi, sites, first, behind > 0)
         t = clock[0]
         if series:
             C[0][0], C[1][0] = x[:m], x[m:]

@@ -27,9 +27,12 @@ _DEPTH = 48
 
 
 @njit(cache=True)
-def exponential(parameters: FloatArray, w: float) -> float:
-    """Return E = e^{-|w|/v₀}; below the normal numbers 0, which costs nothing to multiply."""
-    e = math.exp(-abs(w) / parameters[V0])
+def exponential(parameters: FloatArray, speed: float) -> float:
+    """Return E = e^{-speed/v₀}; below the normal numbers 0, which costs nothing to multiply.
+
+    A negative speed continues a slip phase smoothly beyond its end.
+    """
+    e = math.exp(-speed / parameters[V0])
     return e if e > 1e-300 else 0.0
 
 
@@ -97,7 +100,7 @@ def coefficients(
         free_rate[n] = 1.0 if modes[n] != 0 else 0.0
         gain[n] = -s * slope
         rate[n] = -s / parameters[V0]
-        E[0, n] = exponential(parameters, W[0, n]) if modes[n] != 0 else 0.0
+        E[0, n] = exponential(parameters, s * W[0, n]) if modes[n] != 0 else 0.0
     for k in range(order):
         factor = 1.0 / (k + 1)
         y, w, e = Y[k, lo:hi], W[k, lo:hi], E[k, lo:hi]

@@ -20,6 +20,8 @@ COMMANDS = {
     "front": "velocity of a front by direct simulation (Eqs. 8, 43, 44)",
     "simulate": "a run of a chain from given sites, as numbers and as a picture (Eqs. 8, 43)",
     "map": "the state of a chain over a plane of parameters (Fig. 15)",
+    "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
+    "threshold": "the coupling at which a nucleus stops being localised (Fig. 11)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
     "check": "the verdict on each claim of the paper",
 }

@@ -1,7 +1,7 @@
 """Where (8) is stiff: εb y⁴ ≫ 1 makes ẏ follow y on a slow manifold. Radau IIA from scipy.
 
 A stage is passed in pieces. It ends when the largest damping rate ε|1 - a y² + b y⁴| has fallen to
-a level at which the Taylor stepper has steps of ordinary length again.
+a level at which the explicit stepper has steps of ordinary length again.
 """
 
 from __future__ import annotations

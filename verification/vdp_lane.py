@@ -8,7 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.vdp_chain import Ends, VdpChain
-from verification.integrators import taylor
+from verification.integrators import stepping
+from verification.integrators.runge_kutta import error_weights, tableau
+from verification.integrators.taylor import taylor_order
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -39,6 +41,8 @@ class Lane:
         Times t of the samples, from 0 to the end.
     tolerance, level, window, behind
         As in ``verification.vdp_run.run_vdp``.
+    series : bool
+        Step (8) by its Taylor series instead of by Runge-Kutta.
     """
 
     def __init__(
@@ -51,17 +55,21 @@ class Lane:
         level: float,
         window: bool,
         behind: int,
+        series: bool = False,
     ) -> None:
         self._chain, self._full = chain, full
+        self._method = stepping.ENVELOPE
+        if full:
+            self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
         self._scale = 1.0 if full else chain.eps
         self.tolerance, self.level, self._behind = tolerance, level, behind
-        self._order = taylor.taylor_order(tolerance)
+        self._order = taylor_order(tolerance)
         self.sample_times = times * self._scale
         self._start = hashlib.sha256(np.ascontiguousarray(start).tobytes()).hexdigest()[:16]
         # y = Im Ψ and ẏ = Re Ψ; for the envelope (Re φ, Im φ).
         self.state = np.array([start.imag, start.real] if full else [start.real, start.imag])
         self.samples = np.zeros((times.size, 2, chain.sites))
-        self.clock = np.zeros(1)
+        self.clock = np.zeros(4)
         self.counters = np.zeros(6, dtype=np.int64)
         self._arrivals = np.full(chain.sites, np.nan)
         size = np.abs(start)
@@ -72,8 +80,8 @@ class Lane:
             self._rest = _REST * tolerance * float(size.max())
             moving = np.flatnonzero(size > self._rest)
             if moving.size:
-                self.counters[0] = max(0, moving[0] - taylor.MARGIN)
-                self.counters[1] = min(chain.sites, moving[-1] + taylor.MARGIN + 1)
+                self.counters[0] = max(0, moving[0] - stepping.MARGIN)
+                self.counters[1] = min(chain.sites, moving[-1] + stepping.MARGIN + 1)
                 self.state[:, : self.counters[0]] = 0.0
                 self.state[:, self.counters[1] :] = 0.0
 
@@ -99,7 +107,7 @@ class Lane:
             "eps": chain.eps,
             "sites": chain.sites,
             "ends": chain.ends.value,
-            "full": self._full,
+            "method": self._method,
             "tolerance": self.tolerance,
             "level": self.level,
             "behind": self._behind,
@@ -151,8 +159,8 @@ class Lane:
         """
         chain = self._chain
         active = max(1, int(self.counters[1] - self.counters[0]))
-        ended = taylor.advance(
-            taylor.FULL if self._full else taylor.ENVELOPE,
+        ended = stepping.advance(
+            self._method,
             np.array([chain.a, chain.b, chain.c, chain.eps]),
             chain.ends is Ends.PERIODIC,
             self.state,
@@ -161,6 +169,8 @@ class Lane:
             self.end,
             self.tolerance,
             self._order,
+            *tableau(8),
+            *error_weights(),
             self._rest,
             self.level,
             self._behind,
@@ -170,11 +180,11 @@ class Lane:
             SHORTEST if self._full else 0.0,
             max(1, budget // active),
         )
-        if ended == taylor.TOO_SHORT:
+        if ended == stepping.TOO_SHORT:
             from verification.stiff_stage import pass_stiff_stage
 
             pass_stiff_stage(chain, self)
-        elif ended == taylor.NOT_FINITE:
+        elif ended == stepping.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at t = {self.time:.6g}; "
                 "start from a smaller displacement, or lower the coupling."

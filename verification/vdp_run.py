@@ -1,9 +1,10 @@
 """A direct run of Model II, by (8) or by its averaged form (43): steps, samples, arrivals.
 
-The stepper is ``verification.integrators.taylor``. Where its steps would become too short because
-the damping is stiff (a site displaced far beyond the cycle), ``verification.stiff_stage`` takes
-over until they would not. Two runs go side by side, one at a hundred times the tolerance; their
-difference is the error that is reported.
+(8) is stepped by the Runge-Kutta method of order 8, (43) by its Taylor series, the fastest of
+those measured (``benchmarks/``). Where steps would become too short because the damping is stiff
+(a site displaced far beyond the cycle), ``verification.stiff_stage`` takes over until they would
+not. Two runs go side by side, one at a hundred times the tolerance; their difference is the error
+that is reported.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ class VdpRun:
     tolerance : float
         Local error, relative to the largest |Ψ|.
     steps, stiff_steps : int
-        Steps of the Taylor stepper, and of the stiff one.
+        Explicit steps, and steps of the stiff method.
     mean_active : float
         Sites stepped, averaged over the steps.
     seconds : float

@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Claim, Finding, Picture, Verdict
 from paper_checks.pictures import COLOURS, new_panels, picture
+from paper_checks.velocity_plot import (
+    curve_of,
+    draw_curve,
+    draw_runs,
+    draw_thresholds,
+    velocities,
+)
+
+if TYPE_CHECKING:
+    from verification.piecewise_run import FrontRun
 
 A, B = 4.0, 0.5
 """Parameters of Fig. 17; the range of its axis cannot be read."""
@@ -19,77 +31,20 @@ def _scaling() -> Finding:
     from verification.piecewise_simulation import simulate_front
 
     eta = eta_from_damping(A, B)
-    near = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), eta)
     wide = trace_kinetic_relation(np.geomspace(0.46, 1e4, 90), eta, admissibility=False)
     c_wide = np.array([answer.c for answer in wide])
     fastest = [answer.branches[-1] for answer in wide]
     v_wide = np.array([branch.v for branch in fastest])
     exponent = np.array([b.by_coupling * c / b.v for b, c in zip(fastest, c_wide, strict=True)])
     limit = strong_coupling_velocity(eta) or 0.0
-    kinds: dict[bool, tuple[list[float], list[float]]] = {True: ([], []), False: ([], [])}
-    for answer in near:
-        for branch in answer.branches:
-            kinds[branch.admissible is True][0].append(answer.c)
-            kinds[branch.admissible is True][1].append(branch.v)
     runs = [simulate_front(c, eta) for c in (0.44, 0.46, 0.5, 0.7, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0)]
     gap = max(
         abs(run.v - _fastest_admissible(run.coupling, eta)) / run.v
         for run in runs
         if run.steady and run.v
     )
-    steady = [run for run in runs if run.steady]
     other = [run for run in runs if not run.steady]
-    figure, (left, right) = new_panels(2, height=3.0)
-    for admissible, label, colour, face in (
-        (True, "admissible", COLOURS["blue"], COLOURS["blue"]),
-        (False, "not admissible", COLOURS["vermilion"], "none"),
-    ):
-        left.plot(*kinds[admissible], "o", ms=1.8, color=colour, mfc=face, label=label)
-    left.plot(
-        [run.coupling for run in steady],
-        [run.v or 0.0 for run in steady],
-        "s",
-        ms=4.5,
-        mfc="none",
-        color=COLOURS["black"],
-        label="chain, steady",
-    )
-    left.plot(
-        [run.coupling for run in other],
-        [run.v or 0.0 for run in other],
-        "x",
-        ms=4.5,
-        color=COLOURS["purple"],
-        label="chain, unsteady (mean)",
-    )
-    for value, name, line in ((near[0].c_fold, "fold", "--"), (near[0].c_pin, "pin", "-")):
-        if value is not None:
-            left.axvline(
-                value, color="0.5", lw=0.8, ls=line, label=rf"$c_\mathrm{{{name}}}$ = {value:.4f}"
-            )
-    left.set(xlabel="coupling c", ylabel=r"front velocity $\hat v$")
-    left.legend()
-    right.semilogx(c_wide, exponent, color=COLOURS["blue"])
-    right.axhline(1.0, color="0.5", lw=0.8, ls="--", label="linear")
-    right.axhline(0.5, color="0.5", lw=0.8, ls=":", label=r"$\sqrt{c}$")
-    right.set(xlabel="coupling c", ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0, 2))
-    right.legend()
-    drawn = picture(
-        "fig17-velocity",
-        "Left: every solution of (54) at a = 4, b = 0.5, with the running chain. Right: the local "
-        "exponent of the fastest branch, up to c = 10⁴; it tends to one half.",
-        figure,
-        {
-            "c": [*kinds[True][0], *kinds[False][0]],
-            "v": [*kinds[True][1], *kinds[False][1]],
-            "admissible": [1] * len(kinds[True][0]) + [0] * len(kinds[False][0]),
-            "c_wide": c_wide,
-            "v_wide": v_wide,
-            "exponent": exponent,
-            "c_chain": [run.coupling for run in runs],
-            "v_chain": [run.v if run.v is not None else np.nan for run in runs],
-        },
-    )
+    drawn = _picture(eta, runs, c_wide, v_wide, exponent, limit)
     fine = trace_kinetic_relation(np.arange(0.6, 2.0, 0.005), eta, admissibility=False)
     window = [
         answer.c
@@ -122,6 +77,73 @@ def _scaling() -> Finding:
             f"{len(other)} of {len(runs)} simulated couplings do not settle to a steady front."
         ),
         pictures=(drawn,),
+    )
+
+
+def _picture(
+    eta: float,
+    runs: list[FrontRun],
+    c_wide: np.ndarray,
+    v_wide: np.ndarray,
+    exponent: np.ndarray,
+    limit: float,
+) -> Picture:
+    """Draw the range of the figure, the fold, large c, and the local exponent."""
+    from theory.kinetic_relation import trace_kinetic_relation
+    from verification.piecewise_simulation import hysteresis
+
+    near = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), eta)
+    thresholds = {"fold": near[0].c_fold, "pin": near[0].c_pin}
+    fold = curve_of(trace_kinetic_relation(np.linspace(0.4335, 0.499, 250), eta), "c")
+    both = hysteresis(eta, np.arange(0.43, 0.4961, 0.006).tolist())
+    whole = curve_of(near, "c")
+    figure, (first, second, third, fourth) = new_panels(2, 2, height=5.4)
+    draw_curve(first, whole)
+    settled = [run for run in runs if run.steady]
+    unsettled = [run for run in runs if not run.steady]
+    draw_runs(first, [run.coupling for run in settled], settled, "s", "chain, steady")
+    draw_runs(first, [run.coupling for run in unsettled], unsettled, "x", "chain, unsteady (mean)")
+    draw_curve(second, fold)
+    draw_thresholds(second, thresholds, "c")
+    draw_runs(second, both.couplings, both.moving, "s", "chain, moving start")
+    draw_runs(second, both.couplings, both.resting, "x", "chain, resting start")
+    third.loglog(c_wide, v_wide, color=COLOURS["blue"], label="fastest branch")
+    third.loglog(
+        c_wide,
+        limit * np.sqrt(c_wide),
+        color=COLOURS["black"],
+        ls=":",
+        label=rf"$V\sqrt{{c}}$, V = {limit:.5f}",
+    )
+    fourth.semilogx(c_wide, exponent, color=COLOURS["blue"])
+    fourth.axhline(1.0, color="0.5", lw=0.8, ls="--", label="linear")
+    fourth.axhline(0.5, color="0.5", lw=0.8, ls=":", label=r"$\sqrt{c}$")
+    for axes, title in zip(
+        (first, second, third, fourth),
+        ("the range of the figure", "near the thresholds", "large coupling", "local exponent"),
+        strict=True,
+    ):
+        axes.set(title=title, xlabel="coupling c", ylabel=r"front velocity $\hat v$")
+        axes.legend(loc="lower right" if axes is second else "best")
+    fourth.set(ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0, 2))
+    return picture(
+        "fig17-velocity",
+        "Every solution of (54) at a = 4, b = 0.5, with the running chain; the fold and the "
+        "hysteresis between c_fold and c_pin; the fastest branch up to c = 10⁴ beside its limit "
+        "V√c; its local exponent, which tends to one half.",
+        figure,
+        {
+            **whole.columns("", "c"),
+            **fold.columns("_fold", "c"),
+            "c_wide": c_wide,
+            "v_wide": v_wide,
+            "exponent": exponent,
+            "c_chain": [run.coupling for run in runs],
+            "v_chain": velocities(runs),
+            "c_hysteresis": both.couplings,
+            "v_moving": velocities(both.moving),
+            "v_resting": velocities(both.resting),
+        },
     )
 
 

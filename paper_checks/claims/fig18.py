@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.pictures import new_panels, picture
+from paper_checks.velocity_plot import (
+    curve_of,
+    draw_curve,
+    draw_runs,
+    draw_thresholds,
+    velocities,
+)
 
 C = 0.3
 """Coupling of Fig. 18."""
@@ -24,55 +31,53 @@ def _velocity() -> Finding:
         [np.geomspace(1e-4, 0.02, 90), np.linspace(0.0201, 1.02 * fold.value, 60)]
     )
     answers = trace_kinetic_relation(C, etas)
-    kinds: dict[bool, tuple[list[float], list[float]]] = {True: ([], []), False: ([], [])}
-    for answer in answers:
-        for branch in answer.branches:
-            kinds[branch.admissible is True][0].append(answer.eta)
-            kinds[branch.admissible is True][1].append(branch.v)
+    whole = curve_of(answers, "eta")
+    near = curve_of(
+        trace_kinetic_relation(C, np.linspace(0.95 * pin, 1.005 * fold.value, 200)), "eta"
+    )
     runs = [(eta, simulate_front(C, eta)) for eta in (0.002, 0.005, 0.01, 0.015, 0.02, 0.0218)]
     steady = [(eta, run) for eta, run in runs if run.steady and run.v]
     fastest = {eta: trace_kinetic_relation(C, eta)[0].branches[-1].v for eta, _ in steady}
     gap = max(abs(run.v - fastest[eta]) for eta, run in steady if run.v)
     limit = [weak_threshold_velocity(C, float(eta)) for eta in etas[:90]]
-    figure, axes = new_axes("page", height=3.2, xlabel="η = b/a²", ylabel=r"velocity $\hat v$")
-    axes.plot(*kinds[True], "o", ms=2, color=COLOURS["blue"], label="admissible")
-    axes.plot(
-        *kinds[False], "o", ms=2, mfc="none", color=COLOURS["vermilion"], label="not admissible"
-    )
-    axes.plot(etas[:90], limit, color="0.6", lw=0.8, label=r"$\sqrt{c/8r}$, the limit η → 0")
-    axes.plot(
-        [eta for eta, _ in runs],
-        [run.v or 0.0 for _, run in runs],
-        "s",
-        ms=4.5,
-        mfc="none",
-        color=COLOURS["black"],
-        label="chain (44), simulated",
-    )
-    for value, name, line in ((fold.value, "fold", "--"), (pin, "pin", "-")):
-        axes.axvline(
-            value, color="0.5", lw=0.8, ls=line, label=rf"$\eta_\mathrm{{{name}}}$ = {value:.5f}"
-        )
-    axes.set(xscale="log", ylim=(0, 2))
-    axes.legend(ncols=2)
+    crossing = [0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221]
+    moving = [simulate_front(C, eta) for eta in crossing]
+    resting = [simulate_front(C, eta, "resting") for eta in crossing]
+    figure, (left, right) = new_panels(2, height=3.2)
+    draw_curve(left, whole)
+    left.plot(etas[:90], limit, color="0.6", lw=0.8, label=r"$\sqrt{c/8r}$, the limit η → 0")
+    draw_runs(left, [eta for eta, _ in runs], [run for _, run in runs], "s", "chain (44)")
+    left.set(xscale="log", ylim=(0, 2), title="the range of the figure")
+    draw_curve(right, near)
+    draw_thresholds(right, {"fold": fold.value, "pin": pin}, r"\eta")
+    draw_runs(right, crossing, moving, "s", "chain, moving start")
+    draw_runs(right, crossing, resting, "x", "chain, resting start")
+    right.set(title="near the thresholds")
+    right.locator_params(axis="x", nbins=5)
+    for axes in (left, right):
+        axes.set(xlabel="η = b/a²", ylabel=r"front velocity $\hat v$")
+        axes.legend()
     drawn = picture(
         "fig18-velocity",
-        "Every solution of (54) at c = 0.3 against η, the running chain, and both thresholds.",
+        "Every solution of (54) at c = 0.3 against η, with the running chain; right, the fold and "
+        "the hysteresis between η_pin and η_fold.",
         figure,
         {
-            "eta": [*kinds[True][0], *kinds[False][0]],
-            "v": [*kinds[True][1], *kinds[False][1]],
-            "admissible": [1] * len(kinds[True][0]) + [0] * len(kinds[False][0]),
+            **whole.columns("", "eta"),
+            **near.columns("_near", "eta"),
             "eta_chain": [eta for eta, _ in runs],
-            "v_chain": [run.v if run.v is not None else np.nan for _, run in runs],
+            "v_chain": velocities([run for _, run in runs]),
+            "eta_start": crossing,
+            "v_moving": velocities(moving),
+            "v_resting": velocities(resting),
         },
     )
     shape = np.array([answer.branches[-1].v for answer in answers if answer.branches])
     if gap > 1e-9:
         raise ArithmeticError(f"theory and chain disagree by {gap:.1e}")
     falls = bool(np.all(np.diff(shape) < 0))
-    broken = [eta for eta, v in zip(*kinds[False], strict=True) if v > 1.05 * min(shape)]
-    least = min(kinds[True][0])
+    broken = [eta for eta, v in zip(*whole.part(False), strict=True) if v > 1.05 * min(shape)]
+    least = min(whole.part(True)[0])
     return Finding(
         verdict=Verdict.REPRODUCED if falls else Verdict.NOT_REPRODUCED,
         value=f"v falls with η and ends at η_fold = {fold.value:.9f}",

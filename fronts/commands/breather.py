@@ -1,0 +1,264 @@
+"""``fronts breather``: the localised oscillation of the Van der Pol chain, four ways."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from fronts.answer import Answer, UsageError
+from fronts.arguments import real
+
+if TYPE_CHECKING:
+    from theory.vdp_chain import VdpChain
+    from verification.nucleus import Nucleus
+
+EXAMPLE = """examples:
+  fronts breather --c 0.1
+  fronts breather --c 0.19 --a 2.5 --b 0.5 --eps 0.01 --method orbit --json
+  fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
+  fronts breather --c 0.195 --method closed-form --reading tail"""
+
+MOST_SITES = {"closed-form": 100_000, "envelope": 401, "orbit": 101, "simulation": 2001}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fronts breather``."""
+    parser.add_argument("--c", type=real, required=True, help="coupling c > 0")
+    add_chain_options(parser)
+    parser.add_argument(
+        "--n", type=int, help="number of sites; by default 7 on each side of the nucleus"
+    )
+    add_nucleus_options(parser)
+    parser.add_argument(
+        "--method",
+        choices=list(METHODS),
+        default="orbit",
+        help="closed-form: (29), (37); envelope: the averaged chain (43), solved; orbit: the "
+        "periodic orbit of (8); simulation: (8) run from a perturbed start",
+    )
+    parser.add_argument(
+        "--reading",
+        choices=["centre", "neighbour", "tail"],
+        default="neighbour",
+        help="site n at which (37) is taken, for closed-form: 0, 1, or far out",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the simulation's noise")
+
+
+def add_chain_options(parser: argparse.ArgumentParser) -> None:
+    """Declare a, b and ε; the defaults are those of Figs. 7-11."""
+    parser.add_argument("--a", type=real, default=2.5, help="damping coefficient a (2.5)")
+    parser.add_argument("--b", type=real, default=0.5, help="damping coefficient b (0.5)")
+    parser.add_argument("--eps", type=real, default=0.01, help="small parameter (0.01)")
+
+
+def add_nucleus_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the nucleus: its size, pattern and place."""
+    parser.add_argument("--nucleus", type=int, default=1, metavar="SIZE", help="excited sites (1)")
+    parser.add_argument(
+        "--pattern",
+        help="one sign a link, left to right: + leads by pi/2, - lags, 0 in phase, x opposite "
+        "(write --pattern=-+); by default what an in-phase start relaxes to",
+    )
+    parser.add_argument(
+        "--place", choices=["bulk", "edge"], default="bulk", help="middle or end of the chain"
+    )
+
+
+def nucleus_of(options: argparse.Namespace) -> Nucleus:
+    """Return the nucleus that the options describe."""
+    from verification.nucleus import Nucleus, outward_pattern
+
+    pattern = options.pattern
+    if pattern is None:
+        if options.place == "edge" and options.nucleus > 1:
+            raise UsageError("an edge nucleus of 2 or more sites needs a --pattern.")
+        pattern = outward_pattern(options.nucleus) if options.nucleus > 1 else ""
+    return Nucleus(options.nucleus, pattern, options.place)
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Compute the breather by the method that was named."""
+    from theory.vdp_chain import VdpChain
+
+    nucleus = nucleus_of(options)
+    sites = nucleus.size + 14 if options.n is None else options.n
+    if sites > MOST_SITES[options.method]:
+        raise UsageError(
+            f"--n {sites} is too many for --method {options.method}: "
+            f"at most {MOST_SITES[options.method]}; a breather needs a few sites."
+        )
+    chain = VdpChain(options.a, options.b, options.c, options.eps, sites)
+    nucleus.first(sites)
+    _ = chain.stable_amplitude
+    payload: dict[str, object] = {
+        "method": options.method,
+        "pattern": nucleus.pattern,
+        "c": chain.c,
+        **METHODS[options.method](chain, nucleus, options),
+    }
+    return Answer(payload, _in_words(payload))
+
+
+def _closed_form(
+    chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace
+) -> dict[str, object]:
+    from dataclasses import replace
+
+    from theory.breather import Reading, solve_breather
+    from verification.floquet import approximate_multipliers
+
+    if nucleus.size != 1 or nucleus.place != "bulk":
+        raise UsageError("--method closed-form is for --nucleus 1 in the bulk: (9) has one centre.")
+    found = solve_breather(chain, Reading(options.reading))
+    fold: dict[str, object] = {"fold": found.fold.c, "fold_error": found.fold.error}
+    if found.alpha_0 is None:
+        return _none(found.seconds, fold)
+    odd = replace(chain, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
+    multipliers = approximate_multipliers(odd, found)
+    count = chain.sites - nucleus.centre(chain.sites)
+    return {
+        "status": "exists",
+        "amplitudes": found.amplitudes(count).tolist(),
+        "frequency": found.frequency,
+        "phase_step": found.phase_step,
+        "stable": multipliers.stable,
+        "growth": multipliers.growth,
+        "error": max(found.residual, 1e-15),
+        "seconds": found.seconds,
+        "trivial": multipliers.trivial,
+        "decay": found.decay,
+        **fold,
+    }
+
+
+def _envelope(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) -> dict[str, object]:
+    from verification.envelope_breather import solve_envelope_breather
+
+    found = solve_envelope_breather(chain, nucleus)
+    if found.exponents is None:
+        return _none(found.seconds, _fold(found.fold))
+    return {
+        "status": "exists",
+        **_sites(found.phi, abs(found.phi), nucleus),
+        "frequency": 1.0 + chain.eps * found.omega,
+        "stable": found.exponents.stable,
+        "growth": found.exponents.growth,
+        "error": found.error,
+        "seconds": found.seconds,
+        "trivial": found.exponents.trivial,
+    }
+
+
+def _orbit(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) -> dict[str, object]:
+    from verification.orbits import solve_orbit
+
+    found = solve_orbit(chain, nucleus)
+    if found.multipliers is None:
+        return _none(found.seconds, _fold(found.fold))
+    return {
+        "status": "exists",
+        **_sites(found.harmonics, found.amplitudes, nucleus),
+        "frequency": found.frequency,
+        "stable": found.multipliers.stable,
+        "growth": found.multipliers.growth,
+        "error": found.error,
+        "seconds": found.seconds,
+        "trivial": found.multipliers.trivial,
+        "residual": found.residual,
+    }
+
+
+def _simulation(
+    chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace
+) -> dict[str, object]:
+    from verification.breather_run import run_breather
+
+    found = run_breather(chain, nucleus, seed=options.seed)
+    if found.status == "escaped":
+        from verification.breather_threshold import breather_threshold
+
+        # A run has no fold of its own: name that of the averaged chain.
+        fold = breather_threshold(chain, nucleus)
+        return _none(found.seconds, {"fold": fold.c, "fold_error": fold.error, "time": found.time})
+    return {
+        "status": found.status.value,
+        **_sites(found.harmonics, found.amplitudes, nucleus),
+        "frequency": found.frequency,
+        # A run that settled has forgotten its noise.
+        "stable": found.status == "settled",
+        "growth": None,
+        "error": found.error if math.isfinite(found.error) else None,
+        "seconds": found.seconds,
+        "drift": found.drift,
+        "time": found.time,
+    }
+
+
+def _sites(waves: Any, amplitudes: Any, nucleus: Nucleus) -> dict[str, object]:
+    """List amplitudes from the centre to the right end, and all phases in units of pi."""
+    import numpy as np
+
+    sites = len(amplitudes)
+    centre = nucleus.first(sites) + nucleus.size // 2
+    edge = nucleus.first(sites) + nucleus.size - 1
+    if nucleus.place == "edge":
+        centre = 0
+    outward = waves[edge + 1] / waves[edge] if edge + 1 < sites else 1.0
+    return {
+        "amplitudes": [float(value) for value in amplitudes[centre:]],
+        "left": [float(value) for value in amplitudes[: centre + nucleus.size % 2][::-1]],
+        "phase_step": float(np.angle(outward)),
+        "phases": [float(value) for value in np.angle(waves / waves[centre]) / np.pi],
+    }
+
+
+def _fold(fold: Any) -> dict[str, object]:
+    return {"fold": None if fold is None else fold.c, "fold_error": fold and fold.error}
+
+
+def _none(seconds: float, fold: dict[str, object]) -> dict[str, object]:
+    return {
+        "status": "none",
+        "amplitudes": [],
+        "frequency": None,
+        "phase_step": None,
+        "stable": None,
+        "error": None,
+        "seconds": seconds,
+        **fold,
+    }
+
+
+def _in_words(found: dict[str, Any]) -> str:
+    if found["status"] == "none":
+        fold = found.get("fold")
+        where = "" if fold is None else f" The branch folds at c = {fold:.10g}."
+        return f"none: there is no such breather at c = {found['c']:g}.{where}"
+    shown = "  ".join(f"{value:.6g}" for value in found["amplitudes"][:8])
+    error = found["error"]
+    lines = [
+        f"{found['status']}: {'stable' if found['stable'] else 'not stable'}"
+        + (f", pattern {found['pattern']}" if found["pattern"] else ""),
+        f"  amplitudes, centre outwards: {shown}",
+        f"  frequency {found['frequency']:.12g}, outward phase step {found['phase_step']:.6f}",
+    ]
+    if found.get("growth") is not None:
+        lines.append(f"  largest growth rate per unit of slow time: {found['growth']:.6g}")
+    if found.get("trivial") is not None:
+        lines.append(f"  trivial exponent or multiplier off by {found['trivial']:.1e}")
+    if error is not None:
+        lines.append(f"  error {error:.1e} as a solution of its own equations")
+    lines.append(f"  {found['seconds']:.3f} s")
+    return "\n".join(lines)
+
+
+METHODS: dict[str, Callable[[VdpChain, Nucleus, argparse.Namespace], dict[str, object]]] = {
+    "closed-form": _closed_form,
+    "envelope": _envelope,
+    "orbit": _orbit,
+    "simulation": _simulation,
+}
+"""Method and the function that computes by it."""

@@ -1,0 +1,98 @@
+"""What pictures of front velocity have in common: branches of (54), thresholds, runs of the chain.
+
+Matplotlib and the theory are imported on first use, as in ``paper_checks.pictures``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from paper_checks.pictures import COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike
+
+    from theory.kinetic_relation import KineticRelation
+    from verification.piecewise_run import FrontRun
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Solutions of (54) as points: abscissae x, velocities, and whether they are admissible."""
+
+    x: tuple[float, ...]
+    v: tuple[float, ...]
+    admissible: tuple[bool, ...]
+
+    def part(self, admissible: bool) -> tuple[list[float], list[float]]:
+        """Return abscissae and velocities of one kind."""
+        chosen = [
+            (x, v)
+            for x, v, kind in zip(self.x, self.v, self.admissible, strict=True)
+            if kind is admissible
+        ]
+        return [x for x, _ in chosen], [v for _, v in chosen]
+
+    def columns(self, suffix: str, x_name: str) -> dict[str, ArrayLike]:
+        """Return columns for the CSV file of the picture."""
+        return {
+            f"{x_name}{suffix}": self.x,
+            f"v{suffix}": self.v,
+            f"admissible{suffix}": [int(kind) for kind in self.admissible],
+        }
+
+
+def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> Curve:
+    """Return every solution in the answers over c or η; one not judged counts as inadmissible."""
+    rows = [
+        (float(getattr(answer, over)), branch.v, branch.admissible is True)
+        for answer in answers
+        for branch in answer.branches
+    ]
+    x, v, kinds = zip(*rows, strict=True)
+    return Curve(x, v, kinds)
+
+
+def draw_curve(axes: Axes, curve: Curve, size: float = 1.8) -> None:
+    """Draw admissible solutions full, the others hollow."""
+    blue, red = COLOURS["blue"], COLOURS["vermilion"]
+    axes.plot(*curve.part(True), "o", ms=size, color=blue, label="admissible")
+    axes.plot(*curve.part(False), "o", ms=size, color=red, mfc="none", label="not admissible")
+
+
+def draw_thresholds(axes: Axes, values: Mapping[str, float | None], symbol: str) -> None:
+    """Draw a vertical line at each threshold that exists: the fold dashed, pinning full."""
+    for name, value in values.items():
+        if value is not None:
+            axes.axvline(
+                value,
+                color="0.5",
+                lw=0.8,
+                ls="--" if name == "fold" else "-",
+                label=rf"${symbol}_\mathrm{{{name}}}$ = {value:.4f}",
+            )
+
+
+def draw_runs(
+    axes: Axes, x: Sequence[float], runs: Sequence[FrontRun], marker: str, label: str
+) -> None:
+    """Draw the velocities of runs of the chain; a pinned one has zero."""
+    axes.plot(
+        x,
+        velocities(runs),
+        marker,
+        ms=4.5,
+        mfc="none",
+        color=COLOURS["purple" if marker == "x" else "black"],
+        label=label,
+    )
+
+
+def velocities(runs: Sequence[FrontRun]) -> list[float]:
+    """Return the velocities of runs, NaN where there is none."""
+    return [run.v if run.v is not None else np.nan for run in runs]

@@ -1,0 +1,306 @@
+"""Claims about breathers solved exactly: averaged, as periodic orbits, and their stability."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve, root
+
+from theory.breather import BreatherStatus, solve_breather
+from theory.vdp_chain import Ends, VdpChain
+from verification.envelope_breather import (
+    envelope_branch,
+    solve_envelope_breather,
+    staggered_branch,
+)
+from verification.floquet import approximate_multipliers, floquet_multipliers
+from verification.integrators.variational import integrate_chain, integrate_variations
+from verification.nucleus import Nucleus
+from verification.orbits import orbit_branch, solve_orbit
+
+CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
+SEED = 20261121
+
+
+def flow(chain: VdpChain, state: np.ndarray, time: float, tolerance: float = 1e-12) -> np.ndarray:
+    """(8) written out for scipy."""
+    shape, n = state.shape, chain.sites
+
+    def rate(_: float, flat: np.ndarray) -> np.ndarray:
+        x = flat.reshape(shape)
+        y, v = x[:n], x[n:]
+        pull = 2 * y - np.roll(y, 1, 0) - np.roll(y, -1, 0)
+        if chain.ends is Ends.FREE:
+            pull[0], pull[-1] = y[0] - y[1], y[-1] - y[-2]
+        damping = v * (1 - chain.a * y**2 + chain.b * y**4)
+        return np.concatenate([v, -y - chain.eps * (chain.c * pull + damping)]).ravel()
+
+    run = solve_ivp(rate, (0, time), state.ravel(), "DOP853", rtol=tolerance, atol=1e-13)
+    return run.y[:, -1].reshape(shape)
+
+
+def differences(chain: VdpChain, state: np.ndarray, time: float) -> np.ndarray:
+    size, step = len(state), 1e-6
+    away = step * np.eye(size)
+    ends = flow(chain, np.column_stack([state[:, None] + away, state[:, None] - away]), time)
+    return (ends[:, :size] - ends[:, size:]) / (2 * step)
+
+
+@pytest.mark.parametrize("ends", list(Ends))
+def test_the_taylor_flow_is_that_of_scipy(ends: Ends) -> None:
+    chain = replace(CHAIN, ends=ends)
+    state = np.random.default_rng(SEED).normal(size=14)
+    taken = integrate_variations(chain, state, 6.0, 24)
+    # scipy at rtol 1e-12 accumulates a few 1e-12 over six units of time.
+    assert np.abs(taken.state - flow(chain, state, 6.0)).max() < 1e-10
+    # Differences: step² and round-off/step, both about 1e-9 here.
+    assert np.abs(taken.monodromy - differences(chain, state, 6.0)).max() < 1e-8
+    up, down = (flow(replace(chain, c=chain.c + s), state, 6.0) for s in (1e-5, -1e-5))
+    assert np.abs(taken.by_c - (up - down) / 2e-5).max() < 1e-7
+
+
+@pytest.mark.parametrize("order", [4, 6])
+def test_the_taylor_flow_converges_with_its_order(order: int) -> None:
+    state = np.random.default_rng(SEED).normal(size=14)
+    exact = integrate_chain(CHAIN, state, 6.0, 400, 20).state
+    errors = [
+        np.linalg.norm(integrate_chain(CHAIN, state, 6.0, steps, order).state - exact)
+        for steps in (96, 192)
+    ]
+    # Halving a step of order p divides the error by 2^p; 0.3 is the room for the next term.
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
+
+
+def test_mirror_symmetry_survives_to_the_last_bit() -> None:
+    half = np.random.default_rng(SEED).normal(size=(2, 3))
+    state = np.concatenate([np.concatenate([row, [0.7], row[::-1]]) for row in half])
+    end = integrate_chain(CHAIN, state, 200.0, 1000).state
+    assert np.array_equal(end[:7], end[:7][::-1])
+    assert np.array_equal(end[7:], end[7:][::-1])
+
+
+@pytest.mark.parametrize(
+    ("nucleus", "sites"), [(Nucleus(1), 7), (Nucleus(2, "0"), 8), (Nucleus(3, "-+"), 9)]
+)
+def test_the_orbit_closes_in_scipy(nucleus: Nucleus, sites: int) -> None:
+    chain = replace(CHAIN, sites=sites)
+    orbit = solve_orbit(chain, nucleus)
+    gone = flow(chain, orbit.state, orbit.period) - orbit.state
+    assert np.abs(gone).max() < 1e-10
+    assert orbit.residual < 1e-10
+    assert orbit.multipliers is not None
+    assert orbit.multipliers.trivial < 1e-9
+
+
+def test_harmonic_balance_finds_the_same_orbit() -> None:
+    """Odd harmonics to the 9th of three sites at rest ends, solved by a general root finder."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=0.1, sites=3)
+    orbit = solve_orbit(chain, Nucleus(1))
+    odd, angle = np.arange(1, 10, 2), 2 * np.pi * np.arange(64) / 64
+    waves = np.exp(1j * np.outer(odd, angle))
+
+    def rest(unknown: np.ndarray) -> np.ndarray:
+        omega, parts = unknown[0], unknown[1:].reshape(2, 3, 5)
+        h = parts[0] + 1j * parts[1]
+        y, v = (h @ waves).imag, (1j * omega * h * odd @ waves).imag
+        acceleration = -((omega * odd) ** 2 * h @ waves).imag
+        pull = np.array([y[0] - y[1], 2 * y[1] - y[0] - y[2], y[2] - y[1]])
+        left = acceleration + y + chain.eps * (chain.c * pull + v * (1 - 2.5 * y**2 + 0.5 * y**4))
+        balance = 2 * (left @ waves.conj().T) / 64
+        return np.concatenate([[h[1, 0].imag], balance.real.ravel(), balance.imag.ravel()])
+
+    guess = np.zeros((2, 3, 5))
+    guess[0, 1, 0], guess[1, [0, 2], 0] = 2.8, -0.28
+    # The balance is singular in the phase of one equation set: least squares solves both.
+    found = root(rest, np.concatenate([[1.01], guess.ravel()]), method="lm", tol=1e-14)
+    assert np.abs(found.fun).max() < 1e-8
+    h = found.x[1:].reshape(2, 3, 5)
+    # Harmonics beyond the 9th are below 1e-7 at ε = 0.1.
+    assert found.x[0] == pytest.approx(orbit.frequency, abs=1e-7)
+    assert np.abs(np.hypot(*h[:, :, 0]) - np.abs(orbit.harmonics)).max() < 1e-5
+
+
+def test_multipliers_are_those_of_differences_of_the_flow() -> None:
+    for nucleus, sites in ((Nucleus(1), 7), (Nucleus(3, "-+"), 7)):
+        chain = replace(CHAIN, sites=sites)
+        orbit = solve_orbit(chain, nucleus)
+        matrix = differences(chain, orbit.state, orbit.period)
+        theirs = np.sort(np.abs(np.linalg.eigvals(matrix)))
+        assert orbit.multipliers is not None
+        ours = np.sort(np.abs(orbit.multipliers.values))
+        # Nearly equal multipliers at rest split like the root of 1e-9.
+        assert np.abs(theirs - ours).max() < 1e-4
+        assert np.abs(theirs[-3:] - ours[-3:]).max() < 1e-7
+
+
+def test_multipliers_multiply_to_the_determinant_that_damping_demands() -> None:
+    """Liouville: Π μ = exp(-ε ∮ Σ (1 - a y² + b y⁴) dt), from samples of the orbit."""
+    orbit = solve_orbit(CHAIN, Nucleus(1))
+    y = integrate_chain(CHAIN, orbit.state, orbit.period, 128).samples
+    mean = (1 - CHAIN.a * y**2 + CHAIN.b * y**4).mean(axis=0).sum()
+    assert orbit.multipliers is not None
+    product = np.prod(orbit.multipliers.values)
+    assert abs(product - math.exp(-CHAIN.eps * orbit.period * mean)) < 1e-9
+
+
+def test_energy_is_balanced_over_a_period() -> None:
+    orbit = solve_orbit(CHAIN, Nucleus(1))
+    y = integrate_chain(CHAIN, orbit.state, orbit.period, 256).samples
+    v = np.fft.irfft(
+        np.fft.rfft(y, axis=0) * (2j * np.pi / orbit.period * np.arange(129))[:, None], axis=0
+    )
+    loss = (v**2 * (1 - CHAIN.a * y**2 + CHAIN.b * y**4)).sum(axis=1).mean()
+    # Single sites gain up to 1: the balance is between sites.
+    assert abs(loss) < 1e-9
+
+
+def test_reflection_splits_all_multipliers() -> None:
+    for parity in (1, -1):
+        rng = np.random.default_rng(SEED)
+        m = rng.normal(size=(14, 14))
+        flip = np.kron(np.eye(2), np.eye(7)[::-1])
+        matrix = m + flip @ m @ flip
+        split = floquet_multipliers(matrix, 1.0, 1.0, parity).values
+        whole = np.linalg.eigvals(matrix)
+        assert np.allclose(np.sort_complex(split), np.sort_complex(whole), atol=1e-9)
+
+
+def test_a_shifted_nucleus_gives_a_shifted_orbit_on_a_ring() -> None:
+    ring = VdpChain(a=2.5, b=0.5, c=0.1, eps=0.05, sites=12, ends=Ends.PERIODIC)
+    orbit = solve_orbit(ring, Nucleus(1))
+    moved = np.concatenate([np.roll(half, 3) for half in np.split(orbit.state, 2)])
+    assert np.abs(flow(ring, moved, orbit.period) - moved).max() < 1e-10
+
+
+def test_orbits_depend_on_a_and_b_through_eta_only() -> None:
+    orbit = solve_orbit(CHAIN, Nucleus(1))
+    scaled = solve_orbit(replace(CHAIN, a=1.0, b=CHAIN.eta), Nucleus(1))
+    assert scaled.frequency == pytest.approx(orbit.frequency, abs=1e-12)
+    assert np.abs(scaled.amplitudes / math.sqrt(CHAIN.a) - orbit.amplitudes).max() < 1e-10
+
+
+def test_the_mirrored_pattern_has_the_mirrored_breather() -> None:
+    chain = replace(CHAIN, sites=17)
+    one, other = (solve_envelope_breather(chain, Nucleus(3, p)) for p in ("++", "--"))
+    assert np.abs(np.abs(one.phi) - np.abs(other.phi)[::-1]).max() < 1e-9
+
+
+def test_the_averaged_breather_is_a_root_for_a_general_solver() -> None:
+    """The real equations of the neighbours, n >= 0, for nucleus 1."""
+
+    def rest(r: np.ndarray) -> np.ndarray:
+        left = np.concatenate([[-r[1]], r[:-1]])
+        right = np.append(r[1:], 0.0)
+        return 0.075 * (left - right) - 0.5 * r * (1 - 0.625 * r**2 + 0.0625 * r**4)
+
+    r = fsolve(rest, 2.8 * 0.15 ** np.arange(9), xtol=1e-14)
+    found = solve_envelope_breather(replace(CHAIN, sites=17), Nucleus(1))
+    assert found.omega == pytest.approx(CHAIN.c, abs=1e-10)
+    assert np.abs(np.abs(found.phi[8:]) - np.abs(r)).max() < 1e-6
+    assert np.abs(np.abs(found.phi[8:13]) - np.abs(r)[:5]).max() < 1e-9
+
+
+def test_the_stated_error_of_an_averaged_breather_bounds_its_error() -> None:
+    chain = replace(CHAIN, sites=15)
+    found = solve_envelope_breather(chain, Nucleus(1))
+    exact = solve_envelope_breather(replace(chain, c=chain.c * (1 + 1e-15)), Nucleus(1))
+    assert np.abs(found.phi - exact.phi).max() <= 10 * (found.error + exact.error) + 1e-13
+
+
+@pytest.mark.parametrize(("size", "pattern"), [(1, ""), (3, "-+"), (3, "++"), (5, "++++")])
+def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: str) -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0, sites=size + 20)
+    full = envelope_branch(chain, Nucleus(size, pattern)).fold
+    real = staggered_branch(chain, Nucleus(size, pattern)).fold
+    assert full is not None
+    assert real is not None
+    assert full.c == pytest.approx(real.c, abs=2e-11)
+
+
+def test_at_the_fold_an_exponent_of_the_breathers_own_parity_vanishes() -> None:
+    branch = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1))
+    assert branch.fold is not None
+    from verification.exponents import exponents, unpack
+
+    chain = VdpChain(a=2.5, b=0.5, c=branch.fold.c, sites=15)
+    found = exponents(*unpack(branch.fold.u), chain, mirrored=True)
+    assert found.symmetric is not None
+    assert found.antisymmetric is not None
+    # The exponent crosses like the root of the distance in c, known to 1e-11.
+    assert abs(found.symmetric) < 1e-5
+    assert found.antisymmetric > 0.005
+
+
+def test_orbits_tend_to_the_averaged_breather_at_first_order() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.15, sites=9)
+    limit = solve_envelope_breather(chain, Nucleus(1))
+    assert limit.exponents is not None
+    amplitude, detuning, growth = [], [], []
+    for eps in (0.02, 0.01, 0.005):
+        orbit = solve_orbit(replace(chain, eps=eps), Nucleus(1))
+        assert orbit.multipliers is not None
+        amplitude.append(np.abs(np.abs(orbit.harmonics) - np.abs(limit.phi)).max())
+        detuning.append(abs((orbit.frequency - 1) / eps - limit.omega))
+        growth.append(abs(orbit.multipliers.growth - limit.exponents.growth))
+    for errors in (amplitude, detuning, growth):
+        # First order; the next term at ε = 0.01 is of relative size 0.05 at most.
+        assert math.log2(errors[1] / errors[2]) == pytest.approx(1.0, abs=0.07)
+
+
+def test_the_orbits_fold_tends_to_the_averaged_fold_at_first_order() -> None:
+    limit = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=13), Nucleus(1)).fold
+    assert limit is not None
+    gaps = []
+    for eps in (0.02, 0.01, 0.005):
+        fold = orbit_branch(
+            VdpChain(a=2.5, b=0.5, c=0, eps=eps, sites=13), Nucleus(1), monitored=False
+        ).fold
+        assert fold is not None
+        gaps.append(fold.c - limit.c)
+    assert [math.log2(gaps[k] / gaps[k + 1]) for k in (0, 1)] == pytest.approx([1, 1], abs=0.05)
+
+
+def test_multipliers_do_not_depend_on_the_length_of_the_chain() -> None:
+    short, long = (
+        solve_orbit(VdpChain(a=2.5, b=0.5, c=0.19, sites=sites), Nucleus(1)).multipliers
+        for sites in (11, 21)
+    )
+    assert short is not None
+    assert long is not None
+    assert short.leader == pytest.approx(long.leader, abs=1e-8)
+
+
+def test_multipliers_along_sinusoids_are_those_of_scipy() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.18, eps=0.05, sites=5, ends=Ends.PERIODIC)
+    breather = solve_breather(chain)
+    ours = approximate_multipliers(chain, breather)
+    away = np.abs(np.arange(5) - 2)
+    size = breather.amplitudes(5)[away]
+
+    def rate(t: float, flat: np.ndarray) -> np.ndarray:
+        x = flat.reshape(10, 10)
+        angle = breather.frequency * t - 0.5 * np.pi * away
+        y, v = size * np.sin(angle), breather.frequency * size * np.cos(angle)
+        pull = 2 * x[:5] - np.roll(x[:5], 1, 0) - np.roll(x[:5], -1, 0)
+        slope = v * (-2 * chain.a * y + 4 * chain.b * y**3)
+        g = 1 - chain.a * y**2 + chain.b * y**4
+        force = -x[:5] - chain.eps * (chain.c * pull + slope[:, None] * x[:5] + g[:, None] * x[5:])
+        return np.concatenate([x[5:], force]).ravel()
+
+    period = 2 * np.pi / breather.frequency
+    run = solve_ivp(rate, (0, period), np.eye(10).ravel(), "DOP853", rtol=1e-12, atol=1e-13)
+    theirs = np.linalg.eigvals(run.y[:, -1].reshape(10, 10))
+    assert np.abs(np.sort(np.abs(ours.values)) - np.sort(np.abs(theirs))).max() < 1e-9
+
+
+def test_beyond_the_fold_there_is_no_orbit_and_the_fold_is_named() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.1912, sites=11)
+    orbit = solve_orbit(chain, Nucleus(1))
+    assert orbit.status is BreatherStatus.NONE
+    assert orbit.fold is not None
+    assert 0.1911 < orbit.fold.c < 0.1912
+    assert solve_orbit(replace(chain, c=0.1911), Nucleus(1)).status is BreatherStatus.EXISTS

@@ -1,0 +1,205 @@
+"""Claims about the loss of breathers: continuation, bisection, sweeps, and what noise does."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from paper_checks.claims import fig07, fig08, fig09, fig10, fig11
+from theory.envelope import envelope_rate
+from theory.parameters import ParameterError
+from theory.vdp_chain import Ends, VdpChain
+from verification import exponents
+from verification.breather_run import RunStatus, run_breather
+from verification.breather_threshold import Mechanism, Method, breather_threshold
+from verification.continuation import trace
+from verification.integrators.envelope_run import run_envelope
+from verification.newton import solve_at
+from verification.nucleation import Preparation, escape_threshold, hold, measure_delay, phase_steps
+from verification.nucleus import Nucleus, outward_pattern, right_angle_patterns
+from verification.orbits import solve_orbit
+
+CHAIN = VdpChain(a=2.5, b=0.5, c=0)
+SEED = 20261121
+
+
+def test_continuation_finds_the_fold_of_a_circle() -> None:
+    def circle(u: np.ndarray, c: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return u**2 + (c - 1) ** 2 - 0.49, np.diag(2 * u), np.array([2 * (c - 1)])
+
+    branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
+    assert branch.fold is not None
+    assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
+
+
+@pytest.mark.parametrize("ends", list(Ends))
+def test_a_run_of_the_envelope_is_that_of_scipy(ends: Ends) -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.15, sites=7, ends=ends)
+    rng = np.random.default_rng(SEED)
+    phi = rng.normal(size=7) + 1j * rng.normal(size=7)
+    exact = solve_ivp(
+        lambda _, x: envelope_rate(x, chain), (0, 20), phi, "DOP853", rtol=1e-11, atol=1e-12
+    ).y[:, -1]
+    # Fourth order at step 0.04: (0.04)⁴ times the fast start's derivatives.
+    assert np.abs(run_envelope(chain, phi, 20.0).phi - exact).max() < 1e-5
+
+
+def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:
+    run = hold(CHAIN, Preparation(5), 0.1, 500.0)
+    assert np.array_equal(run.phi, run.phi[::-1])
+
+
+@pytest.mark.parametrize(("size", "start"), [(1, 0.18), (3, 0.19)])
+def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(
+    size: int, start: float
+) -> None:
+    fold = breather_threshold(CHAIN, Nucleus(size, outward_pattern(size))).c
+    runs = escape_threshold(CHAIN, Preparation(size), start, 0.21, tolerance=1e-5)
+    assert abs(runs.c - fold) <= runs.error
+    delay = measure_delay(CHAIN, Preparation(size))
+    assert abs(delay.c_0 - fold) <= delay.error
+    # 2/3 with a correction of order rate^{1/3} = 0.03.
+    assert delay.exponent == pytest.approx(2 / 3, abs=0.03)
+
+
+def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
+    for nucleus in (Nucleus(1), Nucleus(2, "0")):
+        short = breather_threshold(CHAIN, nucleus, margin=4)
+        long = breather_threshold(CHAIN, nucleus, margin=11)
+        assert 1e-13 < abs(short.c - long.c) <= short.error
+
+
+def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
+    for method in (Method.ENVELOPE, Method.ORBIT):
+        found = breather_threshold(CHAIN, Nucleus(1), method)
+        assert found.mechanism is Mechanism.SYMMETRY_BREAKING
+        assert found.c_stable is not None
+        assert 1e-5 < found.c - found.c_stable < 3e-5
+
+
+def test_an_odd_push_beyond_that_coupling_grows_in_a_run() -> None:
+    """Between loss of stability and fold, a run leaves the breather; below, it returns."""
+    from dataclasses import replace
+
+    from verification.envelope_breather import solve_envelope_breather
+
+    growth = []
+    for c in (0.19076, 0.19078):
+        chain = replace(CHAIN, c=c, sites=15)
+        found = solve_envelope_breather(chain, Nucleus(1))
+        push = 1e-8 * (np.arange(15) == 8) - 1e-8 * (np.arange(15) == 6)
+        phi, sizes = found.phi * (1 + push), []
+        for _ in range(3):
+            phi = run_envelope(chain, phi, 200.0).phi
+            sizes.append(np.abs(np.abs(phi) - np.abs(phi[::-1])).max())
+        growth.append(math.log(sizes[2] / sizes[1]) / 200)
+        assert found.exponents is not None
+        assert growth[-1] == pytest.approx(found.exponents.antisymmetric, abs=2e-5)
+    assert growth[0] < 0 < growth[1]
+
+
+def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
+    edge = breather_threshold(CHAIN, Nucleus(1, "", "edge"))  # type: ignore[arg-type]
+    pair = breather_threshold(CHAIN, Nucleus(2, "0"))
+    assert edge.c == pytest.approx(pair.c, abs=edge.error + pair.error)
+
+
+def test_no_pattern_of_three_or_five_is_stable() -> None:
+    for size in (3, 5):
+        for pattern in right_angle_patterns(size):
+            found = breather_threshold(CHAIN, Nucleus(size, pattern))
+            assert found.mechanism is Mechanism.NEVER_STABLE
+            assert found.growth > 1e-4
+
+
+def test_opposed_patterns_grow_at_half_the_coupling_as_it_vanishes() -> None:
+    """Phases alone, to leading order: D_1' = (c/2) D_2 and D_2' = (c/2) D_1 for size 3."""
+    from dataclasses import replace
+
+    from verification.envelope_breather import solve_envelope_breather
+
+    for c in (1e-3, 1e-4):
+        chain = replace(CHAIN, c=c, sites=9)
+        found = solve_envelope_breather(chain, Nucleus(3, "-+"))
+        assert found.exponents is not None
+        assert found.exponents.growth == pytest.approx(c / 2, rel=2 * c)
+
+
+def test_a_nucleus_of_three_leaves_its_phase() -> None:
+    settled = hold(CHAIN, Preparation(3), 0.1, 400.0)
+    assert np.abs(phase_steps(settled, Preparation(3))) == pytest.approx([0.5, 0.5], abs=1e-6)
+    noisy = Preparation(3, perturbation=1e-6)
+    steps = [np.abs(phase_steps(hold(CHAIN, noisy, 0.1, time), noisy)) for time in (320, 330, 340)]
+    assert max(np.abs(step - 0.5).max() for step in steps) > 0.1
+
+
+def test_perturbed_nuclei_of_three_escape_below_the_threshold_of_one() -> None:
+    single = breather_threshold(CHAIN, Nucleus(1)).c
+    for seed in range(3):
+        noisy = Preparation(3, perturbation=1e-6, seed=seed)
+        assert hold(CHAIN, noisy, 0.188, 1500.0).escaped
+        assert not hold(CHAIN, noisy, 0.18, 1500.0).escaped
+    assert single > 0.19
+
+
+def test_a_run_of_the_chain_settles_on_the_orbit() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.05, sites=7)
+    run, orbit = run_breather(chain, Nucleus(1)), solve_orbit(chain, Nucleus(1))
+    assert run.status is RunStatus.SETTLED
+    assert np.abs(run.amplitudes - orbit.amplitudes).max() <= run.error < 1e-5
+    assert run.frequency == pytest.approx(orbit.frequency, abs=1e-8)
+
+
+def test_beyond_the_fold_a_run_of_the_chain_escapes() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.21, eps=0.05, sites=7)
+    assert run_breather(chain, Nucleus(1)).status is RunStatus.ESCAPED
+
+
+def test_wrong_nuclei_are_refused() -> None:
+    for make in (
+        lambda: Nucleus(0),
+        lambda: Nucleus(3, "+"),
+        lambda: Nucleus(2, "?"),
+        lambda: Nucleus(9, "+" * 8).first(5),
+        lambda: breather_threshold(CHAIN, Nucleus(4, "000")),
+        lambda: outward_pattern(4),
+    ):
+        with pytest.raises(ParameterError):
+            make()
+
+
+@pytest.mark.parametrize("module", [fig07, fig08, fig09, fig10, fig11])
+def test_verdicts_on_figures_7_to_11_are_as_recorded(module: object) -> None:
+    for claim in module.CLAIMS:  # type: ignore[attr-defined]
+        assert claim.judge().verdict is claim.recorded, claim.key
+
+
+def test_a_wrong_exponent_fails_the_claim_on_stability(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    right = exponents.exponents
+
+    def wrong(*arguments: object) -> exponents.Exponents:
+        found = right(*arguments)  # type: ignore[arg-type]
+        return replace(found, growth=1.2 * found.growth)
+
+    monkeypatch.setattr("verification.envelope_breather.exponents", wrong)
+    claim = next(claim for claim in fig10.CLAIMS if claim.key == "fig10-stable")
+    with pytest.raises(ArithmeticError, match="exponent"):
+        claim.judge()
+
+
+def test_a_wrong_fold_fails_the_claim_on_values(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    wrong = {
+        method: [replace(fold, c=1.002 * fold.c) for fold in folds]
+        for method, folds in fig11._folds().items()
+    }
+    monkeypatch.setattr(fig11, "_folds", lambda: wrong)
+    claim = next(claim for claim in fig11.CLAIMS if claim.key == "fig11-values")
+    with pytest.raises(ArithmeticError, match="size 1"):
+        claim.judge()

@@ -8,6 +8,7 @@ of ``verification.friction_run`` but the parameters, and is here to check it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -27,6 +28,7 @@ BEGINS, ENDS, REVERSES = 0, 1, 2
 
 _LOOKS = 8
 _TOGETHER = 1e-12
+_LOST = 1e-9
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def run_events(
     ParameterError
         If a number is out of range.
     ArithmeticError
-        If DOP853 fails.
+        If DOP853 fails, or a site starts exactly on an event.
 
     Examples
     --------
@@ -110,14 +112,14 @@ def run_events(
     t, taken, evaluations = 0.0, 0, 0
     while t < t_end:
         solver = DOP853(
-            lambda _, z, m=modes: law.rate(z, m), t, state, t_end,
+            partial(law.rate, modes), t, state, t_end,
             rtol=tolerance, atol=0.1 * tolerance, max_step=longest_step,
         )  # fmt: skip
         event = None
         while event is None and solver.status == "running":
-            solver.step()
-            if solver.status == "failed":
-                raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}")
+            complaint = solver.step()
+            if complaint is not None:
+                raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}: {complaint}")
             dense = solver.dense_output()
             event = _earliest(law, dense, modes, float(solver.t_old), float(solver.t))
             reached = float(solver.t) if event is None else event
@@ -156,7 +158,7 @@ class _Law:
         force: FloatArray = self.spring @ z[: self.sites] + 2.0 * self.cell.xi * self.cell.v_d
         return force
 
-    def rate(self, z: FloatArray, modes: IntArray) -> FloatArray:
+    def rate(self, modes: IntArray, _: float, z: FloatArray) -> FloatArray:
         """Return the derivative of (y, w); modes: 0 in stick, else the sign of w in slip."""
         w = z[self.sites :]
         cell = self.cell
@@ -172,9 +174,7 @@ class _Law:
 
     def distance(self, z: FloatArray, modes: IntArray) -> FloatArray:
         """Return what is positive before an event of a site and negative after it."""
-        return np.where(
-            modes == 0, self.cell.mu_st - np.abs(self.hold(z)), modes * z[self.sites :]
-        )
+        return np.where(modes == 0, self.cell.mu_st - np.abs(self.hold(z)), modes * z[self.sites :])
 
     def switched(
         self, z: FloatArray, dense: Any, t: float, modes: IntArray
@@ -206,6 +206,8 @@ def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -
     values = np.array([law.distance(dense(t), modes) for t in looks])
     found = []
     for n in range(modes.size):
+        if np.all(values[:, n] <= 0.0) and values[-1, n] < -_LOST:
+            raise ArithmeticError(f"site {n + 1} starts on an event: start off it")
         for k in range(_LOOKS):
             if values[k, n] > 0.0 >= values[k + 1, n]:
                 found.append(_located(law, dense, modes, n, looks[k], looks[k + 1]))

@@ -1,4 +1,4 @@
-"""The bifurcation diagram of the friction cell, as Fig. 2's companion and ``fronts cell`` draw it."""
+"""The bifurcation diagram of the friction cell, for the report and for ``fronts cell``."""
 
 from __future__ import annotations
 

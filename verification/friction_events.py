@@ -154,7 +154,7 @@ class _Law:
         self.spring = np.eye(self.sites) + chain.c * ring
 
     def hold(self, z: FloatArray) -> FloatArray:
-        """Return the force that would hold each site on the belt."""
+        """Return the force that would hold each site on the belt; z may have several columns."""
         force: FloatArray = self.spring @ z[: self.sites] + 2.0 * self.cell.xi * self.cell.v_d
         return force
 
@@ -174,7 +174,9 @@ class _Law:
 
     def distance(self, z: FloatArray, modes: IntArray) -> FloatArray:
         """Return what is positive before an event of a site and negative after it."""
-        return np.where(modes == 0, self.cell.mu_st - np.abs(self.hold(z)), modes * z[self.sites :])
+        signs = modes.reshape(-1, *[1] * (z.ndim - 1))
+        stick = self.cell.mu_st - np.abs(self.hold(z))
+        return np.where(signs == 0, stick, signs * z[self.sites :])
 
     def switched(
         self, z: FloatArray, dense: Any, t: float, modes: IntArray
@@ -203,7 +205,7 @@ class _Law:
 def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -> float | None:
     """Return the earliest event in a step; a site that starts at zero has none until it leaves."""
     looks = np.linspace(low, high, _LOOKS + 1)
-    values = np.array([law.distance(dense(t), modes) for t in looks])
+    values = law.distance(dense(looks), modes).T
     found = []
     for n in range(modes.size):
         if np.all(values[:, n] <= 0.0) and values[-1, n] < -_LOST:

@@ -33,8 +33,10 @@ def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: Continuation) -> N
     ):
         if chosen.any():
             axes.plot(diagram.v_d[chosen], diagram.sliding[chosen], line, color=black, label=label)
-    for name, velocity in (("Hopf", hopf), ("grazing", diagram.end)):
+    for name, velocity, line in (("Hopf", hopf, "-"), ("grazing", diagram.end, "-.")):
         if diagram.v_d[0] < velocity < diagram.v_d[-1]:
-            axes.axvline(velocity, color="0.5", lw=0.6, label=f"{name}, $v_d$ = {velocity:.5g}")
+            axes.axvline(
+                velocity, color="0.5", lw=0.6, ls=line, label=f"{name}, $v_d$ = {velocity:.5g}"
+            )
     axes.set(xlabel=r"belt velocity $v_d$", ylabel="turning points of y")
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -32,6 +32,8 @@ _LONGEST = 1e4
 _MOST_TURNS = 100
 _ROUND_OFF = 1e-14
 _FINEST = 1e-17
+_SLOWEST_BELT, _FASTEST_BELT = 1e-9, 1e9
+"""Beyond these a cycle and the round-off of y can no longer be told apart."""
 _SMALL = 1e-3
 """Relative to v₀: below it the unstable cycle is taken from its expansion at the Hopf velocity."""
 COMPANION = 100.0
@@ -154,10 +156,11 @@ def cell_orbits(cell: FrictionCell, tolerance: float = 1e-12) -> CellOrbits:
     Raises
     ------
     ParameterError
-        If the tolerance is out of range, or the cell slips both ways and never sticks.
+        If the tolerance or v_d is out of range, or the cell slips both ways and never sticks.
     """
     begin = perf_counter()
     within("tolerance", tolerance, 1e-14, 1e-4)
+    within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, _FASTEST_BELT)
     end = cycle_end_velocity(cell, tolerance)
     coarse_end = cycle_end_velocity(cell, COMPANION * tolerance)
     stable = stick_slip_cycle(cell, tolerance) if cell.v_d < end else None
@@ -250,7 +253,9 @@ def _phase(
     """Return τ, y, w at the end of a phase of slip; direction 1 is slip forwards."""
     flip = -direction
     numbers = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, flip * cell.v_d, 0.0])
-    local = tolerance * max(1.0, cell.v_d, cell.mu_st)
+    # Small cycles are as wide as v_d, large ones as the larger of v_d and μ_st.
+    local = tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
+    local = max(_FINEST, local)
     order = taylor_order(local)
     t, y, w = phases.phase(
         numbers, flip * y, flip * w, released, end, local, order, _binomials(order), _LONGEST
@@ -306,7 +311,7 @@ def _never_sticks(cell: FrictionCell) -> ParameterError:
 
 
 def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
-    """Return the unstable cycle without its error (nan).
+    """Return the unstable cycle; its error is what round-off alone does.
 
     Raises
     ------
@@ -345,7 +350,9 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     ahead, behind = ((following(y + each, phases.HIGHEST)[1] - y) / each for each in (step, -step))
     # Where the cycle nearly touches, the step is too long for a difference.
     multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else math.nan
-    return Cycle(y, low, period, 0.0, period, fastest + cell.v_d, multiplier, math.nan)
+    # Round-off moves the fixed point by 1/(multiplier - 1) of itself.
+    blurred = 0.1 * _ROUND_OFF / math.expm1(period * cell.effective_damping)
+    return Cycle(y, low, period, 0.0, period, fastest + cell.v_d, multiplier, blurred)
 
 
 def _amplitude_near_hopf(cell: FrictionCell) -> float:

@@ -70,8 +70,8 @@ class Cycle:
         Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
         nan where differences cannot tell it.
     error : float
-        Largest difference of any of these, except the multiplier, from a computation at a hundred
-        times the tolerance.
+        Largest difference of any of these, except speed and multiplier, from a computation at a
+        hundred times the tolerance.
     """
 
     max: float
@@ -385,7 +385,7 @@ def _with_error(fine: Cycle | None, coarse: Cycle | None) -> Cycle | None:
         return None
     if coarse is None:
         return replace(fine, error=math.inf)
-    names = ("max", "min", "period", "stick_time", "slip_time", "speed")
+    names = ("max", "min", "period", "stick_time", "slip_time")
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
     known = [each.error for each in (fine, coarse) if not math.isnan(each.error)]
     size = max(1.0, fine.period, abs(fine.max), abs(fine.min))

@@ -24,7 +24,10 @@ _STYLES = {
 def draw(points: Sequence[WorkPoint], folder: Path) -> None:
     """Write ``friction.svg`` and ``friction.png``."""
     figure, axes = new_axes(
-        "page", height=3.6, xlabel="largest error of y (right is better)", ylabel="seconds a run"
+        "page",
+        height=3.6,
+        xlabel="largest error of y (right is better)",
+        ylabel="processor seconds a run",
     )
     for method, (colour, marker) in _STYLES.items():
         here = [point for point in points if point.method == method]

@@ -90,6 +90,10 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     assert abs(cycle.period - slip - stick) <= cycle.error
     _, low = precise_phase(CELL, CELL.release, CELL.v_d, 0.0)
     assert abs(cycle.min - low) <= cycle.error
+    run = run_events(FrictionChain(0.0, CELL, 1), np.array([[cycle.max], [0.0]]), cycle.period)
+    # Started at the largest y, the run is back there after a period, at rest; DOP853 to 1e-12.
+    assert abs(run.y[-1, 0] - cycle.max) < 1e-11
+    assert abs(run.velocity[-1, 0]) < 1e-10
 
 
 def test_the_stated_errors_bound_the_true_ones() -> None:
@@ -181,6 +185,12 @@ def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
     # The expansion at 1e-8 beside the shot cycle at 1e-6: amplitudes go like the root.
     assert near.amplitude == pytest.approx(cycle.amplitude / 10, abs=near.error)
     assert near.error < 1e-7
+    # Both are off centre by an amount that goes like the square of the amplitude.
+    off = [
+        (each.max + each.min) / 2 - FrictionCell(CELL.hopf_velocity + distance).steady_sliding
+        for each, distance in ((near, 1e-8), (cycle, 1e-6))
+    ]
+    assert 100 * off[0] == pytest.approx(off[1], rel=1e-2)
     assert abs(near.max + near.min - 2 * FrictionCell(CELL.hopf_velocity).steady_sliding) < 1e-6
 
 

@@ -94,9 +94,9 @@ def run_events(
     --------
     >>> from verification.friction_start import nucleus
     >>> chain = FrictionChain(0.0, sites=1)
-    >>> run = run_events(chain, nucleus(chain, [1]), 10.0)
+    >>> run = run_events(chain, nucleus(chain, [1]), 12.0)
     >>> run.log[:, 2].astype(int).tolist()
-    [0, 1, 0]
+    [0, 1, 0, 1]
     """
     begin = perf_counter()
     positive("end time tau", t_end)

@@ -19,10 +19,10 @@ from time import perf_counter
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from theory.friction_chain import FrictionChain, FrictionEnds
 from theory.parameters import ParameterError, positive, within
+from verification.compiled import njit
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.friction_series import (
     MU_ST,
     V0,

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.friction_series import (
     V0,
     V_D,

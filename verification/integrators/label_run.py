@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import FREE, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import ENVELOPE, FULL

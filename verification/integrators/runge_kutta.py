@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import end_codes, largest
 from verification.integrators.slopes import slope
 

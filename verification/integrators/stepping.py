@@ -13,8 +13,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import end_codes, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import FULL

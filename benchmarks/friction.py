@@ -9,26 +9,25 @@ seconds of processor time, one thread each.
 
 from __future__ import annotations
 
-import argparse
-import os
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
+
+from benchmarks import single
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from benchmarks.chain_diagram import Style
     from benchmarks.record import Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
     from theory.friction_chain import FrictionChain
 
     FloatArray = npt.NDArray[np.float64]
 
-RESULTS = Path(__file__).resolve().parent / "results"
 SITES, T_END, COUPLING, SAMPLES = 31, 200.0, 0.02, 201
 SCENE = "N = 31, tau = 200"
 QUANTITY = "largest error of y"
@@ -41,29 +40,30 @@ TOLERANCES = (1e-3, 1e-5, 1e-7)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code: 0 done, 2 bad input."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # one core for everyone, before NumPy is imported
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.friction", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="fewer settings, nothing written")
-    parser.add_argument("--out", type=Path, help="folder of the record and the picture")
-    options = parser.parse_args(arguments)
-    if options.out is not None and not options.out.is_dir():
-        print(f"benchmarks: the folder {options.out} does not exist.", file=sys.stderr)
-        return 2
-    folder = options.out or (None if options.quick else RESULTS)
-    run = measure(options.quick, lambda text: print(text, file=sys.stderr, flush=True))
-    from benchmarks.tables import as_text
+    """Run the command line and return its exit code."""
+    return single.main(__doc__, measure, style, "friction", arguments)
 
-    print(as_text(run))
-    if folder is not None:
-        from benchmarks.friction_diagram import draw
-        from benchmarks.record import write_record
 
-        write_record(run, folder / "friction.json")
-        draw(run.points, folder)
-        print("written: friction.json and its diagram, as SVG and PNG")
-    return 0
+def style() -> Style:
+    """Return how the diagram is drawn."""
+    from benchmarks.chain_diagram import Style
+
+    return Style(
+        "friction",
+        "largest error of y (right is better)",
+        "processor seconds a run",
+        "Error against run time, friction chain, N = 31, τ = 200. Pale: settings that another one "
+        "of the same method beats. Grey: errors of the order of the motion itself.",
+        {
+            EXACT: ("blue", "o"),
+            FIXED: ("green", "^"),
+            ADAPTIVE: ("sky", "v"),
+            "scipy LSODA": ("vermilion", "s"),
+            "scipy Radau": ("orange", "D"),
+            "scipy BDF": ("purple", "X"),
+        },
+        GARBAGE,
+    )
 
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Record:
@@ -203,14 +203,8 @@ def targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
 
     ours = [point for point in points if point.method == EXACT]
     peers = [point for point in points if point.method.startswith("scipy ")]
-    useful = [point for point in peers if point.error <= GARBAGE]
-    garbage = len(peers) - len(useful)
-    factors: list[tuple[float, WorkPoint]] = []
-    for peer in useful:
-        equal = [point.seconds for point in ours if point.error <= peer.error]
-        if equal:
-            factors.append((peer.seconds / min(equal), peer))
-    least = min(factors, default=None, key=lambda row: row[0])
+    garbage = sum(point.error > GARBAGE for point in peers)
+    least = single.least_factor(ours, peers, 0.0, GARBAGE)
     detail = f"{garbage} of {len(peers)} settings of scipy are garbage: error above {GARBAGE:g}"
     if least is not None:
         best = least[1]

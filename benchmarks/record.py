@@ -15,7 +15,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
 
-PACKAGES = ("numpy", "scipy", "mpmath", "cxroots", "python-flint")
+PACKAGES = (
+    "numpy", "scipy", "mpmath", "numba", "cxroots", "python-flint", "jitcode", "heyoka",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ COMMANDS = {
     "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
     "threshold": "the coupling at which a nucleus stops being localised (Fig. 11)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
+    "stress": "every quantity over all decades of its parameters, held against another method",
     "check": "the verdict on each claim of the paper",
 }
 """Subcommand and one line of help; the code is ``fronts.commands.<name>``."""

@@ -19,14 +19,16 @@ def static_sum(c: float) -> complex:
     """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v.
 
     As v → 0, sinh a/(cosh a - cos k) → 1 in the periodised integral, which leaves the mean of
-    1/(1 - 4ic sin²(k/2)).
+    1/(1 - 4ic sin²(k/2)). With q = √(1 - 4ic) it is written 4ic/(q (1 + q)), which does not cancel
+    at small c.
 
     Examples
     --------
     >>> abs(static_sum(1e-8)) < 1e-7
     True
     """
-    return -1.0 + 1.0 / cmath.sqrt(1.0 - 4j * c)
+    q = cmath.sqrt(1.0 - 4j * c)
+    return 4j * c / (q * (1.0 + q))
 
 
 def static_sum_distance(v: float, c: float) -> float:

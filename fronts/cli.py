@@ -92,8 +92,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
     one sentence says why. 3: a defect of the toolkit. 130: interrupted.
 
-    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, or
-    a ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``.
+    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, a
+    ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, or a
+    ``PrecisionError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -118,6 +119,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             return 2
         if os.environ.get("FRONTS_TRACEBACK"):
             raise
+        from theory.kinetic_sum import PrecisionError
+
+        if isinstance(error, PrecisionError):
+            _complain(str(error), as_json, {})
+            return 2
         kind = type(error).__name__
         _complain(
             f"a defect of this toolkit: {kind}: {error} (set FRONTS_TRACEBACK=1 to see where).",

@@ -146,8 +146,7 @@ def _wiggle_points(
 ) -> FloatArray:
     """Return t from ln low to ln turn, ``wiggle`` apart in 1/v, where wiggles matter.
 
-    At c > 100 they are about v/c^{3/2} high and matter only where the smooth part is near 2r, which
-    is found on a grid of its own before anything is filled.
+    At c > 100 they are about v/c^{3/2} high: only where the smooth part, on a grid, is near 2r.
     """
     pieces = [(low, turn)]
     if c > 100.0:
@@ -163,25 +162,18 @@ def _wiggle_points(
     counts = [2 + math.ceil((1.0 / a - 1.0 / b) / wiggle) for a, b in pieces]
     if sum(counts) > MOST_POINTS:
         raise PrecisionError(
-            f"the velocities at c = {c:.6g}, |Sum| = {target:.6g} lie too close together to be "
-            f"told apart with fewer than {MOST_POINTS} values of the sum; simulate the front, or "
-            "take a smaller c."
+            f"the velocities at c = {c:.6g}, |Sum| = {target:.6g} need more than {MOST_POINTS} "
+            "values of the sum to be told apart; simulate the front, or take a smaller c."
         )
-    return np.concatenate(
-        [
-            -np.log(np.linspace(1.0 / a, 1.0 / b, n))
-            for (a, b), n in zip(pieces, counts, strict=True)
-        ]
-        or [np.empty(0)]
-    )
+    filled = [np.linspace(1.0 / a, 1.0 / b, n) for (a, b), n in zip(pieces, counts, strict=True)]
+    return -np.log(np.concatenate(filled)) if filled else np.empty(0)
 
 
 def _lowest_velocity(c: float, target: float, shift: float) -> float:
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
     gap = max(abs(abs(static_sum(c) + shift) - target), NEAREST_TO_PINNING)
-    # The bound theory.limits.static_sum_distance equal to the gap, solved for e^{-1/2v}.
-    e = 2.0 * gap / (2.0 + 2.0 * gap + math.sqrt((2.0 + 2.0 * gap) ** 2 + 4.0 * gap * (2.0 - gap)))
-    low = 0.5 / math.log(1.0 / e)
+    # The bound theory.limits.static_sum_distance, 2e/(1 - e), equal to the gap.
+    low = 0.5 / math.log1p(2.0 / gap)
     if c <= 3.0:
         return low
     high = math.sqrt(c)

@@ -57,8 +57,9 @@ def static_sum_precise(c: Any) -> Any:
 
 def ratio_precise(eta: Any) -> Any:
     """Return r = √[(1 - s)/(1 + s)], s = √(1 - 8η), straight from the two cycles."""
-    s = mp.sqrt(1 - 8 * mp.mpf(eta))
-    return mp.sqrt((1 - s) / (1 + s))
+    with mp.workdps(mp.mp.dps + 40):  # of which 1 - s loses as many as η has zeros
+        s = mp.sqrt(1 - 8 * mp.mpf(eta))
+        return mp.sqrt((1 - s) / (1 + s))
 
 
 def distance(value: Any, reference: Any, digits: int) -> float:

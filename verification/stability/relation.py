@@ -106,14 +106,14 @@ def _by_newton(
             return Check(math.inf, 0.0, "whether it exists")
         if claim.value is None:
             return Check(0.0, 0.0, "whether it exists")
-        with mp.workdps(60):
+        with mp.workdps(100):
             x, given = mp.mpf(claim.value), mp.mpf(at[name])
             if x == 0:
                 return Check(0.0 if defect(x, given) == 0 else math.inf, 0.0, "zero put in")
-            h = x * mp.mpf(10) ** -25
+            h = x * mp.mpf(10) ** -40
             here = defect(x, given)
             slope = (defect(x + h, given) - defect(x - h, given)) / (2 * h)
-            return Check(float(abs(here / slope)), 0.0, "Newton in 60 digits")
+            return Check(float(abs(here / slope)), 0.0, "Newton in 100 digits")
 
     return check
 
@@ -197,7 +197,8 @@ QUANTITIES = (
         (C, ETA),
         _velocities,
         _check_velocities,
-        seconds=3.0,
+        seconds=20.0,
+        share=0.3,
         scenes="relation",
     ),
     Quantity(
@@ -230,7 +231,7 @@ QUANTITIES = (
     Quantity(
         "eta-pin",
         "the eta above which static fronts exist",
-        (Axis("c", 1e-12, 1e12),),
+        (Axis("c", 1e-8, 1e8),),
         _closed(pinning_eta, "c", lambda *_: 0.0),
         _by_newton(_static_eta, lambda _: True, "c"),
         seconds=0.01,

@@ -23,8 +23,15 @@ from verification.stability.quantity import Axis, Check, Claim, Quantity
 from verification.stability.table import stability
 
 ROOT = Path(__file__).parents[1]
-QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity", "c-fold", "eta-fold")
-POINTS = {"sigma-integral": 120, "roots": 100, "closed-form-fold": 60, "closed-form-breather": 80}
+QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
+POINTS = {
+    "sigma-integral": 50,
+    "roots": 80,
+    "closed-form-fold": 40,
+    "closed-form-breather": 40,
+    "c-fold": 14,
+    "eta-fold": 10,
+}
 
 
 @pytest.mark.parametrize("name", [*QUICK, *POINTS])
@@ -110,7 +117,7 @@ def test_an_understated_error_is_seen_in_every_quick_quantity(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Move each value by a hundred times its stated error: nearly every point must fail."""
-    for name in ("sigma-integral", "c-pin", "eta-pin", "closed-form-fold", "c-fold"):
+    for name in ("sigma-integral", "c-pin", "eta-pin", "closed-form-fold"):
         quantity = quantity_named(name)
 
         def moved(at: Mapping[str, float], quantity: Quantity = quantity) -> Claim:
@@ -120,7 +127,7 @@ def test_an_understated_error_is_seen_in_every_quick_quantity(
             return replace(claim, value=claim.value + 100.0 * (claim.error + 1e-300))
 
         wrong = replace(quantity, compute=moved)
-        found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(30)]
+        found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(16)]
         claimed = [word for word in found if word not in ("refused", "unchecked")]
         right = claimed.count(Outcome.RIGHT.value)
         # zero is right where nothing is claimed: c_pin that does not exist
@@ -177,7 +184,11 @@ def test_every_kind_of_thing_left_out_has_a_row() -> None:
         assert kind in rows
 
 
-@pytest.mark.parametrize("saving", SAVINGS, ids=lambda saving: saving.what)
+@pytest.mark.parametrize(
+    "saving",
+    [saving for saving in SAVINGS if saving.what not in ("imports", "workers")],  # they take time
+    ids=lambda saving: saving.what,
+)
 def test_what_is_left_out_saves_something(saving: object) -> None:
     spent, whole = saving.measure()  # type: ignore[attr-defined]
     assert 0 < spent < whole

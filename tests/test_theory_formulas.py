@@ -9,14 +9,23 @@ import numpy as np
 import pytest
 
 from theory.branch_search import MOST_POINTS, all_velocities
-from theory.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
+from theory.breather import (
+    BreatherStatus,
+    Reading,
+    closed_form_fold,
+    decay_of_centre,
+    solve_breather,
+    tail_residual,
+)
 from theory.dispersion import root_free_strip
 from theory.front_profile import front_profile
 from theory.kinetic_relation import Status, kinetic_relation, trace_kinetic_relation
 from theory.kinetic_sum import PrecisionError
 from theory.limits import resonant_velocities, static_sum, static_sum_distance
 from theory.roots import labelled_roots
+from theory.sum_integral import sums
 from theory.thresholds import fold_coupling, fold_eta
+from theory.unit_cell import eta_from_ratio, threshold_ratio
 from theory.vdp_chain import VdpChain
 
 
@@ -102,6 +111,7 @@ def test_beyond_its_fold_there_is_no_breather() -> None:
     for reading in (Reading.NEIGHBOUR, Reading.TAIL):
         fold = closed_form_fold(VdpChain(a=1, b=0.1, c=0.1), reading)
         assert fold.c is not None
+        assert 0 < fold.error < 1e-13
         at = [VdpChain(a=1, b=0.1, c=fold.c * (1 + side * 1e-9)) for side in (-1, 1)]
         states = [solve_breather(chain, reading).status for chain in at]
         assert states == [BreatherStatus.EXISTS, BreatherStatus.NONE]
@@ -153,7 +163,7 @@ def test_beside_the_fold_without_a_moving_branch_the_front_is_pinned() -> None:
     assert (below.status, above.status) == (Status.PINNED, Status.PROPAGATING)
 
 
-@pytest.mark.parametrize("eta", [0.001, 0.03125, 0.06])
+@pytest.mark.parametrize("eta", [0.001, 0.03125, 0.04])
 def test_the_fold_is_given_both_ways_with_one_velocity_and_honest_errors(eta: float) -> None:
     by_eta = fold_coupling(eta)
     assert by_eta is not None
@@ -162,9 +172,31 @@ def test_the_fold_is_given_both_ways_with_one_velocity_and_honest_errors(eta: fl
     assert abs(back.value - eta) <= back.error + abs(slope) * by_eta.error
     # the maximum is flat: its place is known to some 1e-7
     assert back.velocity == pytest.approx(by_eta.velocity, rel=1e-5)
-    # the error of |Σ| is some 1e-15, and dη/d|Σ| = r(1 - r²)/(1 + r²)³/2 is below 1/8
-    assert 1e-16 <= back.error < 1e-14
-    assert back.error < 0.3 * by_eta.error * abs(slope) + 1e-15
+    # its error is that of the height |Σ| = 2r through dη/d(2r), twice over, and rounding
+    r, h = threshold_ratio(eta), 1e-6
+    by_r = (eta_from_ratio(r + h) - eta_from_ratio(r - h)) / (2 * h)
+    height = float(sums(back.velocity, by_eta.value, 1e-14).error)
+    assert back.error - 1e-16 == pytest.approx(by_r * height, rel=0.01)
+
+
+@pytest.mark.parametrize("reading", [Reading.NEIGHBOUR, Reading.TAIL])
+def test_the_residuals_of_the_breather_are_those_of_29_and_37(reading: Reading) -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.13)
+    found = solve_breather(chain, reading)
+    assert found.alpha_0 is not None
+    assert found.decay is not None
+    assert found.residual < 1e-14
+    alpha, z, c = 1.01 * found.alpha_0, 1.02 * found.decay, 0.13
+    assert decay_of_centre(alpha, chain) == pytest.approx(
+        (-0.5 * alpha**4 + 5 * alpha**2 - 8) / (16 * c), rel=1e-13
+    )
+    s = (alpha * z) ** 2 if reading is Reading.NEIGHBOUR else 0.0
+    site = 1.0 if reading is Reading.NEIGHBOUR else math.inf
+    expected = 0.5 - 2.5 * s / 8 + 0.5 * s**2 / 16 - c / 2 * (1 / z - z)
+    assert tail_residual(alpha, z, site, chain) == pytest.approx(expected, rel=1e-12)
+    assert tail_residual(alpha, z, 2.0, chain) == pytest.approx(
+        0.5 - 2.5 * (alpha * z * z) ** 2 / 8 + 0.5 * (alpha * z * z) ** 4 / 16 - c / 2 * (1 / z - z)
+    )
 
 
 def test_from_the_last_fold_on_the_fold_is_at_pinning() -> None:

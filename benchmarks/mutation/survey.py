@@ -14,7 +14,14 @@ from typing import Any
 LONGEST_FILE = 400.0
 """Seconds after which a file that is being recorded is given up."""
 
-LEFT_OUT = ("test_benchmarks", "test_report", "test_report_browser", "test_mutation", "test_sweep")
+LEFT_OUT = (
+    "test_benchmarks",
+    "test_mutation",
+    "test_report",
+    "test_report_browser",
+    "test_stability",
+    "test_sweep",
+)
 """Test files about other things, or about time."""
 
 

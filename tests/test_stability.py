@@ -53,12 +53,23 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("kinetic", {"c": 100.0, "eta": 1e-4}),
         ("kinetic", {"c": 2.0, "eta": 0.11}),
         ("envelope-breather", {"eta": 0.08, "c": 0.1}),
+        ("envelope-breather", {"eta": 1e-4, "c": 1e-8}),
+        ("envelope-breather", {"eta": 0.125 * (1 - 1e-9), "c": 1e-6}),
+        ("envelope-breather", {"eta": 0.124875, "c": 1e-8}),
         ("sigma-series", {"v": 0.3, "c": 0.5, "digits": 40}),
     ],
 )
 def test_dear_quantities_are_right_at_single_points(name: str, values: Mapping[str, float]) -> None:
     found = judge(quantity_named(name), values)
     assert found["outcome"] == Outcome.RIGHT.value, found
+
+
+def test_an_orbit_too_stiff_to_be_found_is_refused_at_once() -> None:
+    stiff = {"eta": 0.005, "c": 1e-6, "eps": 1.0}  # it once took more than 100 s
+    for name in ("orbit", "multipliers"):
+        found = judge(quantity_named(name), stiff)
+        assert found["outcome"] == Outcome.REFUSED.value
+        assert float(found["seconds"]) < 1.0
 
 
 def _quantity(compute: object, off: float = 0.0, seconds: float = 1.0) -> Quantity:

@@ -2,7 +2,8 @@
 
 Only what computes is changed. Left alone are docstrings, annotations, default values, messages,
 everything inside ``raise`` and ``assert``, checks of parameters, and numbers below 1e-5 or above
-1e4, which are tolerances and limits, and wall-clock times. A comparison is reversed, not moved by its own boundary.
+1e4, which are tolerances and limits, and wall-clock times. A comparison is reversed, not moved by
+its own boundary.
 """
 
 from __future__ import annotations

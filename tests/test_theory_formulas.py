@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
@@ -104,7 +105,44 @@ def test_the_breather_solves_both_equations_to_many_digits(
         exact = mp.findroot(both, (found.alpha_0, found.decay), tol=1e-35)
         off = max(abs(found.alpha_0 / exact[0] - 1), abs(found.decay / exact[1] - 1))
         assert off <= found.error
-    assert found.error < 1e-10
+    # rounding, made larger by the square root with which the branch turns at the fold
+    assert found.error < 3e-14 / math.sqrt(1 - part) * (1 + 1 / math.sqrt(1 - 8 * eta))
+
+
+@pytest.mark.parametrize("eta", [1e-4, 0.01, 0.08, 0.1, 0.12])
+def test_the_fold_is_where_the_two_equations_touch_and_its_error_holds(eta: float) -> None:
+    """At the fold the Jacobian of (29) and (37) by α and z is singular: three equations."""
+    chain = VdpChain(a=3, b=9 * eta, c=0.1)
+    fold = closed_form_fold(chain)
+    assert fold.c is not None
+    at_fold = solve_breather(replace(chain, c=fold.c))
+    assert at_fold.alpha_0 is not None
+    assert at_fold.decay is not None
+    with mp.workdps(50):
+        a, b = mp.mpf(chain.a), mp.mpf(chain.b)
+
+        def first(x: mp.mpf, z: mp.mpf, c: mp.mpf) -> mp.mpf:
+            return (-8 + 2 * a * x**2 - b * x**4) / 16 - c * z
+
+        def second(x: mp.mpf, z: mp.mpf, c: mp.mpf) -> mp.mpf:
+            s = (x * z) ** 2
+            return z * (mp.mpf(1) / 2 - a * s / 8 + b * s**2 / 16) - c / 2 * (1 - z * z)
+
+        def touching(x: mp.mpf, z: mp.mpf, c: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
+            rows = [
+                [mp.diff(f, (x, z, c), n) for n in ((1, 0, 0), (0, 1, 0))] for f in (first, second)
+            ]
+            det = rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
+            return first(x, z, c), second(x, z, c), det
+
+        start = (at_fold.alpha_0, at_fold.decay, fold.c)
+        x, z, c = mp.findroot(touching, start, tol=1e-35)
+        assert abs(c - fold.c) <= fold.error
+        assert abs(at_fold.alpha_0 / x - 1) <= at_fold.error
+        assert abs(at_fold.decay / z - 1) <= at_fold.error
+    # c is stationary there: what is 1e-14 of c is 1e-7 of the amplitudes
+    assert fold.error < 2e-14 * fold.c
+    assert 1e-9 < at_fold.error < 1e-4
 
 
 def test_beyond_its_fold_there_is_no_breather() -> None:

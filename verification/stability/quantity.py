@@ -153,13 +153,15 @@ class Quantity:
     scenes: str = ""
 
     def fixed_points(self) -> list[Values]:
-        """Return named scenes, then the corners; of more than 64 corners evenly chosen ones."""
+        """Return named scenes in its ranges, then the corners; of more than 64 some, evenly."""
         names = [axis.name for axis in self.axes]
         middle = {axis.name: self._plain(axis) for axis in self.axes}
-        points = [
-            {**middle, **{name: value for name, value in scene.items() if name in names}}
-            for scene in scenes_of(self.scenes)
-        ]
+        ranges = {axis.name: axis for axis in self.axes}
+        points = []
+        for scene in scenes_of(self.scenes):
+            mine = {name: value for name, value in scene.items() if name in names}
+            if all(ranges[x].low <= value <= ranges[x].high for x, value in mine.items()):
+                points.append({**middle, **mine})
         corners = list(itertools.product(*(axis.ends() for axis in self.axes)))
         some = np.unique(np.linspace(0, len(corners) - 1, MOST_CORNERS).astype(int))
         points += [dict(zip(names, corners[i], strict=True)) for i in some]

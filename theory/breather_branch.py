@@ -38,11 +38,6 @@ class NeighbourBranch:
     gap: float
 
     @property
-    def width(self) -> float:
-        """x₀ = (2/b)√(a² - 8b)."""
-        return 2.0 * math.sqrt(self.gap) / self.b
-
-    @property
     def first(self) -> float:
         """Where the search begins: G S is then a hundredth at most, and c far from its fold."""
         largest = (self.a + math.sqrt(self.gap)) / self.b

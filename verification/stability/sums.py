@@ -72,10 +72,10 @@ QUANTITIES = (
     Quantity(
         "sigma-precise-integral",
         "the sum (53) by the periodised integral in many digits",
-        (V, C, Axis("digits", 1, 120, whole=True)),
+        (V, C, Axis("digits", 1, 60, whole=True)),
         _by_precise_integral,
         _check("integral"),
-        seconds=10.0,
+        seconds=30.0,
         share=0.6,
         scenes="sum",
     ),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
-  fronts stress --points 3000 --seed 1 --out stress.csv
+  fronts stress --points 2000 --seed 1 --out stress.csv
   fronts stress --savings
   fronts stress --list
 
@@ -29,7 +29,7 @@ _MOST_SHOWN = 20
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts stress``."""
     parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
-    parser.add_argument("--points", type=int, default=3000, help="in all (default 3000)")
+    parser.add_argument("--points", type=int, default=1000, help="in all (default 1000)")
     parser.add_argument("--seed", type=int, default=0, help="of the points at random (default 0)")
     parser.add_argument("--out", type=Path, help="write every point to a .csv file")
     parser.add_argument("--workers", type=int, help="processes (default: one a core)")

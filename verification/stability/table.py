@@ -16,7 +16,7 @@ from verification.stability.quantity import Quantity
 from verification.sweep import ProgressCallback, sweep
 from verification.table import Point, Table
 
-POINTS = 3000
+POINTS = 1000
 """Of all quantities together, by default."""
 
 FEWEST = 12

@@ -19,7 +19,7 @@ from theory.breather import (
     tail_residual,
 )
 from theory.dispersion import root_free_strip
-from theory.front_profile import front_profile
+from theory.front_profile import front_profile, tail_bound
 from theory.kinetic_relation import Status, kinetic_relation, trace_kinetic_relation
 from theory.kinetic_sum import PrecisionError
 from theory.limits import resonant_velocities, static_sum, static_sum_distance
@@ -27,7 +27,7 @@ from theory.roots import labelled_roots
 from theory.sum_integral import sums
 from theory.thresholds import fold_coupling, fold_eta
 from theory.unit_cell import eta_from_ratio, threshold_ratio
-from theory.vdp_chain import VdpChain
+from theory.vdp_chain import VdpChain, effective_epsilon
 
 
 @pytest.mark.parametrize("v", [0.05, 0.3, 1.0, 20.0])
@@ -242,3 +242,35 @@ def test_from_the_last_fold_on_the_fold_is_at_pinning() -> None:
     assert found.velocity == 0.0
     r = 0.5 * abs(static_sum(5.0))
     assert found.value == pytest.approx(r**2 / (2 * (1 + r**2) ** 2), rel=1e-14)
+
+
+@pytest.mark.parametrize("eta", [1e-3, 0.03125, 0.1, 0.124])
+def test_the_two_amplitudes_are_the_roots_of_the_averaged_damping(eta: float) -> None:
+    chain = VdpChain(a=3, b=9 * eta, c=0.1)
+    low, high = sorted(np.roots([chain.b / 8, -chain.a / 4, 1.0]).real)
+    assert chain.unstable_amplitude**2 == pytest.approx(low, rel=1e-9)
+    assert chain.stable_amplitude**2 == pytest.approx(high, rel=1e-9)
+
+
+@pytest.mark.parametrize("eta", [1e-3, 0.03125, 0.1, 0.124])
+def test_the_effective_epsilon_is_the_largest_damping_over_the_cycle(eta: float) -> None:
+    chain = VdpChain(a=3, b=9 * eta, c=0.1, eps=0.02)
+    y = np.linspace(0.0, chain.stable_amplitude, 200_001)
+    largest = np.abs(1 - chain.a * y**2 + chain.b * y**4).max()
+    assert effective_epsilon(chain) == pytest.approx(0.02 * largest, rel=1e-8)
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1e-3, 0.5), (1e3, 0.2), (7.4, 100.0)])
+def test_the_tail_bound_has_its_rate_from_the_strip_and_is_not_wasteful(v: float, c: float) -> None:
+    for ahead in (True, False):
+        rate, size = tail_bound(v, c, ahead=ahead)
+        s = rate / 0.85
+        side = -1 if ahead else 1
+        assert c * math.sinh(s) + side * v * s == pytest.approx(0.5, rel=1e-6)
+        x = np.concatenate(
+            [-np.geomspace(1e-9, 1e9, 400_001)[::-1], np.geomspace(1e-9, 1e9, 400_001)]
+        )
+        k = x + 1j * rate * (1 if ahead else -1)
+        integrand = 1 / np.abs(k * (0.5 - 1j * c * (1 - np.cos(k)) - 1j * v * k))
+        true = float(np.trapezoid(integrand, x)) / (4 * math.pi)
+        assert true < size < 60 * true

@@ -24,6 +24,7 @@ COMMANDS = {
     "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
     "threshold": "the coupling at which a nucleus stops being localised (Fig. 11)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
+    "stress": "every quantity over all decades of its parameters, held against another method",
     "check": "the verdict on each claim of the paper",
 }
 """Subcommand and one line of help; the code is ``fronts.commands.<name>``."""
@@ -92,8 +93,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
     one sentence says why. 3: a defect of the toolkit. 130: interrupted.
 
-    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, or
-    a ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``.
+    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, a
+    ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, or a
+    ``PrecisionError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -118,6 +120,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             return 2
         if os.environ.get("FRONTS_TRACEBACK"):
             raise
+        from theory.kinetic_sum import PrecisionError
+
+        if isinstance(error, PrecisionError):
+            _complain(str(error), as_json, {})
+            return 2
         kind = type(error).__name__
         _complain(
             f"a defect of this toolkit: {kind}: {error} (set FRONTS_TRACEBACK=1 to see where).",

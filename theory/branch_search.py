@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.dispersion import FloatArray
+from theory.kinetic_sum import PrecisionError
 from theory.limits import resonant_velocities, static_sum, strong_coupling_sum
 from theory.sum_integral import sums
 
@@ -28,6 +29,8 @@ BoolArray = npt.NDArray[np.bool_]
 _TOLERANCE = 1e-13
 _SHORTEST = 1e-10
 _COARSEST = 0.25
+MOST_POINTS = 200_000
+"""Points of one coupling from which the search begins, at most: some ten seconds."""
 NEAREST_TO_PINNING = 1e-12
 """Solutions that need |Σ| nearer than this to its limit at v = 0 are not looked for (v < 0.018)."""
 
@@ -94,6 +97,11 @@ def all_velocities(
         Solve |2 + Σ(v, c)| = target instead; the front's velocity is then -v.
     refine : float
         Divides the spacing of the first points; 1 is enough, tests try 4.
+
+    Raises
+    ------
+    PrecisionError
+        If a coupling needs more than ``MOST_POINTS`` points: c above some 10⁴ and η near 2/25.
     """
     relation = _Relation(c, target, 2.0 if retreating else 0.0)
     starts = [
@@ -121,17 +129,10 @@ def _first_points(c: float, target: float, shift: float, refine: float) -> Float
     logarithmic = np.linspace(
         math.log(turn), math.log(high), 2 + math.ceil(math.log(high / turn) / spacing)
     )
-    even = np.linspace(1.0 / low, 1.0 / turn, 2 + math.ceil((1.0 / low - 1.0 / turn) / wiggle))
-    fine = -np.log(even)
-    if c > 100.0:  # wiggles of height about v/c^{3/2} matter only where the smooth part is near 2r
-        v = 1.0 / even
-        smooth = np.abs(np.abs(strong_coupling_sum(v / math.sqrt(c)) + shift) - target)
-        fine = fine[smooth < 8.0 * v / c**1.5 + 4.0 / math.sqrt(c)]
-        coarse = np.linspace(
-            math.log(low), math.log(turn), 2 + math.ceil(math.log(turn / low) / spacing)
-        )
-        fine = np.concatenate([coarse, fine])
-    points = [fine, logarithmic]
+    points = [_wiggle_points(c, target, shift, low, turn, wiggle), logarithmic]
+    if c > 100.0:
+        rest = 2 + math.ceil(math.log(turn / low) / spacing)
+        points.append(np.linspace(math.log(low), math.log(turn), rest))
     if c > 1.0:
         velocities, widths = resonant_velocities(c, min(12, 2 + int(c / (math.pi * low))))
         centre, width = np.array(velocities), np.array(widths) / refine
@@ -140,12 +141,39 @@ def _first_points(c: float, target: float, shift: float, refine: float) -> Float
     return np.unique(np.concatenate(points))
 
 
+def _wiggle_points(
+    c: float, target: float, shift: float, low: float, turn: float, wiggle: float
+) -> FloatArray:
+    """Return t from ln low to ln turn, ``wiggle`` apart in 1/v, where wiggles matter.
+
+    At c > 100 they are about v/c^{3/2} high: only where the smooth part, on a grid, is near 2r.
+    """
+    pieces = [(low, turn)]
+    if c > 100.0:
+        edge = np.geomspace(low, turn, 4000)
+        smooth = np.abs(strong_coupling_sum(edge / math.sqrt(c)) + shift) - target
+        near = np.abs(smooth) < 8.0 * edge / c**1.5 + 4.0 / math.sqrt(c)
+        near |= np.diff(smooth > 0, append=smooth[-1] > 0)
+        near[1:] |= near[:-1].copy()
+        near[:-1] |= near[1:].copy()
+        begin = np.flatnonzero(near & ~np.append(False, near[:-1]))
+        end = np.flatnonzero(near & ~np.append(near[1:], False))
+        pieces = list(zip(edge[begin].tolist(), edge[end].tolist(), strict=True))
+    counts = [2 + math.ceil((1.0 / a - 1.0 / b) / wiggle) for a, b in pieces]
+    if sum(counts) > MOST_POINTS:
+        raise PrecisionError(
+            f"the velocities at c = {c:.6g}, |Sum| = {target:.6g} need more than {MOST_POINTS} "
+            "values of the sum to be told apart; simulate the front, or take a smaller c."
+        )
+    filled = [np.linspace(1.0 / a, 1.0 / b, n) for (a, b), n in zip(pieces, counts, strict=True)]
+    return -np.log(np.concatenate(filled)) if filled else np.empty(0)
+
+
 def _lowest_velocity(c: float, target: float, shift: float) -> float:
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
     gap = max(abs(abs(static_sum(c) + shift) - target), NEAREST_TO_PINNING)
-    # The bound theory.limits.static_sum_distance equal to the gap, solved for e^{-1/2v}.
-    e = 2.0 * gap / (2.0 + 2.0 * gap + math.sqrt((2.0 + 2.0 * gap) ** 2 + 4.0 * gap * (2.0 - gap)))
-    low = 0.5 / math.log(1.0 / e)
+    # The bound theory.limits.static_sum_distance, 2e/(1 - e), equal to the gap.
+    low = 0.5 / math.log1p(2.0 / gap)
     if c <= 3.0:
         return low
     high = math.sqrt(c)

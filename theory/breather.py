@@ -9,19 +9,17 @@ G = (-b S² + 2a S - 8)/16, and (37), with k_2 = -π/2, is
 
 - ``centre``, n = 0. The left side is -G by definition, so -G = (G/2)(1/w - 1): G = 0 or w = -1.
   No solution.
-- ``neighbour``, n = 1. A quadratic for S at given w,
-  b[2w³ + 1 - w] S² - a[4w² + 2(1 - w)] S + 16w + 8(1 - w) = 0: the whole branch is explicit,
-  with w as its parameter and c = G/√w.
+- ``neighbour``, n = 1. With s = S w, s (1 - a s/4 + b s²/8) = G (S - s): a cubic for s at given
+  S, the parameter of the branch, and c = G √(S/s).
 - ``tail``, n → ∞. c = z/(1 - w), and (29) is b S² - 2a S + 8 + 16 w/(1 - w) = 0.
 
-Each branch has a largest c, its fold; from w = 0 to there it starts from the cycle of one cell.
+Each branch starts from the cycle of one cell and has a largest c, its fold.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -29,8 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
+from theory.breather_branch import NeighbourBranch, discriminant
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
+
+_EPS = float(np.finfo(float).eps)
+_NOISE = 64.0 * _EPS
+"""Relative rounding of c along a branch."""
+_SCAN = 500
 
 
 class Reading(StrEnum):
@@ -60,11 +64,14 @@ class ClosedFormFold:
         Estimated error of ``c``.
     reading : Reading
         Where (37) was taken.
+    place : float
+        For ``neighbour`` the fold's (S_s - S)/(S_s - S_us), in terms of the two cycles' squares.
     """
 
     c: float | None
     error: float
     reading: Reading
+    place: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -85,6 +92,8 @@ class ClosedFormBreather:
         k_2 = -π/2 of (37).
     residual : float
         Largest residual of (29) and (37).
+    error : float
+        Bound on the relative error of ``alpha_0`` and ``decay``; infinite if there is none.
     fold : ClosedFormFold
         Where the branch ends.
     seconds : float
@@ -97,6 +106,7 @@ class ClosedFormBreather:
     frequency: float
     phase_step: float
     residual: float
+    error: float
     fold: ClosedFormFold
     seconds: float
 
@@ -167,23 +177,19 @@ def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> Clo
     if chain.c == 0:
         raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
     fold = closed_form_fold(chain, reading)
-    top = _top(chain, reading)
     frequency, step = breather_frequency(chain), -0.5 * math.pi
-    if fold.c is None or top is None or chain.c > fold.c:
+    if fold.c is None or chain.c > fold.c:
         seconds = time.perf_counter() - started
         return ClosedFormBreather(
-            BreatherStatus.NONE, None, None, frequency, step, math.inf, fold, seconds
+            BreatherStatus.NONE, None, None, frequency, step, math.inf, math.inf, fold, seconds
         )
-    coupling = _coupling_along(chain, reading)
-    # w falls like c² as c → 0, so the bracket is taken in log w.
-    low = min(-2.0 * math.log(1e3 + 1e3 / chain.c), math.log(top) - 1.0)
-    w = math.exp(
-        brentq(lambda x: coupling(math.exp(x)) - chain.c, low, math.log(top), xtol=1e-15)
-        if chain.c < fold.c
-        else math.log(top)
-    )
-    alpha_0, decay = math.sqrt(_square(w, chain, reading)), math.sqrt(w)
-    site = 1.0 if reading is Reading.NEIGHBOUR else math.inf
+    if reading is Reading.TAIL:
+        S, w, error = _tail(chain)
+        site = math.inf
+    else:
+        S, w, error = _neighbour(chain, fold)
+        site = 1.0
+    alpha_0, decay = math.sqrt(S), math.sqrt(w)
     residual = max(
         abs(decay_of_centre(alpha_0, chain) - decay),
         abs(tail_residual(alpha_0, decay, site, chain)),
@@ -195,6 +201,7 @@ def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> Clo
         frequency,
         step,
         residual,
+        error,
         fold,
         time.perf_counter() - started,
     )
@@ -212,64 +219,69 @@ def closed_form_fold(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> C
     >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1), Reading.TAIL).c, 6)
     0.600293
     """
-    top = _top(chain, reading)
-    if top is None:
+    gap = discriminant(chain)
+    if reading is Reading.CENTRE:
         return ClosedFormFold(None, 0.0, reading)
-    c = _coupling_along(chain, reading)(top)
-    # A maximum is flat: its position is known to 1e-8, its height to rounding.
-    return ClosedFormFold(c, 1e-13 * c, reading)
+    if reading is Reading.TAIL:
+        m = gap / (16.0 * chain.b)
+        c = math.sqrt(m * (1.0 + m))
+        return ClosedFormFold(c, 8.0 * _EPS * c, reading)
+    branch = NeighbourBranch(chain.a, chain.b, gap)
+    grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
+    # The first fall: c rises from zero, and falls before S turns.
+    falling = np.flatnonzero(np.diff(branch.coupling(grid)) < 0.0)
+    peak = max(int(falling[0]), 1)
+    low, high = float(grid[peak - 1]), float(grid[min(peak + 1, _SCAN - 1)])
+    found = minimize_scalar(
+        lambda t: -branch.coupling_at(t),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    t = float(found.x)
+    # SciPy stops at 1e-8 of t; one parabola puts its top where the height is right to rounding.
+    below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
+    t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
+    c = branch.coupling_at(t)
+    return ClosedFormFold(c, _NOISE * c, reading, math.exp(t))
 
 
 def _gain(square: float, chain: VdpChain) -> float:
     return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0
 
 
-def _square(w: float, chain: VdpChain, reading: Reading) -> float:
-    """S = α_0² on the branch, at w = e^{2 k_1}; NaN where it has ended."""
-    a, b = chain.a, chain.b
-    if reading is Reading.TAIL:
-        quadratic = (b, -2.0 * a, 8.0 + 16.0 * w / (1.0 - w))
-    else:
-        quadratic = (
-            b * (2.0 * w**3 + 1.0 - w),
-            -a * (4.0 * w**2 + 2.0 * (1.0 - w)),
-            8.0 + 8.0 * w,
-        )
-    first, second, third = quadratic
-    inside = second**2 - 4.0 * first * third
-    return (-second + math.sqrt(inside)) / (2.0 * first) if inside >= 0.0 else math.nan
+def _tail(chain: VdpChain) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S)."""
+    c, a, b = chain.c, chain.a, chain.b
+    z = 2.0 * c / (1.0 + math.hypot(1.0, 2.0 * c))
+    gap = discriminant(chain)
+    inside = max(gap - 16.0 * b * c * z, 0.0)
+    square = (a + math.sqrt(inside)) / b
+    lost = 8.0 * _EPS * gap / max(inside, _EPS * gap)  # of √inside, and less of S
+    return square, z * z, 8.0 * _EPS + lost * math.sqrt(inside) / (a + math.sqrt(inside))
 
 
-def _coupling_along(chain: VdpChain, reading: Reading) -> Callable[[float], float]:
-    def coupling(w: float) -> float:
-        if reading is Reading.TAIL:
-            return math.sqrt(w) / (1.0 - w)
-        square = _square(w, chain, reading)
-        # Beyond the end of the branch: below every coupling on it.
-        return -1.0 if math.isnan(square) else _gain(square, chain) / math.sqrt(w)
-
-    return coupling
-
-
-def _top(chain: VdpChain, reading: Reading) -> float | None:
-    """W at the first maximum of c along the branch."""
-    _ = chain.stable_amplitude
-    if reading is Reading.CENTRE:
-        return None
-    if reading is Reading.TAIL:
-        m = (chain.a**2 - 8.0 * chain.b) / (16.0 * chain.b)
-        return m / (1.0 + m)
-    coupling = _coupling_along(chain, reading)
-    grid = np.geomspace(1e-8, 0.999, 400)
-    values = np.array([coupling(float(w)) for w in grid])
-    falling = np.flatnonzero(np.diff(values) < 0.0)
-    if not falling.size:
-        return None
-    peak = max(int(falling[0]), 1)
-    found = minimize_scalar(
-        lambda x: -coupling(math.exp(x)),
-        bounds=(math.log(grid[peak - 1]), math.log(grid[min(peak + 1, 399)])),
-        method="bounded",
-        options={"xatol": 1e-11},
-    )
-    return math.exp(float(found.x))
+def _neighbour(chain: VdpChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n = 1, on the branch before the fold."""
+    branch = NeighbourBranch(chain.a, chain.b, discriminant(chain))
+    c, top = chain.c, math.log(fold.place)
+    low = min(math.log(branch.first), branch.start_at(c))
+    t = top
+    if branch.coupling_at(top) > c:
+        t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * _EPS)
+    # The true place lies where c - c(t) surely changes its sign; beside the fold, where c(t)
+    # surely falls below c on both sides.
+    spread = 4.0 * _EPS * max(1.0, abs(t))
+    noise = _NOISE * c
+    for _ in range(60):
+        beyond = branch.coupling_at(t + spread)
+        after = beyond > c + noise or branch.coupling_at(max(t, top) + spread) < c - noise
+        if branch.coupling_at(t - spread) < c - noise and after:
+            break
+        spread *= 2.0
+    ends = [branch.squares(np.array([x])) for x in (t - spread, t, t + spread)]
+    (S_low, s_low), (S, s), (S_high, s_high) = [(float(x[0]), float(y[0])) for x, y in ends]
+    w = s / S
+    moved = max(abs(S_low - S) / S, abs(S_high - S) / S, abs(s_low / S_low - w) / w)
+    moved = max(moved, abs(s_high / S_high - w) / w)
+    return S, w, moved + 16.0 * _EPS

@@ -102,7 +102,7 @@ class ProfileGrid:
     v, c : float
         Front velocity v̂ and coupling.
     k : ndarray of float, shape (N,)
-        2π(j + ½)/N.
+        2π(j + ½)/N, between -π and π.
     error : float
         Bound on the error of values with |m| up to the extent asked for.
     """
@@ -138,7 +138,8 @@ class ProfileGrid:
                 f"more than {MOST_POINTS}."
             )
         points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
-        k = 2.0 * np.pi * (np.arange(points) + 0.5) / points
+        # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
+        k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
         A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
         wave = np.exp(1j * k)
         a = A / v
@@ -151,12 +152,15 @@ class ProfileGrid:
         """Return the factor of e^{ikm}, shape (len(f), N)."""
         f = f[:, None]
         late: ComplexArray = np.exp(-self.a * (1.0 - f)) * self.wave
-        late /= 1.0 - self.wave * np.exp(-self.a)
+        late /= -np.expm1(1j * self.k - self.a)
         return (self.pole + late) * self.inverse_onsite
 
     def at(self, m: FloatArray, f: FloatArray) -> ComplexArray:
         """Return φ/φ_s at ζ = m + f, shape (n,)."""
-        total: ComplexArray = np.sum(np.exp(1j * m[:, None] * self.k) * self._bracket(f), axis=1)
+        # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
+        turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points) + 1)
+        phase = np.pi * _wrapped(turns, self.points) / self.points
+        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(f), axis=1)
         return 0.5 - total / (2.0 * self.points)
 
     def on_lattice(self, per_site: int) -> tuple[FloatArray, ComplexArray]:
@@ -169,6 +173,12 @@ class ProfileGrid:
         phi = 0.5 - 0.5 * turn * spectrum[:, m % points]
         zeta = m[None, :] + f[:, None]
         return zeta.T.ravel(), phi.T.ravel()
+
+
+def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
+    """Return whole numbers modulo twice the points, from -points to points."""
+    wrapped: npt.NDArray[np.int64] = (odd + points) % (2 * points) - points
+    return wrapped
 
 
 def tail_bound(v: float, c: float, ahead: bool) -> tuple[float, float]:

@@ -19,23 +19,25 @@ def static_sum(c: float) -> complex:
     """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v.
 
     As v → 0, sinh a/(cosh a - cos k) → 1 in the periodised integral, which leaves the mean of
-    1/(1 - 4ic sin²(k/2)).
+    1/(1 - 4ic sin²(k/2)). With q = √(1 - 4ic) it is written 4ic/(q (1 + q)), which does not cancel
+    at small c.
 
     Examples
     --------
     >>> abs(static_sum(1e-8)) < 1e-7
     True
     """
-    return -1.0 + 1.0 / cmath.sqrt(1.0 - 4j * c)
+    q = cmath.sqrt(1.0 - 4j * c)
+    return 4j * c / (q * (1.0 + q))
 
 
 def static_sum_distance(v: float, c: float) -> float:
     """Return a bound on |Σ(v, c) - Σ(0⁺, c)|, from e^{-1/2v}; exponentially flat in 1/v.
 
-    |1/(2A)| ≤ 1 and |sinh a/(cosh a - cos k) - 1| ≤ 2e(1 + e)/(1 - e)², e = e^{-1/2v} ≥ |e^{-a}|.
+    |1/(2A)| ≤ 1, and sinh a/(cosh a - cos k) - 1 = 2 Σ_{n ≥ 1} e^{-na} cos nk is at most
+    2e/(1 - e), e = e^{-1/2v} ≥ |e^{-a}|.
     """
-    e = math.exp(-0.5 / v)
-    return 2.0 * e * (1.0 + e) / math.expm1(-0.5 / v) ** 2
+    return -2.0 * math.exp(-0.5 / v) / math.expm1(-0.5 / v)
 
 
 def pinning_coupling(eta: float) -> float | None:

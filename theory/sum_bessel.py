@@ -22,7 +22,7 @@ from theory.kinetic_sum import KineticSum, PrecisionError
 from theory.parameters import within
 from theory.roots import checked_velocity_and_coupling
 
-_MOST_EVALUATIONS = 1_000_000_000
+_MOST_EVALUATIONS = 100_000_000
 _EPS = float(np.finfo(float).eps)
 
 
@@ -41,7 +41,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     ParameterError
         If a parameter is out of range.
     PrecisionError
-        If it would take more than 1e9 Bessel functions: large c.
+        If it would take more than 1e8 Bessel functions: large c.
 
     Examples
     --------

@@ -12,6 +12,7 @@ import numpy as np
 from theory.dispersion import root_free_strip
 from theory.graded_contour import departing_labels
 from theory.kinetic_sum import KineticSum, PrecisionError
+from theory.limits import static_sum_distance
 from theory.parameters import count_within
 from theory.precise_roots import MOST_DIGITS, exact, precise_roots
 from theory.roots import checked_velocity_and_coupling
@@ -21,6 +22,9 @@ _MOST_POINTS = 200_000
 
 def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> KineticSum:
     """Return Σ(v, c) of Eq. (53) to ``digits`` digits after the point.
+
+    Where v is so small that Σ is its limit (``theory.limits.static_sum``) to within that, it is
+    taken, and ``method`` says so.
 
     Parameters
     ----------
@@ -45,6 +49,12 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     start = perf_counter()
     digits = count_within("digits", digits, 1, MOST_DIGITS)
     v_, c_ = checked_velocity_and_coupling(v, c)
+    if (distance := static_sum_distance(v_, c_)) < 10.0 ** (-digits - 2):
+        with mp.workdps(digits + 12):
+            q = mp.sqrt(1 - 4j * exact(c))
+            value = 4j * exact(c) / (q * (1 + q))
+        error = distance + 10.0 ** (-digits - 2)
+        return KineticSum(value, error, 0, "static limit", perf_counter() - start)
     lost = math.log10(2.0 + c_ / v_) + math.log10(2.0 + v_)
     strip = 0.9 * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)

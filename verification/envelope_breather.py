@@ -190,10 +190,16 @@ def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreath
         omega,
         stability,
         fold,
-        point.correction + 1e-15,
+        2.0 * point.correction + _rounding(phi, chain),
         point.residual,
         seconds,
     )
+
+
+def _rounding(phi: Complex, chain: VdpChain) -> float:
+    """Return what rounding of the damping does to an amplitude: it cancels as the cycles meet."""
+    gap = max(1.0 - 8.0 * chain.eta, 1e-16)
+    return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
 
 def staggered_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> Branch:

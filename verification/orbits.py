@@ -32,6 +32,8 @@ Complex = NDArray[np.complex128]
 STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in order of trial:
 at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
+STIFFEST = 10.0
+"""Largest ε max|damping| over the cycle for which orbits are sought."""
 SAMPLES = 64
 """Samples a period for harmonics and amplitudes."""
 
@@ -96,12 +98,25 @@ def chain_rate(state: Real, chain: VdpChain) -> Real:
 def steps_for(chain: VdpChain) -> int:
     """Return Taylor steps a period for errors near 1e-12: more where ε max|damping| is larger.
 
+    Raises
+    ------
+    ParameterError
+        If that is above `STIFFEST`: shooting would take minutes.
+
     Examples
     --------
     >>> steps_for(VdpChain(a=2.5, b=0.5, c=0.1)), steps_for(VdpChain(a=4, b=0.5, c=0.1))
     (28, 37)
     """
-    return STEPS + math.ceil(STEPS * effective_epsilon(chain))
+    stiffness = effective_epsilon(chain)
+    if stiffness > STIFFEST:
+        raise ParameterError(
+            "eps max|1 - a y^2 + b y^4|",
+            f"{stiffness:.3g}",
+            f"at most {STIFFEST:g} for a true orbit",
+            "take a smaller eps, or a larger eta",
+        )
+    return STEPS + math.ceil(STEPS * stiffness)
 
 
 def shooting_system(chain: VdpChain, centre: int, steps: int | None = None) -> System:

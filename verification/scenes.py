@@ -1,11 +1,13 @@
-"""One table of named scenes (v, c) for the sum Σ, shared by tests, benchmarks and the report.
+"""One table of named scenes, shared by tests, benchmarks, the stability table and the report.
 
-A scene is a front velocity and a coupling at which Σ(v, c) of Eq. (53) is to be computed.
+`SCENES` are velocities and couplings at which Σ(v, c) of Eq. (53) is to be computed; `FAMILIES`
+holds these and the scenes of other quantities by name of parameter.
 ``ordinary`` scenes are where a paper's curve lies; ``stiff`` ones narrow the strip of
 analyticity or crowd the roots; ``extreme`` ones are where a formula written carelessly
 overflows, underflows or loses a root.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -60,3 +62,62 @@ def scene_named(name: str) -> Scene:
         if scene.name == name:
             return scene
     raise KeyError(name)
+
+
+@dataclass(frozen=True)
+class NamedScene:
+    """A named point of any parameters.
+
+    Attributes
+    ----------
+    name : str
+        What is peculiar to it.
+    values : mapping of str to float
+        Parameters by symbol, dimensionless.
+    tags : tuple of str
+        Any of ``"ordinary"``, ``"stiff"``, ``"extreme"``.
+    """
+
+    name: str
+    values: Mapping[str, float]
+    tags: tuple[Tag, ...]
+
+
+def _named(name: str, *tags: Tag, **values: float) -> NamedScene:
+    return NamedScene(name, values, tags)
+
+
+FAMILIES: Mapping[str, tuple[NamedScene, ...]] = {
+    "sum": tuple(_named(s.name, *s.tags, v=s.v, c=s.c) for s in SCENES),
+    "relation": (
+        _named("ordinary", "ordinary", c=0.5, eta=0.03125),
+        _named("hysteresis", "ordinary", c=0.45, eta=0.03125),
+        _named("pinned", "ordinary", c=0.2, eta=0.03125),
+        _named("retreat", "ordinary", c=2.0, eta=0.11),
+        _named("three-at-a-resonance", "stiff", c=100.0, eta=1e-4),
+        _named("no-pinning-from-here", "stiff", c=1.0, eta=0.08),
+        _named("cycles-meet", "stiff", c=1.0, eta=0.125 * (1 - 1e-12)),
+        _named("cycles-gone", "extreme", c=1.0, eta=0.2),
+        _named("fastest", "extreme", c=1e8, eta=1e-12),
+    ),
+    "breather": (
+        _named("paper", "ordinary", a=2.5, eta=0.08, c=0.1, eps=0.01),
+        _named("paper-steep", "ordinary", a=4.0, eta=0.03125, c=0.1, eps=0.01),
+        _named("beside-the-fold", "stiff", a=2.5, eta=0.08, c=0.19, eps=0.01),
+        _named("weak", "extreme", a=1.0, eta=0.05, c=1e-8, eps=1e-6),
+        _named("cycles-meet", "stiff", a=1.0, eta=0.125 * (1 - 1e-9), c=1e-6, eps=0.01),
+        _named("not-averageable", "extreme", a=1.0, eta=0.01, c=0.1, eps=1.0),
+    ),
+}
+"""Scenes by family; a point of a quantity takes those of its parameters that a scene names."""
+
+
+def scenes_of(family: str) -> tuple[Mapping[str, float], ...]:
+    """Return the parameters of the scenes of a family; none for a name that is not there.
+
+    Examples
+    --------
+    >>> dict(scenes_of("relation")[0])
+    {'c': 0.5, 'eta': 0.03125}
+    """
+    return tuple(scene.values for scene in FAMILIES.get(family, ()))

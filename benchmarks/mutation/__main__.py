@@ -1,0 +1,128 @@
+"""``python -m benchmarks.mutation``: change one thing in a formula and see whether a test fails."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import random
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.mutation.explained import read_explained, stale_entries
+from benchmarks.mutation.mutants import Mutant, mutants_of
+from benchmarks.mutation.runs import Runs, Workers
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = """examples:
+  python -m benchmarks.mutation theory                         every change of theory/
+  python -m benchmarks.mutation theory --part 0.2 --seed 3     one in five, chosen at random
+  python -m benchmarks.mutation theory/limits.py --list        the changes, nothing run
+
+Nothing in the working tree is touched: tests run in copies of it in --work. Results are kept there
+by the text of what was changed, so that a run that was stopped goes on where it was. Exit code 1:
+a change that no test notices is not explained in benchmarks/mutation/explained.toml, or an
+explanation there is no longer needed."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.mutation",
+        description="Change one sign, factor or index at a time; report what no test notices.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "where", nargs="+", help="packages or modules, as theory or theory/limits.py"
+    )
+    parser.add_argument(
+        "--part", type=float, default=1.0, help="of each module's changes (default 1)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="chooses the part")
+    parser.add_argument("--function", help="only functions whose qualified name begins so")
+    parser.add_argument("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=30.0,
+        help="of tests spent on a change at most (default 30)",
+    )
+    parser.add_argument("--minutes", type=float, help="begin no further change after so long")
+    parser.add_argument("--list", action="store_true", help="list the changes, run nothing")
+    parser.add_argument("--again", action="store_true", help="forget kept results")
+    parser.add_argument("--work", type=Path, help="folder of the copies and results")
+    options = parser.parse_args(arguments)
+    try:
+        mutants = chosen(ROOT, options.where, options.part, options.seed, options.function or "")
+    except OSError as error:
+        print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
+        return 2
+    if options.list:
+        print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
+        return 0
+    work = options.work or default_work(ROOT)
+    work.mkdir(parents=True, exist_ok=True)
+    modules = dict.fromkeys(mutant.module for mutant in mutants)
+    until = time.monotonic() + 60.0 * (options.minutes or 1e9)
+    with Workers(ROOT, work, options.jobs) as workers:
+        runs = Runs(ROOT, work, workers, modules, options.seconds, options.again)
+        found = runs.run(mutants, until)
+    explained = read_explained(Path(__file__).with_name("explained.toml"))
+    survivors = [mutant for mutant in mutants if found.get(mutant.name) == "survived"]
+    reasons = {m.name: explained.why(m.name) for m in survivors}
+    print(table(mutants, found, reasons))
+    open_ = [mutant for mutant in survivors if reasons[mutant.name] is None]
+    for mutant in open_:
+        print(f"NOT NOTICED {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}")
+    whole = options.part == 1.0 and not options.function and len(found) == len(mutants)
+    stale = stale_entries(explained, mutants, found) if whole else []
+    for entry in stale:
+        print(f"NO LONGER NEEDED {entry}")
+    return 1 if open_ or stale else 0
+
+
+def default_work(root: Path) -> Path:
+    """Return the folder for copies and results of this working tree, outside of it."""
+    mark = hashlib.sha256(str(root).encode()).hexdigest()[:8]
+    return Path(tempfile.gettempdir()) / f"fronts-mutation-{mark}"
+
+
+def chosen(root: Path, where: Sequence[str], part: float, seed: int, function: str) -> list[Mutant]:
+    """Return the changes asked for, in the order of modules and lines."""
+    picked: list[Mutant] = []
+    for name in where:
+        path = root / name
+        modules = sorted(path.glob("*.py")) if path.is_dir() else [path]
+        for module in modules:
+            relative = module.relative_to(root).as_posix()
+            all_ = mutants_of(relative, module.read_text(encoding="utf-8"))
+            all_ = [mutant for mutant in all_ if mutant.function.startswith(function)]
+            if part < 1.0:
+                chance = random.Random(f"{seed}:{relative}")
+                kept = set(chance.sample(range(len(all_)), round(part * len(all_))))
+                all_ = [mutant for i, mutant in enumerate(all_) if i in kept]
+            picked += all_
+    return picked
+
+
+def table(mutants: Sequence[Mutant], found: dict[str, str], reasons: dict[str, str | None]) -> str:
+    """Return one line a module: changes, run, noticed, explained, not noticed."""
+    lines = [f"{'module':40} {'run':>6} {'noticed':>8} {'explained':>10} {'open':>6}"]
+    totals = [0, 0, 0, 0]
+    for module in dict.fromkeys(mutant.module for mutant in mutants):
+        here = [m for m in mutants if m.module == module and m.name in found]
+        missed = [m for m in here if found[m.name] == "survived"]
+        open_ = sum(reasons[m.name] is None for m in missed)
+        row = [len(here), len(here) - len(missed), len(missed) - open_, open_]
+        totals = [a + b for a, b in zip(totals, row, strict=True)]
+        lines.append(f"{module:40} {row[0]:6} {row[1]:8} {row[2]:10} {row[3]:6}")
+    lines.append(f"{'all':40} {totals[0]:6} {totals[1]:8} {totals[2]:10} {totals[3]:6}")
+    left = len(mutants) - totals[0]
+    return "\n".join(lines) + (f"\n{left} changes were not run." if left else "")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,292 @@
+"""Run the tests against each change, fastest first, in copies of the project; keep the results."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import queue
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.survey import Survey, closure, digest, survey, test_files
+
+COPIED = (
+    "theory",
+    "derivations",
+    "verification",
+    "paper_checks",
+    "fronts",
+    "benchmarks",
+    "tests",
+    "docs",
+    "pyproject.toml",
+    "README.md",
+    "Makefile",
+)
+QUICK_FILE = 0.8
+"""Seconds to import a test file, up to which it is tried in the first round."""
+
+
+class Workers:
+    """Processes of :mod:`benchmarks.mutation.zygote`, each in its own copy of the tree."""
+
+    def __init__(self, root: Path, work: Path, count: int) -> None:
+        self._root, self._work, self._count = root, work, count
+        self._processes: list[subprocess.Popen[str]] = []
+
+    def __enter__(self) -> Workers:
+        for number in range(self._count):
+            tree = self._work / f"tree-{number}"
+            shutil.rmtree(tree, ignore_errors=True)
+            tree.mkdir(parents=True)
+            for name in COPIED:
+                here = self._root / name
+                if here.is_dir():
+                    kept = shutil.ignore_patterns("__pycache__", "results")
+                    shutil.copytree(here, tree / name, ignore=kept)
+                elif here.exists():
+                    shutil.copy2(here, tree / name)
+            results = self._root / "benchmarks" / "results"
+            if results.is_dir():
+                shutil.copytree(results, tree / "benchmarks" / "results")
+            environment = {
+                **os.environ,
+                "PYTHONPATH": str(tree),
+                "PYTHONDONTWRITEBYTECODE": "1",
+                "NUMBA_CACHE_DIR": str(self._work / "numba"),
+                **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"),
+            }
+            process = subprocess.Popen(
+                [sys.executable, str(tree / "benchmarks" / "mutation" / "zygote.py")],
+                cwd=tree,
+                env=environment,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                text=True,
+            )
+            self._processes.append(process)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for process in self._processes:
+            if process.stdin is not None:
+                process.stdin.close()
+            if kind is not None:
+                process.terminate()
+            process.wait()
+
+    def serve(self, jobs: Callable[[], Callable[[Asker], None] | None]) -> None:
+        """Let every process take jobs, each a function of what asks it, until there are none."""
+        errors: queue.Queue[BaseException] = queue.Queue()
+
+        def follow(process: subprocess.Popen[str]) -> None:
+            def ask(request: dict[str, Any]) -> dict[str, Any]:
+                assert process.stdin is not None
+                assert process.stdout is not None
+                process.stdin.write(json.dumps(request) + "\n")
+                process.stdin.flush()
+                return dict(json.loads(process.stdout.readline()))
+
+            try:
+                while errors.empty() and (job := jobs()) is not None:
+                    job(ask)
+            except BaseException as error:
+                errors.put(error)
+
+        threads = [threading.Thread(target=follow, args=(p,)) for p in self._processes]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        if not errors.empty():
+            raise errors.get()
+
+
+Asker = Callable[[dict[str, Any]], dict[str, Any]]
+
+
+class Runs:
+    """Kept results and the order of tests.
+
+    Parameters
+    ----------
+    root, work : Path
+        The project; the folder of results.
+    workers : Workers
+        Running processes.
+    modules : iterable of str
+        Paths of the modules to be changed.
+    seconds : float
+        Of tests, as measured on the unchanged tree, spent on one change at most.
+    again : bool
+        Forget kept results.
+    """
+
+    def __init__(
+        self,
+        root: Path,
+        work: Path,
+        workers: Workers,
+        modules: Iterable[str],
+        seconds: float,
+        again: bool,
+    ) -> None:
+        self._root, self._workers, self._seconds = root, workers, seconds
+        self._path = work / "results.jsonl"
+        self._lock = threading.Lock()
+        self._kept: dict[str, dict[str, Any]] = {}
+        if self._path.exists() and not again:
+            for line in self._path.read_text(encoding="utf-8").splitlines():
+                try:
+                    row = json.loads(line)
+                    self._kept[row["name"]] = row
+                except ValueError:
+                    continue  # the last line of a run that was killed
+        self._survey = survey(root, work, modules, self._ask_all, self._tell)
+        self._killers: dict[str, list[str]] = defaultdict(list)
+        self._importing = {file: closure(root, file) for file in test_files(root)}
+
+    def _tell(self, text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    def _ask_all(
+        self, requests: list[dict[str, Any]], take: Callable[[int, dict[str, Any]], None]
+    ) -> None:
+        left = iter(enumerate(requests))
+
+        def jobs() -> Callable[[Asker], None] | None:
+            with self._lock:
+                index, request = next(left, (None, None))
+            if index is None:
+                return None
+
+            def job(ask: Asker) -> None:
+                answer = ask(request)
+                with self._lock:
+                    take(index, answer)
+
+            return job
+
+        self._workers.serve(jobs)
+
+    def run(self, mutants: Sequence[Mutant], until: float) -> dict[str, str]:
+        """Return ``killed`` or ``survived`` for each change that was run or is kept."""
+        found: dict[str, str] = {}
+        for mutant in mutants:
+            row = self._kept.get(mutant.name)
+            if row is not None and row["key"] == self._key(mutant, row["status"], row["by"]):
+                found[mutant.name] = row["status"]
+        rest = [mutant for mutant in mutants if mutant.name not in found]
+        self._tell(f"{len(mutants)} changes, {len(found)} of them known")
+        left = iter(rest)
+        begin = time.monotonic()
+        done = 0
+        shown = begin
+
+        def jobs() -> Callable[[Asker], None] | None:
+            with self._lock:
+                mutant = None if time.monotonic() > until else next(left, None)
+            if mutant is None:
+                return None
+
+            def job(ask: Asker) -> None:
+                nonlocal done, shown
+                row = self._judge(mutant, ask)
+                with self._lock:
+                    done += 1
+                    found[mutant.name] = row["status"]
+                    with self._path.open("a", encoding="utf-8") as file:
+                        file.write(json.dumps(row) + "\n")
+                    now = time.monotonic()
+                    if now - shown > 10.0 or done == len(rest):
+                        shown = now
+                        missed = sum(status == "survived" for status in found.values())
+                        ahead = (now - begin) / done * (len(rest) - done)
+                        self._tell(
+                            f"[{done}/{len(rest)}] {mutant.module}, {missed} not noticed, "
+                            f"about {ahead / 60.0:.0f} min left"
+                        )
+
+            return job
+
+        self._workers.serve(jobs)
+        return found
+
+    def _tests(self, mutant: Mutant) -> list[str]:
+        importing = [file for file, near in self._importing.items() if mutant.module in near]
+        return self._survey.tests_for(mutant.module, mutant.first_line, importing)
+
+    def _key(self, mutant: Mutant, status: str, by: str | None) -> str:
+        """Identify a result: the changed text, and the tests that were or would be asked."""
+        text = hashlib.sha256(mutant.source.encode()).hexdigest()
+        if status == "killed":
+            file = (by or "").split("::", maxsplit=1)[0].split(" ")[0]
+            return digest(self._root, [file] if (self._root / file).is_file() else [], text)
+        tests = self._tests(mutant)
+        files = {test.split("::", maxsplit=1)[0] for test in tests}
+        return digest(self._root, files, text, *tests)
+
+    def _judge(self, mutant: Mutant, ask: Asker) -> dict[str, Any]:
+        tests = self._tests(mutant)
+        place = f"{mutant.module}:{mutant.first_line}"
+        with self._lock:
+            first = [test for test in self._killers[place] if test in tests]
+        order = first + [test for test in tests if test not in first]
+        spent, picked = 0.0, []
+        for test in order:
+            spent += self._survey.seconds[test]
+            if spent <= self._seconds or not picked:
+                picked.append(test)
+        quick = [t for t in picked if self._collecting(t) <= QUICK_FILE]
+        status, by, seconds = "survived", None, 0.0
+        for round_ in (quick, [test for test in picked if test not in set(quick)]):
+            if not round_ or status == "killed":
+                continue
+            files = list(dict.fromkeys(test.split("::", maxsplit=1)[0] for test in round_))
+            usual = sum(self._survey.seconds[test] for test in round_)
+            usual += sum(self._survey.collecting[file] for file in files)
+            answer = ask(
+                {
+                    "files": files,
+                    "tests": round_,
+                    "module": mutant.module,
+                    "source": mutant.source,
+                    "timeout": 10.0 + 4.0 * usual,
+                }
+            )
+            status, by = answer["status"], answer["by"]
+            seconds += answer["seconds"]
+        if status == "killed" and by in self._survey.seconds:
+            with self._lock:
+                known = self._killers[place]
+                known[:] = [by, *(test for test in known if test != by)][:5]
+        return {
+            "name": mutant.name,
+            "status": status,
+            "by": by,
+            "tests": len(picked),
+            "left_out": len(tests) - len(picked),
+            "seconds": round(seconds, 3),
+            "key": self._key(mutant, status, by),
+        }
+
+    def _collecting(self, test: str) -> float:
+        return self._survey.collecting[test.split("::", maxsplit=1)[0]]
+
+
+__all__ = ["Runs", "Survey", "Workers"]

@@ -1,0 +1,139 @@
+"""``fronts stress``: every quantity over all decades of its parameters, held against another."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fronts.answer import Answer, UsageError
+from fronts.arguments import check_writable
+from fronts.progress import Fraction
+
+if TYPE_CHECKING:
+    from verification.stability.table import Stability
+
+EXAMPLE = """examples:
+  fronts stress --quantity c-pin --quantity eta-pin --points 200
+  fronts stress --points 2000 --seed 1 --out stress.csv
+  fronts stress --savings
+  fronts stress --list
+
+Every quantity is tried at named scenes, at the corners of its parameters and at random, one point
+in twenty with a value that is not allowed. Exit code 1: a stated error was exceeded, or a point
+gave NaN, crashed or was too slow."""
+
+_MOST_SHOWN = 20
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fronts stress``."""
+    parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
+    parser.add_argument("--points", type=int, default=1000, help="in all (default 1000)")
+    parser.add_argument("--seed", type=int, default=0, help="of the points at random (default 0)")
+    parser.add_argument("--out", type=Path, help="write every point to a .csv file")
+    parser.add_argument("--workers", type=int, help="processes (default: one a core)")
+    parser.add_argument(
+        "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
+    )
+    parser.add_argument("--list", action="store_true", help="list the quantities, try nothing")
+    parser.add_argument("--savings", action="store_true", help="what a scene does not need")
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """Try the points, list the quantities, or measure the savings."""
+    if options.savings:
+        return _savings()
+    if options.list:
+        return _list()
+    from theory.parameters import count_within
+    from verification.stability.table import stability
+
+    if options.out is not None:
+        check_writable(options.out, (".csv",))
+    if options.resume and options.out is None:
+        raise UsageError("--resume needs --out: the journal is beside it.")
+    if options.workers is not None:
+        count_within("workers", options.workers, 1, 1024)
+    with Fraction("stress") as live:
+        found = stability(
+            options.quantity or (),
+            options.points,
+            options.seed,
+            out=options.out,
+            resume=options.resume,
+            workers=options.workers,
+            progress=lambda done, total, _: live.show(done / max(total, 1)),
+        )
+    payload: dict[str, object] = {
+        "points": len(found.table),
+        "seed": options.seed,
+        "counts": found.counts,
+        "quantities": [vars(line) for line in found.lines],
+        "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
+        "seconds": found.table.seconds,
+        "out": None if options.out is None else str(options.out),
+    }
+    return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, float) and not abs(value) < float("inf"):
+        return None
+    return value
+
+
+def _text(found: Stability) -> str:
+    heads = ("right", "refused", "unchecked", "exceeded", "nan", "crash", "slow")
+    lines = [
+        f"{'quantity':26}{'points':>7}"
+        + "".join(f"{head:>10}" for head in heads)
+        + f"{'tightest':>10}{'slowest':>10}"
+    ]
+    for line in found.lines:
+        counts = "".join(f"{line.counts[head]:10}" for head in heads)
+        lines.append(
+            f"{line.quantity:26}{line.points:7}{counts}{line.tightest:10.2g}{line.slowest:8.3f} s"
+        )
+    counts = "".join(f"{found.counts[head]:10}" for head in heads)
+    lines.append(f"{'all':26}{len(found.table):7}{counts}")
+    for row in found.bad[:_MOST_SHOWN]:
+        lines.append(
+            f"{row['outcome']}: {row['quantity']} at {row['values']}: {row['said']}"
+            f" (stated {row['stated']:.2g}, distance {row['distance']:.2g}, {row['by']})"
+        )
+    if len(found.bad) > _MOST_SHOWN:
+        lines.append(f"and {len(found.bad) - _MOST_SHOWN} more; --json or --out has them all.")
+    return "\n".join(lines)
+
+
+def _list() -> Answer:
+    from verification.stability.discover import all_quantities
+
+    rows = [
+        {
+            "quantity": quantity.name,
+            "what": quantity.what,
+            "axes": [{"name": a.name, "low": a.low, "high": a.high} for a in quantity.axes],
+            "seconds": quantity.seconds,
+        }
+        for quantity in all_quantities()
+    ]
+    lines = []
+    for quantity in all_quantities():
+        axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
+        lines.append(f"{quantity.name:26}{quantity.what}\n{'':26}{axes}")
+    return Answer({"quantities": rows}, "\n".join(lines))
+
+
+def _savings() -> Answer:
+    from verification.savings import measured_savings
+
+    rows = measured_savings()
+    lines = []
+    for row in rows:
+        lines.append(f"{row.saving.what}: {row.saving.decided}")
+        lines.append(f"    bound: {row.saving.bound}")
+        lines.append(f"    measured: {row.text}")
+        lines.append(f"    test: {row.saving.test}")
+    return Answer({"savings": [row.as_dict() for row in rows]}, "\n".join(lines))

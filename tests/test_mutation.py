@@ -1,0 +1,84 @@
+"""The changes that the mutation script makes, and its list of explanations."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from benchmarks.mutation.explained import Explained, matches, read_explained, stale_entries
+from benchmarks.mutation.mutants import mutants_of
+from benchmarks.mutation.survey import closure
+from benchmarks.mutation.survey import test_files as files_with_tests
+
+ROOT = Path(__file__).parents[1]
+SOURCE = '''
+def f(x, scale=2.0):
+    """Return 3 times nothing."""
+    if x < 0:
+        raise ValueError(f"{x + 1} is too small")
+    y = [exp(-x), sinh(x)][0]
+    return abs(y) * 1e-12 + sum(x for _ in range(5))
+'''
+
+
+def test_each_change_is_one_and_compiles() -> None:
+    found = mutants_of("m.py", SOURCE)
+    whole = ast.unparse(ast.parse(SOURCE))
+    for mutant in found:
+        compile(mutant.source, "m.py", "exec")
+        ours, theirs = mutant.source.splitlines(), whole.splitlines()
+        assert sum(a != b for a, b in zip(ours, theirs, strict=True)) == 1, mutant.name
+    assert len({mutant.name for mutant in found}) == len(found)
+
+
+def test_messages_defaults_tolerances_and_loop_limits_are_left_alone() -> None:
+    changes = {mutant.change for mutant in mutants_of("m.py", SOURCE)}
+    assert changes == {
+        "x < 0 -> x >= 0",
+        "0 -> 1",
+        "exp(-x) -> exp(--x)",
+        "-x -> x",
+        "sinh(x) -> cosh(x)",
+        "0 -> 1 #2",
+        "abs(y) * 1e-12 + sum((x for _ in range(5))) -> "
+        "abs(y) * 1e-12 - sum((x for _ in range(5)))",
+        "abs(y) * 1e-12 -> abs(y) / 1e-12",
+        "abs(y) -> y",
+    }
+
+
+def test_the_list_is_the_same_again() -> None:
+    source = (ROOT / "theory" / "dispersion.py").read_text(encoding="utf-8")
+    first, second = (mutants_of("theory/dispersion.py", source) for _ in range(2))
+    assert [m.name for m in first] == [m.name for m in second]
+    assert len(first) > 30
+
+
+def test_every_explanation_is_about_a_change_that_can_be_made() -> None:
+    explained = read_explained(ROOT / "benchmarks" / "mutation" / "explained.toml")
+    names: dict[str, list[str]] = {}
+    for form, why in explained.reasons.items():
+        assert len(why) > 20, form
+        module = form.split(":")[0]
+        if module not in names:
+            source = (ROOT / module).read_text(encoding="utf-8")
+            names[module] = [mutant.name for mutant in mutants_of(module, source)]
+        assert any(matches(form, name) for name in names[module]), form
+
+
+def test_an_explanation_that_is_not_needed_is_named() -> None:
+    mutants = mutants_of("m.py", SOURCE)
+    found = {mutant.name: "killed" for mutant in mutants}
+    explained = Explained({mutants[0].name: "because", "m.py:f:0 ...": "because"})
+    assert stale_entries(explained, mutants, found) == list(explained.reasons)
+    found[mutants[0].name] = "survived"
+    assert stale_entries(explained, mutants, found) == ["m.py:f:0 ..."]
+
+
+@pytest.mark.parametrize("file", ["tests/test_theory_sums.py", "theory/limits.py"])
+def test_tests_are_found_by_what_they_import(file: str) -> None:
+    assert file in files_with_tests(ROOT)
+    assert {"theory/limits.py", "theory/unit_cell.py"} <= closure(ROOT, file)
+    assert not any(name.startswith("derivations") for name in closure(ROOT, file))

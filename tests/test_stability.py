@@ -1,0 +1,212 @@
+"""The stability table: a fast part of it, and that it can see what it is there to see."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fronts.cli import main
+from theory.kinetic_sum import PrecisionError
+from theory.parameters import ParameterError
+from verification.savings import SAVINGS
+from verification.scenes import FAMILIES, scenes_of
+from verification.stability import judging
+from verification.stability.discover import all_quantities, quantity_named
+from verification.stability.judging import BAD, Outcome, is_clear, judge
+from verification.stability.quantity import Axis, Check, Claim, Quantity
+from verification.stability.table import stability
+
+ROOT = Path(__file__).parents[1]
+QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
+POINTS = {
+    "sigma-integral": 50,
+    "roots": 80,
+    "closed-form-fold": 40,
+    "closed-form-breather": 40,
+    "c-fold": 14,
+    "eta-fold": 10,
+}
+
+
+@pytest.mark.parametrize("name", [*QUICK, *POINTS])
+def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
+    found = stability([name], POINTS.get(name, 80), workers=1)
+    # a slow point may be another process's fault; time is judged by the whole table
+    assert not [row for row in found.bad if row["outcome"] != Outcome.SLOW.value], found.bad
+    assert found.counts["right"] > 0.4 * len(found.table)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        (
+            "profile",
+            {"v": 1070.0994714, "c": 0.21, "distance": 0.95, "tolerance": 1e-13, "side": 3},
+        ),
+        ("profile", {"v": 1e-8, "c": 1e-8, "distance": 1e4, "tolerance": 1e-14, "side": 1}),
+        ("kinetic", {"c": 100.0, "eta": 1e-4}),
+        ("kinetic", {"c": 2.0, "eta": 0.11}),
+        ("envelope-breather", {"eta": 0.08, "c": 0.1}),
+        ("envelope-breather", {"eta": 1e-4, "c": 1e-8}),
+        ("envelope-breather", {"eta": 0.125 * (1 - 1e-9), "c": 1e-6}),
+        ("envelope-breather", {"eta": 0.124875, "c": 1e-8}),
+        ("sigma-series", {"v": 0.3, "c": 0.5, "digits": 40}),
+    ],
+)
+def test_dear_quantities_are_right_at_single_points(name: str, values: Mapping[str, float]) -> None:
+    found = judge(quantity_named(name), values)
+    assert found["outcome"] == Outcome.RIGHT.value, found
+
+
+def test_an_orbit_too_stiff_to_be_found_is_refused_at_once() -> None:
+    stiff = {"eta": 0.005, "c": 1e-6, "eps": 1.0}  # it once took more than 100 s
+    for name in ("orbit", "multipliers"):
+        found = judge(quantity_named(name), stiff)
+        assert found["outcome"] == Outcome.REFUSED.value
+        assert float(found["seconds"]) < 1.0
+
+
+def _quantity(compute: object, off: float = 0.0, seconds: float = 1.0) -> Quantity:
+    return Quantity(
+        "made-up",
+        "for this test",
+        (Axis("x", 1.0, 2.0),),
+        compute,  # type: ignore[arg-type]
+        lambda at, claim: Check(off, 1e-3, "this test"),
+        seconds,
+    )
+
+
+def _raising(error: Exception) -> object:
+    def compute(at: Mapping[str, float]) -> Claim:
+        raise error
+
+    return compute
+
+
+def _slow(at: Mapping[str, float]) -> Claim:
+    total = 0.0
+    for _ in range(10**8):
+        total += 1.0
+    return Claim(total, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "outcome"),
+    [
+        (_quantity(lambda at: Claim(1.0, 0.1), off=0.05), Outcome.RIGHT),
+        (_quantity(lambda at: Claim(1.0, 0.1), off=0.2), Outcome.EXCEEDED),
+        (_quantity(lambda at: Claim(math.nan, 0.1)), Outcome.NAN),
+        (_quantity(lambda at: Claim(np.array([1.0, math.inf]), 0.1)), Outcome.NAN),
+        (_quantity(lambda at: Claim(1.0, math.inf)), Outcome.NAN),
+        (_quantity(_raising(ParameterError("x", 1, "below 1", "take less"))), Outcome.REFUSED),
+        (_quantity(_raising(PrecisionError("x = 1 is too much; take less."))), Outcome.REFUSED),
+        (_quantity(_raising(PrecisionError("no"))), Outcome.CRASH),
+        (_quantity(_raising(ZeroDivisionError())), Outcome.CRASH),
+        (_quantity(_slow, seconds=0.02), Outcome.SLOW),
+    ],
+)
+def test_every_outcome_is_told_from_the_others(quantity: Quantity, outcome: Outcome) -> None:
+    assert judge(quantity, {"x": 1.0})["outcome"] == outcome.value
+
+
+def test_a_wrong_reference_is_a_crash_of_the_table_and_not_a_success() -> None:
+    def broken(at: Mapping[str, float], claim: Claim) -> Check:
+        raise ZeroDivisionError
+
+    quantity = replace(_quantity(lambda at: Claim(1.0, 0.1)), check=broken)
+    assert judge(quantity, {"x": 1.0})["outcome"] == Outcome.CRASH.value
+
+
+def test_an_understated_error_is_seen_in_every_quick_quantity(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Move each value by a hundred times its stated error: nearly every point must fail."""
+    for name in ("sigma-integral", "c-pin", "eta-pin", "closed-form-fold"):
+        quantity = quantity_named(name)
+
+        def moved(at: Mapping[str, float], quantity: Quantity = quantity) -> Claim:
+            claim = quantity.compute(at)
+            if claim.value is None:
+                return claim
+            return replace(claim, value=claim.value + 100.0 * (claim.error + 1e-300))
+
+        wrong = replace(quantity, compute=moved)
+        found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(16)]
+        claimed = [word for word in found if word not in ("refused", "unchecked")]
+        right = claimed.count(Outcome.RIGHT.value)
+        # zero is right where nothing is claimed: c_pin that does not exist
+        assert claimed.count(Outcome.EXCEEDED.value) > right / 2, (name, found)
+
+
+def test_points_are_the_same_again_and_others_with_another_seed() -> None:
+    quantity = quantity_named("sigma-integral")
+    index = len(quantity.fixed_points()) + 3
+    assert quantity.point(1, index) == quantity.point(1, index) != quantity.point(2, index)
+    bad = [quantity.point(0, 20 * i + 19) for i in range(10, 60)]
+    odd = [p for p in bad if not all(a.low <= p[a.name] <= a.high for a in quantity.axes)]
+    assert len(odd) == len(bad)
+
+
+def test_scenes_of_a_family_name_parameters_of_its_quantities() -> None:
+    for family, scenes in FAMILIES.items():
+        assert len({scene.name for scene in scenes}) == len(scenes)
+        users = [quantity for quantity in all_quantities() if quantity.scenes == family]
+        assert users, family
+        for scene in scenes_of(family):
+            assert any({axis.name for axis in q.axes} & set(scene) for q in users)
+
+
+def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
+    assert {*BAD, Outcome.RIGHT, Outcome.REFUSED, Outcome.UNCHECKED} == set(Outcome)
+    assert not is_clear("two sentences.\nhere.")
+    assert judging.CHECK_SECONDS > 0
+
+
+def test_every_saving_names_a_test_that_is_there() -> None:
+    for saving in SAVINGS:
+        file, function = saving.test.split("::")
+        tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
+        names = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+        assert function in names, saving.test
+
+
+def test_every_kind_of_thing_left_out_has_a_row() -> None:
+    rows = " ".join(saving.what for saving in SAVINGS)
+    for kind in (
+        "roots",
+        "tail terms",
+        "quadrature points",
+        "digits",
+        "harmonics",
+        "sites",
+        "time steps",
+        "events",
+        "saved output",
+        "workers",
+        "imports",
+    ):
+        assert kind in rows
+
+
+@pytest.mark.parametrize(
+    "saving",
+    [saving for saving in SAVINGS if saving.what not in ("imports", "workers")],  # they take time
+    ids=lambda saving: saving.what,
+)
+def test_what_is_left_out_saves_something(saving: object) -> None:
+    spent, whole = saving.measure()  # type: ignore[attr-defined]
+    assert 0 < spent < whole
+
+
+def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stress", "--quantity", "nothing"]) == 2
+    assert "quantity = nothing" in capsys.readouterr().err
+    assert main(["stress", "--resume"]) == 2
+    assert main(["stress", "--list"]) == 0

@@ -2,15 +2,9 @@
 
 The front starts from sites on the stable cycle, each a quarter of a turn behind the one before
 (the phase to which fronts lock), runs along a chain with free ends, and is timed at each site.
-Only a number of sites behind the front are stepped. The rule:
-
-* the first half of the arrivals is transient and is not used;
-* v is the slope of the regression line of the rest;
-* its error is the largest of twice the standard error of that slope, the difference between the
-  slopes of the third and the fourth quarter, and the difference from a run at a hundred times the
-  tolerance;
-* the front is steady if that error is below a stated part of v (a thousandth, unless another is
-  asked for); if not, the chain is made longer.
+Only a number of sites behind the front are stepped. The rule by which v, its error and whether it
+is steady (to a thousandth, unless another part is asked for) follow is that of
+``verification.arrival_fit``.
 
 Velocities are v̂ = v/ε, sites per unit of slow time.
 """
@@ -18,7 +12,6 @@ Velocities are v̂ = v/ε, sites per unit of slow time.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from time import perf_counter
 
 import numpy as np
@@ -26,6 +19,7 @@ import numpy.typing as npt
 
 from theory.parameters import ParameterError, count_within, positive, within
 from theory.vdp_chain import Ends, VdpChain
+from verification.arrival_fit import FrontStatus, Trial, settle, velocity_of_arrivals
 from verification.vdp_lane import Lane
 from verification.vdp_run import COMPANION, Model
 from verification.vdp_start import staggered_front
@@ -34,25 +28,6 @@ FloatArray = npt.NDArray[np.float64]
 
 _BUDGET = 200_000
 _DECAYED = 0.5
-
-
-class FrontStatus(StrEnum):
-    """What became of the front."""
-
-    STEADY = "steady"
-    """It runs, and its velocity has settled."""
-
-    UNSTEADY = "unsteady"
-    """It runs, and its velocity has not settled on the longest chain allowed."""
-
-    PINNED = "pinned"
-    """No site was reached for long, and the amplitudes have stopped changing."""
-
-    CREEPING = "creeping"
-    """No site was reached for long, but the amplitudes still change: nothing can be said."""
-
-    COLLAPSED = "collapsed"
-    """The excited sites went to rest."""
 
 
 @dataclass(frozen=True)
@@ -142,35 +117,33 @@ def measure_front(
     within("accuracy", accuracy, 1e-10, 0.1)
     if chain.c == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
-    sites, steps = max(chain.sites, 32), 0
-    while True:
-        longer = replace(chain, sites=filled + sites, ends=Ends.FREE)
-        lanes = []
+
+    def sized(sites: int) -> VdpChain:
+        return replace(chain, sites=filled + sites, ends=Ends.FREE)
+
+    def trial(sites: int) -> Trial:
+        longer = sized(sites)
+        lanes: list[Lane] = []
         for each in (tolerance, min(1e-2, COMPANION * tolerance)):
-            lane = _lane(longer, model, each, filled, patience)
-            status = _follow(lane, longer, filled, patience)
-            steps += int(lane.counters[3])
-            lanes.append(lane)
-            if status is not None:
+            lanes.append(_lane(longer, model, each, filled, patience))
+            stopped = _follow(lanes[-1], longer, filled, patience)
+            if stopped is not None:
                 break
-        arrivals = lanes[0].arrivals[filled:]
-        arrivals = arrivals[~np.isnan(arrivals)]
-        if status is not None:
-            seen = {FrontStatus.PINNED: (0.0, 1.0 / patience)}.get(status, (None, None))
-            v, error = seen
-            break
-        v, error = velocity_of(arrivals, chain.eps)
-        other, _ = velocity_of(lanes[1].arrivals[filled:], chain.eps)
-        error = max(error, abs(v - other))
-        if error < accuracy * v:
-            status = FrontStatus.STEADY
-            break
-        if 2 * sites > most_sites:
-            status = FrontStatus.UNSTEADY
-            break
-        sites *= 2
+        steps = sum(int(lane.counters[3]) for lane in lanes)
+        return Trial(stopped, lanes[0].arrivals[filled:], lanes[-1].arrivals[filled:], steps)
+
+    seen = chain.eps / patience
+    found = settle(trial, max(chain.sites, 32), most_sites, accuracy, seen)
+    v, error = (None if x is None else x / chain.eps for x in (found.v, found.error))
     return FrontMeasurement(
-        longer, model, status, v, error, arrivals, steps, perf_counter() - begin
+        sized(found.sites),
+        model,
+        found.status,
+        v,
+        error,
+        found.arrivals,
+        found.steps,
+        perf_counter() - begin,
     )
 
 
@@ -189,23 +162,8 @@ def velocity_of(arrivals: FloatArray, eps: float) -> tuple[float, float]:
     >>> velocity_of(np.arange(32) / 0.02, eps=0.01)
     (2.0, 0.0)
     """
-    late = arrivals[arrivals.size // 2 :]
-    site = np.arange(late.size)
-    slope, noise = _line(site, late)
-    half = late.size // 2
-    first, _ = _line(site[:half], late[:half])
-    second, _ = _line(site[half:], late[half:])
-    uncertain = max(2.0 * noise, abs(first - second))
-    return 1.0 / (eps * slope), uncertain / (eps * slope**2)
-
-
-def _line(x: npt.NDArray[np.int64], y: FloatArray) -> tuple[float, float]:
-    """Return the slope of the regression line and its standard error."""
-    centred = x - x.mean()
-    weight = float(centred @ centred)
-    slope = float(centred @ y) / weight
-    rest = y - y.mean() - slope * centred
-    return slope, float(np.sqrt(rest @ rest / max(1, x.size - 2) / weight))
+    v, error = velocity_of_arrivals(arrivals)
+    return v / eps, error / eps
 
 
 def _lane(chain: VdpChain, model: Model, tolerance: float, filled: int, patience: float) -> Lane:

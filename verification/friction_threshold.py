@@ -1,4 +1,4 @@
-"""Critical coupling of Model I (Fig. 4): when does a nucleus start to spread?
+"""Critical coupling of Model I (Fig. 4): the coupling from which on a nucleus spreads.
 
 The number depends on what counts as spreading, on the ends, on the point of the cycle and on the
 final time; each is an option with a name. The search:

@@ -93,7 +93,13 @@ class Settled:
 
 
 def settle(
-    trial: Callable[[int], Trial], sites: int, most_sites: int, accuracy: float, seen: float
+    trial: Callable[[int], Trial],
+    sites: int,
+    most_sites: int,
+    accuracy: float,
+    seen: float,
+    enough: Callable[[int, float], bool] = lambda sites, v: True,
+    doubt: float | None = None,
 ) -> Settled:
     """Make the chain longer until the velocity has settled, or the front has stopped.
 
@@ -109,6 +115,11 @@ def settle(
         Relative error of v at which the front counts as steady.
     seen : float
         The velocity that would have been seen if the front were not pinned.
+    enough : callable, optional
+        From a number of sites and v to whether the chain is long enough for another reason.
+    doubt : float, optional
+        Another velocity, from which v differs by less than the error if the longest chain is not
+        long enough.
 
     Examples
     --------
@@ -128,9 +139,12 @@ def settle(
         v, error = velocity_of_arrivals(reached[:both])
         other, _ = velocity_of_arrivals(beside[:both])
         error = max(error, abs(v - other))
-        if error < accuracy * v:
+        long, longest = enough(sites, v), 2 * sites > most_sites
+        if longest and not long and doubt is not None:
+            error = max(error, abs(v - doubt))
+        if error < accuracy * v and (long or longest):
             return Settled(FrontStatus.STEADY, v, error, arrivals, sites, steps)
-        if 2 * sites > most_sites:
+        if longest:
             return Settled(FrontStatus.UNSTEADY, v, error, arrivals, sites, steps)
         sites *= 2
 

@@ -134,7 +134,8 @@ class FrictionLane:
     def amplitude(self) -> FloatArray:
         """Half of last maximum minus last minimum of y, per site; 0 before there are both."""
         half = 0.5 * (self._extremes[0] - self._extremes[1])
-        return np.nan_to_num(np.abs(half), nan=0.0)
+        amplitude: FloatArray = np.nan_to_num(np.abs(half), nan=0.0)
+        return amplitude
 
     @property
     def arrived(self) -> int:

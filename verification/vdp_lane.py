@@ -10,6 +10,7 @@ import numpy.typing as npt
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators import stepping
 from verification.integrators.runge_kutta import error_weights, tableau
+from verification.integrators.slopes import ENVELOPE, FULL
 from verification.integrators.taylor import taylor_order
 
 FloatArray = npt.NDArray[np.float64]
@@ -42,7 +43,7 @@ class Lane:
     tolerance, level, window, behind
         As in ``verification.vdp_run.run_vdp``.
     series : bool
-        Step (8) by its Taylor series instead of by Runge-Kutta.
+        Step by the Taylor series instead of by Runge-Kutta.
     """
 
     def __init__(
@@ -58,9 +59,8 @@ class Lane:
         series: bool = False,
     ) -> None:
         self._chain, self._full = chain, full
-        self._method = stepping.ENVELOPE
-        if full:
-            self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
+        self._model = FULL if full else ENVELOPE
+        self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
         self._scale = 1.0 if full else chain.eps
         self.tolerance, self.level, self._behind = tolerance, level, behind
         self._order = taylor_order(tolerance)
@@ -69,7 +69,7 @@ class Lane:
         # y = Im Ψ and ẏ = Re Ψ; for the envelope (Re φ, Im φ).
         self.state = np.array([start.imag, start.real] if full else [start.real, start.imag])
         self.samples = np.zeros((times.size, 2, chain.sites))
-        self.clock = np.zeros(4)
+        self.clock = np.zeros(5)
         self.counters = np.zeros(6, dtype=np.int64)
         self._arrivals = np.full(chain.sites, np.nan)
         size = np.abs(start)
@@ -107,6 +107,7 @@ class Lane:
             "eps": chain.eps,
             "sites": chain.sites,
             "ends": chain.ends.value,
+            "model": self._model,
             "method": self._method,
             "tolerance": self.tolerance,
             "level": self.level,
@@ -160,6 +161,7 @@ class Lane:
         chain = self._chain
         active = max(1, int(self.counters[1] - self.counters[0]))
         ended = stepping.advance(
+            self._model,
             self._method,
             np.array([chain.a, chain.b, chain.c, chain.eps]),
             chain.ends is Ends.PERIODIC,

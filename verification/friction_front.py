@@ -13,6 +13,7 @@ Velocities are in sites per unit of τ.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -83,6 +84,7 @@ def measure_friction_front(
     most_sites: int = 800,
     patience: float = 3000.0,
     accuracy: float = 1e-2,
+    progress: Callable[[float], None] | None = None,
 ) -> FrictionFront:
     """Return the velocity of a front of (5) that starts from an edge.
 
@@ -104,6 +106,8 @@ def measure_friction_front(
         pinned or creeping.
     accuracy : float
         Relative error of v below which the front counts as steady, from 1e-6 to 0.1.
+    progress : callable, optional
+        Told the part of the present chain that has been reached, now and then.
 
     Raises
     ------
@@ -140,7 +144,7 @@ def measure_friction_front(
         lanes: list[FrictionLane] = []
         for each in (tolerance, min(1e-2, COMPANION * tolerance)):
             lanes.append(FrictionLane(longer, start, each, watched=far))
-            stopped = _follow(lanes[-1], patience)
+            stopped = _follow(lanes[-1], patience, progress)
             if stopped is not None:
                 break
         steps = sum(int(lane.counters[friction.STEPS]) for lane in lanes)
@@ -160,7 +164,9 @@ def measure_friction_front(
     )
 
 
-def _follow(lane: FrictionLane, patience: float) -> FrontStatus | None:
+def _follow(
+    lane: FrictionLane, patience: float, progress: Callable[[float], None] | None
+) -> FrontStatus | None:
     """Step until the far end is near (None), or until the front has stopped."""
     furthest, when = 0, 0.0
     early: FloatArray | None = None
@@ -168,6 +174,8 @@ def _follow(lane: FrictionLane, patience: float) -> FrontStatus | None:
         if lane.go_to(lane.time + patience / _LOOKS, wanted=1):
             return None
         reached = int(np.flatnonzero(~np.isnan(lane.arrivals)).max(initial=0))
+        if progress is not None:
+            progress(reached / lane.chain.sites)
         if reached > furthest:
             furthest, when, early = reached, lane.time, None
         if lane.going_to_rest():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from fronts.arguments import real
+from fronts.arguments import given, real
 
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell
@@ -38,8 +38,8 @@ def add_start_option(parser: argparse.ArgumentParser) -> None:
 
 
 def cell_numbers(options: argparse.Namespace) -> dict[str, float]:
-    """Return the parameters that were given, by name."""
-    named = {name: getattr(options, name, None) for name in CELL}
+    """Return the parameters that were given, by name, but for v_d."""
+    named = {name: getattr(options, name) for name in CELL if name != "v_d"}
     return {name: value for name, value in named.items() if value is not None}
 
 
@@ -53,7 +53,7 @@ def cell_of(options: argparse.Namespace) -> FrictionCell:
     """
     from theory.friction_cell import FrictionCell
 
-    return FrictionCell(**cell_numbers(options))
+    return FrictionCell(given(options.v_d, FrictionCell.v_d), **cell_numbers(options))
 
 
 def start_point_of(options: argparse.Namespace) -> StartPoint:

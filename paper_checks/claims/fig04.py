@@ -156,7 +156,8 @@ def _edge() -> Finding:
         ),
         tolerance="a fall between 35 and 45 %; 'in part' if one of the other readings has another",
         explanation=(
-            "The text says neither what counts as propagation nor by when. Sizes 1 → 3 by reading (base: as in the value): "
+            "The text says neither what counts as propagation nor by when. Sizes 1 → 3 by reading "
+            "(base: as in the value): "
             + _listed("edge")
             + ". The fall needs free ends, as the text says, and not (5) as printed; and it needs "
             "the first new site to count, some hundred periods being allowed for it. The start on "
@@ -176,10 +177,9 @@ def _bulk() -> Finding:
     even = _threshold(2, "bulk", ACCURACY).c
     fits = [name for name, row in _readings().items() if abs(_fall(row, "bulk")) < INSENSITIVE]
     both = [name for name in fits if FALL[0] < _fall(_readings()[name], "edge") < FALL[1]]
-    if both:
-        verdict = Verdict.REPRODUCED
-    else:
-        verdict = Verdict.PARTIAL if fits else Verdict.NOT_REPRODUCED
+    verdict = Verdict.NOT_REPRODUCED
+    if fits:
+        verdict = Verdict.REPRODUCED if both else Verdict.PARTIAL
     return Finding(
         verdict=verdict,
         value=(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def _regions() -> Finding:
     c, v_d, label = states["c"], states["v_d"], states["label"]
     highest = float(c[label == "breather"].max(initial=0.0))
     widths = [int(np.count_nonzero((label == "breather") & (c == value))) for value in COUPLINGS]
-    shrinks = all(first >= second for first, second in zip(widths, widths[1:], strict=False))
+    shrinks = all(first >= second for first, second in pairwise(widths))
     end_of_cycle = _cycle_end()
     above = set(label[v_d > end_of_cycle].tolist())
     undecided = [

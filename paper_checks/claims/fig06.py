@@ -21,7 +21,9 @@ LINEAR_FROM = 0.02
 """'Except in the vicinity of c_crit': from about twice the threshold on."""
 
 LARGE = (0.2, 0.5, 1.0)
-LARGE_SITES = 101
+FAST_SITES, LARGE_SITES = 61, 101
+"""Longer chains than the paper's 31 sites, for a better mean, where fronts are fast."""
+
 WIDE, BELOW = 6, 0.008
 RESIDUAL = 0.02
 """Part of the largest velocity: about the size of a mark in a printed figure."""
@@ -31,11 +33,10 @@ RESIDUAL = 0.02
 def _fronts() -> dict[float, FrictionFront]:
     from verification.friction_front import measure_friction_front
 
-    found = {
-        c: measure_friction_front(chain_of(c), most_sites=SITES, accuracy=0.1) for c in COUPLINGS
-    }
-    for c in LARGE:
-        found[c] = measure_friction_front(chain_of(c, LARGE_SITES), accuracy=0.05)
+    found = {}
+    for c in (*COUPLINGS, *LARGE):
+        sites = LARGE_SITES if c in LARGE else SITES if c < LINEAR_FROM else FAST_SITES
+        found[c] = measure_friction_front(chain_of(c, sites), most_sites=2 * sites, accuracy=0.02)
     return found
 
 
@@ -58,7 +59,7 @@ def _linear() -> Finding:
     one = np.ones_like(c)
     (a, b), off_line = _fit([one, c], v)
     (shift, share), off_waves = _fit([one, waves], v)
-    (p, q), off_power = _fit([one, np.log(c)], np.log(v))
+    (_, power), off_power = _fit([one, np.log(c)], np.log(v))
     _, off_root = _fit([one, np.sqrt(c)], v)
     ahead = {each: a + b * each for each in LARGE}
     follows = {each: shift + share * group[each] for each in LARGE}
@@ -67,6 +68,9 @@ def _linear() -> Finding:
     worst_line = max(abs(ahead[each] / velocity[each] - 1.0) for each in LARGE)
     worst_waves = max(abs(follows[each] / velocity[each] - 1.0) for each in LARGE)
     error = max(front.error or 0.0 for each, front in fronts.items() if each <= c[-1])
+    verdict = Verdict.NOT_REPRODUCED
+    if fine:
+        verdict = Verdict.PARTIAL if worst_line > 0.1 else Verdict.REPRODUCED
     figure, panels = new_panels(2, height=2.8)
     for axes, most in zip(panels, (0.105, 1.05), strict=True):
         shown = [each for each in fronts if each <= most]
@@ -87,8 +91,9 @@ def _linear() -> Finding:
     panels[0].legend()
     drawn = picture(
         "fig06-velocity",
-        f"Velocity of fronts from one excited site at the edge, {SITES} sites ({LARGE_SITES} "
-        f"beyond c = 0.1), and the line through c from {LINEAR_FROM:g} to 0.1.",
+        f"Velocity of fronts from one excited site at the edge, {SITES} sites ({FAST_SITES} "
+        f"from c = {LINEAR_FROM:g}, {LARGE_SITES} beyond 0.1), and the line "
+        f"through c from {LINEAR_FROM:g} to 0.1.",
         figure,
         {
             "c": list(fronts),
@@ -98,11 +103,7 @@ def _linear() -> Finding:
         },
     )
     return Finding(
-        verdict=Verdict.PARTIAL
-        if fine and worst_line > 0.1
-        else Verdict.NOT_REPRODUCED
-        if not fine
-        else Verdict.REPRODUCED,
+        verdict=verdict,
         value=(
             f"v = {a:.5f} + {b:.4f} c for c from {LINEAR_FROM:g} to 0.1, residuals up to "
             f"{off_line:.1e}, {100 * relative:.1f} % of the largest v"
@@ -119,8 +120,8 @@ def _linear() -> Finding:
         explanation=(
             "In the range of the figure a line fits, but it is a chord of another law: the front "
             "follows the largest group velocity of waves about steady sliding, v_g = (√(1+4c) - "
-            f"1)/2. v = {shift:.5f} + {share:.4f} v_g fits to {off_waves:.1e}; a power c^{q:.3f} "
-            f"to {100 * off_power:.1f} %; a root of c to {off_root:.1e}. At c = 0.2, 0.5 and 1 we "
+            f"1)/2. v = {shift:.5f} + {share:.4f} v_g fits to {off_waves:.1e}; a power of c, "
+            f"{power:.3f}, to {100 * off_power:.1f} %; a root of c to {off_root:.1e}. At c = 0.2, 0.5 and 1 we "
             f"measure {', '.join(f'{velocity[each]:.3f}' for each in LARGE)}; the line gives "
             f"{', '.join(f'{ahead[each]:.3f}' for each in LARGE)} (up to {100 * worst_line:.0f} % "
             f"off), the law with v_g {', '.join(f'{follows[each]:.3f}' for each in LARGE)} (up to "

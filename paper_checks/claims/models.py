@@ -207,7 +207,8 @@ def _velocities() -> Finding:
         explanation=(
             "v_g is (√(1+4c) - 1)/2 in I and c (for v̂) in II. Alike: in I and in II at a = "
             f"{', '.join(f'{a:g}' for a in below)} the front stays behind the waves by a "
-            f"velocity that hardly changes while c grows much ({min(lag_one):.4f} to {max(lag_one):.4f} in I, "
+            f"velocity that hardly changes while c grows much "
+            f"({min(lag_one):.4f} to {max(lag_one):.4f} in I, "
             + ", ".join(f"{min(lag[a]):.3f} to {max(lag[a]):.3f} in II" for a in below)
             + "), so that v/v_g tends to 1. This is why both look linear in c; v_g itself is "
             "linear in II, and in I for small c only. Not alike: "

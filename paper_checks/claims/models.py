@@ -160,7 +160,7 @@ def _velocities() -> Finding:
     lag = {a: [c - (run.v or 0.0) for c, run in row.items()] for a, row in smooth.items()}
     lag_one = [group - v for v, _, group in friction.values()]
     figure, axes = new_axes(
-        "column", xlabel="largest group velocity / that at the smallest c", ylabel="v / v_g"
+        "column", xlabel="largest group velocity / that at the smallest c", ylabel="$v/v_g$"
     )
     start = friction[0.012][2]
     axes.plot(

@@ -41,6 +41,7 @@ def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[
     spring[0, 0] = spring[-1, -1] = 1.0 + c
     stuck = np.zeros(n, dtype=bool)
     arrivals = np.full(n, np.nan)
+    free_until = np.zeros(n)
 
     def hold(z: NDArray[np.float64]) -> NDArray[np.float64]:
         return 2.0 * XI * V_D + spring @ z[:n]
@@ -48,17 +49,16 @@ def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[
     def rate(_: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
         velocity = z[n:]
         slide = velocity - V_D
-        friction = np.where(slide <= 0.0, 1.0, -1.0) * (
-            MU_D + (MU_ST - MU_D) * np.exp(-np.abs(slide) / V0)
-        )
+        # backward slip only, which the assertion below makes sure of; smooth through w = 0
+        friction = MU_D + (MU_ST - MU_D) * np.exp(slide / V0)
         force = friction - 2.0 * XI * velocity - spring @ z[:n]
         return np.concatenate([velocity, np.where(stuck, 0.0, force)])
 
     def event_of(k: int):  # type: ignore[no-untyped-def]
-        def event(_: float, z: NDArray[np.float64]) -> float:
+        def event(t: float, z: NDArray[np.float64]) -> float:
             if stuck[k]:
                 return MU_ST - abs(hold(z)[k])
-            return V_D - z[n + k]
+            return V_D - z[n + k] if t >= free_until[k] else 1.0
 
         event.terminal = True  # type: ignore[attr-defined]
         event.direction = -1.0  # type: ignore[attr-defined]
@@ -76,8 +76,8 @@ def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[
             z[n + k] = V_D
             if stuck[k]:
                 stuck[k] = False
-                # released with ẏ = v_d: a step back, by less than the tolerance, into slip
-                z[n + k] = V_D - 1e-12
+                # released with ẏ = v_d it falls behind as -v_d t²/2: no event before it has
+                free_until[k] = t + 0.02
             else:
                 assert abs(hold(z)[k]) <= MU_ST
                 stuck[k] = True
@@ -95,7 +95,7 @@ def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
     known = ~np.isnan(by_scipy)
     assert np.count_nonzero(known) >= 9
     assert (known == ~np.isnan(lane.arrivals)).all()
-    # a relative tolerance of 1e-9 a step over some thousand steps, and the 1e-12 above
+    # a relative tolerance of 1e-9 a step over some thousand steps, each event located to its own
     assert np.max(np.abs(by_scipy - lane.arrivals)[known]) < 1e-5
     reached = np.flatnonzero(known)[2:]
     slope = np.polyfit(reached, by_scipy[reached], 1)[0]
@@ -141,7 +141,7 @@ def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
 
 
 def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
-    for c, long in ((0.05, 301), (0.1, 401)):
+    for c, long in ((0.1, 121), (0.2, 161)):
         short = measure_friction_front(FrictionChain(c, sites=41), most_sites=41, accuracy=0.1)
         far = measure_friction_front(FrictionChain(c, sites=long), most_sites=long, accuracy=0.1)
         assert short.v is not None

@@ -106,7 +106,7 @@ def _edge() -> Finding:
     for place, style, colour in (("edge", "o-", "black"), ("bulk", "s--", "vermilion")):
         values = [found[place, size].c for size in SIZES]
         axes.plot(SIZES, values, style, color=COLOURS[colour], label=place)
-    marks = zip("^v<>dx", READINGS, strict=True)
+    marks = zip("^v<>dx", READINGS, strict=False)
     for mark, name in marks:
         row = _readings()[name]
         if row["edge", 1] > 0.015:

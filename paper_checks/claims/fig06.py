@@ -68,6 +68,7 @@ def _linear() -> Finding:
     worst_line = max(abs(ahead[each] / velocity[each] - 1.0) for each in LARGE)
     worst_waves = max(abs(follows[each] / velocity[each] - 1.0) for each in LARGE)
     error = max(front.error or 0.0 for each, front in fronts.items() if each <= c[-1])
+    outran = any((front.v or 0.0) > group[each] for each, front in fronts.items())
     verdict = Verdict.NOT_REPRODUCED
     if fine:
         verdict = Verdict.PARTIAL if worst_line > 0.1 else Verdict.REPRODUCED
@@ -115,20 +116,22 @@ def _linear() -> Finding:
         ),
         tolerance=(
             f"residuals of {RESIDUAL:g} of the largest v count as linear; 'in part' if the line "
-            "is off by more than a tenth for c up to 1"
+            "is off by more than a tenth for larger c"
         ),
         explanation=(
             "In the range of the figure a line fits, but it is a chord of another law: the front "
             "follows the largest group velocity of waves about steady sliding, v_g = (√(1+4c) - "
             f"1)/2. v = {shift:.5f} + {share:.4f} v_g fits to {off_waves:.1e}; a power of c, "
-            f"{power:.3f}, to {100 * off_power:.1f} %; a root of c to {off_root:.1e}. At c "
-            f"= 0.2, 0.5 and 1 we measure {', '.join(f'{velocity[each]:.3f}' for each in LARGE)}; "
+            f"{power:.3f}, to {100 * off_power:.1f} %; a root of c to {off_root:.1e}. At c = "
+            f"{', '.join(f'{each:g}' for each in LARGE)} we measure "
+            f"{', '.join(f'{velocity[each]:.3f}' for each in LARGE)}; "
             "the line gives "
             f"{', '.join(f'{ahead[each]:.3f}' for each in LARGE)} (up to {100 * worst_line:.0f} % "
             f"off), the law with v_g {', '.join(f'{follows[each]:.3f}' for each in LARGE)} (up to "
             f"{100 * worst_waves:.0f} %). v/v_g rises from {velocity[0.02] / group[0.02]:.2f} at c "
             f"= 0.02 to {velocity[0.1] / group[0.1]:.2f} at 0.1 and "
-            f"{velocity[1.0] / group[1.0]:.3f} at 1; no front outran the waves."
+            f"{velocity[LARGE[-1]] / group[LARGE[-1]]:.3f} at {LARGE[-1]:g}; "
+            + ("some fronts outran the waves." if outran else "no front outran the waves.")
         ),
         pictures=(drawn,),
     )

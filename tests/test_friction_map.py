@@ -68,6 +68,8 @@ def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> 
         lane.go_to(400.0)
         assert lane.arrived == 0
         assert np.abs(lane.velocity).max() < before
+        excited = FrictionLane(chain, nucleus(chain, [4]), 1e-8)
+        assert not excited.going_to_rest()
     # nothing can be said where sliding is unstable, however small the motion is
     unstable = FrictionChain(0.1, FrictionCell(1.0), 8)
     assert not FrictionLane(unstable, nucleus(unstable, [1], 0.57), 1e-12).going_to_rest()

@@ -60,7 +60,7 @@ class FrictionCell:
 
     @property
     def steady_sliding(self) -> float:
-        """y of steady sliding, μ(v_d)."""
+        """Y of steady sliding, μ(v_d)."""
         return friction_coefficient(self, self.v_d)
 
     @property
@@ -80,7 +80,7 @@ class FrictionCell:
 
     @property
     def release(self) -> float:
-        """y at which stick ends when y moves with the belt: 2ξv_d + y = μ_st."""
+        """Y at which stick ends when y moves with the belt: 2ξv_d + y = μ_st."""
         return self.mu_st - 2.0 * self.xi * self.v_d
 
 

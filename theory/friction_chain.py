@@ -1,6 +1,6 @@
 """Model I, the chain (Eq. 5): parameters, end conditions, linear waves about steady sliding.
 
-    ÿ_n + 2ξẏ_n + y_n + c(2y_n - y_{n+1} - y_{n-1}) = F(ẏ_n - v_d)                        (5)
+ÿ_n + 2ξẏ_n + y_n + c(2y_n - y_{n+1} - y_{n-1}) = F(ẏ_n - v_d)                        (5)
 """
 
 from __future__ import annotations

@@ -30,6 +30,8 @@ class Continuation:
         Of the stable cycle.
     multiplier : ndarray, shape (M,)
         Of the unstable cycle.
+    end : float
+        Velocity at which both cycles end; infinite if they never do, 0 if there are none.
     """
 
     v_d: FloatArray
@@ -38,6 +40,7 @@ class Continuation:
     unstable: FloatArray
     stick_time: FloatArray
     multiplier: FloatArray
+    end: float
 
 
 def continue_cycles(
@@ -66,5 +69,5 @@ def continue_cycles(
         if other is not None:
             unstable[i], growth[i] = (other.min, other.max), other.multiplier
     return Continuation(
-        np.asarray(velocities, dtype=float), sliding, stable, unstable, stick, growth
+        np.asarray(velocities, dtype=float), sliding, stable, unstable, stick, growth, end
     )

@@ -8,6 +8,7 @@ of ``verification.friction_run`` but the parameters, and is here to check it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -27,6 +28,7 @@ BEGINS, ENDS, REVERSES = 0, 1, 2
 
 _LOOKS = 8
 _TOGETHER = 1e-12
+_LOST = 1e-9
 
 
 @dataclass(frozen=True)
@@ -86,15 +88,15 @@ def run_events(
     ParameterError
         If a number is out of range.
     ArithmeticError
-        If DOP853 fails.
+        If DOP853 fails, or a site starts exactly on an event.
 
     Examples
     --------
     >>> from verification.friction_start import nucleus
     >>> chain = FrictionChain(0.0, sites=1)
-    >>> run = run_events(chain, nucleus(chain, [1]), 10.0)
+    >>> run = run_events(chain, nucleus(chain, [1]), 12.0)
     >>> run.log[:, 2].astype(int).tolist()
-    [0, 1, 0]
+    [0, 1, 0, 1]
     """
     begin = perf_counter()
     positive("end time tau", t_end)
@@ -110,14 +112,14 @@ def run_events(
     t, taken, evaluations = 0.0, 0, 0
     while t < t_end:
         solver = DOP853(
-            lambda _, z, m=modes: law.rate(z, m), t, state, t_end,
+            partial(law.rate, modes), t, state, t_end,
             rtol=tolerance, atol=0.1 * tolerance, max_step=longest_step,
         )  # fmt: skip
         event = None
         while event is None and solver.status == "running":
-            solver.step()
-            if solver.status == "failed":
-                raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}")
+            complaint = solver.step()
+            if complaint is not None:
+                raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}: {complaint}")
             dense = solver.dense_output()
             event = _earliest(law, dense, modes, float(solver.t_old), float(solver.t))
             reached = float(solver.t) if event is None else event
@@ -152,11 +154,11 @@ class _Law:
         self.spring = np.eye(self.sites) + chain.c * ring
 
     def hold(self, z: FloatArray) -> FloatArray:
-        """Return the force that would hold each site on the belt."""
+        """Return the force that would hold each site on the belt; z may have several columns."""
         force: FloatArray = self.spring @ z[: self.sites] + 2.0 * self.cell.xi * self.cell.v_d
         return force
 
-    def rate(self, z: FloatArray, modes: IntArray) -> FloatArray:
+    def rate(self, modes: IntArray, _: float, z: FloatArray) -> FloatArray:
         """Return the derivative of (y, w); modes: 0 in stick, else the sign of w in slip."""
         w = z[self.sites :]
         cell = self.cell
@@ -172,9 +174,9 @@ class _Law:
 
     def distance(self, z: FloatArray, modes: IntArray) -> FloatArray:
         """Return what is positive before an event of a site and negative after it."""
-        return np.where(
-            modes == 0, self.cell.mu_st - np.abs(self.hold(z)), modes * z[self.sites :]
-        )
+        signs = modes.reshape(-1, *[1] * (z.ndim - 1))
+        stick = self.cell.mu_st - np.abs(self.hold(z))
+        return np.where(signs == 0, stick, signs * z[self.sites :])
 
     def switched(
         self, z: FloatArray, dense: Any, t: float, modes: IntArray
@@ -203,9 +205,11 @@ class _Law:
 def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -> float | None:
     """Return the earliest event in a step; a site that starts at zero has none until it leaves."""
     looks = np.linspace(low, high, _LOOKS + 1)
-    values = np.array([law.distance(dense(t), modes) for t in looks])
+    values = law.distance(dense(looks), modes).T
     found = []
     for n in range(modes.size):
+        if np.all(values[:, n] <= 0.0) and values[-1, n] < -_LOST:
+            raise ArithmeticError(f"site {n + 1} starts on an event: start off it")
         for k in range(_LOOKS):
             if values[k, n] > 0.0 >= values[k + 1, n]:
                 found.append(_located(law, dense, modes, n, looks[k], looks[k + 1]))

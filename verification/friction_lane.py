@@ -126,7 +126,7 @@ class FrictionLane:
     @property
     def log(self) -> FloatArray:
         """Rows (τ, site from 1, kind) of the events kept."""
-        log = self._log[: int(self.counters[friction.LOGGED])].copy()
+        log: FloatArray = self._log[: int(self.counters[friction.LOGGED])].copy()
         log[:, 1] += 1
         return log
 

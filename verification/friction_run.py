@@ -29,7 +29,7 @@ class RunStatus(StrEnum):
     """How far a run can be trusted."""
 
     RESOLVED = "resolved"
-    """Both runs had the same events of each kind at each site."""
+    """Both runs had as many events of each kind."""
 
     EVENTS_DIFFER = "events differ"
     """They had not: an event is as small as the error, or the motion is chaotic."""

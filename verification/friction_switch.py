@@ -238,17 +238,17 @@ def _trapezoid(
                 counters[1] += 1
                 h *= min(factor, 0.9)
                 continue
-        while sampled < times.size and (times[sampled] <= t + h or t + h >= t_end):
+        # Fixed steps add up to the end but for round-off.
+        last = t + h >= t_end - 0.5 * fixed
+        while sampled < times.size and (times[sampled] <= t + h or last):
             s = min(1.0, (times[sampled] - t) / h)
             a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2
             kept[sampled] = (
                 a * z + b * h * now + (1.0 - a) * following + s * s * (s - 1.0) * h * later
             )
             sampled += 1
-        t += h
+        t = t_end if last else t + h
         counters[0] += 1
-        if fixed > 0.0 and t > t_end - 0.5 * fixed:
-            t = t_end
         for n in range(sites):
             if sticks[n] == 1 and math.isnan(arrivals[n]):
                 arrivals[n] = t

@@ -247,6 +247,7 @@ def _lane(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> Lan
         chain.unstable_amplitude,
         window=True,
         behind=rule.filled if behind is Behind.WAVE else 0,
+        wave=behind is Behind.WAVE,
     )
 
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators import stepping
+from verification.integrators.active import FOLLOWING, FREE, RING
 from verification.integrators.runge_kutta import error_weights, tableau
 from verification.integrators.slopes import ENVELOPE, FULL
 from verification.integrators.taylor import taylor_order
@@ -44,6 +45,8 @@ class Lane:
         As in ``verification.vdp_run.run_vdp``.
     series : bool
         Step by the Taylor series instead of by Runge-Kutta.
+    wave : bool
+        To the left of the first site a wave goes on, φ = iφ of its neighbour, instead of an end.
     """
 
     def __init__(
@@ -57,8 +60,10 @@ class Lane:
         window: bool,
         behind: int,
         series: bool = False,
+        wave: bool = False,
     ) -> None:
         self._chain, self._full = chain, full
+        self._first = RING if chain.ends is Ends.PERIODIC else FOLLOWING if wave else FREE
         self._model = FULL if full else ENVELOPE
         self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
         self._scale = 1.0 if full else chain.eps
@@ -111,6 +116,7 @@ class Lane:
             "method": self._method,
             "tolerance": self.tolerance,
             "level": self.level,
+            "first": self._first,
             "behind": self._behind,
             "rest": self._rest,
             "t_end": self.end,
@@ -164,7 +170,7 @@ class Lane:
             self._model,
             self._method,
             np.array([chain.a, chain.b, chain.c, chain.eps]),
-            chain.ends is Ends.PERIODIC,
+            self._first,
             self.state,
             self.clock,
             self.counters,

@@ -230,7 +230,7 @@ CLAIMS = (
         "The cells of the two models have the same topology.",
         None,
         Verdict.PARTIAL,
-        "fronts derive --equation 8",
+        "fronts cell friction --v-d 1.25",
         _cells,
     ),
     Claim(

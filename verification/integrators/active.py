@@ -18,21 +18,22 @@ REST, FREE, RING, FOLLOWING = 0, 1, 2, 3
 
 
 @njit(cache=True)
-def end_codes(lo: int, hi: int, sites: int, periodic: bool, following: bool) -> tuple[int, int]:
+def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tuple[int, int]:
     """Return what is beyond the left and the right end.
 
     Parameters
     ----------
     lo, hi, sites : int
         First active site, last one + 1, all sites.
-    periodic : bool
-        Whether the chain is a ring; then all of it is active.
+    first : int
+        What is beyond the first site of the chain: FREE, FOLLOWING or RING; on a ring all sites
+        are active.
     following : bool
         Whether a wave goes on to the left of lo > 0.
     """
-    if periodic:
+    if first == RING:
         return RING, RING
-    left = FREE if lo == 0 else FOLLOWING if following else REST
+    left = first if lo == 0 else FOLLOWING if following else REST
     return left, FREE if hi == sites else REST
 
 

@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from theory.vdp_chain import Ends, VdpChain
-from verification.integrators.active import end_codes
+from verification.integrators.active import FREE, RING, end_codes
 from verification.integrators.runge_kutta import tableau, take_step
 from verification.integrators.slopes import ENVELOPE
 
@@ -93,7 +93,7 @@ def run_envelope(
     done, escaped = _run(
         state,
         parameters,
-        chain.ends is Ends.PERIODIC,
+        RING if chain.ends is Ends.PERIODIC else FREE,
         mask,
         limit**2,
         rate,
@@ -110,7 +110,7 @@ def run_envelope(
 def _run(
     x: FloatArray,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     watched: NDArray[np.bool_],
     limit: float,
     rate: float,
@@ -121,7 +121,7 @@ def _run(
 ) -> tuple[int, bool]:
     """Step; return the number of steps and whether a watched |φ|² has passed the limit."""
     m = x.size // 2
-    left, right = end_codes(0, m, m, periodic, False)
+    left, right = end_codes(0, m, m, first, False)
     K, out = np.zeros((weights.size, x.size)), np.zeros(x.size)
     c = parameters[2]
     for done in range(steps):

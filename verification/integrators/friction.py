@@ -23,13 +23,15 @@ from numba import njit
 
 from verification.integrators.friction_series import (
     MU_ST,
+    V0,
     V_D,
     XI,
     C,
+    allowed_remainder,
     coefficients,
-    coupling_row,
     first_root,
     horner,
+    resolved,
     site_value,
 )
 
@@ -87,16 +89,18 @@ def initial_modes(y: FloatArray, w: FloatArray, parameters: FloatArray, free: bo
 def _step_length(
     Y: FloatArray, W: FloatArray, order: int, tolerance: float, lo: int, hi: int
 ) -> float:
-    """Return h at which the last two terms of y and w are within the tolerance."""
+    """Return h at which the last two terms of y and w are within the tolerance; nan if not finite.
+
+    See :func:`friction_series.resolved` for what the last two terms cannot see.
+    """
     h = math.inf
     for k in (order - 1, order):
         term = 0.0
         for n in range(lo, hi):
-            size = max(abs(W[k, n]), abs(Y[k, n]))
-            if not size <= term:
-                term = size
-        if not math.isfinite(term):
-            return math.nan
+            size = abs(W[k, n]) + abs(Y[k, n])
+            if not math.isfinite(size):
+                return math.nan
+            term = max(term, size)
         if term > 0.0:
             h = min(h, (tolerance / term) ** (1.0 / k))
     return h
@@ -117,6 +121,12 @@ def _shortened(
 
 
 @njit(cache=True)
+def together(first: float, t: float) -> float:
+    """Return up to when, after t, events count as simultaneous with one a time ``first`` after."""
+    return first + _TOGETHER * max(first, abs(t))
+
+
+@njit(cache=True)
 def _event_times(
     Y: FloatArray,
     W: FloatArray,
@@ -130,24 +140,30 @@ def _event_times(
     f: FloatArray,
     work: FloatArray,
     binomial: FloatArray,
+    t: float,
     out: FloatArray,
 ) -> float:
-    """Put the first event of each site before the earliest so far into out; return the earliest."""
+    """Put the first event of each site before the earliest so far into out; return the earliest.
+
+    Each is looked for a few units of round-off beyond the earliest, so that none of those that
+    belong together is missed.
+    """
     limit, c = parameters[MU_ST], parameters[C]
     last = modes.size - 1
     first = h
     for n in range(lo, hi):
         out[n] = math.inf
+        until = together(first, t)
         if modes[n] != 0:
             size = 0.0
             for k in range(order, 0, -1):
-                size = (size + abs(W[k, n])) * first
+                size = (size + abs(W[k, n])) * until
             if size < abs(W[0, n]):
                 continue
             s = float(modes[n])
             for k in range(order + 1):
                 f[k] = s * W[k, n]
-            out[n] = first_root(f, order, first, work, binomial)
+            out[n] = first_root(f, order, until, work, binomial)
         else:
             own = 2.0 if (0 < n < last or not free) else (1.0 if last > 0 else 0.0)
             for side in (1.0, -1.0):
@@ -155,9 +171,8 @@ def _event_times(
                     near = (Y[k, n - 1] if n > 0 else 0.0) + (Y[k, n + 1] if n < last else 0.0)
                     f[k] = -side * (Y[k, n] + c * (own * Y[k, n] - near))
                 f[0] += limit - side * 2.0 * parameters[XI] * parameters[V_D]
-                out[n] = min(out[n], first_root(f, order, first, work, binomial))
-        if out[n] < first:
-            first = out[n]
+                out[n] = min(out[n], first_root(f, order, until, work, binomial))
+        first = min(first, out[n])
     return first
 
 
@@ -267,6 +282,7 @@ def advance(
     released = np.zeros(sites, dtype=np.bool_)
     Y[0], W[0] = y, w
     ended, steps, standing = REACHED, 0, 0
+    allowed = allowed_remainder(order, tolerance)
     arrived = 0
     for n in range(sites):
         if modes[n] == 0 and math.isnan(arrivals[n]):
@@ -290,12 +306,15 @@ def advance(
             break
         t = clock[0]
         h = min(h, stop - t)
+        for n in range(lo, hi):
+            if modes[n] != 0:
+                h = resolved(W, order, h, n, float(modes[n]), parameters[V0], allowed)
         if t + h == t:
             ended = TOO_SHORT
             break
         shorter = _shortened(W, modes, order, h, lo, hi, row)
         first = _event_times(
-            Y, W, modes, order, shorter, lo, hi, parameters, free, f, work, binomial, event
+            Y, W, modes, order, shorter, lo, hi, parameters, free, f, work, binomial, t, event
         )
         happens = first < h
         h = first if happens else h
@@ -327,9 +346,9 @@ def advance(
         counters[STEPS] += 1
         counters[SITE_STEPS] += hi - lo
         if happens:
-            together = first + _TOGETHER * max(first, abs(t))
+            until = together(first, t)
             for n in range(lo, hi):
-                if event[n] <= together:
+                if event[n] <= until:
                     kind = _switch(n, y, w, modes, released, parameters, free)
                     if kind < 0:
                         continue

@@ -12,12 +12,21 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from verification.integrators.friction_series import V_D, coefficients, first_root, value_at
+from verification.integrators.friction_series import (
+    V0,
+    V_D,
+    allowed_remainder,
+    coefficients,
+    first_root,
+    resolved,
+    value_at,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
-HIGHEST, LOWEST, TOUCH, FASTEST = 0, 1, 2, 3
-"""Where a phase ends: ẏ falls through 0; ẏ rises through 0; ẏ rises to v_d; ẏ stops rising."""
+HIGHEST, LOWEST, TOUCH, FASTEST, SLOWEST = 0, 1, 2, 3, 4
+"""Where a phase ends: ẏ falls through 0; ẏ rises through 0; ẏ rises to v_d; ẏ stops rising; ẏ
+stops falling. With y, w and v_d reversed in sign it is a phase of slip forwards."""
 
 FAILED = -1.0
 """Time returned if the end is not reached."""
@@ -46,7 +55,7 @@ def phase(
     released : bool
         Whether stick ends there: ẇ = 0.
     end : int
-        HIGHEST, LOWEST, TOUCH or FASTEST.
+        HIGHEST, LOWEST, TOUCH, FASTEST or SLOWEST.
     tolerance, order
         Local error, absolute, and order of the series.
     binomial : ndarray
@@ -60,9 +69,10 @@ def phase(
     modes = np.full(1, -1, dtype=np.int64)
     fresh = np.full(1, released)
     f, work = np.zeros(order + 1), np.zeros((50, order + 1))
+    allowed = allowed_remainder(order, tolerance)
     t = 0.0
-    sign = -1.0 if end in (LOWEST, TOUCH) else 1.0  # f goes from positive to negative
-    armed = False  # f has been positive
+    sign = -1.0 if end in (LOWEST, TOUCH, SLOWEST) else 1.0  # f goes from positive to negative
+    armed = False  # f has been positive, or is positive just after the start
     while t < longest:
         Y[0, 0], W[0, 0] = y, w
         coefficients(Y, W, E, D, lap, modes, fresh, signs, parameters, True, order, 0, 1)
@@ -74,15 +84,23 @@ def phase(
                 return FAILED, y, w
             if term > 0.0:
                 h = min(h, (tolerance / term) ** (1.0 / k))
+        h = resolved(W, order, h, 0, -1.0, parameters[V0], allowed)
+        if t + h == t:
+            return FAILED, y, w
         degree = order
         for k in range(order + 1):
             f[k] = sign * W[k, 0]
         if end in (HIGHEST, LOWEST):
             f[0] += sign * parameters[V_D]
-        if end == FASTEST:
+        if end in (FASTEST, SLOWEST):
             degree = order - 1
             for k in range(order):
-                f[k] = (k + 1) * W[k + 1, 0]
+                f[k] = sign * (k + 1) * W[k + 1, 0]
+        if t == 0.0:
+            for k in range(degree + 1):
+                if f[k] != 0.0:
+                    armed = f[k] > 0.0
+                    break
         after = value_at(f, degree, h)
         if armed or f[0] > 0.0:
             root = first_root(f, degree, h, work, binomial)

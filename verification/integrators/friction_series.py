@@ -24,6 +24,7 @@ MU_ST, MU_D, V0, XI, V_D, C = 0, 1, 2, 3, 4, 5
 """Places in the array of parameters."""
 
 _DEPTH = 48
+_LOOKS = 16
 
 
 @njit(cache=True)
@@ -154,6 +155,63 @@ def value_at(f: FloatArray, degree: int, h: float) -> float:
     for k in range(degree - 1, -1, -1):
         value = value * h + f[k]
     return float(value)
+
+
+@njit(cache=True)
+def resolved(
+    W: FloatArray, order: int, h: float, n: int, s: float, v0: float, allowed: float
+) -> float:
+    """Return h, halved until the series of site n in slip sees the growth of E = e^{-s w/v₀}.
+
+    Far from stick E is too small to leave a trace in the coefficients; still it can be of order
+    one at the end of the step. The remainder of its series, E(nearest w) x^order/order! with
+    x = (w's approach)/v₀, is held below the tolerance.
+
+    Parameters
+    ----------
+    W : ndarray, shape (order + 1, N)
+        Coefficients of w.
+    order : int
+        Order.
+    h : float
+        Step proposed.
+    n : int
+        Site.
+    s : float
+        Its direction of slip.
+    v0, allowed : float
+        Reference velocity, and :func:`allowed_remainder`.
+    """
+    start = s * W[0, n]
+    while h > 0.0:
+        size = 0.0
+        for k in range(order, 0, -1):
+            size = (size + abs(W[k, n])) * h
+        if size <= v0:
+            return h
+        nearest = max(0.0, start - size)
+        if start - nearest <= v0 or _remainder(nearest, start, v0, order) <= allowed:
+            return h
+        nearest = start
+        for i in range(1, _LOOKS + 1):
+            nearest = min(nearest, s * site_value(W, order, h * i / _LOOKS, n))
+        nearest = max(0.0, nearest)
+        if start - nearest <= v0 or _remainder(nearest, start, v0, order) <= allowed:
+            return h
+        h *= 0.5
+    return h
+
+
+@njit(cache=True)
+def allowed_remainder(order: int, tolerance: float) -> float:
+    """Return the largest logarithm of order! times a remainder within the tolerance."""
+    return math.log(tolerance) + math.lgamma(order + 1.0)
+
+
+@njit(cache=True)
+def _remainder(nearest: float, start: float, v0: float, order: int) -> float:
+    """Return the logarithm of order! times the remainder of the series of E."""
+    return order * math.log((start - nearest) / v0) - nearest / v0
 
 
 @njit(cache=True)

@@ -5,6 +5,7 @@ The state is a row of length 2m (``active``); all quantities are dimensionless.
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -59,10 +60,14 @@ def take_step(
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def step_error(K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: FloatArray) -> float:
-    """Return DOP853's estimate of the local error, the largest over sites.
+def step_error(
+    K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: FloatArray, size: float
+) -> float:
+    """Return DOP853's estimate of the local error, the largest over sites, relative to ``size``.
 
-    ``room`` has the shape (2, 2m).
+    It is e5²/√(e5² + e3²/100) and vanishes where e3 alone is huge, so that a step that explodes
+    would pass: where e3 is as large as the state, the estimate is infinite. ``room`` has the shape
+    (2, 2m).
     """
     five, three = room[0], room[1]
     five[:] = 0.0
@@ -72,9 +77,12 @@ def step_error(K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: Fl
         for n in range(five.size):
             five[n] += of_five * known[n]
             three[n] += of_three * known[n]
-    largest5, largest3 = largest(five), largest(three)
-    size = largest5 * largest5 + 0.01 * largest3 * largest3
-    return h * largest5 * largest5 / np.sqrt(size) if size > 0.0 else size
+    e5, e3 = h * largest(five), h * largest(three)
+    if e5 == 0.0:
+        return 0.0
+    if not e3 < size:
+        return math.inf
+    return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))
 
 
 @njit(cache=True, error_model="numpy")
@@ -82,7 +90,7 @@ def fixed_steps(
     model: int,
     state: FloatArray,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     h: float,
     steps: int,
     A: FloatArray,
@@ -90,7 +98,7 @@ def fixed_steps(
 ) -> None:
     """Advance a state of shape (2, N) by steps of length h, all sites; for tests and benchmarks."""
     sites = state.shape[1]
-    left, right = end_codes(0, sites, sites, periodic, False)
+    left, right = end_codes(0, sites, sites, first, False)
     x = state.copy().reshape(2 * sites)
     out = np.zeros(2 * sites)
     K = np.zeros((weights.size, 2 * sites))

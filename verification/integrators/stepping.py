@@ -39,7 +39,9 @@ finite, or after ``most_steps``."""
 MARGIN = 8
 """Sites kept beyond the last one that is above the rest level."""
 
-_FIRST = 0.05
+_FIRST = 0.5
+"""First step at tolerance one; it follows the tolerance, so that two runs never share steps."""
+
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
 _LAZY = 0.25
 _LOOKS, _MET = 60, 0.01
@@ -69,7 +71,7 @@ def advance(
     model: int,
     method: int,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     state: FloatArray,
     clock: FloatArray,
     counters: IntArray,
@@ -101,8 +103,8 @@ def advance(
         RUNGE_KUTTA or TAYLOR.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
-    periodic : bool
-        Whether the chain is a ring.
+    first : int
+        What is beyond the first site (``active``).
     state : ndarray, shape (2, N)
         In: at ``clock[0]``. Out: at the new ``clock[0]``.
     clock : ndarray, shape (5,)
@@ -155,7 +157,7 @@ def advance(
             C = series_room(order if series else 0, m)
             x[:m], x[m:] = state[0, lo:hi], state[1, lo:hi]
             packed_lo, packed_hi = lo, hi
-            left, right = end_codes(lo, hi, sites, periodic, behind > 0)
+            left, right = end_codes(lo, hi, sites, first, behind > 0)
         t = clock[0]
         if series:
             C[0][0], C[1][0] = x[:m], x[m:]
@@ -166,11 +168,11 @@ def advance(
             h = step_length(C, order, tolerance)
             h = min(h, max(stop - t, 1.0)) if math.isinf(h) else h
         else:
-            size = tolerance * largest(x)
-            h = clock[1] if clock[1] > 0.0 else _FIRST
+            size = largest(x)
+            h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
             while h >= shortest:
                 take_step(model, x, parameters, left, right, h, A, weights, K, new)
-                ratio = step_error(K, h, E5, E3, room) / size if size > 0.0 else 0.0
+                ratio = step_error(K, h, E5, E3, room, size) / tolerance
                 if not math.isfinite(ratio):
                     h *= _SHRINK
                     continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +78,25 @@ def eta_of(options: argparse.Namespace) -> Any:
     from theory.unit_cell import eta_from_damping
 
     return eta_from_damping(options.a, options.b)
+
+
+def given(value: Any, default: Any) -> Any:
+    """Return an option as it was given, or the default of the model that was named."""
+    return default if value is None else value
+
+
+def refuse(options: argparse.Namespace, names: Iterable[str], model: str) -> None:
+    """Refuse options that belong to other models than the one that was named.
+
+    Raises
+    ------
+    UsageError
+        If one was given.
+    """
+    for name in names:
+        if getattr(options, name) is not None:
+            flag = name.replace("_", "-")
+            raise UsageError(f"--{flag} has no meaning for the model {model}.")
 
 
 def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--out") -> Path:

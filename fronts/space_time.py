@@ -11,9 +11,15 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def draw_space_time(
-    path: Path, times: FloatArray, amplitude: FloatArray, arrivals: FloatArray, level: float
+    path: Path,
+    times: FloatArray,
+    amplitude: FloatArray,
+    arrivals: FloatArray,
+    mark: str,
+    clock: str = "time t",
+    quantity: str = "amplitude |Ψ|",
 ) -> None:
-    """Draw |Ψ| over site and time into a file.
+    """Draw the amplitude over site and time into a file.
 
     Parameters
     ----------
@@ -24,9 +30,11 @@ def draw_space_time(
     amplitude : ndarray, shape (M, N)
         Amplitudes.
     arrivals : ndarray, shape (N,)
-        Time at which each site passed ``level``, nan where it did not.
-    level : float
-        Named in the legend.
+        Time at which each site was reached, nan where it was not.
+    mark : str
+        What it is to be reached, for the legend.
+    clock, quantity : str, optional
+        Names of the time and of the amplitude.
     """
     from matplotlib.figure import Figure
 
@@ -50,10 +58,10 @@ def draw_space_time(
             "o",
             ms=2.0,
             color="#D55E00",
-            label=f"reaches {level:.3g}",
+            label=mark,
         )
         axes.legend(loc="upper left", fontsize=7, framealpha=0.8)
-    axes.set(xlabel="time t", ylabel="site n")
+    axes.set(xlabel=clock, ylabel="site n")
     axes.locator_params(axis="x", nbins=6)
-    figure.colorbar(image, ax=axes, label="amplitude |Ψ|")
+    figure.colorbar(image, ax=axes, label=quantity)
     figure.savefig(path, dpi=160)

@@ -142,7 +142,7 @@ class Agreement:
     total : int
         Points.
     differing : tuple of dict
-        The others: eta, c and the two labels.
+        The others: coordinates and the two labels.
     contradicting : int
         Those of them where both maps have decided.
     """
@@ -153,18 +153,25 @@ class Agreement:
     contradicting: int
 
 
-def compare(first: Table, second: Table) -> Agreement:
+def compare(first: Table, second: Table, axes: Sequence[str] = ("eta", "c")) -> Agreement:
     """Count the points to which two maps give the same label.
+
+    Parameters
+    ----------
+    first, second : Table
+        Maps of the same points.
+    axes : sequence of str, optional
+        Names of the coordinates.
 
     Raises
     ------
     ValueError
         If the maps are not over the same points.
     """
-    if not all(np.array_equal(first[name], second[name]) for name in ("eta", "c")):
+    if not all(np.array_equal(first[name], second[name]) for name in axes):
         raise ValueError("the two maps are not over the same points.")
     differing: list[dict[str, Scalar]] = [
-        {"eta": one["eta"], "c": one["c"], "first": one["label"], "second": two["label"]}
+        {**{name: one[name] for name in axes}, "first": one["label"], "second": two["label"]}
         for one, two in zip(first.rows(), second.rows(), strict=True)
         if one["label"] != two["label"]
     ]

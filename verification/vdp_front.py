@@ -6,17 +6,12 @@ The front starts from sites on the stable cycle, each a quarter of a turn behind
 Behind the front, phase waves move at velocities up to c, undamped. A front with v̂ > c outruns them:
 how it began does not matter, and only a number of sites behind it are stepped. A front with v̂ < c
 is overtaken by what the free end sends after it, and its velocity is another one; then all sites
-are stepped (``Behind``). The rule:
+are stepped (``Behind``).
 
-* the first half of the arrivals is transient and is not used;
-* v is the slope of the regression line of the rest;
-* its error is the largest of twice the standard error of that slope, the difference between the
-  slopes of the third and the fourth quarter, and the difference from a run at a hundred times the
-  tolerance;
-* on a chain so long as is allowed, but not long enough for a front with v̂ < c to be overtaken,
-  the error is at least the difference from the front with a wave behind it;
-* the front is steady if that error is below a stated part of v (a thousandth, unless another is
-  asked for); if not, the chain is made longer.
+The rule by which v, its error and whether it is steady (to a thousandth, unless another part is
+asked for) follow is that of ``verification.arrival_fit``; on a chain so long as is allowed, but not
+long enough for a front with v̂ < c to be overtaken, the error is at least the difference from the
+front with a wave behind it.
 
 Velocities are v̂ = v/ε, sites per unit of slow time.
 """
@@ -33,6 +28,7 @@ import numpy.typing as npt
 
 from theory.parameters import ParameterError, count_within, positive, within
 from theory.vdp_chain import Ends, VdpChain
+from verification.arrival_fit import FrontStatus, Trial, settle, velocity_of_arrivals
 from verification.vdp_lane import Lane
 from verification.vdp_run import COMPANION, Model
 from verification.vdp_start import staggered_front
@@ -41,25 +37,6 @@ FloatArray = npt.NDArray[np.float64]
 
 _BUDGET = 200_000
 _DECAYED = 0.5
-
-
-class FrontStatus(StrEnum):
-    """What became of the front."""
-
-    STEADY = "steady"
-    """It runs, and its velocity has settled."""
-
-    UNSTEADY = "unsteady"
-    """It runs, and its velocity has not settled on the longest chain allowed."""
-
-    PINNED = "pinned"
-    """No site was reached for long, and the amplitudes have stopped changing."""
-
-    CREEPING = "creeping"
-    """No site was reached for long, but the amplitudes still change: nothing can be said."""
-
-    COLLAPSED = "collapsed"
-    """The excited sites went to rest."""
 
 
 class Behind(StrEnum):
@@ -196,38 +173,36 @@ def _measure(
     chain: VdpChain, rule: _Rule, behind: Behind, wave: FrontMeasurement | None = None
 ) -> FrontMeasurement:
     """Measure on longer and longer chains, until v is known well enough; ``wave`` came before."""
-    sites, steps = max(chain.sites, 32), wave.steps if wave else 0
-    while True:
-        longer = replace(chain, sites=rule.filled + sites, ends=Ends.FREE)
-        lanes = []
+
+    def sized(sites: int) -> VdpChain:
+        return replace(chain, sites=rule.filled + sites, ends=Ends.FREE)
+
+    def trial(sites: int) -> Trial:
+        longer = sized(sites)
+        lanes: list[Lane] = []
         for each in (rule.tolerance, min(1e-2, COMPANION * rule.tolerance)):
-            lane = _lane(longer, rule, each, behind)
-            status = _follow(lane, longer, rule)
-            steps += int(lane.counters[3])
-            lanes.append(lane)
-            if status is not None:
+            lanes.append(_lane(longer, rule, each, behind))
+            stopped = _follow(lanes[-1], longer, rule)
+            if stopped is not None:
                 break
-        arrivals = lanes[0].arrivals[rule.filled :]
-        arrivals = arrivals[~np.isnan(arrivals)]
-        if status is not None:
-            seen = {FrontStatus.PINNED: (0.0, 1.0 / rule.patience)}.get(status, (None, None))
-            v, error = seen
-            break
-        v, error = velocity_of(arrivals, chain.eps)
-        other, _ = velocity_of(lanes[1].arrivals[rule.filled :], chain.eps)
-        error = max(error, abs(v - other))
-        enough = sites >= _overtaken(chain.c, v, rule.filled, behind)
-        longest = 2 * sites > rule.most_sites
-        if longest and not enough and wave is not None and wave.v is not None:
-            error = max(error, abs(v - wave.v))
-        if error < rule.accuracy * v and (enough or longest):
-            status = FrontStatus.STEADY
-            break
-        if longest:
-            status = FrontStatus.UNSTEADY
-            break
-        sites *= 2
-    return FrontMeasurement(longer, rule.model, behind, status, v, error, arrivals, steps, 0.0)
+        steps = sum(int(lane.counters[3]) for lane in lanes)
+        first, last = (lane.arrivals[rule.filled :] for lane in (lanes[0], lanes[-1]))
+        return Trial(stopped, first, last, steps)
+
+    found = settle(
+        trial,
+        max(chain.sites, 32),
+        rule.most_sites,
+        rule.accuracy,
+        chain.eps / rule.patience,
+        lambda sites, v: sites >= _overtaken(chain.c, v / chain.eps, rule.filled, behind),
+        None if wave is None or wave.v is None else chain.eps * wave.v,
+    )
+    v, error = (None if x is None else x / chain.eps for x in (found.v, found.error))
+    steps = found.steps + (wave.steps if wave else 0)
+    return FrontMeasurement(
+        sized(found.sites), rule.model, behind, found.status, v, error, found.arrivals, steps, 0.0
+    )
 
 
 def _overtaken(c: float, v: float, filled: int, behind: Behind) -> float:
@@ -256,23 +231,8 @@ def velocity_of(arrivals: FloatArray, eps: float) -> tuple[float, float]:
     >>> velocity_of(np.arange(32) / 0.02, eps=0.01)
     (2.0, 0.0)
     """
-    late = arrivals[arrivals.size // 2 :]
-    site = np.arange(late.size)
-    slope, noise = _line(site, late)
-    half = late.size // 2
-    first, _ = _line(site[:half], late[:half])
-    second, _ = _line(site[half:], late[half:])
-    uncertain = max(2.0 * noise, abs(first - second))
-    return 1.0 / (eps * slope), uncertain / (eps * slope**2)
-
-
-def _line(x: npt.NDArray[np.int64], y: FloatArray) -> tuple[float, float]:
-    """Return the slope of the regression line and its standard error."""
-    centred = x - x.mean()
-    weight = float(centred @ centred)
-    slope = float(centred @ y) / weight
-    rest = y - y.mean() - slope * centred
-    return slope, float(np.sqrt(rest @ rest / max(1, x.size - 2) / weight))
+    v, error = velocity_of_arrivals(arrivals)
+    return v / eps, error / eps
 
 
 def _lane(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> Lane:

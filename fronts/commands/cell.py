@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_writable, real, real_or_range, write_whole
+from fronts.friction_options import CELL, add_cell_options, cell_numbers
 
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell
@@ -28,7 +29,7 @@ MOST_POINTS = 2000
 _COLUMNS = (
     "v_d", "sliding", "stable_min", "stable_max", "stick_time", "unstable_min", "unstable_max",
 )  # fmt: skip
-_FRICTION_ONLY = ("v_d", "mu_st", "mu_d", "v0", "xi", "out")
+_FRICTION_ONLY = (*CELL, "out")
 _VDP_ONLY = ("a", "b", "eps")
 
 
@@ -38,10 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--v-d", type=real_or_range, help="belt velocity, or low:high:count for a diagram"
     )
-    parser.add_argument("--mu-st", type=real, help="static friction coefficient (1)")
-    parser.add_argument("--mu-d", type=real, help="dynamic friction coefficient (0.5)")
-    parser.add_argument("--v0", type=real, help="reference velocity of (2) (0.5)")
-    parser.add_argument("--xi", type=real, help="damping ratio (0.05)")
+    add_cell_options(parser, v_d=False)
     parser.add_argument("--a", type=real, help="damping coefficient a of (8)")
     parser.add_argument("--b", type=real, help="damping coefficient b of (8)")
     parser.add_argument("--eps", type=real, help="small parameter of (8) (0.01)")
@@ -76,8 +74,7 @@ def _friction(options: argparse.Namespace) -> Answer:
             raise UsageError("--out needs a diagram: give a range, as in --v-d 1:2:200.")
     from theory.friction_cell import FrictionCell
 
-    names = ("mu_st", "mu_d", "v0", "xi")
-    given = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    given = cell_numbers(options)
     if ranged:
         low, high, count = options.v_d
         if count > MOST_POINTS:

@@ -7,10 +7,19 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import add_eta_options, eta_of, real
+from fronts.arguments import add_eta_options, eta_of, given, real, refuse
+from fronts.friction_options import (
+    CELL,
+    START,
+    add_cell_options,
+    add_start_option,
+    cell_of,
+    start_point_of,
+)
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
+    from verification.friction_front import FrictionFront
     from verification.piecewise_run import FrontRun
     from verification.vdp_front import FrontMeasurement
     from verification.vdp_run import Model
@@ -19,7 +28,11 @@ EXAMPLE = """examples:
   fronts front piecewise --c 0.5 --eta 0.03125
   fronts front piecewise --c 0.44 --a 4 --b 0.5 --start resting --json
   fronts front envelope --c 0.6 --a 4 --b 0.5
-  fronts front vdp --c 0.6 --a 4 --b 0.5 --eps 0.01 --json"""
+  fronts front vdp --c 0.6 --a 4 --b 0.5 --eps 0.01 --json
+  fronts front friction --c 0.02 --n 101
+  fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json"""
+
+_FRICTION = (*CELL, *START, "nucleus")
 
 _STARTS = {
     "moving": "a travelling wave, near the fastest that fits",
@@ -47,7 +60,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--eps", type=real, help="vdp: small parameter (default 0.01)")
     parser.add_argument(
-        "--n", type=int, help="vdp, envelope: sites beyond the start tried first (default 32)"
+        "--n",
+        type=int,
+        help="vdp, envelope: sites beyond the start tried first (default 32); friction: sites of "
+        "the chain tried first (default 101)",
     )
     parser.add_argument(
         "--behind",
@@ -57,8 +73,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accuracy",
         type=real,
-        help="vdp, envelope: relative error of v at which the run ends (default 1e-3)",
+        help="relative error of v at which the run ends (vdp, envelope: 1e-3; friction: 1e-2)",
     )
+    parser.add_argument(
+        "--nucleus", type=int, metavar="SIZE", help="friction: sites excited at the edge (1)"
+    )
+    add_cell_options(parser)
+    add_start_option(parser)
 
 
 def run(options: argparse.Namespace) -> Answer:
@@ -67,7 +88,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _piecewise(options: argparse.Namespace) -> Answer:
-    _refuse(options, ("eps", "n", "accuracy", "behind"))
+    refuse(options, ("eps", "n", "accuracy", "behind", *_FRICTION), options.model)
     from verification.piecewise_simulation import simulate_front
 
     result = simulate_front(
@@ -131,7 +152,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
 def _envelope(options: argparse.Namespace) -> Answer:
     from verification.vdp_run import Model
 
-    _refuse(options, ("eps",))
+    refuse(options, ("eps",), options.model)
     return _chain(options, Model.ENVELOPE)
 
 
@@ -140,9 +161,8 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
     from theory.vdp_chain import VdpChain
     from verification.vdp_front import Behind, measure_front
 
-    _refuse(options, ("start_v",))
-    if options.start != "moving":
-        raise UsageError(f"--start {options.start} is for the model piecewise: leave it out.")
+    refuse(options, ("start_v", *_FRICTION), options.model)
+    _moving_only(options)
     eta = eta_of(options)
     a, b = (options.a, options.b) if options.eta is None else (1.0, eta)
     chain = VdpChain(
@@ -160,7 +180,35 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
             accuracy=1e-3 if options.accuracy is None else options.accuracy,
             progress=shown.show,
         )
-    payload: dict[str, object] = {
+    return Answer(_numbers(result), _measured(result, "slow time"))
+
+
+def _friction(options: argparse.Namespace) -> Answer:
+    from theory.friction_chain import FrictionChain
+    from verification.friction_front import measure_friction_front
+
+    refuse(options, ("eta", "a", "b", "eps", "behind", "start_v"), options.model)
+    _moving_only(options)
+    chain = FrictionChain(options.c, cell_of(options), given(options.n, 101))
+    with Fraction(f"front at c = {options.c:g}") as shown:
+        result = measure_friction_front(
+            chain,
+            size=given(options.nucleus, 1),
+            point=start_point_of(options),
+            accuracy=given(options.accuracy, 1e-2),
+            progress=shown.show,
+        )
+    payload = _numbers(result) | {"largest_group_velocity": chain.largest_group_velocity}
+    return Answer(payload, _measured(result, "tau"))
+
+
+def _moving_only(options: argparse.Namespace) -> None:
+    if options.start != "moving":
+        raise UsageError(f"--start {options.start} is for the model piecewise: leave it out.")
+
+
+def _numbers(result: FrontMeasurement | FrictionFront) -> dict[str, object]:
+    return {
         "v": result.v,
         "error": result.error,
         "steady": result.steady,
@@ -170,28 +218,20 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
         "sites": result.chain.sites,
         "steps": result.steps,
     }
-    return Answer(payload, _measured(result))
 
 
-def _measured(result: FrontMeasurement) -> str:
+def _measured(result: FrontMeasurement | FrictionFront, time: str) -> str:
     status = result.status.value
     lines = [f"{status}: {_CHAIN_MEANING[status]}"]
     if result.v is not None and status != "pinned":
         lines.append(
-            f"  v = {result.v:.10g}, uncertain by {result.error:.1e} (sites per unit of slow time)"
+            f"  v = {result.v:.10g}, uncertain by {result.error:.1e} (sites per unit of {time})"
         )
     lines.append(
         f"  {result.arrivals.size} arrivals on a chain of {result.chain.sites} sites, "
         f"{result.steps} steps, {result.seconds:.3f} s"
     )
     return "\n".join(lines)
-
-
-def _refuse(options: argparse.Namespace, names: tuple[str, ...]) -> None:
-    for name in names:
-        if getattr(options, name) is not None:
-            flag = name.replace("_", "-")
-            raise UsageError(f"--{flag} has no meaning for the model {options.model}.")
 
 
 _CHAIN_MEANING = {
@@ -206,5 +246,6 @@ MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {
     "piecewise": _piecewise,
     "vdp": _vdp,
     "envelope": _envelope,
+    "friction": _friction,
 }
 """Model and the function that runs it."""

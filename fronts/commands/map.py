@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import MOST_POINTS, check_writable, real, real_or_range, write_whole
-from fronts.progress import Fraction
-
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
-    from verification.sweep import Task
-    from verification.table import Point, Table
+from fronts.arguments import (
+    MOST_POINTS,
+    check_writable,
+    given,
+    real,
+    real_or_range,
+    refuse,
+)
+from fronts.friction_options import (
+    CELL,
+    START,
+    add_cell_options,
+    add_start_option,
+    cell_numbers,
+    start_point_of,
+)
+from fronts.state_plane import Plane, boundary_path, map_plane, swept
 
 EXAMPLE = """examples:
   fronts map vdp --eta 0.01:0.14:7 --c 0.05:1:7 --model envelope
@@ -27,32 +34,55 @@ EXAMPLE = """examples:
   fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --model full --refine 0 --out map.csv --resume
 
 The paper does not say which of a and b is the same for all eta: b = 0.5 is held, unless --a or
-another --b is given. OUT.json has parameters and versions; OUT-boundary.csv has the boundaries."""
+another --b is given.
+
+  fronts map friction --c 0:0.1:11 --v-d 1:2:11
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume
+
+OUT.json has parameters and versions; OUT-boundary.csv has the boundaries."""
+
+_VDP = ("eta", "model", "a", "b", "eps", "displacement")
+_FRICTION = (*CELL, *START, "nucleus", "place", "ends")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts map``."""
     parser.add_argument("chain", choices=sorted(MODELS), help="the chain to run")
-    parser.add_argument("--eta", type=real_or_range, required=True, help="b/a^2, or low:high:count")
+    parser.add_argument("--eta", type=real_or_range, help="vdp: b/a^2, or low:high:count")
+    parser.add_argument(
+        "--v-d", type=real_or_range, help="friction: velocity of the belt, or low:high:count"
+    )
     parser.add_argument(
         "--c", type=real_or_range, required=True, help="coupling, or low:high:count"
     )
     parser.add_argument(
-        "--model", choices=("full", "envelope"), default="full", help="Eq. 8, or its average 43"
+        "--model", choices=("full", "envelope"), help="vdp: Eq. 8 (full), or its average 43"
     )
     held = parser.add_mutually_exclusive_group()
-    held.add_argument("--a", type=real, help="hold a at this value; b = eta a^2")
-    held.add_argument("--b", type=real, help="hold b at this value; a = sqrt(b/eta) (default 0.5)")
-    parser.add_argument("--n", type=int, default=16, help="number of oscillators (default 16)")
-    parser.add_argument("--eps", type=real, default=0.01, help="small parameter (default 0.01)")
+    held.add_argument("--a", type=real, help="vdp: hold a at this value; b = eta a^2")
+    held.add_argument("--b", type=real, help="vdp: hold b at this value (default 0.5)")
+    parser.add_argument("--n", type=int, help="number of oscillators (vdp: 16, friction: 31)")
+    parser.add_argument("--eps", type=real, help="vdp: small parameter (default 0.01)")
+    parser.add_argument("--displacement", type=real, help="vdp: of the last site (default 6)")
+    add_cell_options(parser, v_d=False)
+    add_start_option(parser)
     parser.add_argument(
-        "--displacement", type=real, default=6.0, help="of the last site (default 6)"
+        "--nucleus", type=int, metavar="SIZE", help="friction: excited sites (default 1)"
+    )
+    parser.add_argument(
+        "--place", choices=("bulk", "edge"), help="friction: middle (default) or end of the chain"
+    )
+    parser.add_argument(
+        "--ends",
+        choices=("free", "literal"),
+        help="friction: free ends (default), or Eq. 5 with the missing neighbours zero",
     )
     parser.add_argument(
         "--end",
         type=real,
-        default=2000.0,
-        help="end in slow time eps t; a label found after half of it does not count (default 2000)",
+        help="end time; a label found after half of it does not count (vdp: 2000 in slow time "
+        "eps t; friction: 20000 in tau)",
     )
     parser.add_argument(
         "--refine",
@@ -85,17 +115,14 @@ def _values(option: str, given: float | tuple[float, float, int]) -> list[float]
     return [float(f"{value:.15g}") for value in np.linspace(low, high, count)]
 
 
-def _vdp(options: argparse.Namespace) -> Answer:
+def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
-    from verification.boundary import Bisection
     from verification.journal import journal_path
-    from verification.state_map import StateTask, compare, state_points
-    from verification.vdp_run import Model
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
         # Before the map overwrites what an interrupted run has finished.
-        journal = journal_path(_boundary_path(options.out))
+        journal = journal_path(boundary_path(options.out))
         if journal.exists() and not options.resume:
             raise UsageError(f"{journal} is left by an interrupted run: --resume it, or remove it.")
     if options.picture is not None:
@@ -105,119 +132,95 @@ def _vdp(options: argparse.Namespace) -> Answer:
     within("part of the spacing, --refine,", options.refine, 0.0, 1.0)
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
-    etas, couplings = _values("--eta", options.eta), _values("--c", options.c)
-    if len(etas) * len(couplings) > MOST_POINTS:
-        raise UsageError(f"{len(etas) * len(couplings)} points are more than {MOST_POINTS}.")
+
+
+def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[float], list[float]]:
+    """Return the values on both axes, as many as may be."""
+    both = []
+    for name in (first, second):
+        flag = f"--{name.replace('_', '-')}"
+        if getattr(options, name) is None:
+            raise UsageError(f"give {flag} for the model {options.chain}.")
+        both.append(_values(flag, getattr(options, name)))
+    if len(both[0]) * len(both[1]) > MOST_POINTS:
+        raise UsageError(f"{len(both[0]) * len(both[1])} points are more than {MOST_POINTS}.")
+    return both[0], both[1]
+
+
+def _vdp(options: argparse.Namespace) -> Answer:
+    from verification.state_map import StateTask, compare, state_points
+    from verification.vdp_run import Model
+
+    refuse(options, _FRICTION, options.chain)
+    _check(options)
+    etas, couplings = _axes(options, "eta", "c")
     points = state_points(etas, couplings)
-    given_b = 0.5 if options.b is None else options.b
     task = StateTask(
-        Model(options.model),
+        Model(options.model or "full"),
         held="b" if options.a is None else "a",
-        value=given_b if options.a is None else options.a,
-        sites=options.n,
-        eps=options.eps,
-        displacement=options.displacement,
-        end=options.end,
+        value=given(options.b, 0.5) if options.a is None else options.a,
+        sites=given(options.n, 16),
+        eps=given(options.eps, 0.01),
+        displacement=given(options.displacement, 6.0),
+        end=given(options.end, 2000.0),
     )
     for eta in etas:
         task.chain(eta, couplings[0])
     envelope = task.model is Model.ENVELOPE
     workers = 1 if envelope and options.workers is None else options.workers
+    titles = ("η = b/a²", "coupling c")
+    plane = Plane(
+        task.model.value, ("eta", "c"), titles, points, task, task.alone(), workers
+    )  # fmt: skip
     begin = perf_counter()
-    with _pool(workers, len(points)) as executor:
-        states = _sweep("map", task, points, options.out, options.resume, executor)
-        map_seconds = perf_counter() - begin
-        boundary = None
-        if options.refine > 0:
-            boundary = _boundary(states, Bisection(task.alone(), options.refine), options, executor)
-    other = None if envelope else _sweep("envelope", task.averaged(), points, None, False, None)
-    agreement = None if other is None else compare(states, other)
-    if options.picture is not None:
-        write_whole(options.picture, lambda path: _draw(path, states, boundary))
-    undecided = [
-        {name: row[name] for name in ("eta", "c", "why", "above")}
-        for row in states.rows()
-        if row["label"] == "undecided"
-    ]
-    payload: dict[str, object] = {
-        "model": task.model.value,
-        "held": {task.held: task.value},
-        "points": len(states),
-        "counts": states.counts("label"),
-        "agreement": None
-        if agreement is None
-        else {
+    payload, states = map_plane(plane, options)
+    payload["held"] = {task.held: task.value}
+    if not envelope:
+        other = swept("envelope", task.averaged(), points, None, False, None)
+        agreement = compare(states, other)
+        payload["agreement"] = {
             "with": "envelope",
             "same": agreement.same,
             "total": agreement.total,
             "contradicting": agreement.contradicting,
             "differing": list(agreement.differing),
-        },
-        "undecided": undecided,
-        "longest_time": float(states["time"].max()),
-        "boundary_points": None if boundary is None else len(boundary),
-        "resumed": states.resumed,
-        "map_seconds": map_seconds,
-        "seconds": perf_counter() - begin,
-    }
-    return Answer(payload, _in_words(payload))
+        }
+    payload["seconds"] = perf_counter() - begin
+    return Answer(payload, _in_words(payload, plane.axes))
 
 
-def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
-    """Return one pool for both sweeps, so that processes start and load compiled code once."""
-    from verification.sweep import own_workers, workers_allowed
+def _friction(options: argparse.Namespace) -> Answer:
+    from theory.friction_cell import FrictionCell
+    from theory.friction_chain import FrictionEnds
+    from verification.friction_map import FrictionStateTask, friction_points
+    from verification.friction_start import Place
 
-    count = min(workers_allowed() if workers is None else workers, points)
-    return own_workers(count) if count > 1 else nullcontext()
-
-
-def _sweep(
-    name: str,
-    task: Task,
-    points: tuple[Point, ...],
-    out: Path | None,
-    resume: bool,
-    executor: Executor | None,
-) -> Table:
-    from verification.sweep import sweep
-
-    with Fraction(f"{name} of {len(points)} points") as shown:
-        return sweep(
-            task,
-            points,
-            out=out,
-            resume=resume,
-            workers=1,
-            executor=executor,
-            progress=lambda done, total, left: shown.show(done / max(total, 1)),
-        )
-
-
-def _boundary_path(out: Path) -> Path:
-    return out.with_name(f"{out.stem}-boundary.csv")
+    refuse(options, _VDP, options.chain)
+    _check(options)
+    couplings, velocities = _axes(options, "c", "v_d")
+    points = friction_points(couplings, velocities)
+    cell = FrictionCell(velocities[0], **cell_numbers(options))
+    task = FrictionStateTask(
+        sites=given(options.n, 31),
+        size=given(options.nucleus, 1),
+        place=Place(options.place or "bulk"),
+        point=start_point_of(options),
+        ends=FrictionEnds(options.ends or "free"),
+        end=given(options.end, 20_000.0),
+        mu_st=cell.mu_st,
+        mu_d=cell.mu_d,
+        v0=cell.v0,
+        xi=cell.xi,
+    )
+    titles = ("coupling c", "velocity of the belt $v_d$")
+    plane = Plane(
+        "friction", ("c", "v_d"), titles, points, task, task.alone(), options.workers
+    )  # fmt: skip
+    payload, _ = map_plane(plane, options)
+    return Answer(payload, _in_words(payload, plane.axes))
 
 
-def _boundary(
-    states: Table, task: Task, options: argparse.Namespace, executor: Executor | None
-) -> Table:
-    from verification.boundary import boundary_lines
-
-    lines = boundary_lines(states, ("eta", "c"))
-    out = None if options.out is None else _boundary_path(options.out)
-    return _sweep("boundary", task, lines, out, options.resume, executor)
-
-
-def _draw(path: Path, states: Table, boundary: Table | None) -> None:
-    from paper_checks.pictures import new_axes
-    from paper_checks.state_picture import draw_states
-
-    figure, axes = new_axes("page", height=4.2, xlabel="η = b/a²", ylabel="coupling c")
-    draw_states(axes, states, "eta", "c", boundary)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    figure.savefig(path, dpi=200)
-
-
-def _in_words(payload: Mapping[str, object]) -> str:
+def _in_words(payload: Mapping[str, object], axes: tuple[str, str]) -> str:
     counts, undecided, agreement = payload["counts"], payload["undecided"], payload["agreement"]
     assert isinstance(counts, dict)
     assert isinstance(undecided, list)
@@ -232,12 +235,12 @@ def _in_words(payload: Mapping[str, object]) -> str:
             for row in agreement["differing"][:10]
         ]
     if undecided:
-        places = ", ".join(f"({row['eta']:g}, {row['c']:g})" for row in undecided[:10])
+        places = ", ".join(f"({row[axes[0]]:g}, {row[axes[1]]:g})" for row in undecided[:10])
         more = f" and {len(undecided) - 10} more" if len(undecided) > 10 else ""
-        lines.append(f"  undecided at (eta, c) = {places}{more}")
+        lines.append(f"  undecided at ({axes[0]}, {axes[1]}) = {places}{more}")
     lines.append(f"  {payload['map_seconds']:.2f} s, with everything {payload['seconds']:.2f} s")
     return "\n".join(lines)
 
 
-MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"vdp": _vdp}
+MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"friction": _friction, "vdp": _vdp}
 """Chain and the function that maps it."""

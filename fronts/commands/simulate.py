@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, real, write_whole
+from fronts.arguments import check_writable, given, real, refuse, write_whole
+from fronts.friction_options import CELL, START, add_cell_options, add_start_option
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
@@ -21,20 +22,29 @@ EXAMPLE = """examples:
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.25 --excite 15 --t-end 20000 \\
       --out run.npz --picture run.png
-  fronts simulate vdp --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --model envelope --t-end 9000"""
+  fronts simulate vdp --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --model envelope --t-end 9000
+  fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png"""
+
+_VDP = ("a", "b", "eps", "model", "checkpoint")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts simulate``."""
     parser.add_argument("chain", choices=sorted(MODELS), help="the chain to run")
     parser.add_argument("--n", type=int, default=31, help="number of oscillators (default 31)")
-    parser.add_argument("--a", type=real, required=True, help="damping coefficient a")
-    parser.add_argument("--b", type=real, required=True, help="damping coefficient b")
+    parser.add_argument("--a", type=real, help="vdp: damping coefficient a")
+    parser.add_argument("--b", type=real, help="vdp: damping coefficient b")
     parser.add_argument("--c", type=real, required=True, help="coupling c")
-    parser.add_argument("--eps", type=real, default=0.01, help="small parameter (default 0.01)")
-    parser.add_argument("--ends", choices=("free", "periodic"), default="free")
+    parser.add_argument("--eps", type=real, help="vdp: small parameter (default 0.01)")
+    add_cell_options(parser)
     parser.add_argument(
-        "--model", choices=("full", "envelope"), default="full", help="Eq. 8, or its average 43"
+        "--ends",
+        choices=("free", "periodic", "literal"),
+        default="free",
+        help="free; vdp: or periodic; friction: or literal, Eq. 5 with the missing neighbours zero",
+    )
+    parser.add_argument(
+        "--model", choices=("full", "envelope"), help="vdp: Eq. 8 (full), or its average 43"
     )
     parser.add_argument(
         "--excite", type=sites, required=True, help="sites displaced: 15, or 14,15,16, or 14:16"
@@ -42,17 +52,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--displacement", type=real, help="how far (default: the stable cycle of one cell)"
     )
+    add_start_option(parser)
     parser.add_argument("--perturb", type=real, default=0.0, help="size of noise on every site")
     parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
     parser.add_argument("--t-end", type=real, required=True, help="end time t; slow time is eps t")
-    parser.add_argument("--tolerance", type=real, default=1e-9, help="local error (default 1e-9)")
+    parser.add_argument("--tolerance", type=real, help="local error (vdp: 1e-9, friction: 1e-10)")
     parser.add_argument("--samples", type=int, default=201, help="states kept (default 201)")
     parser.add_argument("--out", type=Path, help="write times, states, arrivals to a .npz file")
     parser.add_argument("--picture", type=Path, help="draw the envelope in space and time")
     parser.add_argument(
         "--checkpoint",
         type=Path,
-        help="keep the run in this .npz file; if it exists, go on from it",
+        help="vdp: keep the run in this .npz file; if it exists, go on from it",
     )
 
 
@@ -80,7 +91,7 @@ def sites(text: str) -> tuple[int, ...]:
         ) from None
 
 
-def _vdp(options: argparse.Namespace) -> Answer:
+def _check_files(options: argparse.Namespace) -> None:
     for path, kinds in (
         (options.out, (".npz",)),
         (options.picture, (".png", ".svg", ".pdf")),
@@ -90,12 +101,22 @@ def _vdp(options: argparse.Namespace) -> Answer:
             check_writable(path, kinds)
     if options.seed < 0:
         raise UsageError(f"--seed {options.seed} must not be negative.")
+
+
+def _vdp(options: argparse.Namespace) -> Answer:
+    refuse(options, (*CELL, *START), options.chain)
+    _check_files(options)
+    if options.a is None or options.b is None:
+        raise UsageError("give both --a and --b for the model vdp.")
+    if options.ends == "literal":
+        raise UsageError("--ends literal is for the model friction: take free or periodic.")
     from theory.parameters import within
     from theory.vdp_chain import Ends, VdpChain
     from verification.vdp_run import Model, run_vdp
     from verification.vdp_start import displaced, perturbed
 
-    chain = VdpChain(options.a, options.b, options.c, options.eps, options.n, Ends(options.ends))
+    eps = given(options.eps, 0.01)
+    chain = VdpChain(options.a, options.b, options.c, eps, options.n, Ends(options.ends))
     within("size of the noise", options.perturb, 0.0, 1.0)
     start = displaced(chain, options.excite, options.displacement)
     if options.perturb > 0:
@@ -106,8 +127,8 @@ def _vdp(options: argparse.Namespace) -> Answer:
             chain,
             start,
             options.t_end,
-            model=Model(options.model),
-            tolerance=options.tolerance,
+            model=Model(options.model or "full"),
+            tolerance=given(options.tolerance, 1e-9),
             samples=options.samples,
             level=level,
             checkpoint=options.checkpoint,
@@ -181,8 +202,17 @@ def _save(path: Path, run: VdpRun) -> None:
 def _draw(path: Path, run: VdpRun) -> None:
     from fronts.space_time import draw_space_time
 
-    draw_space_time(path, run.times, run.amplitude, run.arrivals, run.level)
+    mark = f"reaches {run.level:.3g}"
+    draw_space_time(path, run.times, run.amplitude, run.arrivals, mark)
 
 
-MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"vdp": _vdp}
+def _friction(options: argparse.Namespace) -> Answer:
+    refuse(options, _VDP, options.chain)
+    _check_files(options)
+    from fronts.friction_simulation import simulate_friction
+
+    return simulate_friction(options)
+
+
+MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"friction": _friction, "vdp": _vdp}
 """Chain and the function that runs it."""

@@ -8,15 +8,36 @@ from collections.abc import Callable
 from typing import Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import real
+from fronts.arguments import given, real, refuse
 from fronts.commands.breather import add_chain_options, add_nucleus_options, nucleus_of
+from fronts.friction_options import (
+    CELL,
+    START,
+    add_cell_options,
+    add_start_option,
+    cell_of,
+    start_point_of,
+)
 
 EXAMPLE = """examples:
   fronts threshold vdp --nucleus 3
   fronts threshold vdp --nucleus 1 --method orbit --json
   fronts threshold vdp --nucleus 5 --method sweep
   fronts threshold vdp --nucleus 3 --method sweep --perturbation 1e-6 --seed 1
-  fronts threshold vdp --nucleus 1 --place edge"""
+  fronts threshold vdp --nucleus 1 --place edge
+  fronts threshold friction --place edge --nucleus 1
+  fronts threshold friction --nucleus 3 --definition whole --final-time 2000 --json"""
+
+_VDP = {
+    "a": 2.5,
+    "b": 0.5,
+    "eps": 0.01,
+    "pattern": None,
+    "method": "envelope",
+    "perturbation": 0.0,
+    "seed": 0,
+}
+_FRICTION = (*CELL, *START, "definition", "final_time", "ends", "n", "accuracy", "c_max")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,14 +48,34 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method",
         choices=["envelope", "orbit", "sweep", "closed-form"],
-        default="envelope",
-        help="envelope: continuation as eps tends to 0; orbit: continuation in (8); sweep: slow "
-        "growth of c from an in-phase start, extrapolated to rate zero",
+        help="vdp: envelope: continuation as eps tends to 0; orbit: continuation in (8); sweep: "
+        "slow growth of c from an in-phase start, extrapolated to rate zero (envelope)",
     )
     parser.add_argument(
-        "--perturbation", type=real, default=0.0, help="seeded noise on the start of a sweep (0)"
+        "--perturbation", type=real, help="vdp: seeded noise on the start of a sweep (0)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the noise")
+    parser.add_argument("--seed", type=int, help="vdp: seed of the noise (0)")
+    add_cell_options(parser)
+    add_start_option(parser)
+    parser.add_argument("--n", type=int, help="friction: number of oscillators (31)")
+    parser.add_argument(
+        "--definition",
+        choices=("first", "several", "whole"),
+        help="friction: what counts as spreading: one new site sticks, three on each side, all "
+        "sites (first)",
+    )
+    parser.add_argument(
+        "--final-time", type=real, help="friction: tau by which it must have happened (1000)"
+    )
+    parser.add_argument(
+        "--ends",
+        choices=("free", "literal"),
+        help="friction: free ends, or Eq. 5 with the missing neighbours zero (free)",
+    )
+    parser.add_argument("--accuracy", type=real, help="friction: width of the bracket (1e-6)")
+    parser.add_argument("--c-max", type=real, help="friction: highest coupling tried (0.5)")
+    # The defaults of Model II are put in below, so that Model I can refuse its options.
+    parser.set_defaults(**dict.fromkeys(_VDP))
 
 
 def run(options: argparse.Namespace) -> Answer:
@@ -43,6 +84,9 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
+    refuse(options, _FRICTION, options.model)
+    for name, default in _VDP.items():
+        setattr(options, name, given(getattr(options, name), default))
     from theory.vdp_chain import VdpChain
 
     chain = VdpChain(options.a, options.b, 0.0, options.eps)
@@ -156,5 +200,64 @@ def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:
     return Answer(payload, "\n".join(lines))
 
 
-MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"vdp": _vdp}
+def _friction(options: argparse.Namespace) -> Answer:
+    refuse(options, _VDP, options.model)
+    from theory.friction_chain import FrictionChain, FrictionEnds
+    from verification.friction_threshold import Definition, Spreading, friction_threshold
+
+    ends = FrictionEnds(options.ends or "free")
+    chain = FrictionChain(0.0, cell_of(options), given(options.n, 31), ends)
+    spreading = Spreading(
+        options.nucleus,
+        options.place,
+        Definition(options.definition or "first"),
+        given(options.final_time, 1000.0),
+        start_point_of(options),
+    )
+    found = friction_threshold(
+        chain,
+        spreading,
+        highest=given(options.c_max, 0.5),
+        accuracy=given(options.accuracy, 1e-6),
+    )
+    payload: dict[str, object] = {
+        "c_crit": found.c,
+        "error": found.error,
+        "mechanism": "spreading by the final time",
+        "seconds": found.seconds,
+        "bracket": [found.low, found.high],
+        "c_crit_at_twice_the_time": found.late,
+        "fuzzy": None if found.fuzzy is None else list(found.fuzzy),
+        "fuzzy_width": found.width,
+        "monotone": found.monotone,
+        "definition": spreading.definition.value,
+        "final_time": spreading.final_time,
+        "ends": ends.value,
+        "start_point": spreading.point.value,
+        "place": spreading.place.value,
+        "sites": chain.sites,
+        "runs": found.runs,
+    }
+    lines = [
+        f"spreads from c = {found.c:.8g} on, uncertain by {found.error:.1e}",
+        f"  {_SPREADING[spreading.definition.value]} by tau = {spreading.final_time:g}; "
+        f"{ends.value} ends; start at the {spreading.point.value} of the cycle",
+        f"  by tau = {2.0 * spreading.final_time:g}: c = {found.late:.8g}",
+    ]
+    if found.fuzzy is not None:
+        lines.append(
+            f"  fuzzy from c = {found.fuzzy[0]:.8g} to {found.fuzzy[1]:.8g}, a width of "
+            f"{found.width:.2g}" + ("" if found.monotone else ": not monotone in c")
+        )
+    lines.append(f"  {found.runs} runs of {chain.sites} sites, {found.seconds:.3f} s")
+    return Answer(payload, "\n".join(lines))
+
+
+_SPREADING = {
+    "first": "a new site sticks",
+    "several": "three new sites on each side of the nucleus have stuck",
+    "whole": "every site has stuck",
+}
+
+MODELS: dict[str, Callable[[argparse.Namespace], Answer]] = {"friction": _friction, "vdp": _vdp}
 """Model and the function that finds its threshold."""

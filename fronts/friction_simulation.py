@@ -1,0 +1,118 @@
+"""``fronts simulate friction``: a run of Model I; samples, arrivals, a picture."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fronts.answer import Answer, UsageError
+from fronts.arguments import given, write_whole
+from fronts.friction_options import CELL, cell_of, start_point_of
+
+if TYPE_CHECKING:
+    from verification.friction_run import FrictionRun
+
+
+def simulate_friction(options: argparse.Namespace) -> Answer:
+    """Run the friction chain as the options say.
+
+    Raises
+    ------
+    UsageError, ParameterError
+        If they cannot be carried out.
+    """
+    from theory.friction_chain import FrictionChain, FrictionEnds
+    from theory.parameters import within
+    from verification.friction_run import run_friction
+    from verification.friction_start import nucleus
+
+    if options.ends == "periodic":
+        raise UsageError("--ends periodic is for the model vdp: take free or literal.")
+    within("size of the noise", options.perturb, 0.0, 1.0)
+    chain = FrictionChain(options.c, cell_of(options), options.n, FrictionEnds(options.ends))
+    start = nucleus(chain, options.excite, given(options.displacement, start_point_of(options)))
+    if options.perturb > 0:
+        noise = np.random.default_rng(options.seed).standard_normal(start.shape)
+        start = start + options.perturb * noise
+    result = run_friction(
+        chain,
+        start,
+        options.t_end,
+        tolerance=given(options.tolerance, 1e-10),
+        samples=options.samples,
+    )
+    if options.out is not None:
+        write_whole(options.out, lambda path: _save(path, result))
+    if options.picture is not None:
+        write_whole(options.picture, lambda path: _draw(path, result))
+    return Answer(_payload(result), _in_words(result))
+
+
+def _payload(run: FrictionRun) -> dict[str, object]:
+    arrival_error = run.arrival_error
+    return {
+        "model": "friction",
+        "t_end": float(run.times[-1]),
+        "amplitudes": run.envelope[-1].tolist(),
+        "width": int(np.count_nonzero(~np.isnan(run.arrivals))),
+        "arrivals": [None if np.isnan(t) else float(t) for t in run.arrivals],
+        "sticks": run.sticks,
+        "releases": run.releases,
+        "reversals": run.reversals,
+        "status": run.status.value,
+        "error": run.error,
+        "arrival_error": arrival_error if np.isfinite(arrival_error or 0.0) else None,
+        "steps": run.steps,
+        "mean_active": run.mean_active,
+        "seconds": run.seconds,
+    }
+
+
+def _in_words(run: FrictionRun) -> str:
+    last = run.envelope[-1]
+    reached = int(np.count_nonzero(~np.isnan(run.arrivals)))
+    loudest = int(np.argmax(last))
+    return "\n".join(
+        [
+            f"tau = {run.times[-1]:g}: {reached} of {run.chain.sites} sites have stuck at some "
+            f"time, {np.count_nonzero(run.stuck)} stick now",
+            f"  largest amplitude {last[loudest]:.8g} at site {loudest + 1}",
+            f"  error of the states at most {run.error:.1e} (run beside it at a hundred times the "
+            f"tolerance: {run.status.value})",
+            f"  {run.sticks} sticks, {run.releases} releases, {run.reversals} reversals",
+            f"  {run.steps} steps of {run.mean_active:.1f} sites, {run.seconds:.3f} s",
+        ]
+    )
+
+
+def _save(path: Path, run: FrictionRun) -> None:
+    chain = run.chain
+    parameters = {
+        "model": "friction",
+        **{name: getattr(chain.cell, name) for name in CELL},
+        "c": chain.c,
+        "sites": chain.sites,
+        "ends": chain.ends.value,
+        "tolerance": run.tolerance,
+        "error": run.error,
+    }
+    np.savez_compressed(
+        path,
+        times=run.times,
+        y=run.y,
+        velocity=run.velocity,
+        envelope=run.envelope,
+        arrivals=run.arrivals,
+        parameters=json.dumps(parameters),
+    )
+
+
+def _draw(path: Path, run: FrictionRun) -> None:
+    from fronts.space_time import draw_space_time
+
+    quantity = "half of maximum - minimum of y"
+    draw_space_time(path, run.times, run.envelope, run.arrivals, "sticks", "time τ", quantity)

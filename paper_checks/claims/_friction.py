@@ -1,0 +1,66 @@
+"""What Figs. 3-6 share: their chain, and arrivals by scipy alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from theory.friction_chain import FrictionChain
+
+V_D, SITES = 1.25, 31
+"""Belt velocity and number of sites of Figs. 3, 4 and 6; the rest is in (7)."""
+
+
+def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
+    """Return the chain of the figures."""
+    from theory.friction_cell import FrictionCell
+    from theory.friction_chain import FrictionChain
+
+    return FrictionChain(c, FrictionCell(v_d), sites)
+
+
+def arrivals_by_scipy(
+    chain: FrictionChain, excited: tuple[int, ...], end: float
+) -> NDArray[np.float64]:
+    """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
+    from verification.friction_events import run_events
+    from verification.friction_start import nucleus
+
+    run = run_events(chain, nucleus(chain, excited), end, tolerance=1e-9, longest_step=0.5)
+    arrivals = np.full(chain.sites, np.nan)
+    for time, site, kind in run.log[::-1]:
+        if kind == 0:
+            arrivals[int(site) - 1] = time
+    return arrivals
+
+
+def arrivals_compiled(
+    chain: FrictionChain, excited: tuple[int, ...], end: float
+) -> NDArray[np.float64]:
+    """Return the same by the event-exact Taylor stepper."""
+    from verification.friction_lane import FrictionLane
+    from verification.friction_start import nucleus
+
+    lane = FrictionLane(chain, nucleus(chain, excited), 1e-10)
+    lane.go_to(end)
+    return lane.arrivals
+
+
+def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> float:
+    """Return how far the two computations are apart in the arrivals, both without it where none is.
+
+    Raises
+    ------
+    ArithmeticError
+        If by more than 1e-3, or if one saw an arrival that the other did not.
+    """
+    from verification.friction_run import difference
+
+    gap = difference(arrivals_by_scipy(chain, excited, end), arrivals_compiled(chain, excited, end))
+    if not gap < 1e-3:
+        raise ArithmeticError(f"arrivals by scipy and by Taylor steps differ by {gap:.1e}")
+    return gap

@@ -1,0 +1,282 @@
+"""Fronts and thresholds of Model I: against scipy, mirror symmetry, and their own error bounds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from theory.friction_cell import FrictionCell
+from theory.friction_chain import FrictionChain, FrictionEnds
+from theory.parameters import ParameterError
+from verification.arrival_fit import (
+    FrontStatus,
+    Trial,
+    leading,
+    line,
+    settle,
+    velocity_of_arrivals,
+)
+from verification.friction_front import measure_friction_front
+from verification.friction_lane import FrictionLane
+from verification.friction_start import Place, StartPoint, nucleus, nucleus_sites
+from verification.friction_threshold import (
+    Definition,
+    Spreading,
+    friction_threshold,
+    spreads,
+)
+
+MU_ST, MU_D, V0, XI, V_D = 1.0, 0.5, 0.5, 0.05, 1.25
+"""(7), written out once more."""
+
+
+def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[np.float64]:
+    """Return the first stick of every site, from solve_ivp with one terminal event a site."""
+    n = y.size
+    spring = np.eye(n) * (1.0 + 2.0 * c) - c * (np.eye(n, k=1) + np.eye(n, k=-1))
+    spring[0, 0] = spring[-1, -1] = 1.0 + c
+    stuck = np.zeros(n, dtype=bool)
+    arrivals = np.full(n, np.nan)
+    free_until = np.zeros(n)
+
+    def hold(z: NDArray[np.float64]) -> NDArray[np.float64]:
+        return 2.0 * XI * V_D + spring @ z[:n]
+
+    def rate(_: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        velocity = z[n:]
+        slide = velocity - V_D
+        # backward slip only, which the assertion below makes sure of; smooth through w = 0
+        friction = MU_D + (MU_ST - MU_D) * np.exp(slide / V0)
+        force = friction - 2.0 * XI * velocity - spring @ z[:n]
+        return np.concatenate([velocity, np.where(stuck, 0.0, force)])
+
+    def event_of(k: int):  # type: ignore[no-untyped-def]
+        def event(t: float, z: NDArray[np.float64]) -> float:
+            if stuck[k]:
+                return MU_ST - abs(hold(z)[k])
+            return V_D - z[n + k] if t >= free_until[k] else 1.0
+
+        event.terminal = True  # type: ignore[attr-defined]
+        event.direction = -1.0  # type: ignore[attr-defined]
+        return event
+
+    events = [event_of(k) for k in range(n)]
+    t, z = 0.0, np.concatenate([y, np.zeros(n)])
+    while t < end:
+        run = solve_ivp(
+            rate, (t, end), z, "DOP853", events=events, rtol=1e-9, atol=1e-10, max_step=0.25
+        )
+        assert run.success
+        t, z = float(run.t[-1]), run.y[:, -1].copy()
+        for k in [k for k in range(n) if run.t_events[k].size]:
+            z[n + k] = V_D
+            if stuck[k]:
+                stuck[k] = False
+                # released with ẏ = v_d it falls behind as -v_d t²/2: no event before it has
+                free_until[k] = t + 0.02
+            else:
+                assert abs(hold(z)[k]) <= MU_ST
+                stuck[k] = True
+                if np.isnan(arrivals[k]):
+                    arrivals[k] = t
+    return arrivals
+
+
+def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
+    chain = FrictionChain(0.1, sites=12)
+    start = nucleus(chain, [1])
+    lane = FrictionLane(chain, start, 1e-10)
+    lane.go_to(110.0)
+    by_scipy = _arrivals_by_scipy(0.1, start[0], 110.0)
+    known = ~np.isnan(by_scipy)
+    assert np.count_nonzero(known) >= 9
+    assert (known == ~np.isnan(lane.arrivals)).all()
+    # a relative tolerance of 1e-9 a step over some thousand steps, each event located to its own
+    assert np.max(np.abs(by_scipy - lane.arrivals)[known]) < 1e-5
+    reached = np.flatnonzero(known)[2:]
+    slope = np.polyfit(reached, by_scipy[reached], 1)[0]
+    front = measure_friction_front(FrictionChain(0.1, sites=61), accuracy=0.02)
+    # a few sites only, timed in steps of a period of 6.35: one step over the sites seen
+    few = 6.35 / (reached.size * slope)
+    assert front.v == pytest.approx(1.0 / slope, rel=few)
+    assert line(reached, by_scipy[reached])[0] == pytest.approx(slope, rel=1e-12)
+
+
+def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
+    chain = FrictionChain(0.0, sites=5)
+    found = friction_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
+    assert found.error < 1e-5
+    for c, arrives in ((0.98 * found.low, False), (1.02 * found.high, True)):
+        start = nucleus(replace(chain, c=c), [1])
+        by_scipy = _arrivals_by_scipy(c, start[0], 400.0)
+        assert (not np.isnan(by_scipy[1])) is arrives
+
+
+@pytest.mark.parametrize("size", [1, 2])
+def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: int) -> None:
+    edge, bulk = (
+        friction_threshold(
+            FrictionChain(0.0, sites=sites),
+            Spreading(factor * size, place, final_time=400.0),
+            accuracy=1e-5,
+            tests=0,
+        )
+        for sites, factor, place in ((16, 1, Place.EDGE), (32, 2, Place.BULK))
+    )
+    assert edge.c == pytest.approx(bulk.c, abs=edge.error + bulk.error)
+
+
+def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
+    chain = FrictionChain(0.05, sites=15)
+    one, other = (FrictionLane(chain, nucleus(chain, [site]), 1e-10) for site in (1, 15))
+    for lane in (one, other):
+        lane.go_to(200.0)
+    assert np.count_nonzero(~np.isnan(one.arrivals)) > 6
+    # sums in another order: round-off, a little amplified
+    np.testing.assert_allclose(one.arrivals, other.arrivals[::-1], atol=1e-8)
+
+
+def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
+    for c, long in ((0.1, 121), (0.2, 161)):
+        short = measure_friction_front(FrictionChain(c, sites=41), most_sites=41, accuracy=0.1)
+        far = measure_friction_front(FrictionChain(c, sites=long), most_sites=long, accuracy=0.1)
+        assert short.v is not None
+        assert short.error is not None
+        assert far.v is not None
+        assert far.error is not None
+        assert far.error < short.error
+        assert abs(short.v - far.v) < short.error + far.error
+
+
+def test_statuses() -> None:
+    pinned = measure_friction_front(FrictionChain(0.008, sites=31))
+    assert (pinned.status, pinned.v, pinned.steady) == (FrontStatus.PINNED, 0.0, False)
+    assert pinned.error == pytest.approx(1.0 / 3000.0)
+    beyond = FrictionChain(0.05, FrictionCell(v_d=1.9), 31)
+    collapsed = measure_friction_front(beyond)
+    assert (collapsed.status, collapsed.v) == (FrontStatus.COLLAPSED, None)
+    # the same coupling from six sites: they creep on, below the threshold of one
+    wide = measure_friction_front(FrictionChain(0.009, sites=31), size=6, accuracy=0.1)
+    assert wide.steady
+    assert wide.v is not None
+    assert 0.002 < wide.v < 0.004
+    unsteady = measure_friction_front(
+        FrictionChain(0.1, sites=31), most_sites=31, accuracy=1e-6
+    )  # fmt: skip
+    assert unsteady.status is FrontStatus.UNSTEADY
+
+
+def test_the_regression_finds_a_velocity_through_steps_and_a_transient() -> None:
+    rng = np.random.default_rng(6)
+    site = np.arange(200)
+    for v in (0.01, 0.3):
+        period = 0.4 / v
+        steps = period * np.ceil((site / v + 20.0 * np.exp(-site / 9.0)) / period)
+        noisy = steps + 1e-3 * rng.standard_normal(200)
+        found, error = velocity_of_arrivals(noisy)
+        assert abs(found - v) < error < 0.01 * v
+
+
+def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:
+    arrivals = np.arange(40.0)
+    late = arrivals.copy()
+    late[[5, 17, 30]] = 500.0
+    assert velocity_of_arrivals(leading(late))[0] == pytest.approx(1.0, rel=1e-2)
+    assert leading(np.array([1.0, np.nan, 3.0, np.nan])).tolist() == [1.0, 3.0, 3.0]
+
+
+def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
+    asked = []
+
+    def trial(sites: int) -> Trial:
+        asked.append(sites)
+        times = np.arange(float(sites))
+        # the run beside it is late by a time that matters less on a longer chain
+        return Trial(None, times, np.append(times * (1.0 + 1.0 / sites), np.nan), 1)
+
+    found = settle(trial, 32, 1000, 0.01, 0.0)
+    assert asked == [32, 64, 128]
+    assert found.status is FrontStatus.STEADY
+    assert found.error == pytest.approx(1.0 / 129.0, rel=1e-6)
+    short = settle(trial, 32, 40, 0.01, 0.0)
+    assert short.status is FrontStatus.UNSTEADY
+    exact = Trial(None, np.arange(64.0), np.arange(64.0), 1)
+    doubted = settle(lambda _: exact, 64, 64, 0.01, 0.0, lambda *_: False, 0.9)
+    assert (doubted.status, doubted.error) == (FrontStatus.UNSTEADY, pytest.approx(0.1))
+    stopped = settle(lambda _: replace(exact, stopped=FrontStatus.PINNED), 64, 64, 0.01, 0.5)
+    assert (stopped.v, stopped.error) == (0.0, 0.5)
+
+
+def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
+    chain = FrictionChain(0.0, sites=15)
+
+    def at(**options: object) -> float:
+        spreading = Spreading(**{"size": 3, "final_time": 600.0, **options})  # type: ignore[arg-type]
+        return friction_threshold(chain, spreading, accuracy=1e-4, tests=0).c
+
+    first, several, whole = (at(definition=each) for each in Definition)
+    assert first < several < whole
+    assert at(final_time=1200.0) < first
+    literal = replace(chain, ends=FrictionEnds.LITERAL)
+    one = [
+        friction_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c for ends in (chain, literal)
+    ]
+    # a spring to a wall on the excited site changes it by far more than the bracket
+    assert abs(one[0] - one[1]) > 10 * 1e-4
+    assert at(point=StartPoint.MINIMUM) == pytest.approx(first, abs=3e-4)
+
+
+def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> None:
+    chain = FrictionChain(0.0, sites=15)
+    sharp = friction_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
+    assert sharp.monotone
+    assert sharp.late <= sharp.c
+    assert sharp.width < 1e-3 * sharp.c
+    late = friction_threshold(chain, Spreading(3, final_time=400.0), accuracy=1e-5, tests=4)
+    assert late.fuzzy is not None
+    assert late.fuzzy[0] == late.late < late.c
+    assert late.width > 100.0 * late.error
+    # and it does spread at such a coupling, later than the final time
+    between = replace(chain, c=0.5 * (late.late + late.c))
+    assert not spreads(between, late.spreading)
+    assert spreads(between, late.spreading, 800.0)
+
+
+def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
+    chain = FrictionChain(0.0, sites=9)
+    coarse, fine = (
+        friction_threshold(
+            chain, Spreading(final_time=400.0, tolerance=each), accuracy=1e-6, tests=0
+        )
+        for each in (1e-6, 1e-11)
+    )
+    assert coarse.c == pytest.approx(fine.c, abs=coarse.error + fine.error)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Spreading(0),
+        lambda: Spreading(final_time=0.0),
+        lambda: Spreading(tolerance=1.0),
+        lambda: spreads(FrictionChain(0.01, sites=3), Spreading(3)),
+        lambda: friction_threshold(FrictionChain(0.0, FrictionCell(v_d=1.9)), Spreading()),
+        lambda: friction_threshold(FrictionChain(0.0, sites=5), Spreading(), lowest=0.1),
+        lambda: friction_threshold(FrictionChain(0.0), Spreading(), lowest=0.0),
+        lambda: friction_threshold(FrictionChain(0.0), Spreading(), highest=1e-4),
+        lambda: friction_threshold(FrictionChain(0.0), Spreading(), accuracy=0.0),
+        lambda: measure_friction_front(FrictionChain(0.0, sites=101)),
+        lambda: measure_friction_front(FrictionChain(0.02, sites=5)),
+        lambda: measure_friction_front(FrictionChain(0.02, sites=101), size=0),
+        lambda: measure_friction_front(FrictionChain(0.02, sites=101), accuracy=1.0),
+        lambda: measure_friction_front(FrictionChain(0.02, sites=101, ends=FrictionEnds.LITERAL)),
+        lambda: nucleus_sites(31, Place.EDGE, 32),
+    ],
+)
+def test_bad_parameters_are_refused(make: object) -> None:
+    with pytest.raises(ParameterError):
+        make()  # type: ignore[operator]

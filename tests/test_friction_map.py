@@ -1,0 +1,286 @@
+"""The map and the commands of Model I: labels against scipy, symmetry, workers, bad input."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fronts.cli import main
+from theory.friction_cell import FrictionCell
+from theory.friction_chain import FrictionChain
+from theory.parameters import ParameterError
+from verification.boundary import Bisection, boundary_lines
+from verification.friction_events import run_events
+from verification.friction_label import HOLD, WINDOW, label_friction
+from verification.friction_lane import FrictionLane
+from verification.friction_map import FrictionStateTask, friction_points
+from verification.friction_start import Place, nucleus
+from verification.state_label import Label
+from verification.sweep import sweep
+from verification.table import Point
+
+SHORT = FrictionStateTask(sites=7)
+
+
+@pytest.mark.parametrize(
+    ("c", "v_d", "label"),
+    [
+        (0.095, 1.05, Label.FRONT),
+        (0.05, 1.25, Label.FRONT),
+        (0.095, 1.45, Label.FIXED_POINT),
+        (0.02, 1.8, Label.FIXED_POINT),
+        (0.005, 1.55, Label.BREATHER),
+    ],
+)
+def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: Label) -> None:
+    result = SHORT(Point(c=c, v_d=v_d))
+    assert result["label"] == label
+    chain = SHORT.chain(c, v_d)
+    end = min(float(result["time"]), 250.0)
+    run = run_events(chain, nucleus(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
+    sticks = run.log[run.log[:, 2] == 0]
+    late = sticks[sticks[:, 0] > end - WINDOW]
+    if label is Label.FRONT:
+        assert set(sticks[:, 1]) == set(range(1, 8))
+        assert len(set(late[:, 1])) >= 4
+    elif label is Label.BREATHER:
+        assert set(sticks[:, 1]) == set(late[:, 1]) == {4}
+        # six periods of about 6.35 in a window
+        assert 5 <= len(late) <= 7
+    else:
+        assert len(late) == 0
+
+
+def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> None:
+    rng = np.random.default_rng(2)
+    for v_d in (1.2, 1.9):
+        chain = FrictionChain(0.1, FrictionCell(v_d), 8)
+        start = 1e-4 * rng.standard_normal((2, 8))
+        start[0] += chain.cell.steady_sliding
+        lane = FrictionLane(chain, start, 1e-12)
+        assert lane.going_to_rest()
+        before = np.abs(lane.velocity).max()
+        lane.go_to(400.0)
+        assert lane.arrived == 0
+        assert np.abs(lane.velocity).max() < before
+        excited = FrictionLane(chain, nucleus(chain, [4]), 1e-8)
+        assert not excited.going_to_rest()
+    # nothing can be said where sliding is unstable, however small the motion is
+    unstable = FrictionChain(0.1, FrictionCell(1.0), 8)
+    assert not FrictionLane(unstable, nucleus(unstable, [1], 0.57), 1e-12).going_to_rest()
+
+
+def test_a_front_needs_all_sites_and_time_to_hold() -> None:
+    chain = SHORT.chain(0.05, 1.25)
+    start = nucleus(chain, [4])
+    lane = FrictionLane(chain, start, 1e-8)
+    lane.go_to(1000.0)
+    found = label_friction(chain, start)
+    assert found.label is Label.FRONT
+    assert (found.reached, found.why) == (7, "decided")
+    last = float(np.max(lane.arrivals))
+    assert HOLD * WINDOW <= found.time - last <= (HOLD + 1) * WINDOW
+
+
+def test_a_label_found_in_the_second_half_does_not_count() -> None:
+    point = Point(c=0.05, v_d=1.25)
+    sure = SHORT(point)
+    time = float(sure["time"])
+    assert (sure["label"], sure["why"]) == ("front", "decided")
+    assert replace(SHORT, end=1.9 * time)(point)["why"] == "end time"
+    assert replace(SHORT, end=2.1 * time)(point)["label"] == "front"
+
+
+def test_a_breather_on_an_unstable_background_is_not_decided() -> None:
+    # v_d = 1.1 is below the Hopf velocity 1.1513: only exact rest stays at rest
+    still = SHORT(Point(c=0.0, v_d=1.1))
+    assert (still["label"], still["why"]) == ("undecided", "unstable background")
+    assert SHORT(Point(c=0.0, v_d=1.2))["label"] == "breather"
+    assert SHORT(Point(c=0.005, v_d=1.1))["label"] == "front"
+
+
+def test_a_perturbation_can_undecide_beside_a_boundary() -> None:
+    lines = boundary_lines(
+        sweep(SHORT, friction_points([0.08], [1.2, 1.4]), workers=1), ["c", "v_d"]
+    )
+    edge = sweep(Bisection(SHORT.alone(), 1e-3), lines, workers=1)
+    at = float(edge["at"][0])
+    assert 1.2 < at < 1.4
+    reasons = {
+        replace(SHORT, perturbation=1e-2, seed=seed)(Point(c=0.08, v_d=at + shift))["why"]
+        for seed in range(3)
+        for shift in (-1e-3, 1e-3)
+    }
+    assert "perturbation" in reasons
+
+
+def test_the_label_of_the_mirror_image_is_the_same() -> None:
+    for c, v_d in ((0.05, 1.25), (0.005, 1.5), (0.09, 1.6)):
+        chain = SHORT.chain(c, v_d)
+        one, other = (label_friction(chain, nucleus(chain, [site])) for site in (2, 6))
+        assert (one.label, one.time, one.reached) == (other.label, other.time, other.reached)
+
+
+def test_maps_are_the_same_for_one_and_two_workers(tmp_path: Path) -> None:
+    points = friction_points([0.005, 0.05, 0.1], [1.05, 1.25, 1.55, 1.9])
+    tables = [
+        sweep(SHORT, points, out=tmp_path / f"{workers}.csv", workers=workers) for workers in (1, 2)
+    ]
+    assert tables[0].as_csv() == tables[1].as_csv()
+    assert set(tables[0]["label"]) == {"front", "breather", "fixed point"}
+    one = Point(c=0.05, v_d=1.25)
+    assert FrictionStateTask(sites=9, size=3, place=Place.EDGE)(one)["label"] == "front"
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: FrictionStateTask(sites=1),
+        lambda: FrictionStateTask(size=32),
+        lambda: FrictionStateTask(mu_st=0.5),
+        lambda: FrictionStateTask(v0=0.0),
+        lambda: FrictionStateTask(end=1.0),
+        lambda: FrictionStateTask(perturbation=1.0),
+        lambda: friction_points([-0.1], [1.0]),
+        lambda: friction_points([0.1], [0.0]),
+    ],
+)
+def test_bad_parameters_are_refused(make: object) -> None:
+    with pytest.raises(ParameterError):
+        make()  # type: ignore[operator]
+
+
+def test_the_map_command_writes_map_boundary_and_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, drawn = tmp_path / "map.csv", tmp_path / "map.png"
+    line = (
+        "map friction --c 0.01:0.09:3 --v-d 1.1:1.9:3 --n 7 --refine 0.25 --workers 1 "
+        f"--out {out} --picture {drawn} --json"
+    )
+    assert main(shlex.split(line)) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["model"] == "friction"
+    assert sum(answer["counts"].values()) == answer["points"] == 9
+    read = np.genfromtxt(out, names=True, delimiter=",", dtype=None, encoding="utf-8")
+    assert read["v_d"].max() == 1.9
+    assert drawn.read_bytes().startswith(b"\x89PNG")
+    edge = np.atleast_1d(
+        np.genfromtxt(
+            tmp_path / "map-boundary.csv", names=True, delimiter=",", dtype=None, encoding="utf-8"
+        )
+    )
+    assert edge.size == answer["boundary_points"] > 2
+    assert main([*shlex.split(line), "--resume"]) == 0
+    assert json.loads(capsys.readouterr().out)["resumed"] == 9
+
+
+def test_simulate_gives_numbers_files_and_a_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, drawn = tmp_path / "run.npz", tmp_path / "run.svg"
+    line = (
+        "simulate friction --n 9 --c 0.05 --excite 1 --t-end 150 --samples 31 "
+        f"--out {out} --picture {drawn} --json"
+    )
+    assert main(shlex.split(line)) == 0
+    answer = json.loads(capsys.readouterr().out)
+    lane = FrictionLane(
+        FrictionChain(0.05, sites=9), nucleus(FrictionChain(0.05, sites=9), [1]), 1e-9
+    )
+    lane.go_to(150.0)
+    known = [t for t in answer["arrivals"] if t is not None]
+    np.testing.assert_allclose(known, lane.arrivals[~np.isnan(lane.arrivals)], atol=1e-6)
+    assert answer["width"] == len(known)
+    assert answer["error"] < 1e-5
+    with np.load(out) as kept:
+        assert kept["y"].shape == kept["velocity"].shape == kept["envelope"].shape == (31, 9)
+        assert json.loads(str(kept["parameters"]))["v_d"] == 1.25
+    assert drawn.read_text(encoding="utf-8").lstrip().startswith("<?xml")
+
+
+def test_front_and_threshold_give_the_documented_objects(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(shlex.split("front friction --c 0.1 --n 61 --json")) == 0
+    front = json.loads(capsys.readouterr().out)
+    assert {"v", "error", "steady", "status", "seconds", "arrivals", "sites", "steps"} <= {*front}
+    assert front["steady"] is True
+    assert front["v"] < front["largest_group_velocity"]
+    line = "threshold friction --place edge --nucleus 1 --n 7 --final-time 400 --accuracy 1e-5"
+    assert main(shlex.split(line + " --json")) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {"c_crit", "error", "bracket", "fuzzy", "monotone", "definition", "ends"} <= {*found}
+    assert found["bracket"][0] < found["c_crit"] < found["bracket"][1]
+    assert main(shlex.split(line)) == 0
+    assert "free ends" in capsys.readouterr().out
+
+
+BAD = [
+    ("simulate friction --c 0.02 --t-end 10", "--excite"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --mu-st 0.5", "mu_st"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --mu-d 1", "mu_st"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --v0 0", "v0"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --v0 -1", "v0"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --v-d 0", "v_d"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --v-d nan", "v_d"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --xi -1", "xi"),
+    ("simulate friction --c -1 --excite 1 --t-end 10", "coupling c"),
+    ("simulate friction --c 0.02 --excite 32 --t-end 10", "site"),
+    ("simulate friction --c 0.02 --excite 1 --t-end -1", "end time"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --ends periodic", "periodic"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --a 4", "--a"),
+    ("simulate friction --c 0.02 --excite 1 --t-end 10 --out run.csv", ".npz"),
+    ("simulate vdp --c 0.1 --excite 1 --t-end 10", "--a and --b"),
+    ("simulate vdp --a 4 --b 0.5 --c 0.1 --excite 1 --t-end 10 --v-d 1", "--v-d"),
+    ("simulate vdp --a 4 --b 0.5 --c 0.1 --excite 1 --t-end 10 --ends literal", "literal"),
+    ("front friction --c 0", "coupling c"),
+    ("front friction --c 0.02 --n 5", "sites"),
+    ("front friction --c 0.02 --v-d -1", "v_d"),
+    ("front friction --c 0.02 --mu-st 0.2", "mu_st"),
+    ("front friction --c 0.02 --v0 0", "v0"),
+    ("front friction --c 0.02 --eta 0.1", "--eta"),
+    ("front friction --c 0.02 --nucleus 0", "nucleus"),
+    ("front vdp --c 0.6 --a 4 --b 0.5 --nucleus 2", "--nucleus"),
+    ("front piecewise --c 0.6 --eta 0.03 --xi 0.1", "--xi"),
+    ("threshold friction --nucleus 99", "nucleus"),
+    ("threshold friction --v-d 0", "v_d"),
+    ("threshold friction --v0 0", "v0"),
+    ("threshold friction --mu-st 0.5", "mu_st"),
+    ("threshold friction --v-d 1.9", "highest coupling"),
+    ("threshold friction --method orbit", "--method"),
+    ("threshold friction --final-time 0", "final time"),
+    ("threshold friction --accuracy 0", "accuracy"),
+    ("threshold vdp --definition whole", "--definition"),
+    ("map friction --c 0:0.1:3", "--v-d"),
+    ("map friction --c 0:0.1:3 --v-d 0:1:3", "v_d"),
+    ("map friction --c 0:0.1:3 --v-d 1:2:3 --mu-st 0.5", "mu_st"),
+    ("map friction --c 0:0.1:3 --v-d 1:2:3 --v0 0", "v0"),
+    ("map friction --c 0:0.1:3 --v-d 1:2:3 --eta 0.1", "--eta"),
+    ("map friction --c 0.1:0:3 --v-d 1:2:3", "must rise"),
+    ("map friction --c 0:0.1:3 --v-d 1:2:3 --nucleus 40", "nucleus"),
+    ("map vdp --c 0.1", "--eta"),
+    ("map vdp --c 0.1 --eta 0.1 --v-d 1", "--v-d"),
+]
+
+
+@pytest.mark.parametrize(("line", "word"), BAD)
+def test_bad_input_ends_with_two_and_one_sentence(
+    line: str,
+    word: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(shlex.split(line)) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert word in captured.err
+    assert list(tmp_path.iterdir()) == []

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-
 NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
 """Form of a claim's key and of a picture's name: both become file names and page anchors."""
 

@@ -92,7 +92,7 @@ def _side(equation: sp.Basic) -> sp.Expr:
         left, right = equation.args
         if isinstance(right, sp.MatrixBase):
             return sp.Integer(0)
-        return left - right  # type: ignore[operator]
+        return left - right
     return sp.sympify(equation)
 
 

@@ -83,9 +83,7 @@ def followed(claim: Claim, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     for name in claim.follows:
         if not any(name in (entry.group, entry.claim.key) for entry in entries):
             raise LookupError(f"it follows '{name}', and there is no such claim or module.")
-    found = tuple(
-        entry for entry in entries if {entry.group, entry.claim.key} & set(claim.follows)
-    )
+    found = tuple(entry for entry in entries if {entry.group, entry.claim.key} & set(claim.follows))
     for entry in found:
         if entry.claim.follows:
             raise LookupError(f"it follows '{entry.claim.key}', which follows others itself.")

@@ -67,7 +67,7 @@ class LatexError(ValueError):
 
 
 def mathml(latex: str, *, block: bool = False) -> str:
-    """Return one ``math`` element.
+    r"""Return one ``math`` element.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def mathml(latex: str, *, block: bool = False) -> str:
 
     Examples
     --------
-    >>> mathml(r"\\frac12 k_1")
+    >>> mathml(r"\frac12 k_1")
     '<math><mfrac><mn>1</mn><mn>2</mn></mfrac><msub><mi>k</mi><mn>1</mn></msub></math>'
     """
     reader = _Reader(latex)

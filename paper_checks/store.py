@@ -128,4 +128,7 @@ def judgement_from(record: dict[str, object]) -> Judgement:
 
 
 def _erratum(fields: dict[str, str] | None) -> Erratum | None:
-    return Erratum(**{**fields, "fault": Fault(fields["fault"])}) if fields else None
+    if fields is None:
+        return None
+    rest = {name: text for name, text in fields.items() if name != "fault"}
+    return Erratum(Fault(fields["fault"]), **rest)

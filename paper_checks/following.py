@@ -143,9 +143,10 @@ def judgement_by_following(
             failure = f"the judge of {outcome.claim.key}, which it follows, failed."
             return Judgement(None, failure, 0.0, now())
         findings.append(outcome.finding)
-    names = ", ".join(outcome.claim.key for outcome in others)
+    keys = tuple(outcome.claim.key for outcome in others)
+    names = ", ".join(keys)
     verdict = combined(finding.verdict for finding in findings)
-    lines = [f"This repeats what is judged elsewhere and takes its verdict from there: {names}."]
+    lines = ["This repeats what is judged elsewhere, and takes its verdict from there."]
     lines += [
         f"{outcome.claim.statement} ({outcome.claim.place}): {finding.verdict}. "
         f"Ours: {finding.value}."
@@ -160,7 +161,8 @@ def judgement_by_following(
         tolerance="that of the claims it follows; all of them must hold",
         explanation="\n\n".join(lines),
     )
-    return Judgement(finding, None, 0.0, now(), any(one.judgement.stored for one in others))
+    stored = any(outcome.judgement.stored for outcome in others)
+    return Judgement(finding, None, 0.0, now(), stored, followed=keys)
 
 
 def _never() -> Finding:

@@ -69,6 +69,8 @@ class Judgement:
         follows others: whether one of them was.
     provenance : Provenance or None
         Of a finding that comes with the toolkit.
+    followed : tuple of str
+        Keys of the claims that it was taken from.
     """
 
     finding: Finding | None
@@ -77,6 +79,7 @@ class Judgement:
     judged: str
     stored: bool = False
     provenance: Provenance | None = None
+    followed: tuple[str, ...] = ()
 
     @property
     def stale(self) -> bool:

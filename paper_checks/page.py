@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from html import escape
 from importlib import resources
 
-from paper_checks.claim import Finding, Picture, Verdict
+from paper_checks.claim import Erratum, Finding, Formula, Picture, Verdict
 from paper_checks.inline_svg import inline_svg, width_of
+from paper_checks.mathml import formula, with_formulas
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report import Report
 from paper_checks.table import duration
@@ -47,13 +49,14 @@ def page(report: Report) -> str:
 </header>
 <main>
 {_headlines(report)}
+{_errata(report)}
 <section aria-labelledby="claims-title">
 <h2 id="claims-title">Every claim</h2>
 {_filter(report)}
 <div class="head" aria-hidden="true">
 <span>Place</span><span>Claim</span><span>Verdict</span><span>The paper</span><span>Ours</span>
 </div>
-<ol id="claims">
+<ol id="claims" class="rows">
 {"".join(_row(outcome) for outcome in report.outcomes)}</ol>
 <p id="none" hidden>No claim fits this choice.</p>
 </section>
@@ -73,13 +76,15 @@ def _resource(name: str) -> str:
 def _standfirst(report: Report) -> str:
     judged = len(report.outcomes)
     stored = sum(outcome.judgement.stored for outcome in report.outcomes)
+    followers = sum(bool(outcome.claim.follows) for outcome in report.outcomes)
     if judged == report.available:
         what = "One claim of the paper" if judged == 1 else f"{judged} claims of the paper"
     else:
         what = f"{judged} of the {report.available} claims of the paper on record"
-    kept = f" {stored} of them kept from an earlier run of the same code," if stored else ""
+    notes = f" {followers} of them repeat others and take their verdict." if followers else ""
+    notes += f" {stored} verdicts rest on stored findings and say so." if stored else ""
     return (
-        f'<p class="standfirst">{what},{kept} each put to two methods that share no code. '
+        f'<p class="standfirst">{what}, each put to two methods that share no code.{notes} '
         f"This run took <strong>{duration(report.seconds)}</strong>.</p>"
     )
 
@@ -96,6 +101,23 @@ def _counts(report: Report) -> str:
 
 
 def _alert(report: Report) -> str:
+    return _stale(report) + _changed(report)
+
+
+def _stale(report: Report) -> str:
+    if not report.stale:
+        return ""
+    items = ", ".join(
+        f'<a href="#claim-{escape(one.claim.key)}">{escape(one.claim.key)}</a>'
+        for one in report.stale
+    )
+    return (
+        '<p class="record">Stored, and stale: found by other code than that of this run: '
+        f"{items}. <code>fronts check --full</code> computes them.</p>"
+    )
+
+
+def _changed(report: Report) -> str:
     if not report.changed:
         return '<p class="record">Every verdict is as on record.</p>'
     items = "".join(
@@ -130,6 +152,46 @@ def _headline(outcome: Outcome) -> str:
     )
 
 
+def _errata(report: Report) -> str:
+    items = "".join(_erratum(outcome, erratum) for outcome, erratum in report.errata)
+    if not items:
+        return ""
+    return (
+        '<section aria-labelledby="errata-title">'
+        f'<h2 id="errata-title">Errata ({len(report.errata)})</h2>'
+        '<p class="lead">Lines of the paper that should read otherwise. Each opens to the text as '
+        "printed, as corrected, and to what proves it.</p>"
+        f'<ol id="errata" class="rows">{items}</ol></section>'
+    )
+
+
+def _erratum(outcome: Outcome, erratum: Erratum) -> str:
+    key = escape(outcome.claim.key)
+    facts = [
+        ("As printed", f'<div class="math">{with_formulas(erratum.printed)}</div>'),
+        ("Corrected", f'<div class="math">{with_formulas(erratum.corrected)}</div>'),
+        ("Proof", escape(erratum.proof)),
+        ("Affects", escape(erratum.affects)),
+        ("Judged under", f'<a href="#claim-{key}">{key}</a>'),
+    ]
+    return f"""<li id="erratum-{key}"><details><summary>
+<span class="place">{escape(outcome.claim.place)}</span>
+<span class="claim">{with_formulas(erratum.reason)}</span>
+<span class="fault">{erratum.fault}</span>
+</summary>
+<div class="evidence">{_facts(facts)}</div>
+</details></li>
+"""
+
+
+def _formulas(formulas: tuple[Formula, ...]) -> str:
+    return "".join(
+        f'<figure class="formula"><figcaption>{escape(one.label)}</figcaption>'
+        f'<div class="math">{formula(one.latex, block=True)}</div></figure>'
+        for one in formulas
+    )
+
+
 def _filter(report: Report) -> str:
     options = "".join(
         f'<option value="{name}">{STATUS[name]} ({count})</option>'
@@ -152,7 +214,9 @@ def _row(outcome: Outcome) -> str:
         note
         for note, holds in (
             (f"on record: {claim.recorded}", outcome.changed),
+            ("stale", outcome.judgement.stale),
             ("stored", outcome.judgement.stored),
+            (_followed_by(outcome), bool(outcome.judgement.followed)),
         )
         if holds
     ]
@@ -173,6 +237,11 @@ def _row(outcome: Outcome) -> str:
 </details>
 </li>
 """
+
+
+def _followed_by(outcome: Outcome) -> str:
+    followed = outcome.judgement.followed
+    return f"as {followed[0]}" if len(followed) == 1 else f"from {len(followed)} others"
 
 
 def _evidence(outcome: Outcome) -> str:
@@ -197,17 +266,45 @@ def _findings(outcome: Outcome, finding: Finding) -> str:
         ("Tolerance", escape(finding.tolerance)),
         *_provenance(outcome),
     ]
+    if outcome.judgement.followed:
+        links = ", ".join(
+            f'<a href="#claim-{escape(key)}">{escape(key)}</a>'
+            for key in outcome.judgement.followed
+        )
+        facts.insert(0, ("Verdict taken from", links))
     pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
-    return f'<div class="prose">{prose}</div>{_facts(facts)}{pictures}'
+    formulas = _formulas(finding.formulas)
+    return f'<div class="prose">{prose}</div>{formulas}{_facts(facts)}{pictures}'
 
 
 def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
     judged = outcome.judgement
-    how = "kept from an earlier run, where it took" if judged.stored else "computed in"
-    return [
-        ("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>"),
-        ("Judged", f"{_moment(judged.judged)}, {how} {duration(judged.seconds)}"),
-    ]
+    facts = [("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>")]
+    if judged.followed:
+        return facts
+    origin = judged.provenance
+    if origin is None:
+        how = "kept from an earlier run, where it took" if judged.stored else "computed in"
+        when = f"{_moment(judged.judged)}, {how} {duration(judged.seconds)}"
+        return [*facts, ("Judged", when)]
+    versions = ", ".join(
+        f"{name} {version}" for name, version in origin.versions.items() if version
+    )
+    state = (
+        "Stale: the code it depends on has changed since. "
+        if origin.stale
+        else "The code it depends on has not changed since. "
+    )
+    stored = (
+        f"{state}Found {_moment(judged.judged)} in {duration(judged.seconds)}, on "
+        f"{escape(_place(origin.machine))}, with {escape(versions)}. Found anew by "
+        f"<code>{escape(origin.command)}</code>."
+    )
+    return [*facts, ("Stored finding", stored)]
+
+
+def _place(machine: Mapping[str, object]) -> str:
+    return f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
 
 
 def _facts(facts: list[tuple[str, str]]) -> str:
@@ -232,10 +329,8 @@ def _footer(report: Report) -> str:
     versions = ", ".join(
         f"{name} {version}" for name, version in report.versions.items() if version
     )
-    machine = report.machine
-    where = f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
     return (
-        f"<footer><p>Made {_moment(report.created)} on {escape(where)}. "
+        f"<footer><p>Made {_moment(report.created)} on {escape(_place(report.machine))}. "
         f"{escape(versions)}. Code {escape(report.source[:12])}.</p>"
         "<p>The same findings as data are in <code>report.json</code>, written with this page.</p>"
         "</footer>"

@@ -83,7 +83,7 @@ def _collapse_figure() -> Finding:
         sites = 5
         phi = np.asarray(generator.normal(size=(2, sites)).T @ [1.0, 1.0j], dtype=complex)
         whole = envelope_rate(phi, VdpChain(a, b, c, sites=sites))
-        scaled = envelope_rate(phi * math.sqrt(a), VdpChain(1.0, b / a**2, c, sites=sites))
+        scaled = envelope_rate(complex(math.sqrt(a)) * phi, VdpChain(1.0, b / a**2, c, sites=sites))
         gaps.append(float(np.abs(scaled / math.sqrt(a) - whole).max()))
     full = _full_scaling()
     right = max(gaps) < 1e-11 and full < 1e-11

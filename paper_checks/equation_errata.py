@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from paper_checks.claim import Erratum, Fault
@@ -13,6 +14,28 @@ if TYPE_CHECKING:
 
 LONG = 420
 """Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
+
+
+_LETTERS = {
+    "mu": "μ", "xi": "ξ", "phi": "φ", "Psi": "Ψ", "psi": "ψ", "omega": "ω", "eps": "ε",
+    "alpha": "α", "delta": "δ", "theta": "θ", "zeta": "ζ", "eta": "η", "tau": "τ", "pi": "π",
+    "infinity": "∞", "v_hat": "v̂",
+}  # fmt: skip
+_LETTER = re.compile(rf"(?<![A-Za-z'_])({'|'.join(_LETTERS)})(?![A-Za-z'-])")
+_SIGNS = {" >= ": " ≥ ", " <= ": " ≤ ", " << ": " ≪ ", " -> ": " → ", "sqrt(": "√("}
+
+
+def readable(prose: str) -> str:
+    """Return prose of the derivations, which is ASCII, with the paper's letters and signs.
+
+    Examples
+    --------
+    >>> readable("mu(0) = mu_st for n >= 1, not in 'multiple-scales'")
+    "μ(0) = μ_st for n ≥ 1, not in 'multiple-scales'"
+    """
+    for sign, better in _SIGNS.items():
+        prose = prose.replace(sign, better)
+    return _LETTER.sub(lambda found: _LETTERS[found.group(1)], prose)
 
 
 def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
@@ -50,10 +73,10 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     return Erratum(
         fault=fault,
         printed=f"${printed.latex}$",
-        corrected=corrected,
-        reason=printed.note,
-        proof=proof,
-        affects=printed.affects or "Nothing else.",
+        corrected=corrected if fault is Fault.MISPRINT else readable(corrected),
+        reason=readable(printed.note),
+        proof=readable(proof),
+        affects=readable(printed.affects) or "Nothing else.",
     )
 
 

@@ -22,6 +22,9 @@ STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge
 WIDE = 300
 """Pictures wider than this, in points, do not fit a phone."""
 
+MOST_NAMED = 5
+"""More changed verdicts than these are folded away, so that the first screen stays one."""
+
 # The page itself forbids the browser every request, to the network or to other files.
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 
@@ -76,15 +79,24 @@ def _resource(name: str) -> str:
 def _standfirst(report: Report) -> str:
     judged = len(report.outcomes)
     stored = sum(outcome.judgement.stored for outcome in report.outcomes)
-    followers = sum(bool(outcome.claim.follows) for outcome in report.outcomes)
+    repeated = sum(bool(outcome.claim.follows) for outcome in report.outcomes)
+    mute = sum(
+        outcome.status == slug(Verdict.UNTESTABLE)
+        for outcome in report.outcomes
+        if not outcome.claim.follows
+    )
     if judged == report.available:
         what = "One claim of the paper" if judged == 1 else f"{judged} claims of the paper"
     else:
         what = f"{judged} of the {report.available} claims of the paper on record"
-    notes = f" {followers} of them repeat others and take their verdict." if followers else ""
-    notes += f" {stored} verdicts rest on stored findings and say so." if stored else ""
+    parts = [f"{judged - repeated - mute} put to two methods that share no code"]
+    if repeated:
+        parts.append(f"{repeated} that repeat others and take their verdict")
+    if mute:
+        parts.append(f"{mute} that no computation can decide")
+    kept = f" {stored} rest on stored findings and say so." if stored else ""
     return (
-        f'<p class="standfirst">{what}, each put to two methods that share no code.{notes} '
+        f'<p class="standfirst">{what}: {", ".join(parts)}.{kept} '
         f"This run took <strong>{duration(report.seconds)}</strong>.</p>"
     )
 
@@ -120,11 +132,15 @@ def _stale(report: Report) -> str:
 def _changed(report: Report) -> str:
     if not report.changed:
         return '<p class="record">Every verdict is as on record.</p>'
-    items = "".join(
+    items = [
         f'<li><a href="#claim-{escape(one.claim.key)}">{escape(one.change)}</a></li>'
         for one in report.changed
-    )
-    return f'<div class="alert"><p>Not as on record:</p><ul>{items}</ul></div>'
+    ]
+    first, rest = "".join(items[:MOST_NAMED]), "".join(items[MOST_NAMED:])
+    if rest:
+        more = len(items) - MOST_NAMED
+        rest = f"<details><summary>{more} more</summary><ul>{rest}</ul></details>"
+    return f'<div class="alert"><p>Not as on record:</p><ul>{first}</ul>{rest}</div>'
 
 
 def _headlines(report: Report) -> str:

@@ -80,7 +80,8 @@ class Report:
         """The three findings that a reader should see first.
 
         Those that disagree with the paper come first, by the weight of their claims, then by how
-        much they disagree, then in the order of the claims.
+        much they disagree, then in the order of the claims. As far as it goes, each is of another
+        module.
         """
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
 
@@ -88,7 +89,11 @@ class Report:
             agrees = outcome.status == slug(Verdict.REPRODUCED)
             return agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
 
-        return tuple(sorted(found, key=rank)[:3])
+        ranked = sorted(found, key=rank)
+        groups = [outcome.entry.group for outcome in ranked]
+        again = [group in groups[:place] for place, group in enumerate(groups)]
+        chosen = sorted(range(len(ranked)), key=lambda place: (again[place], place))[:3]
+        return tuple(ranked[place] for place in sorted(chosen))
 
 
 _SEVERITY = tuple(

@@ -22,7 +22,7 @@ from paper_checks.store import digest_of, judgement_from, write_text
 
 FOLDER = Path(__file__).parent / "findings"
 
-CHEAP = 30.0
+CHEAP = 60.0
 """Seconds. A stale finding that took less than this is computed anew even in the quick run."""
 
 logger = logging.getLogger(__name__)

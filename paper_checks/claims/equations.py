@@ -6,7 +6,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from paper_checks.claim import Claim, Finding, Formula, Verdict
-from paper_checks.equation_errata import LONG, erratum_of
+from paper_checks.equation_errata import LONG, erratum_of, readable
 
 if TYPE_CHECKING:
     from derivations.printed import Judgement
@@ -59,9 +59,9 @@ def _judge(number: int) -> Finding:
         verdict=verdict,
         value=f"{kind}; print {'passes' if found.on_print.holds else 'fails'} its check",
         error="none: the comparison is symbolic, or to rounding at random points",
-        methods=("derived step by step in computer algebra", found.on_derived.statement),
+        methods=("derived step by step in computer algebra", readable(found.on_derived.statement)),
         tolerance="a printed equation must pass the same check as the derived one, or fail it",
-        explanation="\n\n".join(line for line in lines if line),
+        explanation=readable("\n\n".join(line for line in lines if line)),
         formulas=tuple(formulas),
         erratum=erratum,
     )

@@ -19,6 +19,10 @@ from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
 from verification.boundary import NOTHING, Bisection, boundary_lines
 from verification.integrators import label_run
+from verification.integrators.active import FREE
+from verification.integrators.runge_kutta import fixed_steps, tableau
+from verification.integrators.slopes import ENVELOPE as ENVELOPE_CODE
+from verification.integrators.slopes import FULL as FULL_CODE
 from verification.journal import journal_path
 from verification.state_label import (
     HOLD,
@@ -158,11 +162,7 @@ def test_the_compiled_run_follows_scipy() -> None:
     state = np.zeros((2, 16))
     state[1, -1] = 6.0
     p = np.array([chain.a, chain.b, chain.c, chain.eps])
-    K, trial = np.zeros((label_run.STAGES, 2, 16)), np.zeros((2, 16))
-    for _ in range(2000):
-        label_run.slope(label_run.ENVELOPE, p, state, K[0])
-        label_run.step(label_run.ENVELOPE, p, state, 0.01, K, trial, 1e-9)
-        state[:] = trial
+    fixed_steps(ENVELOPE_CODE, state, p, FREE, 0.01, 2000, *tableau(8))
     # scipy's relative tolerance of 1e-9 a step, over some hundred steps
     assert np.hypot(*state) == pytest.approx(reference[-1], abs=3e-7)
 
@@ -179,13 +179,13 @@ def test_the_energy_rule_is_never_wrong() -> None:
         state[:, 1:] *= 1e-3
         energy = (state**2).sum() + chain.eps * chain.c * (np.diff(state[0]) ** 2).sum()
         state *= math.sqrt(0.99 * quiet / energy)
-        assert label_run.at_rest_for_ever(label_run.FULL, p, state, quiet)
+        assert label_run.at_rest_for_ever(FULL_CODE, p, state.ravel(), quiet)
         start = state[1] + 1j * state[0]
         run = run_vdp(chain, start, 200.0, samples=41, companion=False, level=10.0)
         y = run.psi.imag
         energies = (run.amplitude**2).sum(1) + chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
         assert (np.diff(energies) < 1e-7 * energies[0]).all()
-        assert not label_run.at_rest_for_ever(label_run.FULL, p, state * 1.02, quiet)
+        assert not label_run.at_rest_for_ever(FULL_CODE, p, 1.02 * state.ravel(), quiet)
 
 
 @pytest.mark.parametrize("task", [ENVELOPE, FULL])

@@ -30,6 +30,8 @@ import numpy.typing as npt
 from theory.parameters import ParameterError, positive, within
 from theory.vdp_chain import VdpChain
 from verification.integrators import label_run
+from verification.integrators.runge_kutta import error_weights, tableau
+from verification.integrators.slopes import ENVELOPE, FULL
 from verification.vdp_run import Model
 
 HOLD = 10.0
@@ -132,9 +134,9 @@ def label_state(
     scale = 1.0 / chain.eps if full else 1.0
     parts = (start.imag, start.real) if full else (start.real, start.imag)
     code, time, above, steps = label_run.run_to_label(
-        label_run.FULL if full else label_run.ENVELOPE,
+        FULL if full else ENVELOPE,
         np.array([chain.a, chain.b, chain.c, chain.eps]),
-        np.array(parts, dtype=float),
+        np.concatenate(parts),
         level,
         positive_damping_square(chain.a, chain.b) if full else level**2,
         0.5 * end * scale,
@@ -142,6 +144,8 @@ def label_state(
         WINDOW * scale,
         STILL * (level if math.isfinite(level) else 1.0),
         tolerance,
+        *tableau(8),
+        *error_weights(),
     )
     if code == label_run.BROKEN:
         raise ArithmeticError(

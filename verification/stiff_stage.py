@@ -6,6 +6,7 @@ a level at which the explicit stepper has steps of ordinary length again.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -65,6 +66,20 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
     return jacobian if n > _MOST_DENSE else jacobian.toarray()
 
 
+@dataclass(frozen=True)
+class _Gentle:
+    """Event of scipy that ends the stage: the largest damping rate falls through GENTLE."""
+
+    chain: VdpChain
+    terminal: bool = True
+    direction: float = -1.0
+
+    def __call__(self, _: float, state: FloatArray) -> float:
+        square = state[: self.chain.sites] ** 2
+        largest = np.max(np.abs(1.0 - self.chain.a * square + self.chain.b * square**2))
+        return float(self.chain.eps * largest - GENTLE)
+
+
 def pass_stiff_stage(chain: VdpChain, lane: Lane) -> None:
     """Take a lane of (8) through a stiff stage: its samples and arrivals are taken on the way.
 
@@ -75,13 +90,6 @@ def pass_stiff_stage(chain: VdpChain, lane: Lane) -> None:
     """
     from scipy.integrate import solve_ivp
 
-    def rate(_: float, state: FloatArray) -> float:
-        square = state[: chain.sites] ** 2
-        largest = np.max(np.abs(1.0 - chain.a * square + chain.b * square**2))
-        return float(chain.eps * largest - GENTLE)
-
-    rate.terminal = True  # type: ignore[attr-defined]
-    rate.direction = -1.0  # type: ignore[attr-defined]
     arrays = lane.kept
     clock, counters = arrays["clock"], arrays["counters"]
     samples, arrivals = arrays["samples"], arrays["arrivals"]
@@ -96,7 +104,7 @@ def pass_stiff_stage(chain: VdpChain, lane: Lane) -> None:
         jac=lambda _, x: full_jacobian(chain, x),
         rtol=tolerance,
         atol=tolerance * float(np.abs(state).max()) * 1e-3,
-        events=rate,
+        events=_Gentle(chain),
         dense_output=True,
     )
     if not solved.success or not np.all(np.isfinite(solved.y[:, -1])):
@@ -113,7 +121,7 @@ def pass_stiff_stage(chain: VdpChain, lane: Lane) -> None:
         if above.size:
             arrivals[n] = _crossing(path, chain.sites, n, lane.level, solved.t, int(above[0]))
     arrays["state"][...] = solved.y[:, -1].reshape(2, -1)
-    clock[0] = end
+    clock[0], clock[4] = end, 0.0
     counters[:2] = 0, chain.sites
     counters[5] += solved.t.size - 1
 

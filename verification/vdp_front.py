@@ -2,13 +2,19 @@
 
 The front starts from sites on the stable cycle, each a quarter of a turn behind the one before
 (the phase to which fronts lock), runs along a chain with free ends, and is timed at each site.
-Only a number of sites behind the front are stepped. The rule:
+
+Behind the front, phase waves move at velocities up to c, undamped. A front with v̂ > c outruns them:
+how it began does not matter, and only a number of sites behind it are stepped. A front with v̂ < c
+is overtaken by what the free end sends after it, and its velocity is another one; then all sites
+are stepped (``Behind``). The rule:
 
 * the first half of the arrivals is transient and is not used;
 * v is the slope of the regression line of the rest;
 * its error is the largest of twice the standard error of that slope, the difference between the
   slopes of the third and the fourth quarter, and the difference from a run at a hundred times the
   tolerance;
+* on a chain so long as is allowed, but not long enough for a front with v̂ < c to be overtaken,
+  the error is at least the difference from the front with a wave behind it;
 * the front is steady if that error is below a stated part of v (a thousandth, unless another is
   asked for); if not, the chain is made longer.
 
@@ -17,6 +23,7 @@ Velocities are v̂ = v/ε, sites per unit of slow time.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from time import perf_counter
@@ -55,6 +62,20 @@ class FrontStatus(StrEnum):
     """The excited sites went to rest."""
 
 
+class Behind(StrEnum):
+    """What is behind the first site; of consequence only where v̂ < c."""
+
+    FREE = "free"
+    """Nothing: the first site is a free end."""
+
+    WAVE = "wave"
+    """A wave that goes on for ever, each site a quarter of a turn ahead of the next."""
+
+
+_OUTRUNS = 1.01
+"""A front faster than c times this is not overtaken."""
+
+
 @dataclass(frozen=True)
 class FrontMeasurement:
     """A front and its velocity.
@@ -65,6 +86,8 @@ class FrontMeasurement:
         Parameters; ``sites`` is the length used in the end.
     model : Model
         Equation.
+    behind : Behind
+        What was behind the first site; both are the same where v̂ > c.
     status : FrontStatus
         What became of the front.
     v : float or None
@@ -81,6 +104,7 @@ class FrontMeasurement:
 
     chain: VdpChain
     model: Model
+    behind: Behind
     status: FrontStatus
     v: float | None
     error: float | None
@@ -98,25 +122,30 @@ def measure_front(
     chain: VdpChain,
     model: Model = Model.ENVELOPE,
     *,
+    behind: Behind = Behind.FREE,
     tolerance: float = 1e-8,
     filled: int = 24,
-    most_sites: int = 2000,
+    most_sites: int = 1000,
     patience: float = 60.0,
     accuracy: float = 1e-3,
+    progress: Callable[[float], None] | None = None,
 ) -> FrontMeasurement:
     """Return the velocity of a front of (8) or (43).
 
     Parameters
     ----------
     chain : VdpChain
-        Parameters; ``sites`` is the length tried first, beyond the filled ones, and the ends are
-        taken as free.
+        Parameters; ``sites`` is the length tried first, beyond the filled ones, and the right end
+        is taken as free.
     model : Model
         (8), or (43).
+    behind : Behind
+        What is behind the first site.
     tolerance : float
         Of the integrator.
     filled : int
-        Sites on the cycle at the start, and sites kept behind the front; from 4 to 1000.
+        Sites on the cycle at the start, from 4 to 1000; so many are kept behind the front if it
+        outruns the waves there.
     most_sites : int
         Longest chain tried before a front is called unsteady.
     accuracy : float
@@ -124,6 +153,8 @@ def measure_front(
     patience : float
         Slow time without an arrival after which the front is looked at, and twice that before it
         is called creeping.
+    progress : callable, optional
+        Told the fraction of the present chain that has been run through, now and then.
 
     Raises
     ------
@@ -142,36 +173,72 @@ def measure_front(
     within("accuracy", accuracy, 1e-10, 0.1)
     if chain.c == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
-    sites, steps = max(chain.sites, 32), 0
+    rule = _Rule(model, tolerance, filled, most_sites, patience, accuracy, progress)
+    found = _measure(chain, rule, Behind.WAVE)
+    outruns = found.v is not None and found.v > _OUTRUNS * chain.c
+    if behind is Behind.FREE and not outruns:
+        found = _measure(chain, rule, Behind.FREE, found)
+    return replace(found, behind=behind, seconds=perf_counter() - begin)
+
+
+@dataclass(frozen=True)
+class _Rule:
+    model: Model
+    tolerance: float
+    filled: int
+    most_sites: int
+    patience: float
+    accuracy: float
+    progress: Callable[[float], None] | None
+
+
+def _measure(
+    chain: VdpChain, rule: _Rule, behind: Behind, wave: FrontMeasurement | None = None
+) -> FrontMeasurement:
+    """Measure on longer and longer chains, until v is known well enough; ``wave`` came before."""
+    sites, steps = max(chain.sites, 32), wave.steps if wave else 0
     while True:
-        longer = replace(chain, sites=filled + sites, ends=Ends.FREE)
+        longer = replace(chain, sites=rule.filled + sites, ends=Ends.FREE)
         lanes = []
-        for each in (tolerance, min(1e-2, COMPANION * tolerance)):
-            lane = _lane(longer, model, each, filled, patience)
-            status = _follow(lane, longer, filled, patience)
+        for each in (rule.tolerance, min(1e-2, COMPANION * rule.tolerance)):
+            lane = _lane(longer, rule, each, behind)
+            status = _follow(lane, longer, rule)
             steps += int(lane.counters[3])
             lanes.append(lane)
             if status is not None:
                 break
-        arrivals = lanes[0].arrivals[filled:]
+        arrivals = lanes[0].arrivals[rule.filled :]
         arrivals = arrivals[~np.isnan(arrivals)]
         if status is not None:
-            seen = {FrontStatus.PINNED: (0.0, 1.0 / patience)}.get(status, (None, None))
+            seen = {FrontStatus.PINNED: (0.0, 1.0 / rule.patience)}.get(status, (None, None))
             v, error = seen
             break
         v, error = velocity_of(arrivals, chain.eps)
-        other, _ = velocity_of(lanes[1].arrivals[filled:], chain.eps)
+        other, _ = velocity_of(lanes[1].arrivals[rule.filled :], chain.eps)
         error = max(error, abs(v - other))
-        if error < accuracy * v:
+        enough = sites >= _overtaken(chain.c, v, rule.filled, behind)
+        longest = 2 * sites > rule.most_sites
+        if longest and not enough and wave is not None and wave.v is not None:
+            error = max(error, abs(v - wave.v))
+        if error < rule.accuracy * v and (enough or longest):
             status = FrontStatus.STEADY
             break
-        if 2 * sites > most_sites:
+        if longest:
             status = FrontStatus.UNSTEADY
             break
         sites *= 2
-    return FrontMeasurement(
-        longer, model, status, v, error, arrivals, steps, perf_counter() - begin
-    )
+    return FrontMeasurement(longer, rule.model, behind, status, v, error, arrivals, steps, 0.0)
+
+
+def _overtaken(c: float, v: float, filled: int, behind: Behind) -> float:
+    """Return the sites after which waves from the free end have long overtaken the front.
+
+    The first reach it after v filled/(c - v) sites; four times that, so that it happens in the
+    first half of those that are not used.
+    """
+    if behind is Behind.WAVE or v > _OUTRUNS * c:
+        return 0.0
+    return 4.0 * v * filled / (c - v) if v < c else np.inf
 
 
 def velocity_of(arrivals: FloatArray, eps: float) -> tuple[float, float]:
@@ -208,27 +275,27 @@ def _line(x: npt.NDArray[np.int64], y: FloatArray) -> tuple[float, float]:
     return slope, float(np.sqrt(rest @ rest / max(1, x.size - 2) / weight))
 
 
-def _lane(chain: VdpChain, model: Model, tolerance: float, filled: int, patience: float) -> Lane:
+def _lane(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> Lane:
     """Return a run long enough for every site to be reached just in time."""
-    t_end = (chain.sites + 4) * 2.0 * patience / chain.eps
-    start = staggered_front(chain, filled)
+    t_end = (chain.sites + 4) * 2.0 * rule.patience / chain.eps
     return Lane(
         chain,
-        model is Model.FULL,
-        start,
+        rule.model is Model.FULL,
+        staggered_front(chain, rule.filled),
         np.array([0.0, t_end]),
         tolerance,
         chain.unstable_amplitude,
         window=True,
-        behind=filled,
+        behind=rule.filled if behind is Behind.WAVE else 0,
+        wave=behind is Behind.WAVE,
     )
 
 
-def _follow(lane: Lane, chain: VdpChain, filled: int, patience: float) -> FrontStatus | None:
+def _follow(lane: Lane, chain: VdpChain, rule: _Rule) -> FrontStatus | None:
     """Step until the last site but eight is reached (None), or until the front has stopped."""
     wanted = chain.sites - 8
-    slow = 1.0 / chain.eps
-    reached, when = filled, 0.0
+    patience = rule.patience / chain.eps
+    reached, when = rule.filled, 0.0
     early: FloatArray | None = None
     while True:
         lane.go_on(_BUDGET // 40)
@@ -236,15 +303,17 @@ def _follow(lane: Lane, chain: VdpChain, filled: int, patience: float) -> FrontS
         if not np.isnan(arrivals[wanted - 1]):
             return None
         now = int(np.count_nonzero(~np.isnan(arrivals)))
+        if rule.progress is not None:
+            rule.progress(now / chain.sites)
         if now > reached:
             reached, when, early = now, lane.time, None
-        if lane.time - when > patience * slow:
+        if lane.time - when > patience:
             current = _amplitudes(lane)
             if current.max() < _DECAYED * chain.unstable_amplitude:
                 return FrontStatus.COLLAPSED
             if early is None:
                 early = current
-            if lane.time - when > 2.0 * patience * slow:
+            if lane.time - when > 2.0 * patience:
                 change = float(np.max(np.abs(current - early)))
                 still = change < 1e-3 * chain.stable_amplitude
                 return FrontStatus.PINNED if still else FrontStatus.CREEPING

@@ -9,7 +9,9 @@ import numpy.typing as npt
 
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators import stepping
+from verification.integrators.active import FOLLOWING, FREE, RING
 from verification.integrators.runge_kutta import error_weights, tableau
+from verification.integrators.slopes import ENVELOPE, FULL
 from verification.integrators.taylor import taylor_order
 
 FloatArray = npt.NDArray[np.float64]
@@ -42,7 +44,9 @@ class Lane:
     tolerance, level, window, behind
         As in ``verification.vdp_run.run_vdp``.
     series : bool
-        Step (8) by its Taylor series instead of by Runge-Kutta.
+        Step by the Taylor series instead of by Runge-Kutta.
+    wave : bool
+        To the left of the first site a wave goes on, φ = iφ of its neighbour, instead of an end.
     """
 
     def __init__(
@@ -56,11 +60,12 @@ class Lane:
         window: bool,
         behind: int,
         series: bool = False,
+        wave: bool = False,
     ) -> None:
         self._chain, self._full = chain, full
-        self._method = stepping.ENVELOPE
-        if full:
-            self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
+        self._first = RING if chain.ends is Ends.PERIODIC else FOLLOWING if wave else FREE
+        self._model = FULL if full else ENVELOPE
+        self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
         self._scale = 1.0 if full else chain.eps
         self.tolerance, self.level, self._behind = tolerance, level, behind
         self._order = taylor_order(tolerance)
@@ -69,7 +74,7 @@ class Lane:
         # y = Im Ψ and ẏ = Re Ψ; for the envelope (Re φ, Im φ).
         self.state = np.array([start.imag, start.real] if full else [start.real, start.imag])
         self.samples = np.zeros((times.size, 2, chain.sites))
-        self.clock = np.zeros(4)
+        self.clock = np.zeros(5)
         self.counters = np.zeros(6, dtype=np.int64)
         self._arrivals = np.full(chain.sites, np.nan)
         size = np.abs(start)
@@ -107,9 +112,11 @@ class Lane:
             "eps": chain.eps,
             "sites": chain.sites,
             "ends": chain.ends.value,
+            "model": self._model,
             "method": self._method,
             "tolerance": self.tolerance,
             "level": self.level,
+            "first": self._first,
             "behind": self._behind,
             "rest": self._rest,
             "t_end": self.end,
@@ -160,9 +167,10 @@ class Lane:
         chain = self._chain
         active = max(1, int(self.counters[1] - self.counters[0]))
         ended = stepping.advance(
+            self._model,
             self._method,
             np.array([chain.a, chain.b, chain.c, chain.eps]),
-            chain.ends is Ends.PERIODIC,
+            self._first,
             self.state,
             self.clock,
             self.counters,

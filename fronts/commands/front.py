@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import add_eta_options, eta_of, real
+from fronts.progress import Fraction
 
 if TYPE_CHECKING:
     from verification.piecewise_run import FrontRun
@@ -49,6 +50,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--n", type=int, help="vdp, envelope: sites beyond the start tried first (default 32)"
     )
     parser.add_argument(
+        "--behind",
+        choices=("free", "wave"),
+        help="vdp, envelope: a free end behind the start, or a wave that goes on (default free)",
+    )
+    parser.add_argument(
         "--accuracy",
         type=real,
         help="vdp, envelope: relative error of v at which the run ends (default 1e-3)",
@@ -61,7 +67,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _piecewise(options: argparse.Namespace) -> Answer:
-    _refuse(options, ("eps", "n", "accuracy"))
+    _refuse(options, ("eps", "n", "accuracy", "behind"))
     from verification.piecewise_simulation import simulate_front
 
     result = simulate_front(
@@ -132,7 +138,7 @@ def _envelope(options: argparse.Namespace) -> Answer:
 def _chain(options: argparse.Namespace, model: Model) -> Answer:
     """Measure a front of (8) or (43); with --eta alone a = 1 and b = η, the same up to a scale."""
     from theory.vdp_chain import VdpChain
-    from verification.vdp_front import measure_front
+    from verification.vdp_front import Behind, measure_front
 
     _refuse(options, ("start_v",))
     if options.start != "moving":
@@ -146,9 +152,14 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
         eps=0.01 if options.eps is None else options.eps,
         sites=32 if options.n is None else options.n,
     )
-    result = measure_front(
-        chain, model, accuracy=1e-3 if options.accuracy is None else options.accuracy
-    )
+    with Fraction(f"front at c = {options.c:g}") as shown:
+        result = measure_front(
+            chain,
+            model,
+            behind=Behind(options.behind or "free"),
+            accuracy=1e-3 if options.accuracy is None else options.accuracy,
+            progress=shown.show,
+        )
     payload: dict[str, object] = {
         "v": result.v,
         "error": result.error,

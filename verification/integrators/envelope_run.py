@@ -1,7 +1,7 @@
-"""Plain runs of the averaged chain (43) in slow time: the classical Runge-Kutta rule, compiled.
+"""Runs of the averaged chain (43) in slow time by equal steps, the coupling fixed or growing.
 
-The sum of neighbours is formed before it is subtracted, so a mirror-symmetric start stays
-symmetric to the last bit. The coupling may grow linearly, c = c_0 + rate·T.
+The coupling may grow linearly, c = c_0 + rate·T; within a step it is held at the value of the
+middle. A mirror-symmetric start stays symmetric to the last bit (``active.add_coupling``).
 """
 
 from __future__ import annotations
@@ -13,11 +13,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from theory.vdp_chain import Ends, VdpChain
+from verification.integrators.active import FREE, RING, end_codes
+from verification.integrators.runge_kutta import tableau, take_step
+from verification.integrators.slopes import ENVELOPE
 
+FloatArray = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-STEP = 0.04
-"""Step in T; rates are of order 1. Tests hold the error of a run to scipy's DOP853."""
+STEP = 0.1
+"""Step in T of the method of order 8; rates are of order 1."""
 
 
 @dataclass(frozen=True)
@@ -81,63 +85,50 @@ def run_envelope(
     >>> round(float(abs(run_envelope(chain, start, 100.0).phi[2])), 6)
     2.828427
     """
-    state = np.array(phi, dtype=np.complex128)
+    state = np.concatenate([np.real(phi), np.imag(phi)]).astype(float)
     mask = np.ones(chain.sites, dtype=np.bool_) if watched is None else watched
     steps = max(1, round(duration / step))
+    h = duration / steps
+    parameters = np.array([chain.a, chain.b, chain.c, chain.eps])
     done, escaped = _run(
         state,
+        parameters,
+        RING if chain.ends is Ends.PERIODIC else FREE,
         mask,
         limit**2,
-        chain.c,
         rate,
-        duration / steps,
+        h,
         steps,
-        chain.a,
-        chain.b,
-        chain.ends is Ends.PERIODIC,
+        *tableau(8),
     )
-    time = done * duration / steps
-    return EnvelopeRun(state, time, bool(escaped), chain.c + rate * time, int(done))
+    real, imaginary = np.split(state, 2)
+    time = done * h
+    return EnvelopeRun(real + 1j * imaginary, time, bool(escaped), chain.c + rate * time, int(done))
 
 
-@njit(cache=True)  # type: ignore[misc, unused-ignore]
-def _rate(phi, out, c, a, b, ring):  # type: ignore[no-untyped-def]
-    sites = phi.shape[0]
-    for n in range(sites):
-        own = phi[n]
-        around = 0.0 + 0.0j
-        count = 2.0
-        if 0 < n < sites - 1:
-            around = phi[n - 1] + phi[n + 1]
-        elif ring:
-            around = phi[(n + sites - 1) % sites] + phi[(n + 1) % sites]
-        else:
-            count = 1.0
-            around = phi[1] if n == 0 else phi[sites - 2]
-        s = own.real * own.real + own.imag * own.imag
-        out[n] = 0.5j * c * (count * own - around) - own * (
-            0.5 * (1.0 - 0.25 * a * s + 0.125 * b * s * s)
-        )
-
-
-@njit(cache=True)  # type: ignore[misc, unused-ignore]
-def _run(phi, watched, limit, c, speed, h, steps, a, b, ring):  # type: ignore[no-untyped-def]
-    sites = phi.shape[0]
-    k1 = np.empty(sites, dtype=np.complex128)
-    k2 = np.empty(sites, dtype=np.complex128)
-    k3 = np.empty(sites, dtype=np.complex128)
-    k4 = np.empty(sites, dtype=np.complex128)
+@njit(cache=True)
+def _run(
+    x: FloatArray,
+    parameters: FloatArray,
+    first: int,
+    watched: NDArray[np.bool_],
+    limit: float,
+    rate: float,
+    h: float,
+    steps: int,
+    A: FloatArray,
+    weights: FloatArray,
+) -> tuple[int, bool]:
+    """Step; return the number of steps and whether a watched |φ|² has passed the limit."""
+    m = x.size // 2
+    left, right = end_codes(0, m, m, first, False)
+    K, out = np.zeros((weights.size, x.size)), np.zeros(x.size)
+    c = parameters[2]
     for done in range(steps):
-        start = c + speed * h * done
-        _rate(phi, k1, start, a, b, ring)
-        _rate(phi + 0.5 * h * k1, k2, start + 0.5 * h * speed, a, b, ring)
-        _rate(phi + 0.5 * h * k2, k3, start + 0.5 * h * speed, a, b, ring)
-        _rate(phi + h * k3, k4, start + h * speed, a, b, ring)
-        for n in range(sites):
-            phi[n] += h / 6.0 * ((k1[n] + k4[n]) + 2.0 * (k2[n] + k3[n]))
-        for n in range(sites):
-            if watched[n]:
-                s = phi[n].real * phi[n].real + phi[n].imag * phi[n].imag
-                if not s <= limit:
-                    return done + 1, True
+        parameters[2] = c + rate * h * (done + 0.5)
+        take_step(ENVELOPE, x, parameters, left, right, h, A, weights, K, out)
+        x[:] = out
+        for n in range(m):
+            if watched[n] and not x[n] ** 2 + x[m + n] ** 2 <= limit:
+                return done + 1, True
     return steps, False

@@ -1,6 +1,6 @@
-"""Explicit Runge-Kutta steps for (8), compiled: the twelve stages of DOP853, or any tableau.
+"""Explicit Runge-Kutta steps for (8) and (43), compiled: the stages of DOP853, or any tableau.
 
-The state is an array of shape (2, N): (y, ẏ); all quantities are dimensionless.
+The state is a row of length 2m (``active``); all quantities are dimensionless.
 """
 
 from __future__ import annotations
@@ -11,135 +11,93 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from verification.integrators.active import end_codes, largest
+from verification.integrators.slopes import slope
+
 FloatArray = npt.NDArray[np.float64]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def full_force(
-    y: FloatArray,
-    w: FloatArray,
-    parameters: FloatArray,
-    periodic: bool,
-    lo: int,
-    hi: int,
-    following: bool,
-    out: FloatArray,
-) -> None:
-    """Put ÿ of (8) into out[lo:hi].
-
-    Parameters
-    ----------
-    y, w : ndarray, shape (N,)
-        Displacement and velocity.
-    parameters : ndarray, shape (4,)
-        a, b, c, ε.
-    periodic : bool
-        Whether site 0 is coupled to site N - 1; only with lo = 0, hi = N.
-    lo, hi : int
-        Active sites; the others are at rest.
-    following : bool
-        Site lo - 1 is not at rest but continues the wave, φ_{lo-1} = iφ_lo: y_{lo-1} = ẏ_lo.
-    out : ndarray, shape (N,)
-        Filled between lo and hi.
-    """
-    a, b, c, eps = parameters[0], parameters[1], parameters[2], parameters[3]
-    last = y.size - 1
-    if following:
-        y[lo - 1] = w[lo]
-    here, speed, target = y[lo:hi], w[lo:hi], out[lo:hi]
-    for n in range(hi - lo):
-        square = here[n] * here[n]
-        target[n] = -here[n] - eps * speed[n] * (1.0 + square * (b * square - a))
-    first, beyond = max(lo, 1), min(hi, last)
-    target, here = out[first:beyond], y[first:beyond]
-    left, right = y[first - 1 : beyond - 1], y[first + 1 : beyond + 1]
-    for n in range(beyond - first):
-        target[n] -= eps * c * (2.0 * here[n] - left[n] - right[n])
-    if lo == 0:
-        end = y[last] if periodic else y[0]
-        out[0] -= eps * c * (2.0 * y[0] - end - y[1])
-    if hi == last + 1:
-        end = y[0] if periodic else y[last]
-        out[last] -= eps * c * (2.0 * y[last] - y[last - 1] - end)
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def take_step(
-    state: FloatArray,
+    model: int,
+    x: FloatArray,
     parameters: FloatArray,
-    periodic: bool,
+    left: int,
+    right: int,
     h: float,
     A: FloatArray,
     weights: FloatArray,
     K: FloatArray,
-    lo: int,
-    hi: int,
-    following: bool,
     out: FloatArray,
 ) -> None:
-    """Put the state after one step of length h into out[:, lo:hi]; the slopes stay in K.
+    """Put the state after one step of length h into out; the slopes stay in K.
 
     Parameters
     ----------
-    state, out : ndarray, shape (2, N)
-        (y, ẏ); ``out`` is also used as room for the stages and must not be ``state``.
+    model : int
+        FULL or ENVELOPE (``slopes``).
+    x, out : ndarray, shape (2m,)
+        State; ``out`` is also room for the stages and must not be ``x``.
     A : ndarray, shape (s, s); weights : ndarray, shape (s,)
         The method (:func:`tableau`).
-    K : ndarray, shape (s, 2, N)
-        Room; at rest outside lo:hi.
+    K : ndarray, shape (s, 2m)
+        Room.
     """
     stages = weights.size
     for i in range(stages + 1):
         row = A[i] if i < stages else weights
-        y, w = out[0, lo:hi], out[1, lo:hi]
-        y[:] = state[0, lo:hi]
-        w[:] = state[1, lo:hi]
+        for n in range(x.size):
+            out[n] = x[n]
         for j in range(i):
             factor = h * row[j]
             if factor != 0.0:
-                dy, dw = K[j, 0, lo:hi], K[j, 1, lo:hi]
-                for n in range(hi - lo):
-                    y[n] += factor * dy[n]
-                    w[n] += factor * dw[n]
+                known = K[j]
+                for n in range(x.size):
+                    out[n] += factor * known[n]
         if i < stages:
-            K[i, 0, lo:hi] = w
-            full_force(out[0], out[1], parameters, periodic, lo, hi, following, K[i, 1])
+            slope(model, out, parameters, left, right, K[i])
 
 
-@njit(cache=True, error_model="numpy")
-def step_error(K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, lo: int, hi: int) -> float:
-    """Return DOP853's estimate of the local error, the largest over sites."""
-    largest5 = largest3 = 0.0
-    for part in range(2):
-        five, three = np.zeros(hi - lo), np.zeros(hi - lo)
-        for j in range(E5.size):
-            slope = K[j, part, lo:hi]
-            for n in range(hi - lo):
-                five[n] += E5[j] * slope[n]
-                three[n] += E3[j] * slope[n]
-        for n in range(hi - lo):
-            largest5 = max(largest5, abs(five[n]))
-            largest3 = max(largest3, abs(three[n]))
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def step_error(K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: FloatArray) -> float:
+    """Return DOP853's estimate of the local error, the largest over sites.
+
+    ``room`` has the shape (2, 2m).
+    """
+    five, three = room[0], room[1]
+    five[:] = 0.0
+    three[:] = 0.0
+    for j in range(E5.size):
+        known, of_five, of_three = K[j], E5[j], E3[j]
+        for n in range(five.size):
+            five[n] += of_five * known[n]
+            three[n] += of_three * known[n]
+    largest5, largest3 = largest(five), largest(three)
     size = largest5 * largest5 + 0.01 * largest3 * largest3
     return h * largest5 * largest5 / np.sqrt(size) if size > 0.0 else size
 
 
 @njit(cache=True, error_model="numpy")
 def fixed_steps(
+    model: int,
     state: FloatArray,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     h: float,
     steps: int,
     A: FloatArray,
     weights: FloatArray,
 ) -> None:
-    """Advance the state by ``steps`` steps of length h, all sites; for tests and benchmarks."""
-    K = np.zeros((weights.size, *state.shape))
-    out = np.zeros_like(state)
+    """Advance a state of shape (2, N) by steps of length h, all sites; for tests and benchmarks."""
+    sites = state.shape[1]
+    left, right = end_codes(0, sites, sites, first, False)
+    x = state.copy().reshape(2 * sites)
+    out = np.zeros(2 * sites)
+    K = np.zeros((weights.size, 2 * sites))
     for _ in range(steps):
-        take_step(state, parameters, periodic, h, A, weights, K, 0, state.shape[1], False, out)
-        state[:] = out
+        take_step(model, x, parameters, left, right, h, A, weights, K, out)
+        x[:] = out
+    state[0], state[1] = x[:sites], x[sites:]
 
 
 @lru_cache(maxsize=2)

@@ -3,9 +3,8 @@
 A method gives a step from the present state and the state at any time inside the step. Which step
 is taken depends on the state and on ``clock`` only, so that where a run is divided changes nothing.
 
-RUNGE_KUTTA  (8) by DOP853's stages and error estimate
-TAYLOR       (8) by its Taylor series
-ENVELOPE     (43) by its Taylor series
+RUNGE_KUTTA  DOP853's stages and error estimate
+TAYLOR       Taylor series
 """
 
 from __future__ import annotations
@@ -16,19 +15,21 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from verification.integrators.active import end_codes, largest
 from verification.integrators.runge_kutta import step_error, take_step
+from verification.integrators.slopes import FULL
 from verification.integrators.taylor import (
     envelope_coefficients,
     evaluate,
     full_coefficients,
-    largest,
+    series_room,
     step_length,
 )
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-RUNGE_KUTTA, TAYLOR, ENVELOPE = 0, 1, 2
+RUNGE_KUTTA, TAYLOR = 0, 1
 """Codes of the methods."""
 
 REACHED, TOO_SHORT, NOT_FINITE, BUDGET = 0, 1, 2, 3
@@ -41,32 +42,34 @@ MARGIN = 8
 _FIRST = 0.05
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
 _LAZY = 0.25
+_LOOKS, _MET = 60, 0.01
 _REVIEW = 6.5
-"""The Runge-Kutta step grows only so often: errors of equal steps cancel over a period."""
+"""The Runge-Kutta step of (8) grows only so often: errors of equal steps cancel over a period."""
 
 
 @njit(cache=True)
-def _window(state: FloatArray, rest: float, lo: int, hi: int) -> tuple[int, int]:
-    """Return the window widened so that MARGIN sites at rest lie inside it on either side."""
-    sites = state.shape[1]
+def _widened(x: FloatArray, rest: float, lo: int, hi: int, sites: int) -> tuple[int, int]:
+    """Return lo and hi moved outwards so that MARGIN sites at rest lie within, on either side."""
+    m = hi - lo
     square = rest * rest
     new_lo, new_hi = lo, hi
-    for n in range(lo, min(hi, lo + MARGIN)):
-        if state[0, n] ** 2 + state[1, n] ** 2 > square:
-            new_lo = max(0, n - MARGIN)
+    for n in range(min(m, MARGIN)):
+        if x[n] ** 2 + x[m + n] ** 2 > square:
+            new_lo = max(0, lo + n - MARGIN)
             break
-    for n in range(hi - 1, max(lo, hi - MARGIN) - 1, -1):
-        if state[0, n] ** 2 + state[1, n] ** 2 > square:
-            new_hi = min(sites, n + MARGIN + 1)
+    for n in range(m - 1, max(0, m - MARGIN) - 1, -1):
+        if x[n] ** 2 + x[m + n] ** 2 > square:
+            new_hi = min(sites, lo + n + MARGIN + 1)
             break
     return min(lo, new_lo), max(hi, new_hi)
 
 
 @njit(cache=True)
 def advance(
+    model: int,
     method: int,
     parameters: FloatArray,
-    periodic: bool,
+    first: int,
     state: FloatArray,
     clock: FloatArray,
     counters: IntArray,
@@ -92,17 +95,20 @@ def advance(
 
     Parameters
     ----------
+    model : int
+        FULL or ENVELOPE (``slopes``).
     method : int
-        RUNGE_KUTTA, TAYLOR or ENVELOPE.
+        RUNGE_KUTTA or TAYLOR.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
-    periodic : bool
-        Whether the chain is a ring.
+    first : int
+        What is beyond the first site (``active``).
     state : ndarray, shape (2, N)
         In: at ``clock[0]``. Out: at the new ``clock[0]``.
-    clock : ndarray, shape (4,)
+    clock : ndarray, shape (5,)
         Time; for Runge-Kutta the next step (0 before the first), the largest error over the
-        tolerance since the last review of the step, and the time of the next review.
+        tolerance since the last review of the step, and the time of the next review; what the sum
+        of the steps has lost by rounding, which grows like their number where steps are equal.
     counters : ndarray of int, shape (5,)
         First active site, last active site + 1, samples taken, steps, sites times steps.
     stop : float
@@ -130,35 +136,41 @@ def advance(
         Steps after which to return with BUDGET.
     """
     sites = state.shape[1]
-    lo, hi = counters[0], counters[1]
     series = method != RUNGE_KUTTA
-    C = np.zeros((order + 1 if series else 1, 2, sites))
-    work = np.zeros((order + 1 if series else 1, 3, sites))
-    K = np.zeros((1 if series else weights.size, 2, sites))
-    new = np.zeros((2, sites))
-    inside = np.zeros((2, sites))
+    packed_lo = packed_hi = -1
+    square, met = level * level, max(1e-15, _MET * tolerance)
+    review = _REVIEW if model == FULL else 0.0
     ended = REACHED
     steps = 0
     while clock[0] < stop:
         if steps >= most_steps:
             ended = BUDGET
             break
+        lo, hi = counters[0], counters[1]
+        if lo != packed_lo or hi != packed_hi:
+            m = hi - lo
+            x, new, inside = np.zeros(2 * m), np.zeros(2 * m), np.zeros(2 * m)
+            K = np.zeros((1 if series else weights.size, 2 * m))
+            room = np.zeros((2, 2 * m))
+            C = series_room(order if series else 0, m)
+            x[:m], x[m:] = state[0, lo:hi], state[1, lo:hi]
+            packed_lo, packed_hi = lo, hi
+            left, right = end_codes(lo, hi, sites, first, behind > 0)
         t = clock[0]
-        following = behind > 0 and lo > 0
         if series:
-            C[0, :, lo:hi] = state[:, lo:hi]
-            if method == TAYLOR:
-                full_coefficients(C, work, order, parameters, periodic, lo, hi, following)
+            C[0][0], C[1][0] = x[:m], x[m:]
+            if model == FULL:
+                full_coefficients(C, order, parameters, left, right)
             else:
-                envelope_coefficients(C, work, order, parameters, periodic, lo, hi, following)
-            h = step_length(C, order, tolerance, lo, hi)
+                envelope_coefficients(C, order, parameters, left, right)
+            h = step_length(C, order, tolerance)
             h = min(h, max(stop - t, 1.0)) if math.isinf(h) else h
         else:
-            size = tolerance * largest(state, lo, hi)
+            size = tolerance * largest(x)
             h = clock[1] if clock[1] > 0.0 else _FIRST
             while h >= shortest:
-                take_step(state, parameters, periodic, h, A, weights, K, lo, hi, following, new)
-                ratio = step_error(K, h, E5, E3, lo, hi) / size if size > 0.0 else 0.0
+                take_step(model, x, parameters, left, right, h, A, weights, K, new)
+                ratio = step_error(K, h, E5, E3, room) / size if size > 0.0 else 0.0
                 if not math.isfinite(ratio):
                     h *= _SHRINK
                     continue
@@ -168,7 +180,7 @@ def advance(
                 clock[2] = max(clock[2], ratio)
                 break
             clock[1] = h
-        if math.isnan(h) or not math.isfinite(largest(state, lo, hi)):
+        if math.isnan(h) or not math.isfinite(largest(x)):
             ended = NOT_FINITE
             break
         if h < shortest:
@@ -176,54 +188,62 @@ def advance(
             ended = TOO_SHORT
             break
         while counters[2] < times.size and times[counters[2]] <= t + h:
+            part = times[counters[2]] - t - clock[4]
+            if series:
+                evaluate(C, order, part, inside)
+            else:
+                take_step(model, x, parameters, left, right, part, A, weights, K, inside)
             sample = samples[counters[2]]
             sample[:] = state
-            part = times[counters[2]] - t
-            if series:
-                evaluate(C, order, part, lo, hi, sample)
-            elif part > 0.0:
-                take_step(
-                    state, parameters, periodic, part, A, weights, K, lo, hi, following, inside
-                )
-                sample[:, lo:hi] = inside[:, lo:hi]
+            sample[0, lo:hi], sample[1, lo:hi] = inside[:m], inside[m:]
             counters[2] += 1
         if series:
-            evaluate(C, order, h, lo, hi, new)
+            evaluate(C, order, h, new)
         foremost = -1
-        for n in range(lo, hi):
-            if math.isnan(arrivals[n]) and new[0, n] ** 2 + new[1, n] ** 2 >= level * level:
-                low, high = 0.0, h
-                while high - low > 1e-15 * max(1.0, t):
-                    middle = 0.5 * (low + high)
-                    if series:
-                        evaluate(C, order, middle, n, n + 1, inside)
-                    else:
-                        take_step(
-                            state, parameters, periodic, middle, A, weights, K, lo, hi,
-                            following, inside,
-                        )  # fmt: skip
-                    if inside[0, n] ** 2 + inside[1, n] ** 2 >= level * level:
-                        high = middle
-                    else:
-                        low = middle
-                arrivals[n] = t + high
-                foremost = n
-        state[:, lo:hi] = new[:, lo:hi]
-        clock[0] = t + h
+        for n in range(m):
+            above = new[n] ** 2 + new[m + n] ** 2 - square
+            if above < 0.0 or not math.isnan(arrivals[lo + n]):
+                continue
+            # The Illinois rule: the secant, with the value of an end that stays halved.
+            low, high = 0.0, h
+            below = x[n] ** 2 + x[m + n] ** 2 - square
+            for _ in range(_LOOKS):
+                part = low + below / (below - above) * (high - low)
+                if series:
+                    evaluate(C, order, part, inside)
+                else:
+                    take_step(model, x, parameters, left, right, part, A, weights, K, inside)
+                value = inside[n] ** 2 + inside[m + n] ** 2 - square
+                if abs(value) <= met * square or high - low <= met * h:
+                    break
+                if value < 0.0:
+                    low, below, above = part, value, 0.5 * above
+                else:
+                    high, above, below = part, value, 0.5 * below
+            arrivals[lo + n] = t + part
+            foremost = lo + n
+        x[:] = new
+        whole = h + clock[4]
+        clock[0] = t + whole
+        clock[4] = whole - (clock[0] - t)
         if not series and clock[0] >= clock[3]:
-            clock[3] = clock[0] + _REVIEW
+            clock[3] = clock[0] + review
             if clock[2] < _LAZY:
                 clock[1] = h * min(_GROW, _SAFETY * max(clock[2], 1e-8) ** (-0.125))
             clock[2] = 0.0
         steps += 1
         counters[3] += 1
-        counters[4] += hi - lo
+        counters[4] += m
+        wider_lo, wider_hi = lo, hi
         if rest >= 0.0 and (lo > 0 or hi < sites):
-            wider_lo, wider_hi = _window(state, rest, lo, hi)
+            wider_lo, wider_hi = _widened(x, rest, lo, hi, sites)
             if behind > 0:
                 wider_lo = lo
-            lo, hi = wider_lo, wider_hi
         if behind > 0 and foremost - behind > lo:
-            lo = foremost - behind
-        counters[0], counters[1] = lo, hi
+            wider_lo = foremost - behind
+        if wider_lo != lo or wider_hi != hi:
+            state[0, lo:hi], state[1, lo:hi] = x[:m], x[m:]
+            counters[0], counters[1] = wider_lo, wider_hi
+    if packed_hi > packed_lo and counters[0] == packed_lo and counters[1] == packed_hi:
+        state[0, packed_lo:packed_hi], state[1, packed_lo:packed_hi] = x[:m], x[m:]
     return ended

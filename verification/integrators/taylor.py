@@ -7,7 +7,8 @@ convolutions (Cauchy products):
     envelope  s = |φ|², q = s², g = 1 - as/4 + bq/8, φ' = (ic/2)(2φ - φ₋ - φ₊) - g φ/2
 
 The step is chosen from the last two coefficients and from nothing else; none is ever rejected.
-The state is an array of shape (2, N): (y, ẏ), or (Re φ, Im φ); all quantities are dimensionless.
+The state is a row (u, v) of length 2m (``active``): (y, ẏ), or (Re φ, Im φ). Coefficients of each
+factor are in an array of shape (order + 1, m); all quantities are dimensionless.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 from numba import njit
+
+from verification.integrators.active import add_coupling, largest
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,164 +35,118 @@ def taylor_order(tolerance: float) -> int:
     return math.ceil(4.0 - 0.5 * math.log(tolerance))
 
 
+Series = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""Coefficients of u, v, s, q, g."""
+
+
+@njit(cache=True)
+def series_room(order: int, m: int) -> Series:
+    """Return room for the coefficients of m sites, each of shape (order + 1, m)."""
+    shape = (order + 1, m)
+    return np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
+
+
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _square(out: FloatArray, A: FloatArray, i: int, k: int, lo: int, hi: int) -> None:
-    """Put coefficient k of the square of A[:, i] into out[lo:hi]."""
-    target = out[lo:hi]
+def _square(target: FloatArray, A: FloatArray, k: int) -> None:
+    """Put coefficient k of the square of A into ``target``."""
     if k % 2 == 0:
-        u = A[k // 2, i, lo:hi]
-        for n in range(hi - lo):
+        u = A[k // 2]
+        for n in range(target.size):
             target[n] = u[n] * u[n]
     else:
         target[:] = 0.0
     for j in range((k + 1) // 2):
-        u = A[j, i, lo:hi]
-        v = A[k - j, i, lo:hi]
-        for n in range(hi - lo):
+        u = A[j]
+        v = A[k - j]
+        for n in range(target.size):
             target[n] += 2.0 * u[n] * v[n]
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _product(
-    out: FloatArray, A: FloatArray, i: int, B: FloatArray, j: int, k: int, lo: int, hi: int
-) -> None:
-    """Put coefficient k of A[:, i] B[:, j] into out[lo:hi]."""
-    target = out[lo:hi]
+def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
+    """Put coefficient k of A B into ``target``."""
     target[:] = 0.0
-    for m in range(k + 1):
-        u = A[m, i, lo:hi]
-        v = B[k - m, j, lo:hi]
-        for n in range(hi - lo):
+    for j in range(k + 1):
+        u = A[j]
+        v = B[k - j]
+        for n in range(target.size):
             target[n] += u[n] * v[n]
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _add_coupling(
-    out: FloatArray, row: FloatArray, factor: float, periodic: bool, lo: int, hi: int
-) -> None:
-    """Add factor (2u_n - u_{n-1} - u_{n+1}) to out; beyond a free end u continues unchanged."""
-    last = row.size - 1
-    first, beyond = max(lo, 1), min(hi, last)
-    target, here = out[first:beyond], row[first:beyond]
-    left, right = row[first - 1 : beyond - 1], row[first + 1 : beyond + 1]
-    for n in range(beyond - first):
-        target[n] += factor * (2.0 * here[n] - left[n] - right[n])
-    if lo == 0:
-        end = row[last] if periodic else row[0]
-        out[0] += factor * (2.0 * row[0] - end - row[1])
-    if hi == last + 1:
-        end = row[0] if periodic else row[last]
-        out[last] += factor * (2.0 * row[last] - row[last - 1] - end)
-
-
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def full_coefficients(
-    C: FloatArray,
-    work: FloatArray,
-    order: int,
-    parameters: FloatArray,
-    periodic: bool,
-    lo: int,
-    hi: int,
-    following: bool,
+    series: Series, order: int, parameters: FloatArray, left: int, right: int
 ) -> None:
-    """Fill C[k, :, lo:hi], k = 1 … order, from C[0], for (8).
+    """Fill the coefficients k = 1 … order from the state, k = 0, for (8).
 
     Parameters
     ----------
-    C : ndarray, shape (order + 1, 2, N)
-        Taylor coefficients of (y, ẏ).
-    work : ndarray, shape (order + 1, 3, N)
-        Room for s, q and g.
+    series : tuple of five ndarray, shape (order + 1, m)
+        Of y, ẏ, s, q and g.
     order : int
         Highest coefficient.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
-    periodic : bool
-        Whether site 0 is coupled to site N - 1; only with lo = 0, hi = N.
-    lo, hi : int
-        Active sites; the others are held at rest.
-    following : bool
-        Site lo - 1 is not at rest but continues the wave, φ_{lo-1} = iφ_lo.
+    left, right : int
+        What is beyond the ends (``active``).
     """
     a, b, c, eps = parameters[0], parameters[1], parameters[2], parameters[3]
+    Y, W, S, Q, G = series
     for k in range(order):
-        _square(work[k, 0], C, 0, k, lo, hi)
-        _square(work[k, 1], work, 0, k, lo, hi)
-        s, q, g = work[k, 0, lo:hi], work[k, 1, lo:hi], work[k, 2, lo:hi]
+        _square(S[k], Y, k)
+        _square(Q[k], S, k)
+        s, q, g = S[k], Q[k], G[k]
         one = 1.0 if k == 0 else 0.0
-        for n in range(hi - lo):
+        for n in range(g.size):
             g[n] = one - a * s[n] + b * q[n]
-        _product(C[k + 1, 1], work, 2, C, 1, k, lo, hi)
+        _product(W[k + 1], G, W, k)
         factor = 1.0 / (k + 1)
-        y, w = C[k, 0, lo:hi], C[k, 1, lo:hi]
-        next_y, next_w = C[k + 1, 0, lo:hi], C[k + 1, 1, lo:hi]
-        for n in range(hi - lo):
+        y, w, next_y, next_w = Y[k], W[k], Y[k + 1], W[k + 1]
+        for n in range(g.size):
             next_y[n] = factor * w[n]
             next_w[n] = -factor * (eps * next_w[n] + y[n])
-        if following:
-            C[k, 0, lo - 1] = C[k, 1, lo]
-        _add_coupling(C[k + 1, 1], C[k, 0], -factor * eps * c, periodic, lo, hi)
+        add_coupling(next_w, y, -factor * eps * c, left, right, w[0])
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def envelope_coefficients(
-    C: FloatArray,
-    work: FloatArray,
-    order: int,
-    parameters: FloatArray,
-    periodic: bool,
-    lo: int,
-    hi: int,
-    following: bool,
+    series: Series, order: int, parameters: FloatArray, left: int, right: int
 ) -> None:
-    """Fill C[k, :, lo:hi], k = 1 … order, from C[0], for (43) in slow time.
+    """Fill the coefficients k = 1 … order from the state, k = 0, for (43) in slow time.
 
-    Parameters and shapes as in :func:`full_coefficients`; C holds (Re φ, Im φ).
+    Parameters as in :func:`full_coefficients`; the series are of Re φ, Im φ, s, q and g.
     """
     a, b, c = parameters[0], parameters[1], parameters[2]
+    U, V, S, Q, G = series
     for k in range(order):
-        _square(work[k, 0], C, 0, k, lo, hi)
-        _square(work[k, 2], C, 1, k, lo, hi)
-        s, q, g = work[k, 0, lo:hi], work[k, 1, lo:hi], work[k, 2, lo:hi]
-        for n in range(hi - lo):
+        _square(S[k], U, k)
+        _square(G[k], V, k)
+        s, q, g = S[k], Q[k], G[k]
+        for n in range(g.size):
             s[n] += g[n]
-        _square(work[k, 1], work, 0, k, lo, hi)
+        _square(q, S, k)
         one = 1.0 if k == 0 else 0.0
-        for n in range(hi - lo):
+        for n in range(g.size):
             g[n] = one - 0.25 * a * s[n] + 0.125 * b * q[n]
         half = 0.5 / (k + 1)
-        for i in range(2):
-            _product(C[k + 1, i], work, 2, C, i, k, lo, hi)
-            following_row = C[k + 1, i, lo:hi]
-            for n in range(hi - lo):
-                following_row[n] *= -half
-        if following:
-            C[k, 0, lo - 1] = -C[k, 1, lo]
-            C[k, 1, lo - 1] = C[k, 0, lo]
-        _add_coupling(C[k + 1, 0], C[k, 1], -half * c, periodic, lo, hi)
-        _add_coupling(C[k + 1, 1], C[k, 0], half * c, periodic, lo, hi)
+        u, v, next_u, next_v = U[k], V[k], U[k + 1], V[k + 1]
+        _product(next_u, G, U, k)
+        _product(next_v, G, V, k)
+        for n in range(g.size):
+            next_u[n] *= -half
+            next_v[n] *= -half
+        add_coupling(next_u, v, -half * c, left, right, u[0])
+        add_coupling(next_v, u, half * c, left, right, -v[0])
 
 
 @njit(cache=True)
-def largest(row: FloatArray, lo: int, hi: int) -> float:
-    """Return the largest modulus in row[:, lo:hi]; not a number if one is not."""
-    largest = 0.0
-    for i in range(2):
-        for n in range(lo, hi):
-            size = abs(row[i, n])
-            if not size <= largest:
-                largest = size
-    return largest
-
-
-@njit(cache=True)
-def step_length(C: FloatArray, order: int, tolerance: float, lo: int, hi: int) -> float:
+def step_length(series: Series, order: int, tolerance: float) -> float:
     """Return h at which the last two terms are within tolerance times the largest value."""
-    size = tolerance * largest(C[0], lo, hi)
+    u, v = series[0], series[1]
+    size = tolerance * max(largest(u[0]), largest(v[0]))
     h = math.inf
     for k in (order - 1, order):
-        term = largest(C[k], lo, hi)
+        term = largest(u[k]) + largest(v[k])
         if not math.isfinite(term):
             return math.nan
         if term > 0.0:
@@ -198,12 +155,14 @@ def step_length(C: FloatArray, order: int, tolerance: float, lo: int, hi: int) -
 
 
 @njit(cache=True, fastmath={"contract"})
-def evaluate(C: FloatArray, order: int, h: float, lo: int, hi: int, out: FloatArray) -> None:
-    """Put the state a time h after the expansion point into out[:, lo:hi] (Horner)."""
+def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
+    """Put the state a time h after the expansion point into out, shape (2m,) (Horner)."""
+    m = out.size // 2
     for i in range(2):
-        target = out[i, lo:hi]
-        target[:] = C[order, i, lo:hi]
+        C = series[0] if i == 0 else series[1]
+        target = out[i * m : (i + 1) * m]
+        target[:] = C[order]
         for k in range(order - 1, -1, -1):
-            row = C[k, i, lo:hi]
-            for n in range(hi - lo):
+            row = C[k]
+            for n in range(m):
                 target[n] = target[n] * h + row[n]

@@ -1,0 +1,81 @@
+"""The active part of a chain, sites lo to hi, and what is beyond its two ends.
+
+Its state is one row (u, v) of length 2m, m = hi - lo: (y, ẏ) for (8), (Re φ, Im φ) for (43). One
+contiguous row is what compiled loops run through fastest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+FloatArray = npt.NDArray[np.float64]
+
+REST, FREE, RING, FOLLOWING = 0, 1, 2, 3
+"""Beyond an end there is rest; nothing; the other end; or, on the left, a wave that goes on with
+φ = iφ of its neighbour."""
+
+
+@njit(cache=True)
+def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tuple[int, int]:
+    """Return what is beyond the left and the right end.
+
+    Parameters
+    ----------
+    lo, hi, sites : int
+        First active site, last one + 1, all sites.
+    first : int
+        What is beyond the first site of the chain: FREE, FOLLOWING or RING; on a ring all sites
+        are active.
+    following : bool
+        Whether a wave goes on to the left of lo > 0.
+    """
+    if first == RING:
+        return RING, RING
+    left = first if lo == 0 else FOLLOWING if following else REST
+    return left, FREE if hi == sites else REST
+
+
+@njit(cache=True, error_model="numpy")
+def value_beyond(code: int, end: float, far: float, followed: float) -> float:
+    """Return the value beyond an end: of a free end itself, so that its coupling vanishes."""
+    if code == FREE:
+        return end
+    if code == RING:
+        return far
+    if code == FOLLOWING:
+        return followed
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def add_coupling(
+    out: FloatArray, u: FloatArray, factor: float, left: int, right: int, followed: float
+) -> None:
+    """Add factor (2u_n - u_{n-1} - u_{n+1}) to out, both of shape (m,).
+
+    Neighbours are added first, so that a mirror-symmetric state stays so to the last bit.
+    """
+    last = u.size - 1
+    before = value_beyond(left, u[0], u[last], followed)
+    beyond = value_beyond(right, u[last], u[0], followed)
+    if last == 0:
+        out[0] += factor * (2.0 * u[0] - (before + beyond))
+        return
+    out[0] += factor * (2.0 * u[0] - (before + u[1]))
+    out[last] += factor * (2.0 * u[last] - (u[last - 1] + beyond))
+    target, here, previous, following = out[1:last], u[1:last], u[: last - 1], u[2:]
+    for n in range(last - 1):
+        target[n] += factor * (2.0 * here[n] - (previous[n] + following[n]))
+
+
+@njit(cache=True)
+def largest(row: FloatArray) -> float:
+    """Return the largest modulus; not a number if one is not."""
+    found = 0.0
+    for n in range(row.size):
+        size = abs(row[n])
+        if not size <= found:
+            found = size
+    return found

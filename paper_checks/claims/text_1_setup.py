@@ -8,40 +8,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Erratum, Fault, Finding, Verdict
 from paper_checks.claims._friction_cell import (
-    MU_D,
-    MU_ST,
-    V_0,
-    XI,
     friction,
-    slip_by_steps,
-    slip_from_stick,
 )
 from paper_checks.claims._text import untestable
-
-
-def _limits_of_friction() -> Finding:
-    """Put v_rel = 0 and a large one into (2) as printed and as corrected."""
-    from derivations import catalogue
-    from derivations.printed import judge, printed
-
-    def as_printed(speed: float) -> float:
-        return MU_ST + (MU_ST - MU_D) * math.exp(-speed / V_0)
-
-    found = judge(printed(2), catalogue.load("friction"))
-    wrong = max(abs(as_printed(0.0) - MU_ST), abs(as_printed(1e3) - MU_D))
-    right = max(abs(friction(0.0) - MU_ST), abs(friction(1e3) - MU_D))
-    agree = right < 1e-12 and found.on_derived.holds and not found.on_print.holds
-    return Finding(
-        verdict=Verdict.CORRECTED if agree and wrong > 1e-12 else Verdict.REPRODUCED,
-        value=f"as printed μ(0) = {as_printed(0.0):g}, μ(∞) = {as_printed(1e3):g}",
-        error="none: two values of an elementary function",
-        methods=("numbers at the parameters (7)", found.on_print.statement),
-        tolerance="1e-12",
-        explanation=(
-            "It does not follow from (2) as printed. It does with μ_d in front, and shows that "
-            "this is what was meant."
-        ),
-    )
 
 
 def _spring() -> Finding:
@@ -170,29 +139,6 @@ def _trapezoid() -> Finding:
     )
 
 
-def _band() -> Finding:
-    """Compare the cycle with a stick band of 1e-4 with the cycle without one."""
-    belt = 1.25
-    _, duration, landing = slip_from_stick(belt)
-    _, duration_band, landing_band = slip_from_stick(belt, 1e-4)
-    period = duration + (MU_ST - 2.0 * XI * belt - landing) / belt
-    period_band = duration_band + (MU_ST - 2.0 * XI * belt - landing_band) / belt
-    change = abs(period_band / period - 1.0)
-    steps = slip_by_steps(belt, 2e-3)
-    return Finding(
-        verdict=Verdict.REPRODUCED if change < 1e-2 and steps == 0.0 else Verdict.PARTIAL,
-        value=f"the period of the cycle changes by {change:.1e} of itself",
-        error="1e-9: tolerance of the integration",
-        methods=("slip by an 8th-order pair with events", "slip by fixed steps returns to stick"),
-        tolerance="1e-2 of the period: what a figure shows",
-        explanation=(
-            "The text asserts only that the band was used. For the cycle of one cell at "
-            f"v_d = {belt:g} it makes no visible difference. Its effect near a grazing contact and "
-            "on thresholds of the chain is another matter."
-        ),
-    )
-
-
 def _parameters() -> Finding:
     """See which of the equations named hold with the parameters (7)."""
     from derivations import catalogue
@@ -223,15 +169,6 @@ def _parameters() -> Finding:
 
 
 CLAIMS = (
-    Claim(
-        "text-friction-limits",
-        "Section 1.1, after Eq. (2)",
-        "From (2) it follows that μ(0) = μ_st and μ(∞) = μ_d.",
-        "μ_st, μ_d",
-        Verdict.CORRECTED,
-        "fronts derive --equation 2",
-        _limits_of_friction,
-    ),
     Claim(
         "text-spring",
         "Section 1.1, before Eq. (1)",
@@ -269,16 +206,6 @@ CLAIMS = (
         Verdict.REPRODUCED,
         "fronts check text-trapezoid",
         _trapezoid,
-        weight=0,
-    ),
-    Claim(
-        "text-band",
-        "Section 1.1",
-        "An oscillator may be taken to stick where the relative velocity is below 10⁻⁴.",
-        "10⁻⁴",
-        Verdict.REPRODUCED,
-        "fronts check text-band",
-        _band,
         weight=0,
     ),
     Claim(

@@ -139,18 +139,6 @@ def _solutions(site: int, c: float, starts: np.ndarray) -> list[tuple[float, flo
 
 CLAIMS = (
     following(
-        "text-placing",
-        "Section 2.1",
-        "A breather arises from one particle placed close to the stable limit cycle.",
-        "fig07-localised",
-    ),
-    following(
-        "text-exponential",
-        "Section 2.1",
-        "The breather decays exponentially.",
-        "fig07-decay",
-    ),
-    following(
         "text-constant-rates",
         "Section 2.1, after Eq. (9)",
         "k_1 and k_2 are constants.",
@@ -176,12 +164,6 @@ CLAIMS = (
         "fronts derive --equation 26",
         _unknowns,
     ),
-    following(
-        "text-detuning",
-        "Section 2.1.1, after Eq. (28)",
-        "Assumption (27), δ ≪ c, is to be confirmed by simulation.",
-        "fig08-assumptions",
-    ),
     Claim(
         "text-extraction",
         "Section 2.1.3",
@@ -197,18 +179,5 @@ CLAIMS = (
         "(38) gives the amplitudes of all particles.",
         "fig07-decay",
         "fig08-amplitudes",
-    ),
-    following(
-        "text-very-good",
-        "Section 2.1.3, Fig. 8",
-        "For n = 0 and n = 1 a very good match with simulation is observed.",
-        "fig08-amplitudes",
-    ),
-    following(
-        "text-crossing",
-        "Section 2.1.4",
-        "At about c = 0.195 two multipliers cross the unit circle: the breather loses stability.",
-        "fig09-multipliers",
-        printed="0.195",
     ),
 )

@@ -74,8 +74,8 @@ def _inner_cycle() -> Finding:
         V_0,
         XI,
         friction,
+        highest_after_slip,
         hopf_speed,
-        slip_from_stick,
         slip_rate,
     )
 
@@ -92,7 +92,7 @@ def _inner_cycle() -> Finding:
     cycle = float(brentq(lambda w: height_after(w) - w, 0.2, 1.1, xtol=1e-10))
     slope = (height_after(cycle + 1e-4) - height_after(cycle - 1e-4)) / 2e-4
     inside, outside = height_after(0.9 * cycle, 5), height_after(1.1 * cycle, 5)
-    sticks = slip_from_stick(belt)[0] > -1e-12
+    sticks = highest_after_slip(belt) > -1e-12
     # The averaged cell: linear damping and the cubic term of (2) about steady sliding.
     strength = (MU_ST - MU_D) / V_0 * math.exp(-belt / V_0)
     averaged = math.sqrt((2.0 * XI - strength) / (0.75 * strength / (6.0 * V_0**2)))
@@ -109,7 +109,7 @@ def _inner_cycle() -> Finding:
         tolerance="the multiplier must exceed one, and runs on both sides must part",
         explanation=(
             f"The unstable cycle exists for v_d above {hopf_speed():.4f}, where it is born from "
-            "steady sliding, up to where it meets the stick-slip cycle (text-regions)."
+            "steady sliding, up to where it meets the stick-slip cycle (fig02-regions)."
         ),
     )
 

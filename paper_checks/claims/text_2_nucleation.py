@@ -160,12 +160,6 @@ CLAIMS = (
         "Other breathers could be studied by the procedure of 2.1.",
         "It is said to be possible and not carried out: no ansatz for a larger nucleus is given.",
     ),
-    following(
-        "text-in-phase",
-        "Section 2.2, Fig. 10",
-        "Nuclei prepared in phase settle to a breather of the required size.",
-        "fig10-in-phase",
-    ),
     Claim(
         "text-limiting",
         "Section 2.2, Fig. 11",
@@ -174,12 +168,6 @@ CLAIMS = (
         Verdict.CORRECTED,
         "fronts check text-limiting",
         _limit_of_sizes,
-    ),
-    following(
-        "text-from-five",
-        "Section 2.2, Fig. 11",
-        "The critical coupling is constant from nucleus size 5 on.",
-        "fig11-converged",
     ),
     following(
         "text-narrow",

@@ -157,7 +157,7 @@ CLAIMS = (
         "text-eta-alike",
         "Section 2.3.2, Fig. 18",
         "The dependence of the velocity on η is qualitatively that of the Van der Pol system.",
-        "fig14",
+        "fig14-velocity",
         "fig18-velocity",
     ),
     following(
@@ -166,7 +166,6 @@ CLAIMS = (
         "Both similarities imply that the two models are equivalent in their dynamics.",
         "fig17-linear",
         "fig18-velocity",
-        "fig14",
     ),
     Claim(
         "text-captions",

@@ -6,7 +6,6 @@ import ast
 import hashlib
 import importlib.util
 from collections.abc import Collection, Iterator
-from functools import cache
 from pathlib import Path
 
 
@@ -64,15 +63,16 @@ def digest(module: str, packages: Collection[str]) -> str:
     return total.hexdigest()
 
 
-@cache
 def _file(name: str) -> Path | None:
-    try:
-        spec = importlib.util.find_spec(name)
-    except (ModuleNotFoundError, ValueError):  # a name in a module that is no package
-        return None
-    if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
-        return None
-    return Path(spec.origin)
+    """Return the file of a module, found without running any code but the package's own."""
+    top, *rest = name.split(".")
+    spec = importlib.util.find_spec(top)
+    for folder in spec.submodule_search_locations or () if spec else ():
+        place = Path(folder, *rest)
+        for path in (place / "__init__.py", place.with_suffix(".py")):
+            if path.is_file():
+                return path
+    return None
 
 
 def _tree(path: Path) -> ast.Module:

@@ -40,7 +40,9 @@ def package(monkeypatch, tmp_path):
     (home / "__init__.py").touch()
     (home / "claims" / "__init__.py").touch()
     (home / "claims" / "fig1.py").write_text(CLAIM)
-    (home / "needed.py").write_text("def number():\n    from slow_code.deep import N\n\n    return N\n")
+    (home / "needed.py").write_text(
+        "def number():\n    from slow_code.deep import N\n\n    return N\n"
+    )
     (home / "deep.py").write_text("N = 1\n")
     (home / "unrelated.py").write_text("M = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -214,7 +216,9 @@ def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):
     )  # fmt: skip
     loaded = set(done.stdout.split())
     held = set(
-        closure("paper_checks.claims.fig16", ("theory", "verification", "paper_checks", "derivations"))
+        closure(
+            "paper_checks.claims.fig16", ("theory", "verification", "paper_checks", "derivations")
+        )
     )
     assert loaded <= held
     assert "verification.piecewise_simulation" in loaded

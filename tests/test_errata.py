@@ -153,9 +153,7 @@ def test_what_is_not_known_is_refused_and_shown_as_written(latex: str) -> None:
 
 
 def test_prose_around_formulas_is_escaped() -> None:
-    assert with_formulas("<b> & $x$ </b>") == (
-        "&lt;b&gt; &amp; <math><mi>x</mi></math> &lt;/b&gt;"
-    )
+    assert with_formulas("<b> & $x$ </b>") == ("&lt;b&gt; &amp; <math><mi>x</mi></math> &lt;/b&gt;")
     assert with_formulas("one $ alone < two") == "one $ alone &lt; two"
     assert "<script" not in with_formulas(r"$\text{<script>}$")
 

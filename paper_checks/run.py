@@ -86,7 +86,7 @@ def run(
 
     if store is not None and resume:
         for entry in entries:
-            stored = None if entry.claim.follows else store.load(entry.claim.key)
+            stored = store.load(entry.claim.key)
             if stored is not None:
                 keep(entry, stored)
     if shipped is not None:

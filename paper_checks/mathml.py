@@ -47,7 +47,7 @@ OPERATORS = {
     "{": "{",
     "}": "}",
 }
-ACCENTS = {"dot": "˙", "ddot": "¨", "tilde": "~", "hat": "^", "bar": "¯", "overline": "¯"}
+ACCENTS = {"dot": "˙", "ddot": "¨", "tilde": "~", "hat": "^", "bar": "¯", "overline": "‾"}
 SPACES = {" ": "0.4em", ",": "0.2em", ":": "0.25em", ";": "0.3em", "quad": "1em"}
 FUNCTIONS = frozenset({"sin", "cos", "ln", "exp"})
 TABLES = {"matrix": ("", ""), "pmatrix": ("(", ")"), "aligned": ("", ""), "cases": ("{", "")}

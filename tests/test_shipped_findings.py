@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from fronts.cli import main
+from fronts.commands import check
 from paper_checks import discover, shipped
 from paper_checks.discover import find_entries
 from paper_checks.imports import closure, digest
@@ -99,7 +100,7 @@ def test_only_expensive_findings_are_recorded_and_the_quick_run_shows_them(capsy
 
 
 def test_a_claim_that_is_not_expensive_is_computed_whatever_is_in_the_folder(capsys, tmp_path):
-    slow = shipped.Shipped(tmp_path / "findings", "slow_code.claims", ["slow_code", "paper_checks"])
+    slow = shipped.Shipped(tmp_path / "findings", "slow_code.claims", check._sources())
     fast = next(e for e in find_entries("slow_code.claims") if e.claim.key == "fast")
     record(capsys, tmp_path)
     slow.record(fast, judge(fast.claim), {}, {})
@@ -194,17 +195,17 @@ def test_the_closure_follows_functions_and_parents_but_not_types(tmp_path, packa
         "if TYPE_CHECKING:\n    from slow_code.unrelated import M\n"
         "def late():\n    from . import needed\n    return needed\n"
     )
-    found = closure("slow_code.typed", ["slow_code", "paper_checks"])
+    found = closure("slow_code.typed", check._sources())
     assert list(found) == ["slow_code", "slow_code.deep", "slow_code.needed", "slow_code.typed"]
 
 
 def test_a_computed_import_counts_as_the_whole_package(package):
     (package / "any.py").write_text("import importlib\nimportlib.import_module('x' + 'y')\n")
-    assert "slow_code.unrelated" in closure("slow_code.any", ["slow_code", "paper_checks"])
+    assert "slow_code.unrelated" in closure("slow_code.any", check._sources())
 
 
 def test_the_digest_does_not_depend_on_line_ends(package):
-    before = digest("slow_code.deep", ["slow_code", "paper_checks"])
+    before = digest("slow_code.deep", check._sources())
     (package / "deep.py").write_bytes(b"N = 1\r\n")
     assert digest("slow_code.deep", ["slow_code"]) == before
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from html import escape
 from importlib import resources
 
-from paper_checks.claim import Erratum, Finding, Formula, Picture, Verdict
+from paper_checks.claim import Finding, Picture, Verdict
 from paper_checks.inline_svg import inline_svg, width_of
-from paper_checks.mathml import formula, with_formulas
 from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.page_parts import errata, facts_list, formulas_block
 from paper_checks.report import Report
 from paper_checks.table import duration
 
@@ -52,7 +52,7 @@ def page(report: Report) -> str:
 </header>
 <main>
 {_headlines(report)}
-{_errata(report)}
+{errata(report)}
 <section aria-labelledby="claims-title">
 <h2 id="claims-title">Every claim</h2>
 {_filter(report)}
@@ -168,46 +168,6 @@ def _headline(outcome: Outcome) -> str:
     )
 
 
-def _errata(report: Report) -> str:
-    items = "".join(_erratum(outcome, erratum) for outcome, erratum in report.errata)
-    if not items:
-        return ""
-    return (
-        '<section aria-labelledby="errata-title">'
-        f'<h2 id="errata-title">Errata ({len(report.errata)})</h2>'
-        '<p class="lead">Lines of the paper that should read otherwise. Each opens to the text as '
-        "printed, as corrected, and to what proves it.</p>"
-        f'<ol id="errata" class="rows">{items}</ol></section>'
-    )
-
-
-def _erratum(outcome: Outcome, erratum: Erratum) -> str:
-    key = escape(outcome.claim.key)
-    facts = [
-        ("As printed", f'<div class="math">{with_formulas(erratum.printed)}</div>'),
-        ("Corrected", f'<div class="math">{with_formulas(erratum.corrected)}</div>'),
-        ("Proof", escape(erratum.proof)),
-        ("Affects", escape(erratum.affects)),
-        ("Judged under", f'<a href="#claim-{key}">{key}</a>'),
-    ]
-    return f"""<li id="erratum-{key}"><details><summary>
-<span class="place">{escape(outcome.claim.place)}</span>
-<span class="claim">{with_formulas(erratum.reason)}</span>
-<span class="fault">{erratum.fault}</span>
-</summary>
-<div class="evidence">{_facts(facts)}</div>
-</details></li>
-"""
-
-
-def _formulas(formulas: tuple[Formula, ...]) -> str:
-    return "".join(
-        f'<figure class="formula"><figcaption>{escape(one.label)}</figcaption>'
-        f'<div class="math">{formula(one.latex, block=True)}</div></figure>'
-        for one in formulas
-    )
-
-
 def _filter(report: Report) -> str:
     options = "".join(
         f'<option value="{name}">{STATUS[name]} ({count})</option>'
@@ -262,7 +222,7 @@ def _followed_by(outcome: Outcome) -> str:
 
 def _evidence(outcome: Outcome) -> str:
     failure = escape(outcome.judgement.failure or "")
-    return f"<p>The judge of this claim failed: {failure}</p>" + _facts(
+    return f"<p>The judge of this claim failed: {failure}</p>" + facts_list(
         [("Verdict on record", escape(outcome.claim.recorded)), *_provenance(outcome)]
     )
 
@@ -289,8 +249,8 @@ def _findings(outcome: Outcome, finding: Finding) -> str:
         )
         facts.insert(0, ("Verdict taken from", links))
     pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
-    formulas = _formulas(finding.formulas)
-    return f'<div class="prose">{prose}</div>{formulas}{_facts(facts)}{pictures}'
+    formulas = formulas_block(finding.formulas)
+    return f'<div class="prose">{prose}</div>{formulas}{facts_list(facts)}{pictures}'
 
 
 def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
@@ -321,11 +281,6 @@ def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
 
 def _place(machine: Mapping[str, object]) -> str:
     return f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
-
-
-def _facts(facts: list[tuple[str, str]]) -> str:
-    rows = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
-    return f"<dl>{rows}</dl>"
 
 
 def _picture(key: str, picture: Picture) -> str:

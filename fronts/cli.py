@@ -19,6 +19,7 @@ COMMANDS = {
     "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
     "front": "velocity of a front by direct simulation (Eqs. 8, 43, 44)",
     "simulate": "a run of a chain from given sites, as numbers and as a picture (Eqs. 8, 43)",
+    "cell": "what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
     "map": "the state of a chain over a plane of parameters (Fig. 15)",
     "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
     "threshold": "the coupling at which a nucleus stops being localised (Fig. 11)",

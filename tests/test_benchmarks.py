@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from benchmarks import piecewise_suite, piecewise_targets, tables
+from benchmarks import friction, piecewise_suite, piecewise_targets, tables
 from benchmarks.piecewise_diagram import worth_choosing
 from benchmarks.piecewise_sum import contenders, references
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
@@ -17,6 +17,9 @@ from benchmarks.runner import (
     measure_side_by_side,
     time_limit,
 )
+from theory.friction_chain import FrictionChain
+from verification.friction_run import run_friction
+from verification.friction_start import nucleus
 from verification.scenes import scene_named
 
 
@@ -142,3 +145,38 @@ def test_the_error_of_every_quick_method_is_within_its_claim(name):
     # The plain quadrature says that it cannot do small v; nothing else may fail.
     assert {failure.method for failure in failures} <= {"quadrature in pieces"}
     assert all("PrecisionError" in failure.reason for failure in failures)
+
+
+def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
+    def point(method, error, seconds):
+        return WorkPoint("q", "s", method, "k", error, None, seconds, seconds, 1)
+
+    found = friction.targets(
+        [
+            point(friction.EXACT, 1e-2, 0.001),
+            point(friction.EXACT, 1e-6, 0.01),
+            point("scipy LSODA", 0.5, 0.0001),  # garbage, however fast
+            point("scipy LSODA", 1e-1, 0.2),
+            point("scipy BDF", 1e-3, 0.3),  # only the slower of ours is as exact
+        ]
+    )[0]
+    assert found.measured == pytest.approx(30.0)
+    assert found.verdict == "not met"
+    assert "1 of 3" in found.detail
+
+
+def test_every_friction_method_gives_its_largest_error():
+    np = pytest.importorskip("numpy")
+    chain = FrictionChain(friction.COUPLING, sites=friction.SITES)
+    start = nucleus(chain, [1])
+    true = run_friction(chain, start, friction.T_END, samples=friction.SAMPLES).y
+    rows = friction.contenders(chain, start, true, quick=True)
+    seen = {}
+    for row in rows:
+        if not row.peer:
+            seen.setdefault(row.method, []).append(row.evaluate().value)
+    assert set(seen) == {friction.EXACT, friction.FIXED, friction.ADAPTIVE}
+    # Finer settings are more exact, in every family.
+    for errors in seen.values():
+        assert errors[-1] < 0.1 * errors[0]
+        assert np.isfinite(errors).all()

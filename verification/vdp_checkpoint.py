@@ -41,7 +41,7 @@ def read_checkpoint(path: Path, lanes: Sequence[Lane]) -> float:
         If the file is no checkpoint, or of another run; it names what differs.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             stamp = json.loads(str(file["stamp"]))
             stored = {name: file[name] for name in file.files}
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):

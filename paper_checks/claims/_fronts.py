@@ -87,6 +87,8 @@ def staggered_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
         if np.all(run.y[watched, -1] > level):
             break
         end *= 2.0
+        if end > 100.0 * sites / c:
+            raise ArithmeticError(f"the staggered front at c = {c:g} does not come to its end")
     arrivals = []
     for n in watched:
         first = int(np.argmax(run.y[n] > level))

@@ -120,8 +120,8 @@ def _velocity() -> Finding:
             f"free end, at η = {ETAS[-1]}. Started from 24 sites, fronts end between η = "
             f"{low:.4f} and {high:.4f}, well below the 1/8 at which the cycle itself ends; just "
             f"beyond, the front is {beyond}: it runs until the waves from the end reach it. "
-            f"At η = {FULL[0]} averaging is poor (effective ε {strength:.2g}): there (8) with ε = 0.01 "
-            f"has v̂ = {v_full[0]:.3f}. The range of the paper's axis cannot be read."
+            f"At η = {FULL[0]} averaging is poor (effective ε {strength:.2g}): there (8) with "
+            f"ε = 0.01 has v̂ = {v_full[0]:.3f}. The range of the paper's axis cannot be read."
         ),
         pictures=(drawn,),
     )

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from theory.vdp_chain import Ends, VdpChain
+from verification.compiled import njit
 from verification.integrators.active import FREE, RING, end_codes
 from verification.integrators.runge_kutta import tableau, take_step
 from verification.integrators.slopes import ENVELOPE

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import FREE, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import ENVELOPE, FULL
@@ -140,11 +140,11 @@ def run_to_label(
         if at_rest_for_ever(model, p, state, quiet):
             return FIXED_POINT, t, 0, steps
         take_step(model, state, p, FREE, FREE, h, A, weights, K, trial)
-        error = step_error(K, h, E5, E3, room) / (tolerance * max(largest(state), 1e-300))
-        if not math.isfinite(error) or h < SHORTEST:
+        error = step_error(K, h, E5, E3, room, largest(state)) / tolerance
+        if h < SHORTEST or not math.isfinite(largest(state)):
             return BROKEN, t, above, steps
-        if error > 1.0:
-            h *= max(0.2, 0.9 * error ** (-1.0 / 8.0))
+        if not error <= 1.0:
+            h *= max(0.2, 0.9 * error ** (-1.0 / 8.0)) if math.isfinite(error) else 0.2
             continue
         rises = state[sites - 1] < 0.0 and trial[sites - 1] >= 0.0
         if t >= next_sample and (model == ENVELOPE or rises):

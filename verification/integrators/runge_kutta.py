@@ -5,12 +5,13 @@ The state is a row of length 2m (``active``); all quantities are dimensionless.
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import end_codes, largest
 from verification.integrators.slopes import slope
 
@@ -59,10 +60,14 @@ def take_step(
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def step_error(K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: FloatArray) -> float:
-    """Return DOP853's estimate of the local error, the largest over sites.
+def step_error(
+    K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: FloatArray, size: float
+) -> float:
+    """Return DOP853's estimate of the local error, the largest over sites, relative to ``size``.
 
-    ``room`` has the shape (2, 2m).
+    It is e5²/√(e5² + e3²/100) and vanishes where e3 alone is huge, so that a step that explodes
+    would pass: where e3 is as large as the state, the estimate is infinite. ``room`` has the shape
+    (2, 2m).
     """
     five, three = room[0], room[1]
     five[:] = 0.0
@@ -72,9 +77,12 @@ def step_error(K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: Fl
         for n in range(five.size):
             five[n] += of_five * known[n]
             three[n] += of_three * known[n]
-    largest5, largest3 = largest(five), largest(three)
-    size = largest5 * largest5 + 0.01 * largest3 * largest3
-    return h * largest5 * largest5 / np.sqrt(size) if size > 0.0 else size
+    e5, e3 = h * largest(five), h * largest(three)
+    if e5 == 0.0:
+        return 0.0
+    if not e3 < size:
+        return math.inf
+    return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))
 
 
 @njit(cache=True, error_model="numpy")

@@ -12,7 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from verification.compiled import njit
 
 FloatArray = npt.NDArray[np.float64]
 

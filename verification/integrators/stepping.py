@@ -13,8 +13,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import end_codes, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import FULL
@@ -39,7 +39,9 @@ finite, or after ``most_steps``."""
 MARGIN = 8
 """Sites kept beyond the last one that is above the rest level."""
 
-_FIRST = 0.05
+_FIRST = 0.5
+"""First step at tolerance one; it follows the tolerance, so that two runs never share steps."""
+
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
 _LAZY = 0.25
 _LOOKS, _MET = 60, 0.01
@@ -166,11 +168,11 @@ def advance(
             h = step_length(C, order, tolerance)
             h = min(h, max(stop - t, 1.0)) if math.isinf(h) else h
         else:
-            size = tolerance * largest(x)
-            h = clock[1] if clock[1] > 0.0 else _FIRST
+            size = largest(x)
+            h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
             while h >= shortest:
                 take_step(model, x, parameters, left, right, h, A, weights, K, new)
-                ratio = step_error(K, h, E5, E3, room) / size if size > 0.0 else 0.0
+                ratio = step_error(K, h, E5, E3, room, size) / tolerance
                 if not math.isfinite(ratio):
                     h *= _SHRINK
                     continue

@@ -17,8 +17,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from verification.compiled import njit
 from verification.integrators.active import add_coupling, largest
 
 FloatArray = npt.NDArray[np.float64]

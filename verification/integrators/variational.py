@@ -20,11 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
+from verification.compiled import njit
 
 Real = NDArray[np.float64]
 

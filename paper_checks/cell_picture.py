@@ -1,0 +1,42 @@
+"""The bifurcation diagram of the friction cell, for the report and for ``fronts cell``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from paper_checks.pictures import COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from theory.friction_cell import FrictionCell
+    from verification.friction_cell_continuation import Continuation
+
+
+def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: Continuation) -> None:
+    """Draw turning points of both cycles and steady sliding over the belt velocity."""
+    hopf = cell.hopf_velocity
+    stable = diagram.v_d > hopf
+    blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
+    for side in (0, 1):
+        axes.plot(
+            diagram.v_d, diagram.stable[:, side], color=blue,
+            label="stick-slip cycle" if side == 0 else None,
+        )  # fmt: skip
+        axes.plot(
+            diagram.v_d, diagram.unstable[:, side], "--", color=vermilion,
+            label="unstable cycle" if side == 0 else None,
+        )  # fmt: skip
+    for chosen, line, label in (
+        (stable, "-", "steady sliding, stable"),
+        (~stable, ":", "steady sliding, unstable"),
+    ):
+        if chosen.any():
+            axes.plot(diagram.v_d[chosen], diagram.sliding[chosen], line, color=black, label=label)
+    for name, velocity, line in (("Hopf", hopf, "-"), ("grazing", diagram.end, "-.")):
+        if diagram.v_d[0] < velocity < diagram.v_d[-1]:
+            axes.axvline(
+                velocity, color="0.5", lw=0.6, ls=line, label=f"{name}, $v_d$ = {velocity:.5g}"
+            )
+    axes.set(xlabel=r"belt velocity $v_d$", ylabel="turning points of y")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -1,0 +1,348 @@
+"""Claims about one friction oscillator: closed forms, both cycles, the basin, where cycles end."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from fronts.cli import main
+from theory.friction_cell import FrictionCell, friction_coefficient, friction_force, friction_slope
+from theory.friction_chain import FrictionChain
+from theory.parameters import ParameterError
+from theory.vdp_chain import VdpChain
+from verification.friction_cell_continuation import continue_cycles
+from verification.friction_cell_orbits import (
+    cell_orbits,
+    cycle_end_velocity,
+    stick_slip_cycle,
+    unstable_cycle,
+    unstable_once,
+)
+from verification.friction_events import run_events
+from verification.vdp_cell import vdp_cell
+
+CELL = FrictionCell()
+DIGITS = 20
+
+
+def precise_phase(cell: FrictionCell, y: float, v: float, speed: float) -> tuple[mp.mpf, mp.mpf]:
+    """Slip backwards from (y, v) until ẏ rises through ``speed``, in many digits; τ and y."""
+    with mp.workdps(DIGITS):
+        mu_st, mu_d, v0, xi, v_d = (
+            mp.mpf(x) for x in (cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d)
+        )
+
+        def rate(_: mp.mpf, z: list[mp.mpf]) -> list[mp.mpf]:
+            mu = mu_d + (mu_st - mu_d) * mp.exp((z[1] - v_d) / v0)
+            return [z[1], mu - 2 * xi * z[1] - z[0]]
+
+        path = mp.odefun(rate, 0, [mp.mpf(y), mp.mpf(v)], tol=mp.mpf(10) ** (3 - DIGITS))
+        times = [mp.mpf(k) / 10 for k in range(20, 70)]
+        low = next(t for t in times if path(t)[1] < speed and path(t + mp.mpf("0.1"))[1] >= speed)
+        t = mp.findroot(lambda s: path(s)[1] - speed, (low, low + mp.mpf("0.1")), solver="anderson")
+        return t, path(t)[0]
+
+
+def peak(cell: FrictionCell, y: float) -> float:
+    """The next maximum of y after one, by scipy, backward slip continued smoothly."""
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        mu = cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp((z[1] - cell.v_d) / cell.v0)
+        return [z[1], mu - 2 * cell.xi * z[1] - z[0]]
+
+    run = solve_ivp(rate, (0, 8), [y, 0], "DOP853", rtol=1e-13, atol=1e-15, dense_output=True)
+    t = brentq(lambda s: run.sol(s)[1], 5.0, 7.5, xtol=1e-14)
+    return float(run.sol(t)[0])
+
+
+def test_the_closed_forms_are_those_of_the_force() -> None:
+    """Steady sliding balances the force; damping and Hopf velocity follow by differences."""
+    for v_d in (0.2, 1.1513, 1.25, 3.0):
+        cell = replace(CELL, v_d=v_d)
+        assert cell.steady_sliding == friction_force(cell, -v_d)
+        step = 1e-6
+        slope = (friction_force(cell, step - v_d) - friction_force(cell, -step - v_d)) / (2 * step)
+        # Differences are good to step² and 1e-16/step.
+        assert cell.effective_damping == pytest.approx(2 * cell.xi - slope, abs=1e-9)
+    at_hopf = replace(CELL, v_d=CELL.hopf_velocity)
+    assert abs(at_hopf.effective_damping) < 1e-15
+    assert friction_coefficient(CELL, 0.0) == CELL.mu_st
+    assert friction_coefficient(CELL, 1e3) == CELL.mu_d
+
+
+def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
+    cycle = stick_slip_cycle(CELL)
+    assert cycle is not None
+    slip, touch = precise_phase(CELL, CELL.release, CELL.v_d, CELL.v_d)
+    stick = (CELL.release - touch) / CELL.v_d
+    assert cycle.error < 1e-9
+    assert abs(cycle.slip_time - slip) <= cycle.error
+    assert abs(cycle.stick_time - stick) <= cycle.error
+    assert abs(cycle.period - slip - stick) <= cycle.error
+    _, low = precise_phase(CELL, CELL.release, CELL.v_d, 0.0)
+    assert abs(cycle.min - low) <= cycle.error
+    run = run_events(FrictionChain(0.0, CELL, 1), np.array([[cycle.max], [0.0]]), cycle.period)
+    # Started at the largest y, the run is back there after a period, at rest; DOP853 to 1e-12.
+    assert abs(run.y[-1, 0] - cycle.max) < 1e-11
+    assert abs(run.velocity[-1, 0]) < 1e-10
+
+
+def test_the_stated_errors_bound_the_true_ones() -> None:
+    """At every tolerance, against the finest; both cycles and the end."""
+    exact = cell_orbits(CELL, 1e-14)
+    assert exact.stable is not None
+    assert exact.unstable is not None
+    for tolerance in (1e-6, 1e-8, 1e-10, 1e-12):
+        rough = cell_orbits(CELL, tolerance)
+        for ours, true in ((rough.stable, exact.stable), (rough.unstable, exact.unstable)):
+            assert ours is not None
+            for name in ("max", "min", "period", "stick_time"):
+                # The finest has round-off of its own, 1e-13 over a period.
+                assert abs(getattr(ours, name) - getattr(true, name)) <= ours.error + 1e-13
+        gap = abs(rough.cycle_end_velocity - exact.cycle_end_velocity)
+        assert gap <= rough.cycle_end_error + 1e-13
+
+
+def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
+    cycle = unstable_cycle(CELL)
+    assert cycle is not None
+    assert abs(peak(CELL, cycle.max) - cycle.max) < 1e-10
+    step = 1e-4
+    growth = (peak(CELL, cycle.max + step) - peak(CELL, cycle.max - step)) / (2 * step)
+    # Differences with a step of 1e-4 are good to 1e-7.
+    assert growth == pytest.approx(cycle.multiplier, abs=1e-6)
+    assert growth > 1.0
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_basin_ends_where_runs_change_their_fate(side: int) -> None:
+    orbits = cell_orbits(replace(CELL, v_d=1.6))
+    assert orbits.basin is not None
+    edge, outward = orbits.basin[side], 2 * side - 1
+    chain = FrictionChain(0.0, orbits.cell, 1)
+    fate = []
+    for step in (-1e-3, 1e-3):
+        start = np.array([[edge + outward * step], [0.0]])
+        run = run_events(chain, start, 80.0, tolerance=1e-10, longest_step=0.3)
+        fate.append(run.log.size > 0)
+    assert fate == [False, True]
+
+
+def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
+    end = cycle_end_velocity(CELL)
+
+    def largest(v_d: float) -> tuple[float, float]:
+        """Largest ẏ - v_d on returning, and y there, by scipy: slip continued smoothly."""
+
+        def rate(_: float, z: np.ndarray) -> list[float]:
+            mu = 0.5 + 0.5 * math.exp(z[1] / 0.5)
+            return [z[1] + v_d, mu - 0.1 * (z[1] + v_d) - z[0]]
+
+        start = [1 - 0.1 * v_d, 0.0]
+        run = solve_ivp(
+            rate, (0, 7), start, "DOP853", rtol=1e-13, atol=1e-15, dense_output=True, max_step=0.05
+        )
+        t = brentq(lambda s: rate(s, run.sol(s))[1], 5.5, 6.8, xtol=1e-14)
+        y, w = run.sol(t)
+        return float(w), float(y)
+
+    theirs = brentq(lambda v: largest(v)[0], 1.7, 1.9, xtol=1e-13)
+    assert end == pytest.approx(theirs, abs=1e-10)
+    assert largest(end)[1] == pytest.approx(replace(CELL, v_d=end).release, abs=1e-10)
+    assert stick_slip_cycle(replace(CELL, v_d=end * (1 + 1e-9))) is None
+    assert stick_slip_cycle(replace(CELL, v_d=end * (1 - 1e-9))) is not None
+    sticks = []
+    for distance in (1e-3, 1e-5):
+        cycle = stick_slip_cycle(replace(CELL, v_d=end * (1 - distance)))
+        assert cycle is not None
+        sticks.append(cycle.stick_time)
+    assert math.log10(sticks[0] / sticks[1]) / 2 == pytest.approx(0.5, abs=0.03)
+    both = cell_orbits(replace(CELL, v_d=end * (1 - 1e-10)))
+    assert both.stable is not None
+    assert both.unstable is not None
+    assert both.stable.max == pytest.approx(both.unstable.max, abs=1e-4)
+
+
+def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
+    """Shooting tends to the expansion; the expansion takes over within the bound it states."""
+    for distance, room in ((1e-3, 1e-3), (1e-5, 1e-5), (1e-6, 1e-6)):
+        cell = FrictionCell(CELL.hopf_velocity + distance)
+        cycle = unstable_once(cell, 1e-13)
+        assert cycle is not None
+        small = math.sqrt(8 * cell.effective_damping * cell.v0**2 / -friction_slope(cell, cell.v_d))
+        assert abs(cycle.amplitude / small - 1) < room
+    near = unstable_cycle(FrictionCell(CELL.hopf_velocity + 1e-8))
+    assert near is not None
+    # The expansion at 1e-8 beside the shot cycle at 1e-6: amplitudes go like the root.
+    assert near.amplitude == pytest.approx(cycle.amplitude / 10, abs=near.error)
+    assert near.error < 1e-7
+    # Both are off centre by an amount that goes like the square of the amplitude.
+    off = [
+        (each.max + each.min) / 2 - FrictionCell(CELL.hopf_velocity + distance).steady_sliding
+        for each, distance in ((near, 1e-8), (cycle, 1e-6))
+    ]
+    assert 100 * off[0] == pytest.approx(off[1], rel=1e-2)
+    assert abs(near.max + near.min - 2 * FrictionCell(CELL.hopf_velocity).steady_sliding) < 1e-6
+
+
+def test_a_steep_friction_curve_is_seen_by_the_series() -> None:
+    """v₀ = 1e-3: the peak of μ is far below round-off until just before the touch."""
+    cell = FrictionCell(0.5, v0=1e-3)
+    cycle = stick_slip_cycle(cell)
+    assert cycle is not None
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        return [z[1] + 0.5, 0.5 + 0.5 * math.exp(min(z[1], 0) / 1e-3) - 0.1 * (z[1] + 0.5) - z[0]]
+
+    def touch(t: float, z: np.ndarray) -> float:
+        return z[1] if t > 1 else -1.0
+
+    # The first 1e-4: ẇ obeys w'' = 500 w' - 1/2 to leading order in w/v₀; Radau carries it on.
+    t, grow = 1e-3, 500.0
+    w = -0.5 / grow**2 * ((math.exp(grow * t) - 1) / grow - t) * grow
+    run = solve_ivp(
+        rate, (t, 5.5), [cell.release + 0.5 * t, w], "Radau", rtol=1e-9, atol=1e-12,
+        dense_output=True, max_step=0.01,
+    )  # fmt: skip
+    values = [touch(s, run.sol(s)) for s in np.linspace(5.0, 5.4, 4001)]
+    first = 5.0 + 1e-4 * int(np.argmax(np.array(values) > 0))
+    # Leaving out w²/v₀ terms at the start moves the touch by about 1e-3.
+    assert cycle.slip_time == pytest.approx(first, abs=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("cell", "reverses"), [(FrictionCell(mu_d=0.0), True), (FrictionCell(20.0, xi=0.0), True)]
+)
+def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
+    cell: FrictionCell, reverses: bool
+) -> None:
+    cycle = stick_slip_cycle(cell)
+    assert cycle is not None
+    assert (cycle.speed > cell.v_d) is reverses
+    start = np.array([[cycle.max], [0.0]])
+    run = run_events(FrictionChain(0.0, cell, 1), start, 4 * cycle.period, longest_step=0.01)
+    ends = run.log[run.log[:, 2] == 1, 0]
+    assert np.diff(ends)[-1] == pytest.approx(cycle.period, abs=1e-9)
+    assert np.any(run.log[:, 2] == 2)
+
+
+def test_a_cell_that_never_sticks_is_refused() -> None:
+    with pytest.raises(ParameterError, match="stick"):
+        cell_orbits(FrictionCell(200.0, xi=0.0))
+    with pytest.raises(ParameterError, match="v_d"):
+        cell_orbits(FrictionCell(1e-300))
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        FrictionCell(1e-9), FrictionCell(1e-6), FrictionCell(1e4), FrictionCell(xi=0.0),
+        FrictionCell(xi=1.0), FrictionCell(v0=1e-4, v_d=0.5), FrictionCell(v0=20.0),
+        FrictionCell(mu_d=0.999), FrictionCell(CELL.hopf_velocity),
+        FrictionCell(CELL.hopf_velocity * (1 + 1e-15)), FrictionCell(xi=1e-6),
+    ],
+)  # fmt: skip
+def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCell) -> None:
+    orbits = cell_orbits(cell)
+    stable = orbits.stable
+    assert (stable is not None) == (cell.v_d < orbits.cycle_end_velocity)
+    assert (orbits.basin is None) == (cell.effective_damping <= 0.0)
+    if stable is not None:
+        assert math.isfinite(stable.period)
+        assert stable.stick_time > 0
+        assert stable.min < stable.max
+        # Energy over the cycle: what the belt gives, friction and damping take.
+        assert stable.max >= cell.release
+    assert not math.isnan(orbits.error)
+
+
+def test_the_diagram_is_the_cells_one_by_one() -> None:
+    diagram = continue_cycles(CELL, [1.0, 1.3, 1.7, 2.0])
+    for i in (1, 2):
+        orbits = cell_orbits(replace(CELL, v_d=float(diagram.v_d[i])))
+        assert orbits.stable is not None
+        assert orbits.unstable is not None
+        assert diagram.stable[i, 1] == pytest.approx(orbits.stable.max, abs=1e-8)
+        assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable.min, abs=1e-8)
+    assert np.isnan(diagram.unstable[[0, 3]]).all()
+    assert np.isnan(diagram.stable[3]).all()
+
+
+def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None:
+    chain = VdpChain(2.5, 0.5, 0.0)
+    gaps = []
+    for eps in (0.04, 0.02, 0.01):
+        cell = vdp_cell(2.5, 0.5, eps)
+        assert cell.stable is not None
+        assert cell.unstable is not None
+        assert cell.stable.averaged == pytest.approx(chain.stable_amplitude, rel=1e-15)
+        gaps.append(
+            [cell.stable.amplitude - cell.stable.averaged, cell.unstable.amplitude - 2**0.5]
+        )
+    for ratio in (np.array(gaps[0]) / gaps[1], np.array(gaps[1]) / gaps[2]):
+        # Second order in ε; the next term is of relative size ε².
+        assert np.log2(ratio) == pytest.approx([2, 2], abs=0.02)
+    beyond = vdp_cell(1.0, 0.2, 0.01)
+    assert beyond.stable is None
+
+
+def answer(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
+    assert main([*shlex.split(line), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
+
+
+def test_the_command_prints_the_documented_object(capsys: pytest.CaptureFixture[str]) -> None:
+    found = answer(capsys, "cell friction --v-d 1.25")
+    assert set(found) == {
+        "status", "steady_sliding", "effective_damping", "hopf_velocity", "cycle_end_velocity",
+        "stable_cycle", "unstable_cycle", "basin", "error", "seconds",
+    }  # fmt: skip
+    keys = {"max", "min", "amplitude", "period", "stick_time"}
+    for name in ("stable_cycle", "unstable_cycle"):
+        cycle = found[name]
+        assert isinstance(cycle, dict)
+        assert set(cycle) == keys
+        assert cycle["amplitude"] == pytest.approx((cycle["max"] - cycle["min"]) / 2)
+    free = answer(capsys, "cell friction --v-d 1 --xi 0")
+    assert free["hopf_velocity"] is None
+    assert free["cycle_end_velocity"] is None
+    assert free["basin"] is None
+    assert answer(capsys, "cell friction --v-d 2")["basin"] == [None, None]
+    other = answer(capsys, "cell vdp --a 2.5 --b 0.5")
+    assert set(found) <= set(other)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".png", ".svg"])
+def test_diagrams_are_written_whole(suffix: str, tmp_path: Path) -> None:
+    out = tmp_path / f"cell{suffix}"
+    assert main(shlex.split(f"cell friction --v-d 1:2:5 --out {out}")) == 0
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]
+    if suffix == ".csv":
+        assert len(out.read_text().splitlines()) == 6
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "friction", "friction --v-d 0", "friction --v-d -1", "friction --v-d nan",
+        "friction --v-d 1 --mu-st 0.5", "friction --v-d 1 --mu-st 0.4", "friction --v-d 1 --v0 0",
+        "friction --v-d 1 --xi -1", "friction --v-d 1 --a 2", "friction --v-d 0:2:5",
+        "friction --v-d 1:2:99999", "friction --v-d 1 --out cell.png", "friction --v-d 200 --xi 0",
+        "friction --v-d 1:2:3 --out /nowhere/cell.png", "vdp --a 1", "vdp --a 1 --b 1 --v-d 1",
+        "vdp --a -1 --b 1", "vdp --a 2.5 --b 0.5 --eps 0",
+    ],
+)  # fmt: skip
+def test_bad_input_gets_one_sentence(line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cell", *shlex.split(line)]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert len(shown.err.strip().splitlines()) == 1

@@ -1,0 +1,309 @@
+"""Claims about event-exact runs of the friction chain, against scipy's DOP853 and conservation."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+
+from theory.friction_cell import FrictionCell
+from theory.friction_chain import FrictionChain, FrictionEnds
+from theory.parameters import ParameterError
+from verification.friction_cell_orbits import cycle_end_velocity
+from verification.friction_events import run_events
+from verification.friction_lane import FrictionLane, FrictionRunError
+from verification.friction_run import FrictionRun, RunStatus, run_friction
+from verification.friction_start import nucleus
+
+CELL = FrictionCell()
+SEED = 20261121
+BEGINS, ENDS, REVERSES = 0, 1, 2
+
+
+def random_start(sites: int, seed: int = SEED) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return np.array([rng.uniform(-1, 2, sites), rng.uniform(-1, 1, sites)])
+
+
+def holding_force(chain: FrictionChain, y: np.ndarray) -> np.ndarray:
+    """The force that would hold each site, y of shape (M, N), written out by hand."""
+    bend = 2 * y
+    bend[:, 1:] -= y[:, :-1]
+    bend[:, :-1] -= y[:, 1:]
+    if chain.ends is FrictionEnds.FREE:
+        bend[:, 0] -= y[:, 0]
+        bend[:, -1] -= y[:, -1]
+    return 2 * chain.cell.xi * chain.cell.v_d + y + chain.c * bend
+
+
+def sorted_log(log: np.ndarray) -> np.ndarray:
+    """Events in order of time, simultaneous ones by site."""
+    return log[np.lexsort((log[:, 1], log[:, 0].round(8)))]
+
+
+SCENES = {
+    "cycle": (FrictionChain(0.0, sites=1), np.array([[2.0], [0.0]]), 60.0),
+    "three": (FrictionChain(0.02, sites=3), random_start(3), 60.0),
+    "five": (FrictionChain(0.05, sites=5), random_start(5), 60.0),
+    "strong": (FrictionChain(0.5, replace(CELL, v_d=0.5), 5), random_start(5), 40.0),
+    "reversals": (FrictionChain(10.0, sites=5), random_start(5), 15.0),
+    "wall": (FrictionChain(0.3, sites=4, ends=FrictionEnds.LITERAL), random_start(4), 40.0),
+    "slow belt": (FrictionChain(0.1, replace(CELL, v_d=0.01), 3), random_start(3), 60.0),
+    "undamped": (FrictionChain(0.1, replace(CELL, xi=0.0), 3), random_start(3), 40.0),
+    "steep": (FrictionChain(0.1, replace(CELL, v0=0.02, v_d=0.5), 3), random_start(3), 20.0),
+    "alike": (FrictionChain(0.3, sites=4), np.full((2, 4), 1.2) * [[1.5], [0.0]], 60.0),
+    "far": (FrictionChain(0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 20.0),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_event_is_that_of_scipy(name: str) -> None:
+    chain, start, t_end = SCENES[name]
+    ours = run_friction(chain, start, t_end, tolerance=1e-13, events=10_000, samples=201)
+    with warnings.catch_warnings():
+        # In trial steps beyond an event the continued exponential may overflow; they are refused.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        step = 0.003 if name in ("steep", "far") else 0.05
+        theirs = run_events(chain, start, t_end, longest_step=step)
+    assert ours.status is RunStatus.RESOLVED
+    assert len(ours.log) == len(theirs.log) == ours.events
+    mine, other = sorted_log(ours.log), sorted_log(theirs.log)
+    assert np.array_equal(mine[:, 1:], other[:, 1:])
+    # DOP853 at 1e-13 accumulates about 1e-12 in these times, 1e-10 where y is 20 or μ is steep.
+    room = 2e-9 if name in ("steep", "far") else 2e-11
+    assert np.abs(mine[:, 0] - other[:, 0]).max() < room
+    assert np.abs(ours.y - theirs.y).max() < room
+    assert np.abs(ours.velocity - theirs.velocity).max() < 10 * room
+
+
+@pytest.mark.parametrize("name", ["cycle", "three", "strong", "reversals", "steep", "far"])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+def test_the_error_reported_bounds_the_true_one(name: str, tolerance: float) -> None:
+    chain, start, t_end = SCENES[name]
+    exact = run_friction(chain, start, t_end, tolerance=1e-14)
+    rough = run_friction(chain, start, t_end, tolerance=tolerance)
+    assert rough.error is not None
+    assert np.abs(rough.y - exact.y).max() <= rough.error
+    assert np.abs(rough.velocity - exact.velocity).max() <= rough.error
+
+
+@pytest.mark.parametrize("name", ["cycle", "three", "strong", "reversals", "wall", "slow belt"])
+def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
+    """E(T) - E(0) = ∫ Σ (F ẏ - 2ξẏ²) dt by Simpson's rule between events; F from (6) or held.
+
+    F ẏ is what the belt does, F v_d, less what friction burns, -F v_rel >= 0.
+    """
+    chain, start, t_end = SCENES[name]
+    cell = chain.cell
+    first = run_friction(chain, start, t_end, tolerance=1e-12, events=10_000)
+    edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.log[:, 0]]))
+    pieces = [np.linspace(a, b, 81) for a, b in pairwise(edges)]
+    run = run_friction(chain, start, t_end, tolerance=1e-12, times=np.concatenate(pieces).tolist())
+    gained = belt = burnt = 0.0
+    for k, t in enumerate(pieces):
+        rows = slice(81 * k, 81 * (k + 1))
+        y, v = run.y[rows], run.velocity[rows]
+        w = v - cell.v_d
+        slip = -np.sign(w) * (cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-np.abs(w) / cell.v0))
+        # A site's mode is that of the middle of the piece; at its ends w may be zero.
+        middle = w[40]
+        direction = np.where(middle == 0, 0.0, np.sign(middle))
+        slip = -direction * np.abs(slip)
+        slip = np.where(np.abs(w) > 0, slip, -direction * cell.mu_st)
+        force = np.where(middle == 0, holding_force(chain, y), slip)
+        gained += simpson((force * v - 2 * cell.xi * v**2).sum(axis=1), x=t)
+        belt += simpson((force * cell.v_d).sum(axis=1), x=t)
+        burnt += simpson((-force * w).sum(axis=1), x=t)
+
+    def energy(y: np.ndarray, v: np.ndarray) -> float:
+        ends = np.concatenate([[0.0], y, [0.0]])
+        stretch = np.diff(ends if chain.ends is FrictionEnds.LITERAL else y)
+        return float(0.5 * (v @ v + y @ y + chain.c * stretch @ stretch))
+
+    change = energy(run.y[-1], run.velocity[-1]) - energy(*start)
+    # 81 points a piece of length about 1: Simpson is good to 1e-8 in all.
+    assert gained == pytest.approx(change, abs=1e-6)
+    assert burnt > 0
+    assert belt - burnt == pytest.approx(gained + simpson_damping(run, pieces, cell), abs=1e-6)
+
+
+def simpson_damping(run: FrictionRun, pieces: list[np.ndarray], cell: FrictionCell) -> float:
+    total = 0.0
+    for k, t in enumerate(pieces):
+        v = run.velocity[81 * k : 81 * (k + 1)]
+        total += simpson((2 * cell.xi * v**2).sum(axis=1), x=t)
+    return float(total)
+
+
+@pytest.mark.parametrize("name", ["three", "five", "strong", "reversals", "undamped"])
+def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> None:
+    chain, start, t_end = SCENES[name]
+    run = run_friction(chain, start, t_end, tolerance=1e-12, samples=4001, events=10_000)
+    w = run.velocity - chain.cell.v_d
+    stuck = run.velocity == chain.cell.v_d
+    force = np.abs(holding_force(chain, run.y.copy()))
+    assert stuck.any()
+    assert force[stuck].max() <= chain.cell.mu_st + 1e-11
+    # Exactly one mode: the log alone says which, and w agrees with it at every sample.
+    for n in range(chain.sites):
+        mode = int(np.sign(start[1, n] - chain.cell.v_d))
+        events = run.log[run.log[:, 1] == n + 1]
+        expected, k = np.zeros(run.times.size, dtype=int), 0
+        for i, t in enumerate(run.times):
+            while k < len(events) and events[k, 0] < t:
+                kind = int(events[k, 2])
+                if kind == BEGINS:
+                    assert mode != 0
+                    mode = 0
+                elif kind == ENDS:
+                    assert mode == 0
+                    mode = int(np.sign(w[np.searchsorted(run.times, t), n])) or -1
+                else:
+                    assert mode != 0
+                    mode = -mode
+                k += 1
+            expected[i] = mode
+        settled = np.abs(w[:, n]) > 1e-9
+        assert np.array_equal(np.sign(w[settled, n]), expected[settled])
+        assert np.array_equal(stuck[:, n], expected == 0)
+
+
+@pytest.mark.parametrize("sites", [2, 5, 8, 31])
+@pytest.mark.parametrize("c", [0.02, 0.5, 10.0])
+def test_mirror_symmetry_survives_to_the_last_bit(sites: int, c: float) -> None:
+    half = random_start((sites + 1) // 2)
+    start = np.concatenate([half, half[:, ::-1][:, sites % 2 :]], axis=1)
+    run = run_friction(FrictionChain(c, sites=sites), start, 60.0 if c < 1 else 20.0)
+    assert np.array_equal(run.y, run.y[:, ::-1])
+    assert np.array_equal(run.velocity, run.velocity[:, ::-1])
+
+
+@pytest.mark.parametrize("c", [0.0, 0.02, 1.0, 10.0, 1e4])
+@pytest.mark.parametrize("v_d", [0.5, 1.25])
+def test_uniform_sliding_is_an_equilibrium_of_free_ends_for_every_coupling(
+    c: float, v_d: float
+) -> None:
+    cell = replace(CELL, v_d=v_d)
+    chain = FrictionChain(c, cell, 7)
+    start = np.array([np.full(7, cell.steady_sliding), np.zeros(7)])
+    run = run_friction(chain, start, 10.0, window=False)
+    # Unstable below the Hopf velocity: round-off grows by e^2 here.
+    assert np.abs(run.y - cell.steady_sliding).max() < 1e-14
+    walls = run_friction(replace(chain, ends=FrictionEnds.LITERAL), start, 10.0)
+    assert bool(np.abs(walls.y - cell.steady_sliding).max() > 1e-3) is (c > 0)
+
+
+def test_a_window_run_is_the_full_run() -> None:
+    chain = FrictionChain(0.02, sites=201)
+    start = nucleus(chain, [1])
+    for tolerance in (1e-8, 1e-11):
+        full, window = (
+            run_friction(chain, start, 150.0, tolerance=tolerance, window=each)
+            for each in (False, True)
+        )
+        assert window.mean_active < 60 < full.mean_active
+        assert full.error is not None
+        assert np.abs(full.y - window.y).max() <= max(full.error, tolerance)
+        assert full.events == window.events
+
+
+def test_uncoupled_sites_move_as_alone() -> None:
+    start = random_start(4)
+    run = run_friction(FrictionChain(0.0, sites=4), start, 50.0, tolerance=1e-12)
+    for n in range(4):
+        alone = run_friction(FrictionChain(0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
+        # Steps differ: each is good to its own error.
+        assert np.abs(run.y[:, n] - alone.y[:, 0]).max() < 1e-9
+
+
+@pytest.mark.parametrize("sites", [2, 9, 50])
+def test_sites_that_start_alike_switch_together(sites: int) -> None:
+    start = np.array([np.full(sites, 1.9), np.zeros(sites)])
+    run = run_friction(FrictionChain(0.3, sites=sites), start, 60.0, events=10_000)
+    assert np.ptp(run.y, axis=1).max() == 0.0
+    times, counts = np.unique(run.log[:, 0], return_counts=True)
+    assert len(times) > 10
+    assert np.all(counts == sites)
+
+
+def test_a_site_sticks_for_ever() -> None:
+    slow = replace(CELL, v_d=1e-12)
+    run = run_friction(FrictionChain(0.0, slow, 2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4)
+    assert run.stuck.all()
+    assert run.events == 0
+    assert run.y[-1] == pytest.approx([1e-8, 0.5 + 1e-8], abs=1e-15)
+
+
+def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
+    chain = FrictionChain(0.0, sites=1)
+    start = np.array([[CELL.release], [CELL.v_d]])
+    run = run_friction(chain, start, 20.0, events=100)
+    assert run.log[0, 0] < 1e-15
+    assert run.log[0, 2] == ENDS
+    beyond = run_friction(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
+    assert np.all(np.diff(beyond.velocity[:50, 0]) < 0)
+
+
+@pytest.mark.parametrize(
+    "v_d",
+    [CELL.hopf_velocity, cycle_end_velocity(CELL), cycle_end_velocity(CELL) * (1 - 1e-9),
+     cycle_end_velocity(CELL) * (1 + 1e-9)],
+)  # fmt: skip
+def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: float) -> None:
+    chain = FrictionChain(0.0, replace(CELL, v_d=v_d), 1)
+    start = np.array([[chain.cell.release - 1e-3], [v_d]])
+    run = run_friction(chain, start, 60.0)
+    exact = run_friction(chain, start, 60.0, tolerance=1e-14)
+    assert np.isfinite(run.y).all()
+    assert run.error is not None
+    assert np.abs(run.y - exact.y).max() <= run.error
+
+
+@pytest.mark.parametrize("v0", [0.1, 1e-2, 1e-3, 1e-5])
+@pytest.mark.parametrize("v_d", [1e-6, 0.3, 0.5])
+def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
+    chain = FrictionChain(0.05, replace(CELL, v0=v0, v_d=v_d), 2)
+    start = np.array([[1.4, 0.4], [0.0, 0.0]])
+    run = run_friction(chain, start, 15.0, tolerance=1e-10)
+    exact = run_friction(chain, start, 15.0, tolerance=1e-14)
+    assert run.sticks > 0
+    assert run.error is not None
+    assert np.abs(run.y - exact.y).max() <= run.error
+    # At tolerance 1e-10 the peak e^{-|w|/v₀} must have been seen, however narrow.
+    assert np.abs(run.y - exact.y).max() < 1e-6
+
+
+def test_a_chain_of_ten_thousand_sites_runs() -> None:
+    chain = FrictionChain(0.02, sites=10_000)
+    long = run_friction(chain, nucleus(chain, [1]), 60.0, samples=3)
+    short = replace(chain, sites=40)
+    brief = run_friction(short, nucleus(short, [1]), 60.0, samples=3)
+    assert np.isfinite(long.y).all()
+    # Forty sites are enough for τ = 60: the far end is not reached to round-off.
+    assert np.abs(long.y[:, :20] - brief.y[:, :20]).max() < 1e-9
+
+
+def test_what_cannot_be_run_is_refused() -> None:
+    chain = FrictionChain(0.1, sites=2)
+    for start in (np.zeros((2, 3)), np.full((2, 2), np.nan), np.full((2, 2), np.inf)):
+        with pytest.raises(ParameterError, match="start"):
+            run_friction(chain, start, 1.0)
+    with pytest.raises(ParameterError, match="tau"):
+        run_friction(chain, np.zeros((2, 2)), -1.0)
+    with pytest.raises(FrictionRunError):
+        run_friction(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
+
+
+def test_a_run_can_be_taken_in_parts() -> None:
+    chain = FrictionChain(0.05, sites=9)
+    start = nucleus(chain, [5])
+    whole, parts = (FrictionLane(chain, start, 1e-11) for _ in range(2))
+    whole.go_to(50.0)
+    for t in (13.0, 29.5, 50.0):
+        parts.go_to(t)
+    assert np.abs(whole.y - parts.y).max() < 1e-8
+    assert np.array_equal(whole.modes, parts.modes)

@@ -1,0 +1,184 @@
+"""Fronts of Model II: velocities against an independent chain, statuses, the law, the commands."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fronts.cli import main
+from paper_checks.claims._fronts import staggered_velocity
+from theory.envelope_front import strong_coupling_front
+from theory.parameters import ParameterError
+from theory.vdp_chain import VdpChain
+from verification.vdp_front import Behind, FrontStatus, measure_front, velocity_of
+from verification.vdp_run import Model
+
+
+@pytest.mark.parametrize(("eta", "c"), [(0.002, 0.3), (0.03125, 0.15), (0.05, 1.0), (0.09, 0.3)])
+def test_the_velocity_is_that_of_the_real_staggered_chain(eta: float, c: float) -> None:
+    front = measure_front(VdpChain(1.0, eta, c), behind=Behind.WAVE, accuracy=1e-6)
+    assert front.status is FrontStatus.STEADY
+    assert front.v is not None
+    assert front.error is not None
+    # scipy's own tolerance of 1e-9 a step, over some hundred steps
+    assert abs(front.v - staggered_velocity(1.0, eta, c)) < front.error + 3e-7 * front.v
+
+
+@pytest.mark.parametrize("model", list(Model))
+def test_the_uncertainty_bounds_the_distance_from_a_longer_measurement(model: Model) -> None:
+    for c in (0.3, 0.6, 3.0):
+        chain = VdpChain(4.0, 0.5, c)
+        short = measure_front(chain, model, accuracy=1e-2)
+        long = measure_front(chain, model, accuracy=1e-4 if c > 1.0 else 1e-5)
+        assert short.v is not None
+        assert long.v is not None
+        assert short.error is not None
+        assert long.error is not None
+        assert abs(short.v - long.v) <= short.error + long.error
+
+
+def test_a_front_that_outruns_the_waves_does_not_know_what_is_behind_it() -> None:
+    free, wave = (measure_front(VdpChain(4.0, 0.5, 0.3), behind=each) for each in Behind)
+    assert free.v == wave.v
+    assert free.v is not None
+    assert free.v > 0.3
+
+
+def test_a_front_slower_than_the_waves_does() -> None:
+    free, wave = (measure_front(VdpChain(1.0, 0.09, 0.3), behind=each) for each in Behind)
+    assert free.v is not None
+    assert wave.v is not None
+    assert free.v < 0.3
+    assert abs(free.v - wave.v) > 100.0 * ((free.error or 0.0) + (wave.error or 0.0))
+
+
+def test_all_sites_kept_give_the_front_measured_with_few() -> None:
+    """Sites behind are left out for a fast front: nothing of its arrivals changes."""
+    from verification.vdp_run import run_vdp
+    from verification.vdp_start import staggered_front
+
+    chain = VdpChain(4.0, 0.5, 0.6, sites=60)
+    runs = [
+        run_vdp(
+            chain, staggered_front(chain, 24), 4500.0, model=Model.ENVELOPE, behind=behind,
+            companion=False, samples=2,
+        )
+        for behind in (0, 24)
+    ]  # fmt: skip
+    reached = ~np.isnan(runs[0].arrivals)
+    assert reached.sum() > 50
+    assert np.abs(runs[0].arrivals - runs[1].arrivals)[reached].max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("eta", "c", "status"),
+    [(0.03125, 0.09, "pinned"), (0.11, 0.3, "collapsed"), (0.1, 0.3, "creeping")],
+)
+def test_what_does_not_run_is_named(eta: float, c: float, status: str) -> None:
+    front = measure_front(VdpChain(1.0, eta, c), most_sites=250)
+    assert front.status.value == status
+    assert front.v == (0.0 if status == "pinned" else None)
+
+
+def test_the_regression_knows_its_noise() -> None:
+    random = np.random.default_rng(5)
+    hits = 0
+    for _ in range(200):
+        arrivals = np.arange(64) / 0.02 + random.normal(0.0, 0.5, 64)
+        v, error = velocity_of(arrivals, 0.01)
+        hits += abs(v - 2.0) <= error
+    # Two standard errors or more: at least 95 of 100, less three standard deviations of 200 trials.
+    assert hits >= 181
+
+
+@pytest.mark.parametrize("eta", [0.01, 0.03125, 0.05])
+def test_kappa_is_the_limit_of_the_chain(eta: float) -> None:
+    """(v - c)/(c/6)^(1/3) tends to κ with corrections of order c^(-2/3): Richardson over c."""
+    kappa = strong_coupling_front(eta).kappa
+    values = []
+    for c in (1.0, 8.0):
+        v = staggered_velocity(1.0, eta, c, 240)
+        values.append((v - c) / math.cbrt(c / 6.0))
+    extrapolated = values[1] + (values[1] - values[0]) / (4.0 - 1.0)
+    assert abs(values[1] - kappa) < abs(values[0] - kappa)
+    assert extrapolated == pytest.approx(kappa, abs=0.02 * max(1.0, abs(kappa)))
+
+
+@pytest.mark.parametrize("eta", [0.0, 1e-5, 0.09, math.nan])
+def test_the_law_is_refused_where_it_is_not_known(eta: float) -> None:
+    with pytest.raises(ParameterError, match="eta"):
+        strong_coupling_front(eta)
+
+
+def _run(line: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+    code = main(shlex.split(line))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+@pytest.mark.parametrize("model", ["vdp", "envelope"])
+def test_front_gives_the_documented_object(model: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = _run(f"front {model} --c 0.6 --a 4 --b 0.5 --json", capsys)
+    answer = json.loads(out)
+    assert code == 0
+    assert {"v", "error", "steady", "status", "seconds"} <= set(answer)
+    assert answer["steady"]
+    assert answer["v"] == pytest.approx(0.72, abs=0.01)
+
+
+def test_simulate_writes_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, drawn = tmp_path / "run.npz", tmp_path / "run.png"
+    code, text, _ = _run(
+        "simulate vdp --n 12 --a 4 --b 0.5 --c 0.6 --excite 1 --t-end 400 --samples 11 "
+        f"--out {out} --picture {drawn} --json",
+        capsys,
+    )
+    assert code == 0
+    answer = json.loads(text)
+    assert len(answer["amplitudes"]) == 12
+    with np.load(out) as file:
+        assert file["psi"].shape == (11, 12)
+        assert np.abs(file["psi"][-1]).tolist() == answer["amplitudes"]
+    assert drawn.stat().st_size > 1000
+
+
+_SIMULATE = "simulate vdp --a 4 --b 0.5 --c 0.6 --excite 1 --t-end 10"
+
+
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        (f"{_SIMULATE} --n 1", "sites n"),
+        (f"{_SIMULATE} --eps 0", "eps"),
+        (f"{_SIMULATE} --eps -1", "eps"),
+        (f"{_SIMULATE} --excite 40", "excited site"),
+        (f"{_SIMULATE} --excite 5:2", "excited sites"),
+        (f"{_SIMULATE} --out /nowhere/run.npz", "/nowhere"),
+        (f"{_SIMULATE} --out run.txt", "run.txt"),
+        (f"{_SIMULATE} --displacement 1e9", "displacement"),
+        (f"{_SIMULATE} --samples 1", "samples"),
+        (f"{_SIMULATE} --tolerance 0", "tolerance"),
+        ("simulate vdp --a 1 --b 0.5 --c 0.6 --excite 1 --t-end 10", "eta"),
+        ("simulate vdp --a 4 --b 0.5 --c nan --excite 1 --t-end 10", "nan"),
+        ("front vdp --c 0 --a 4 --b 0.5", "coupling c"),
+        ("front vdp --c 0.5 --a 1 --b 0.5", "eta"),
+        ("front vdp --c 0.5 --a 4 --b 0.5 --accuracy 1", "accuracy"),
+        ("front envelope --c 0.5 --a 4 --b 0.5 --eps 0.1", "eps"),
+        ("front envelope --c 0.5 --a 4 --b 0.5 --start-v 1", "start-v"),
+        ("front piecewise --c 0.5 --a 4 --b 0.5 --behind wave", "behind"),
+    ],
+)
+def test_bad_input_ends_with_one_sentence(
+    line: str, named: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, error = _run(line, capsys)
+    assert code == 2
+    assert out == ""
+    assert named in error
+    assert error.strip().count("\n") == 0
+    assert "Traceback" not in error

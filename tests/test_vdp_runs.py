@@ -1,0 +1,225 @@
+"""Runs of Model II: honest errors, windows, checkpoints, stiff starts, conserved relations."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson, solve_ivp
+
+from tests.test_vdp_steppers import reference
+from theory.parameters import ParameterError
+from theory.vdp_chain import Ends, VdpChain
+from verification.stiff_stage import full_jacobian, full_right_side
+from verification.vdp_run import Model, VdpRun, run_vdp
+from verification.vdp_start import displaced, perturbed, staggered_front
+
+FRONT = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("model", list(Model))
+def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    a = 10.0 ** random.uniform(0.0, 1.0)
+    chain = VdpChain(
+        a,
+        a**2 * random.uniform(0.01, 0.12),
+        10.0 ** random.uniform(-2.0, 1.0),
+        10.0 ** random.uniform(-2.5, -0.7),
+        int(random.integers(2, 12)),
+        Ends.FREE if seed % 2 else Ends.PERIODIC,
+    )
+    start = perturbed(displaced(chain, [1]), 0.3, seed)
+    run = run_vdp(
+        chain, start, 150.0, model=model, samples=2, tolerance=10.0 ** random.uniform(-10, -5)
+    )
+    exact = reference(chain, start, 150.0, model is Model.FULL)
+    true = float(np.abs(run.psi[-1] - exact).max())
+    assert run.error is not None
+    # Below 1e-9 the reference is no better than the run.
+    assert true <= max(run.error, 1e-9)
+
+
+@pytest.mark.parametrize("model", list(Model))
+def test_sites_left_out_do_not_change_the_run(model: Model) -> None:
+    tolerance = 1e-8
+    chain = VdpChain(4.0, 0.5, 0.6, sites=120)
+    start = displaced(chain, [60])
+    kept, whole = (
+        run_vdp(
+            chain, start, 900.0, model=model, samples=10, tolerance=tolerance, window=window,
+            companion=False,
+        )
+        for window in (True, False)
+    )  # fmt: skip
+    assert kept.mean_active < 0.5 * whole.mean_active
+    size = float(np.abs(start).max())
+    # The bound that run_vdp states, beside the error of either run.
+    first = run_vdp(chain, start, 900.0, model=model, samples=2, tolerance=tolerance)
+    assert first.error is not None
+    assert np.abs(kept.psi - whole.psi).max() < 10.0 * tolerance * size + first.error
+
+
+def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_square() -> None:
+    """Steps times sites, a count and not a time, with sites behind the front left out."""
+    spent = []
+    for sites in (100, 200):
+        chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+        run = run_vdp(
+            chain, staggered_front(chain, 24), sites / 0.72 * 100, model=Model.ENVELOPE, behind=24,
+            companion=False, samples=2,
+        )  # fmt: skip
+        spent.append(run.steps * run.mean_active)
+    assert spent[1] / spent[0] < 2.2
+
+
+@pytest.mark.parametrize("model", list(Model))
+def test_an_interrupted_run_goes_on_to_the_same_bits(model: Model, tmp_path: Path) -> None:
+    start = displaced(FRONT, [1])
+    arguments = {"model": model, "samples": 7, "tolerance": 1e-7}
+    whole = run_vdp(FRONT, start, 1500.0, **arguments)  # type: ignore[arg-type]
+    file = tmp_path / "run.npz"
+    budget = 7000 if model is Model.FULL else 400
+    looks = 0
+
+    def interrupt(_: float) -> None:
+        nonlocal looks
+        looks += 1
+        if looks % 3 == 0:
+            raise KeyboardInterrupt
+
+    for _ in range(200):
+        try:
+            resumed = run_vdp(
+                FRONT, start, 1500.0, checkpoint=file, progress=interrupt, budget=budget,
+                **arguments,  # type: ignore[arg-type]
+            )  # fmt: skip
+            break
+        except KeyboardInterrupt:
+            continue
+    assert looks > 6
+    assert np.array_equal(whole.psi, resumed.psi)
+    assert np.array_equal(whole.arrivals, resumed.arrivals, equal_nan=True)
+    assert (whole.error, whole.steps) == (resumed.error, resumed.steps)
+
+
+def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "run.npz"
+    start = displaced(FRONT, [1])
+    run_vdp(FRONT, start, 50.0, checkpoint=file)
+    other = VdpChain(4.0, 0.5, 0.7, sites=40)
+    for chain, psi, end, named in (
+        (other, start, 50.0, "c: 0.6 there, 0.7 here"),
+        (FRONT, displaced(FRONT, [2]), 50.0, "start"),
+        (FRONT, start, 60.0, "t_end"),
+    ):
+        with pytest.raises(ParameterError, match=named):
+            run_vdp(chain, psi, end, checkpoint=file)
+    file.write_bytes(file.read_bytes()[:200])
+    with pytest.raises(ParameterError, match="checkpoint"):
+        run_vdp(FRONT, start, 50.0, checkpoint=file)
+
+
+@pytest.mark.parametrize("model", list(Model))
+def test_the_motion_depends_on_a_and_b_through_eta_only(model: Model) -> None:
+    eta, a = 0.03, 7.0
+    one = VdpChain(1.0, eta, 0.4, sites=12)
+    other = VdpChain(a, eta * a**2, 0.4, sites=12)
+    first, second = (
+        run_vdp(chain, displaced(chain, [1, 2]), 800.0, model=model, tolerance=1e-11)
+        for chain in (one, other)
+    )
+    scale = first.amplitude.max()
+    assert np.abs(first.psi - math.sqrt(a) * second.psi).max() < 1e-7 * scale
+
+
+def test_the_energy_lost_is_the_work_of_the_damping() -> None:
+    """E(t) - E(0) = -ε∫Σẏ²(1 - ay² + by⁴)dt, by Simpson's rule over dense samples."""
+    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 12)
+    run = run_vdp(chain, displaced(chain, [1, 2]), 40.0, samples=8001, tolerance=1e-12)
+    y, w = run.psi.imag, run.psi.real
+    energy = 0.5 * (w**2 + y**2).sum(1) + 0.5 * chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
+    power = -chain.eps * (w**2 * (1.0 - chain.a * y**2 + chain.b * y**4)).sum(1)
+    work = simpson(power, x=run.times)
+    assert abs(work) > 0.1
+    assert energy[-1] - energy[0] == pytest.approx(work, abs=1e-8)
+
+
+def test_the_average_is_the_limit_of_small_eps() -> None:
+    differences = []
+    for eps in (0.02, 0.01, 0.005):
+        chain = VdpChain(2.5, 0.5, 0.3, eps, 10)
+        start = displaced(chain, [1, 2], steps=[0, -1])
+        full, mean = (
+            run_vdp(chain, start, 20.0 / eps, model=model, samples=2, companion=False)
+            for model in (Model.FULL, Model.ENVELOPE)
+        )
+        differences.append(float(np.abs(full.amplitude[-1] - mean.amplitude[-1]).max()))
+    orders = np.log2(np.array(differences[:-1]) / np.array(differences[1:]))
+    assert np.all(np.abs(orders - 1.0) < 0.4)
+
+
+@pytest.mark.parametrize("displacement", [30.0, 100.0, 300.0])
+def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
+    """εby⁴ is from 4e3 to 4e7 at first; scipy's LSODA is the other method."""
+    chain = VdpChain(4.0, 0.5, 0.6, 0.01, 5)
+    start = displaced(chain, [3], displacement)
+    run = run_vdp(chain, start, 30.0, samples=2, tolerance=1e-9)
+    state = np.concatenate([start.imag, start.real])
+    other = solve_ivp(
+        lambda _, x: full_right_side(chain, x), (0.0, 30.0), state, method="LSODA",
+        rtol=1e-10, atol=1e-10,
+    )  # fmt: skip
+    y, w = np.split(other.y[:, -1], 2)
+    assert run.error is not None
+    assert np.abs(run.psi[-1] - (w + 1j * y)).max() < 1e-5
+    assert run.error < 1e-4
+    assert run.stiff_steps > 0 or displacement < 50.0
+
+
+@pytest.mark.parametrize("ends", list(Ends))
+def test_the_jacobian_is_the_derivative_of_the_right_side(ends: Ends) -> None:
+    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 4, ends)
+    x = np.random.default_rng(1).standard_normal(8)
+    columns = [
+        (full_right_side(chain, x + step) - full_right_side(chain, x - step)) / 2e-6
+        for step in 1e-6 * np.eye(8)
+    ]
+    assert np.abs(full_jacobian(chain, x) - np.array(columns).T).max() < 1e-8
+
+
+def test_arrivals_are_the_times_at_which_the_level_is_met() -> None:
+    run = run_vdp(FRONT, displaced(FRONT, [1]), 1500.0, model=Model.ENVELOPE, tolerance=1e-11)
+    reached = np.flatnonzero(run.arrivals > 0.0)
+    assert reached.size > 3
+    for n in reached[:4]:
+        upto = run_vdp(
+            FRONT, displaced(FRONT, [1]), float(run.arrivals[n]), model=Model.ENVELOPE,
+            tolerance=1e-11, samples=2,
+        )  # fmt: skip
+        assert upto.amplitude[-1, n] == pytest.approx(run.level, rel=1e-9)
+
+
+def _bad(**changes: object) -> VdpRun:
+    arguments: dict[str, object] = {"t_end": 10.0} | changes
+    return run_vdp(FRONT, arguments.pop("start", displaced(FRONT, [1])), **arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"t_end": 0.0}, "end time"),
+        ({"t_end": math.nan}, "end time"),
+        ({"tolerance": 1e-15}, "tolerance"),
+        ({"samples": 1}, "samples"),
+        ({"start": np.zeros(3, dtype=complex)}, "start"),
+        ({"start": np.full(40, np.nan, dtype=complex)}, "start"),
+        ({"level": 0.0}, "level"),
+    ],
+)
+def test_bad_input_is_named(changes: dict[str, object], named: str) -> None:
+    with pytest.raises(ParameterError, match=named):
+        _bad(**changes)

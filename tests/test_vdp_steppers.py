@@ -1,0 +1,153 @@
+"""The compiled steps of Model II: orders, symmetries, and right sides, against scipy."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.integrate import solve_ivp
+
+from theory.vdp_chain import Ends, VdpChain
+from verification.integrators.active import FREE, RING
+from verification.integrators.runge_kutta import fixed_steps, tableau
+from verification.integrators.slopes import ENVELOPE, FULL, slope
+from verification.integrators.splitting import saba, split_steps
+from verification.vdp_lane import Lane
+from verification.vdp_start import displaced
+
+FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+CHAIN = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=7)
+
+
+def reference(
+    chain: VdpChain, start: ComplexArray, end: float, full: bool = True, tolerance: float = 1e-13
+) -> ComplexArray:
+    """Integrate (8), or (43) in complex form, by scipy's DOP853; written independently."""
+    ring = chain.ends is Ends.PERIODIC
+    a, b, c, eps = chain.a, chain.b, chain.c, chain.eps
+
+    def pull(y: npt.NDArray[np.inexact]) -> npt.NDArray[np.inexact]:
+        if ring:
+            return 2 * y - np.roll(y, 1) - np.roll(y, -1)
+        return -np.diff(y, prepend=y[:1], append=y[-1:], n=2)
+
+    def averaged(_: float, phi: ComplexArray) -> ComplexArray:
+        s = np.abs(phi) ** 2
+        return 0.5j * c * pull(phi) - 0.5 * phi * (1 - a * s / 4 + b * s**2 / 8)
+
+    def whole(_: float, x: FloatArray) -> FloatArray:
+        y, w = np.split(x, 2)
+        return np.concatenate([w, -y - eps * c * pull(y) - eps * w * (1 - a * y**2 + b * y**4)])
+
+    right, x = (whole, np.concatenate([start.imag, start.real])) if full else (averaged, start)
+    end = end if full else end * eps
+    out = solve_ivp(right, (0.0, end), x, method="DOP853", rtol=tolerance, atol=tolerance)
+    y = out.y[:, -1]
+    if not full:
+        return np.asarray(y, dtype=complex)
+    position, velocity = np.split(y, 2)
+    return np.asarray(velocity + 1j * position)
+
+
+def _start(chain: VdpChain) -> ComplexArray:
+    return displaced(chain, [1, 3], 3.0, steps=[0, -1])
+
+
+def _state(psi: ComplexArray, full: bool = True) -> FloatArray:
+    return np.array([psi.imag, psi.real] if full else [psi.real, psi.imag])
+
+
+@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize("order", [4, 8])
+def test_a_runge_kutta_step_has_its_order(order: int, full: bool, ends: Ends) -> None:
+    chain = VdpChain(CHAIN.a, CHAIN.b, CHAIN.c, CHAIN.eps, 7, ends)
+    end = 20.0 if full else 20.0 / chain.eps
+    exact = _state(reference(chain, _start(chain), end, full), full)
+    errors = []
+    # Steps whose errors lie between round-off and saturation.
+    steps = {(4, True): 400, (8, True): 160, (4, False): 200, (8, False): 120}[order, full]
+    for count in (steps, 2 * steps):
+        state = _state(_start(chain), full)
+        fixed_steps(
+            FULL if full else ENVELOPE,
+            state,
+            np.array([chain.a, chain.b, chain.c, chain.eps]),
+            RING if ends is Ends.PERIODIC else FREE,
+            20.0 / count,
+            count,
+            *tableau(order),
+        )
+        errors.append(np.abs(state - exact).max())
+    assert errors[1] > 1e-12
+    assert math.log2(errors[0] / errors[1]) > order - 0.6
+
+
+@pytest.mark.parametrize("ends", list(Ends))
+def test_the_splitting_gains_an_order_in_eps_at_fixed_steps(ends: Ends) -> None:
+    """SABA_n: O(ε h^{2n}) + O(ε² h²): at small h the error falls like ε², and like h²."""
+
+    def error(eps: float, count: int) -> float:
+        chain = VdpChain(4.0, 0.5, 0.6, eps, 7, ends)
+        state = _state(_start(chain))
+        parameters = np.array([chain.a, chain.b, chain.c, eps])
+        split_steps(state, parameters, ends is Ends.PERIODIC, 5.0 / count, count, *saba(4))
+        return float(np.abs(state - _state(reference(chain, _start(chain), 5.0))).max())
+
+    by_step = math.log2(error(0.02, 10) / error(0.02, 20))
+    by_eps = math.log2(error(0.004, 20) / error(0.002, 20))
+    assert by_step > 1.7
+    assert by_eps == pytest.approx(2.0, abs=0.3)
+
+
+@pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize("series", [True, False])
+def test_a_tighter_tolerance_gives_a_smaller_error(series: bool, full: bool) -> None:
+    end = 60.0
+    exact = reference(CHAIN, _start(CHAIN), end, full)
+    errors = []
+    for tolerance in (1e-5, 1e-7, 1e-9, 1e-11):
+        lane = Lane(
+            CHAIN, full, _start(CHAIN), np.array([0.0, end]), tolerance, 1.0, True, 0, series
+        )
+        while not lane.finished:
+            lane.go_on(10**6)
+        errors.append(float(np.abs(lane.psi[-1] - exact).max()))
+    assert errors[-1] < 1e-8
+    # Proportional to the tolerance within a factor of 30 over two decades, each time.
+    for larger, smaller in itertools.pairwise(errors):
+        assert smaller < 0.3 * larger
+
+
+@pytest.mark.parametrize("model", [FULL, ENVELOPE])
+def test_a_mirrored_state_has_the_mirrored_slope_to_the_last_bit(model: int) -> None:
+    random = np.random.default_rng(3)
+    for m in (1, 2, 3, 8, 33):
+        half = random.standard_normal((2, m))
+        mirrored = half[:, ::-1]
+        parameters = np.array([2.5, 0.5, 0.3, 0.01])
+        one, other = np.zeros(2 * m), np.zeros(2 * m)
+        slope(model, half.ravel(), parameters, FREE, FREE, one)
+        slope(model, np.ascontiguousarray(mirrored).ravel(), parameters, FREE, FREE, other)
+        assert np.array_equal(one.reshape(2, m)[:, ::-1], other.reshape(2, m))
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
+    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 9, Ends.PERIODIC)
+    start = displaced(chain, [2, 3], 3.0, steps=[0, -1])
+
+    def run(psi: ComplexArray) -> ComplexArray:
+        lane = Lane(chain, full, psi, np.array([0.0, 200.0]), 1e-9, 1.0, True, 0)
+        while not lane.finished:
+            lane.go_on(10**6)
+        return lane.psi[-1]
+
+    # Round-off of different orders of summation, grown over 200 units of time.
+    assert np.abs(np.roll(run(start), 4) - run(np.roll(start, 4))).max() < 1e-9
+    assert np.abs(run(-start) + run(start)).max() == 0.0

@@ -26,7 +26,7 @@ m, d, k, eta_c, F_N, v_0, omega_n, y_0 = sp.symbols(
     "m d k eta_c F_N v_0 omega_n y_0", positive=True
 )
 c, xi, mu_st, mu_d, v_tilde_0 = sp.symbols(r"c xi mu_st mu_d \tilde{v}_0", positive=True)
-v_rel, v_tilde_rel = sp.symbols(r"v_rel \tilde{v}_rel", real=True)
+v_rel, v_tilde_rel = sp.symbols(r"v_rel \tilde{v}_{rel}", real=True)
 v_d, v_hopf = sp.symbols(r"\tilde{v}_d \tilde{v}_H", positive=True)
 F, F_tilde, mu, y_star = sp.symbols(r"F \tilde{F} mu \tilde{y}_*", real=True)
 lam = sp.Symbol("lambda")

@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from derivations import catalogue
-from derivations.derivation import Check, Derivation, Evidence
+from derivations.derivation import Check, Derivation, Evidence, Step
 from derivations.errors import CheckFailedError, DerivationInputError
 from derivations.rendering import equation_latex
 
@@ -96,6 +96,8 @@ class Judgement:
     ----------
     printed : Printed
         The equation.
+    step : Step
+        The derivation step with the same number.
     corrected : str or None
         LaTeX of the corrected or disambiguated form.
     on_print : Evidence
@@ -107,6 +109,7 @@ class Judgement:
     """
 
     printed: Printed
+    step: Step
     corrected: str | None
     on_print: Evidence
     on_derived: Evidence
@@ -190,7 +193,7 @@ def judge(found: Printed, derivation: Derivation) -> Judgement:
             readings.append(Evidence(False, f"it could not be evaluated ({error})"))
     wrong = found.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS)
     corrected = equation_latex(step.equation) if wrong else None
-    return Judgement(found, corrected, on_print, on_derived, tuple(readings))
+    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings))
 
 
 @dataclass(frozen=True)

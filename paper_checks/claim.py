@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
+
+NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
+"""Form of a claim's key and of a picture's name: both become file names and page anchors."""
 
 
 class Verdict(StrEnum):
@@ -40,6 +44,59 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Formula:
+    """An equation to be typeset beside a finding.
+
+    Attributes
+    ----------
+    label : str
+        What it is, as in ``As printed``.
+    latex : str
+        The equation, without dollar signs.
+    """
+
+    label: str
+    latex: str
+
+
+class Fault(StrEnum):
+    """What can be wrong with a printed line."""
+
+    MISPRINT = "misprint"
+    AMBIGUOUS = "ambiguous"
+    INCONSISTENT = "inconsistent"
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """A line of the paper that should read otherwise, with what proves it.
+
+    Attributes
+    ----------
+    fault : Fault
+        A misprint has one right form; an ambiguous line has several readings; an inconsistent one
+        contradicts another place of the paper.
+    printed : str
+        As printed. Parts between dollar signs are LaTeX, here and in ``corrected``.
+    corrected : str
+        How it should read.
+    reason : str
+        What is wrong.
+    proof : str
+        The derivation step or the failing check that proves it, with what it found in this run.
+    affects : str
+        What later in the paper hangs on it.
+    """
+
+    fault: Fault
+    printed: str
+    corrected: str
+    reason: str
+    proof: str
+    affects: str
+
+
+@dataclass(frozen=True)
 class Finding:
     """What a check found, in this run.
 
@@ -59,6 +116,10 @@ class Finding:
         Where and why the claim holds or fails, in a few plain sentences.
     pictures : tuple of Picture
         May be empty.
+    formulas : tuple of Formula
+        Equations shown with the explanation; may be empty.
+    erratum : Erratum, optional
+        The line of the table of errata that this finding proves.
     """
 
     verdict: Verdict
@@ -68,6 +129,8 @@ class Finding:
     tolerance: str
     explanation: str
     pictures: tuple[Picture, ...] = ()
+    formulas: tuple[Formula, ...] = ()
+    erratum: Erratum | None = None
 
 
 @dataclass(frozen=True)
@@ -92,6 +155,12 @@ class Claim:
         Computes the finding.
     weight : int
         Importance to a reader: 0 for a detail, 1 by default, 2 for what the paper rests on.
+    expensive : bool
+        Whether the quick run may show a finding shipped with the toolkit; for judges that take
+        more than about five seconds. See ``paper_checks.shipped``.
+    follows : tuple of str
+        Keys of the claims, or names of their modules, that judge the substance of this one. If
+        there are any, ``judge`` is not called; see ``paper_checks.following``.
     """
 
     key: str
@@ -102,3 +171,5 @@ class Claim:
     command: str
     judge: Callable[[], Finding] = field(repr=False)
     weight: int = 1
+    expensive: bool = False
+    follows: tuple[str, ...] = ()

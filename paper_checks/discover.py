@@ -9,13 +9,10 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from paper_checks.claim import Claim
+from paper_checks.claim import NAME, Claim
 
 PACKAGE = "paper_checks.claims"
 """Where the claims of the paper live."""
-
-NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
-"""Form of a claim's key and of a picture's name: both become file names and page anchors."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +48,8 @@ def find_entries(package: str | None = None) -> tuple[Entry, ...]:
     -------
     tuple of Entry
         Modules in natural order (``fig9`` before ``fig16``), claims as their module lists them.
+        The verdict on record of a claim that follows others is not yet that of the others; see
+        ``paper_checks.following.resolved``.
 
     Raises
     ------

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.discover import NAME, Entry
+from paper_checks.claim import NAME, Claim, Finding, Picture, Verdict
+from paper_checks.discover import Entry
 
 FAILED = "failed"
 """Status of a claim whose judge raised an error."""
@@ -28,6 +29,28 @@ def slug(verdict: Verdict) -> str:
 
 
 @dataclass(frozen=True)
+class Provenance:
+    """Where a finding that comes with the toolkit was found.
+
+    Attributes
+    ----------
+    command : str
+        Finds and records it anew.
+    versions : mapping
+        Versions by package, at that time.
+    machine : mapping
+        Platform and number of cores, at that time.
+    stale : bool
+        Whether the code it depends on, its parameters included, has changed since.
+    """
+
+    command: str
+    versions: Mapping[str, str | None]
+    machine: Mapping[str, object]
+    stale: bool
+
+
+@dataclass(frozen=True)
 class Judgement:
     """What running a judge gave.
 
@@ -42,7 +65,12 @@ class Judgement:
     judged : str
         When it ended: UTC, ISO 8601, to the second.
     stored : bool
-        Whether it was kept from an earlier run instead of computed in this one.
+        Whether it was kept from an earlier run instead of computed in this one. For a claim that
+        follows others: whether one of them was.
+    provenance : Provenance or None
+        Of a finding that comes with the toolkit.
+    followed : tuple of str
+        Keys of the claims that it was taken from.
     """
 
     finding: Finding | None
@@ -50,6 +78,13 @@ class Judgement:
     seconds: float
     judged: str
     stored: bool = False
+    provenance: Provenance | None = None
+    followed: tuple[str, ...] = ()
+
+    @property
+    def stale(self) -> bool:
+        """Whether it is a stored finding of other code than that of this run."""
+        return self.provenance is not None and self.provenance.stale
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from html import escape
 from importlib import resources
 
 from paper_checks.claim import Finding, Picture, Verdict
 from paper_checks.inline_svg import inline_svg, width_of
 from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.page_parts import errata, facts_list, formulas_block
 from paper_checks.report import Report
 from paper_checks.table import duration
 
@@ -19,6 +21,9 @@ STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge
 
 WIDE = 300
 """Pictures wider than this, in points, do not fit a phone."""
+
+MOST_NAMED = 5
+"""More changed verdicts than these are folded away, so that the first screen stays one."""
 
 # The page itself forbids the browser every request, to the network or to other files.
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
@@ -47,13 +52,14 @@ def page(report: Report) -> str:
 </header>
 <main>
 {_headlines(report)}
+{errata(report)}
 <section aria-labelledby="claims-title">
 <h2 id="claims-title">Every claim</h2>
 {_filter(report)}
 <div class="head" aria-hidden="true">
 <span>Place</span><span>Claim</span><span>Verdict</span><span>The paper</span><span>Ours</span>
 </div>
-<ol id="claims">
+<ol id="claims" class="rows">
 {"".join(_row(outcome) for outcome in report.outcomes)}</ol>
 <p id="none" hidden>No claim fits this choice.</p>
 </section>
@@ -73,13 +79,24 @@ def _resource(name: str) -> str:
 def _standfirst(report: Report) -> str:
     judged = len(report.outcomes)
     stored = sum(outcome.judgement.stored for outcome in report.outcomes)
+    repeated = sum(bool(outcome.claim.follows) for outcome in report.outcomes)
+    mute = sum(
+        outcome.status == slug(Verdict.UNTESTABLE)
+        for outcome in report.outcomes
+        if not outcome.claim.follows
+    )
     if judged == report.available:
         what = "One claim of the paper" if judged == 1 else f"{judged} claims of the paper"
     else:
         what = f"{judged} of the {report.available} claims of the paper on record"
-    kept = f" {stored} of them kept from an earlier run of the same code," if stored else ""
+    parts = [f"{judged - repeated - mute} put to two methods that share no code"]
+    if repeated:
+        parts.append(f"{repeated} that repeat others and take their verdict")
+    if mute:
+        parts.append(f"{mute} that no computation can decide")
+    kept = f" {stored} rest on stored findings and say so." if stored else ""
     return (
-        f'<p class="standfirst">{what},{kept} each put to two methods that share no code. '
+        f'<p class="standfirst">{what}: {", ".join(parts)}.{kept} '
         f"This run took <strong>{duration(report.seconds)}</strong>.</p>"
     )
 
@@ -96,13 +113,34 @@ def _counts(report: Report) -> str:
 
 
 def _alert(report: Report) -> str:
+    return _stale(report) + _changed(report)
+
+
+def _stale(report: Report) -> str:
+    if not report.stale:
+        return ""
+    items = ", ".join(
+        f'<a href="#claim-{escape(one.claim.key)}">{escape(one.claim.key)}</a>'
+        for one in report.stale
+    )
+    return (
+        '<p class="record">Stored, and stale: found by other code than that of this run: '
+        f"{items}. <code>fronts check --full</code> computes them.</p>"
+    )
+
+
+def _changed(report: Report) -> str:
     if not report.changed:
         return '<p class="record">Every verdict is as on record.</p>'
-    items = "".join(
+    items = [
         f'<li><a href="#claim-{escape(one.claim.key)}">{escape(one.change)}</a></li>'
         for one in report.changed
-    )
-    return f'<div class="alert"><p>Not as on record:</p><ul>{items}</ul></div>'
+    ]
+    first, rest = "".join(items[:MOST_NAMED]), "".join(items[MOST_NAMED:])
+    if rest:
+        more = len(items) - MOST_NAMED
+        rest = f"<details><summary>{more} more</summary><ul>{rest}</ul></details>"
+    return f'<div class="alert"><p>Not as on record:</p><ul>{first}</ul>{rest}</div>'
 
 
 def _headlines(report: Report) -> str:
@@ -152,7 +190,9 @@ def _row(outcome: Outcome) -> str:
         note
         for note, holds in (
             (f"on record: {claim.recorded}", outcome.changed),
+            ("stale", outcome.judgement.stale),
             ("stored", outcome.judgement.stored),
+            (_followed_by(outcome), bool(outcome.judgement.followed)),
         )
         if holds
     ]
@@ -175,9 +215,14 @@ def _row(outcome: Outcome) -> str:
 """
 
 
+def _followed_by(outcome: Outcome) -> str:
+    followed = outcome.judgement.followed
+    return f"as {followed[0]}" if len(followed) == 1 else f"from {len(followed)} others"
+
+
 def _evidence(outcome: Outcome) -> str:
     failure = escape(outcome.judgement.failure or "")
-    return f"<p>The judge of this claim failed: {failure}</p>" + _facts(
+    return f"<p>The judge of this claim failed: {failure}</p>" + facts_list(
         [("Verdict on record", escape(outcome.claim.recorded)), *_provenance(outcome)]
     )
 
@@ -197,22 +242,45 @@ def _findings(outcome: Outcome, finding: Finding) -> str:
         ("Tolerance", escape(finding.tolerance)),
         *_provenance(outcome),
     ]
+    if outcome.judgement.followed:
+        links = ", ".join(
+            f'<a href="#claim-{escape(key)}">{escape(key)}</a>'
+            for key in outcome.judgement.followed
+        )
+        facts.insert(0, ("Verdict taken from", links))
     pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
-    return f'<div class="prose">{prose}</div>{_facts(facts)}{pictures}'
+    formulas = formulas_block(finding.formulas)
+    return f'<div class="prose">{prose}</div>{formulas}{facts_list(facts)}{pictures}'
 
 
 def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
     judged = outcome.judgement
-    how = "kept from an earlier run, where it took" if judged.stored else "computed in"
-    return [
-        ("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>"),
-        ("Judged", f"{_moment(judged.judged)}, {how} {duration(judged.seconds)}"),
-    ]
+    facts = [("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>")]
+    if judged.followed:
+        return facts
+    origin = judged.provenance
+    if origin is None:
+        how = "kept from an earlier run, where it took" if judged.stored else "computed in"
+        when = f"{_moment(judged.judged)}, {how} {duration(judged.seconds)}"
+        return [*facts, ("Judged", when)]
+    versions = ", ".join(
+        f"{name} {version}" for name, version in origin.versions.items() if version
+    )
+    state = (
+        "Stale: the code it depends on has changed since. "
+        if origin.stale
+        else "The code it depends on has not changed since. "
+    )
+    stored = (
+        f"{state}Found {_moment(judged.judged)} in {duration(judged.seconds)}, on "
+        f"{escape(_place(origin.machine))}, with {escape(versions)}. Found anew by "
+        f"<code>{escape(origin.command)}</code>."
+    )
+    return [*facts, ("Stored finding", stored)]
 
 
-def _facts(facts: list[tuple[str, str]]) -> str:
-    rows = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
-    return f"<dl>{rows}</dl>"
+def _place(machine: Mapping[str, object]) -> str:
+    return f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
 
 
 def _picture(key: str, picture: Picture) -> str:
@@ -232,10 +300,8 @@ def _footer(report: Report) -> str:
     versions = ", ".join(
         f"{name} {version}" for name, version in report.versions.items() if version
     )
-    machine = report.machine
-    where = f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
     return (
-        f"<footer><p>Made {_moment(report.created)} on {escape(where)}. "
+        f"<footer><p>Made {_moment(report.created)} on {escape(_place(report.machine))}. "
         f"{escape(versions)}. Code {escape(report.source[:12])}.</p>"
         "<p>The same findings as data are in <code>report.json</code>, written with this page.</p>"
         "</footer>"

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from paper_checks.claim import Picture
-from paper_checks.discover import NAME
+from paper_checks.claim import NAME, Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
 
-from paper_checks.claim import Verdict
+from paper_checks.claim import Erratum, Verdict
 from paper_checks.outcome import FAILED, Outcome, now, slug
 
 FORMAT = 1
@@ -62,11 +62,26 @@ class Report:
         return tuple(outcome for outcome in self.outcomes if outcome.changed)
 
     @property
+    def stale(self) -> tuple[Outcome, ...]:
+        """Outcomes that are stored findings of other code than that of this run."""
+        return tuple(outcome for outcome in self.outcomes if outcome.judgement.stale)
+
+    @property
+    def errata(self) -> tuple[tuple[Outcome, Erratum], ...]:
+        """What the findings of this report prove to be misprinted, ambiguous or inconsistent."""
+        return tuple(
+            (outcome, outcome.finding.erratum)
+            for outcome in self.outcomes
+            if outcome.finding is not None and outcome.finding.erratum is not None
+        )
+
+    @property
     def headlines(self) -> tuple[Outcome, ...]:
         """The three findings that a reader should see first.
 
         Those that disagree with the paper come first, by the weight of their claims, then by how
-        much they disagree, then in the order of the claims.
+        much they disagree, then in the order of the claims. As far as it goes, each is of another
+        module.
         """
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
 
@@ -74,7 +89,11 @@ class Report:
             agrees = outcome.status == slug(Verdict.REPRODUCED)
             return agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
 
-        return tuple(sorted(found, key=rank)[:3])
+        ranked = sorted(found, key=rank)
+        groups = [outcome.entry.group for outcome in ranked]
+        again = [group in groups[:place] for place, group in enumerate(groups)]
+        chosen = sorted(range(len(ranked)), key=lambda place: (again[place], place))[:3]
+        return tuple(ranked[place] for place in sorted(chosen))
 
 
 _SEVERITY = tuple(
@@ -138,7 +157,21 @@ def to_json(report: Report) -> Json:
         "claims_available": report.available,
         "counts": report.counts,
         "changed": [outcome.claim.key for outcome in report.changed],
+        "stale": [outcome.claim.key for outcome in report.stale],
         "headlines": [outcome.claim.key for outcome in report.headlines],
+        "errata": [
+            {
+                "key": outcome.claim.key,
+                "place": outcome.claim.place,
+                "fault": erratum.fault.value,
+                "printed": erratum.printed,
+                "corrected": erratum.corrected,
+                "reason": erratum.reason,
+                "proof": erratum.proof,
+                "affects": erratum.affects,
+            }
+            for outcome, erratum in report.errata
+        ],
         "claims": [_record(outcome) for outcome in report.outcomes],
     }
 
@@ -170,10 +203,16 @@ def _record(outcome: Outcome) -> Json:
         "methods": list(finding.methods) if finding else [],
         "tolerance": finding.tolerance if finding else None,
         "explanation": finding.explanation if finding else None,
+        "follows": list(outcome.judgement.followed),
+        "formulas": [
+            {"label": formula.label, "latex": formula.latex}
+            for formula in (finding.formulas if finding else ())
+        ],
         "command": claim.command,
         "seconds": round(outcome.judgement.seconds, 3),
         "judged": outcome.judgement.judged,
         "stored": outcome.judgement.stored,
+        "provenance": _origin(outcome),
         "pictures": [
             {
                 "name": picture.name,
@@ -183,6 +222,18 @@ def _record(outcome: Outcome) -> Json:
             }
             for picture in (finding.pictures if finding else ())
         ],
+    }
+
+
+def _origin(outcome: Outcome) -> Json | None:
+    provenance = outcome.judgement.provenance
+    if provenance is None:
+        return None
+    return {
+        "command": provenance.command,
+        "versions": dict(provenance.versions),
+        "machine": dict(provenance.machine),
+        "stale": provenance.stale,
     }
 
 

@@ -11,7 +11,9 @@ from contextlib import contextmanager
 from typing import Protocol
 
 from paper_checks.discover import PACKAGE, Entry, find_entries
+from paper_checks.following import judgement_by_following
 from paper_checks.outcome import Judgement, Outcome, judge, now
+from paper_checks.shipped import Shipped
 from paper_checks.store import Store
 
 DIED = "the process that judged it ended without an answer (killed, or out of memory)."
@@ -44,6 +46,7 @@ def run(
     package: str | None = None,
     store: Store | None = None,
     resume: bool = False,
+    shipped: Shipped | None = None,
     progress: Progress | None = None,
 ) -> tuple[Outcome, ...]:
     """Judge claims.
@@ -51,7 +54,7 @@ def run(
     Parameters
     ----------
     entries : sequence of Entry
-        The claims.
+        The claims, those that others of them follow included.
     jobs : int, optional
         Number of processes; 1 judges in this process. More than one finds each claim again by
         its key in ``package``, since a judge need not be picklable.
@@ -61,6 +64,8 @@ def run(
         Keeps each judgement as soon as it is made, also of a run that is interrupted later.
     resume : bool, optional
         Whether judgements in ``store`` are used instead of computed anew.
+    shipped : Shipped, optional
+        Findings of expensive claims that are used instead of computed anew.
     progress : Progress, optional
         Told of each start and end.
 
@@ -84,7 +89,12 @@ def run(
             stored = store.load(entry.claim.key)
             if stored is not None:
                 keep(entry, stored)
-    left = [entry for entry in entries if entry.claim.key not in judged]
+    if shipped is not None:
+        for entry in entries:
+            found = shipped.load(entry) if entry.claim.key not in judged else None
+            if found is not None:
+                keep(entry, found)
+    left = [e for e in entries if e.claim.key not in judged and not e.claim.follows]
     if jobs == 1:
         for entry in left:
             progress.start(entry.claim.key)
@@ -92,6 +102,11 @@ def run(
     else:
         for entry, judgement in _in_processes(left, jobs, package or PACKAGE, progress):
             keep(entry, judgement)
+    for entry in entries:
+        # They take no time and are never kept: what they follow may have another verdict now.
+        if entry.claim.follows:
+            judged[entry.claim.key] = judgement_by_following(entry, entries, judged)
+            progress.done(Outcome(entry, judged[entry.claim.key]))
     return tuple(Outcome(entry, judged[entry.claim.key]) for entry in entries)
 
 

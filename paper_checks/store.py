@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from paper_checks.claim import Finding, Picture, Verdict
+from paper_checks.claim import Erratum, Fault, Finding, Formula, Picture, Verdict
 from paper_checks.outcome import Judgement
 
 SOURCES = ("theory", "derivations", "verification", "paper_checks")
@@ -76,9 +76,9 @@ class Store:
             if stored["fingerprint"] != self.fingerprint(key):
                 logger.info("the stored finding of %s is stale", key)
                 return None
-            if stored["digest"] != _digest(stored["judgement"]):
+            if stored["digest"] != digest_of(stored["judgement"]):
                 raise ValueError("digest")
-            return _judgement(stored["judgement"])
+            return judgement_from(stored["judgement"])
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError):
@@ -94,7 +94,7 @@ class Store:
         record = asdict(judgement)
         stored = {
             "fingerprint": self.fingerprint(key),
-            "digest": _digest(record),
+            "digest": digest_of(record),
             "judgement": record,
         }
         write_text(path, json.dumps(stored))
@@ -103,11 +103,13 @@ class Store:
         return self.folder / f"{key}.json"
 
 
-def _digest(record: object) -> str:
+def digest_of(record: object) -> str:
+    """Return a digest of plain data."""
     return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
 
 
-def _judgement(record: dict[str, object]) -> Judgement:
+def judgement_from(record: dict[str, object]) -> Judgement:
+    """Rebuild a judgement from plain data; it is marked as stored."""
     fields = record["finding"]
     if not isinstance(fields, dict):
         raise TypeError("finding")
@@ -118,6 +120,15 @@ def _judgement(record: dict[str, object]) -> Judgement:
             "verdict": Verdict(fields["verdict"]),
             "methods": (first, second),
             "pictures": tuple(Picture(**picture) for picture in fields["pictures"]),
+            "formulas": tuple(Formula(**formula) for formula in fields["formulas"]),
+            "erratum": _erratum(fields["erratum"]),
         }
     )
     return Judgement(finding, None, float(str(record["seconds"])), str(record["judged"]), True)
+
+
+def _erratum(fields: dict[str, str] | None) -> Erratum | None:
+    if fields is None:
+        return None
+    rest = {name: text for name, text in fields.items() if name != "fault"}
+    return Erratum(Fault(fields["fault"]), **rest)

@@ -18,7 +18,17 @@ def report_as_text(report: Report, width: int = 100) -> str:
     """Give the table of claims, the counts, and what differs from the record."""
     rows = [_row(outcome) for outcome in report.outcomes]
     parts = [_table(("claim", "place", "verdict", "the paper", "ours"), rows, width)]
+    if report.errata:
+        parts.append(_errata(report, width))
     parts.append(_counts(report))
+    if report.stale:
+        parts.append(
+            "\n".join(
+                f"{one.claim.key}: stored, and stale: found by other code than that of this run. "
+                f"'fronts check {one.claim.key} --full' computes it."
+                for one in report.stale
+            )
+        )
     if report.changed:
         parts.append("\n".join(outcome.change for outcome in report.changed))
     return "\n\n".join(parts)
@@ -31,6 +41,14 @@ def entries_as_text(entries: Sequence[Entry], width: int = 100) -> str:
         for one in entries
     ]
     return _table(("claim", "place", "on record", "statement"), rows, width)
+
+
+def _errata(report: Report, width: int) -> str:
+    rows = [
+        (outcome.claim.place, erratum.fault.value, erratum.reason, outcome.claim.key)
+        for outcome, erratum in report.errata
+    ]
+    return _table(("errata", "kind", "what is wrong", "proved under"), rows, width)
 
 
 def duration(seconds: float) -> str:

@@ -236,6 +236,11 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
     assert all(list(claim) == documented[2] for claim in report["claims"])
     pictures = [one for claim in report["claims"] for one in claim["pictures"]]
     assert all(list(one) == documented[3] for one in pictures)
+    assert [list(one) for one in report["errata"]] == [documented[4]]
+    assert report["errata"][0]["key"] == "fig16-misprint"
+    assert report["claims"][3]["formulas"] == [
+        {"label": "As printed", "latex": r"a^2 - b^2 < \alpha"}
+    ]
     assert all(
         (tmp_path / one[kind]).stat().st_size for one in pictures for kind in ("svg", "data")
     )
@@ -260,6 +265,7 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
         assert markup in words
     assert page.tags.count("script") == 1
     assert page.tags.count("b") == 5  # the counts
+    assert page.tags.count("math") == 3  # a formula, and an erratum as printed and corrected
     assert page.tags.count("i") == 2 * 6  # "The paper:" and "Ours:" in each row
     assert not {"img", "link", "iframe", "object", "u"} & set(page.tags)
     assert len(page.ids) == len(set(page.ids))

@@ -70,6 +70,17 @@ addEventListener("load", () => setTimeout(() => {
       lost: names.filter((name) => !svg.contains(document.getElementById(name))),
     };
   });
+  all("#errata details").forEach((one) => { one.open = true; });
+  report.formulas = all("math").map((one) => {
+    const box = one.getBoundingClientRect();
+    return { width: box.width, height: box.height, parts: one.querySelectorAll("*").length };
+  });
+  const fraction = document.querySelector("mfrac");
+  report.stacked = fraction !== null
+    && fraction.children[0].getBoundingClientRect().bottom
+      <= fraction.children[1].getBoundingClientRect().top;
+  report.overflow = Math.max(
+    report.overflow, document.documentElement.scrollWidth - innerWidth);
   report.data = all("a[download]").map((link) => atob(link.href.split(",")[1]).split("\\n")[0]);
   report.dead = all("a[href^='#']:not([href*='='])")
     .map((link) => link.getAttribute("href").slice(1))
@@ -208,6 +219,16 @@ def test_it_follows_the_colour_scheme_and_pictures_stay_on_white(
     brightness = sum(map(int, re.findall(r"\d+", found["background"])[:3])) / 3
     assert (brightness < 50) is dark
     assert found["card"] == ["rgb(255, 255, 255)"] * 2
+
+
+def test_equations_are_typeset_by_the_browser_itself(browser, folder, tmp_path):
+    found = probe(browser, folder / "probed.html", profile=tmp_path)
+    assert len(found["formulas"]) == 3
+    for formula in found["formulas"]:
+        assert formula["width"] > 20
+        assert formula["height"] > 10
+        assert formula["parts"] > 3
+    assert found["stacked"]  # a browser without MathML puts both parts of a fraction in a line
 
 
 def test_it_fits_a_phone(browser, folder, tmp_path):

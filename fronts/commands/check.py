@@ -17,10 +17,12 @@ from fronts.answer import Answer, UsageError
 from fronts.progress import Progress
 from paper_checks import discover
 from paper_checks.claim import Verdict
+from paper_checks.following import resolved, with_followed
 from paper_checks.outcome import Outcome, slug
 from paper_checks.page import page
 from paper_checks.report import Report, installed_versions, make_report, picture_files, to_json
 from paper_checks.run import run as judge_all
+from paper_checks.shipped import FOLDER, Shipped
 from paper_checks.store import SOURCES, Store, source_hash, write_text
 from paper_checks.table import duration, entries_as_text, report_as_text
 
@@ -30,6 +32,7 @@ examples:
   fronts check fig17 --out report        the claims of one module, with report/index.html
   fronts check --verdict not-reproduced  the claims with that verdict on record
   fronts check --out report --resume     go on with an interrupted run
+  fronts check --full --jobs 2           compute the expensive claims as well
 
 exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusable input"""
 
@@ -59,6 +62,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="use findings that an earlier run of the same code kept in DIR",
     )
+    parser.add_argument(
+        "--full",
+        action="store_true",
+        help="compute everything: use no finding that comes with the toolkit",
+    )
+    parser.add_argument(
+        "--record",
+        action="store_true",
+        help="with --full: make the findings of expensive claims those that come with the toolkit",
+    )
     parser.add_argument("--list", action="store_true", help="list the claims, judge none")
 
 
@@ -67,18 +80,21 @@ def run(options: argparse.Namespace) -> Answer:
     if os.environ.get("FRONTS_TRACEBACK"):
         logging.basicConfig(level=logging.INFO)
         logging.getLogger("matplotlib").setLevel(logging.WARNING)
-    every = discover.find_entries()
+    every = resolved(discover.find_entries())
     if not every:
         raise UsageError(f"no claims were found in {discover.PACKAGE}: the installation is broken.")
     entries = _chosen(every, options)
     width = shutil.get_terminal_size((100, 24)).columns
     if options.list:
-        if options.out or options.resume:
-            raise UsageError("--list judges nothing: leave out --out and --resume.")
+        if options.out or options.resume or options.full:
+            raise UsageError("--list judges nothing: leave out --out, --resume and --full.")
         return _listing(entries, width)
+    if options.record and not options.full:
+        raise UsageError("--record keeps what was computed in this run: add --full.")
     folder = _checked_folder(options)
     versions, source = installed_versions(), source_hash(_sources())
     store = Store(folder / STORE, source, versions) if folder else None
+    shipped = Shipped(FOLDER, discover.PACKAGE, _sources())
 
     start = time.perf_counter()
     with Progress(len(entries)) as shown:
@@ -89,6 +105,7 @@ def run(options: argparse.Namespace) -> Answer:
                 package=discover.PACKAGE,
                 store=store,
                 resume=options.resume,
+                shipped=None if options.full else shipped,
                 progress=_Reporter(shown),
             )
         except KeyboardInterrupt:
@@ -104,6 +121,8 @@ def run(options: argparse.Namespace) -> Answer:
     report = make_report(outcomes, seconds, len(every), versions, source)
     payload = to_json(report)
     text = report_as_text(report, width)
+    if options.record:
+        text += "\n\n" + _record(shipped, report)
     if folder:
         _write(folder, report, payload)
         text += f"\n\nThe report is in {folder / 'index.html'}."
@@ -122,7 +141,7 @@ class _Reporter:
     def done(self, outcome: Outcome) -> None:
         notes = [duration(outcome.judgement.seconds)]
         if outcome.judgement.stored:
-            notes.append("stored")
+            notes.append("stored, stale" if outcome.judgement.stale else "stored")
         if outcome.changed:
             notes.append("not as recorded")
         self._shown.end(outcome.claim.key, f"{outcome.status} ({', '.join(notes)})")
@@ -136,12 +155,12 @@ def _chosen(
     except discover.UnknownKeyError as error:
         raise UsageError(str(error)) from None
     if options.verdict is None:
-        return entries
+        return entries if options.list else with_followed(entries, every)
     kept = tuple(entry for entry in entries if entry.claim.recorded is options.verdict)
     if not kept:
         where = f"of {', '.join(options.keys)} " if options.keys else ""
         raise UsageError(f"no claim {where}has the verdict '{slug(options.verdict)}' on record.")
-    return kept
+    return kept if options.list else with_followed(kept, every)
 
 
 def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:
@@ -190,6 +209,24 @@ def _write(folder: Path, report: Report, payload: dict[str, object]) -> None:
             write_text(folder / name, content)
     except OSError as error:
         raise UsageError(f"the report in {folder} cannot be written: {error.strerror}.") from None
+
+
+def _record(shipped: Shipped, report: Report) -> str:
+    kept = [
+        outcome
+        for outcome in report.outcomes
+        if outcome.claim.expensive and outcome.finding and not outcome.judgement.stored
+    ]
+    try:
+        for outcome in kept:
+            shipped.record(outcome.entry, outcome.judgement, report.versions, report.machine)
+    except OSError as error:
+        raise UsageError(
+            f"the findings in {shipped.folder} cannot be written: {error.strerror}. "
+            "Work in a checkout of the source."
+        ) from None
+    names = ", ".join(outcome.claim.key for outcome in kept) or "none: no expensive claim was asked"
+    return f"Recorded in {shipped.folder}: {names}."
 
 
 def _sources() -> tuple[str, ...]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Claim, Finding, Formula, Verdict
+from paper_checks.equation_errata import LONG, erratum_of, readable
 
 if TYPE_CHECKING:
     from derivations.printed import Judgement
@@ -47,16 +48,22 @@ def _judge(number: int) -> Finding:
         f"Reading: {reading.meaning}: {'holds' if evidence.holds else 'fails'}. {reading.implies}"
         for reading, evidence in zip(found.printed.readings, found.on_readings, strict=True)
     ]
-    if found.corrected:
-        lines.append(f"Corrected, in LaTeX: {found.corrected}")
     lines.append(f"The check on print: {found.on_print.statement}.")
+    from derivations.catalogue import owner
+
+    erratum = erratum_of(found, owner(number)) if found.confirmed else None
+    formulas = [Formula("As printed", found.printed.latex)]
+    if found.corrected and len(found.corrected) <= LONG:
+        formulas.append(Formula("As derived", found.corrected))
     return Finding(
         verdict=verdict,
         value=f"{kind}; print {'passes' if found.on_print.holds else 'fails'} its check",
         error="none: the comparison is symbolic, or to rounding at random points",
-        methods=("derived step by step in computer algebra", found.on_derived.statement),
+        methods=("derived step by step in computer algebra", readable(found.on_derived.statement)),
         tolerance="a printed equation must pass the same check as the derived one, or fail it",
-        explanation="\n\n".join(line for line in lines if line),
+        explanation=readable("\n\n".join(line for line in lines if line)),
+        formulas=tuple(formulas),
+        erratum=erratum,
     )
 
 

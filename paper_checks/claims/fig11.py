@@ -274,6 +274,7 @@ CLAIMS = (
         "fronts threshold vdp --nucleus 3 --method orbit",
         _values,
         weight=2,
+        expensive=True,
     ),
     Claim(
         "fig11-order",
@@ -284,6 +285,7 @@ CLAIMS = (
         "fronts threshold vdp --nucleus 3 --method sweep --perturbation 1e-6",
         _order,
         weight=2,
+        expensive=True,
     ),
     Claim(
         "fig11-converged",
@@ -293,6 +295,7 @@ CLAIMS = (
         Verdict.REPRODUCED,
         "fronts threshold vdp --nucleus 5 --method orbit",
         _converged,
+        expensive=True,
     ),
     Claim(
         "fig11-patterns",

@@ -115,5 +115,6 @@ CLAIMS = (
         Verdict.REPRODUCED,
         "fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png",
         _regions,
+        expensive=True,
     ),
 )

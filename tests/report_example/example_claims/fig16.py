@@ -3,7 +3,7 @@
 import numpy as np
 
 from example_claims._trouble import visit
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Claim, Erratum, Fault, Finding, Formula, Verdict
 from paper_checks.pictures import new_panels, picture
 
 
@@ -48,6 +48,15 @@ def _misprint():
         methods=("computer algebra", "random numbers to 50 digits"),
         tolerance="none: the two sides are equal or not",
         explanation="The second term is printed with a minus sign.",
+        formulas=(Formula("As printed", r"a^2 - b^2 < \alpha"),),
+        erratum=Erratum(
+            Fault.MISPRINT,
+            "$a^2 - b^2$ <u>",
+            r"$\frac{a^3 + a b^2}{a}$",
+            "The sign of b² & no other.",
+            "Print fails at <random> numbers.",
+            "Nothing else.",
+        ),
     )
 
 

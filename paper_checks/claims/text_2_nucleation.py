@@ -1,0 +1,188 @@
+"""What the text of section 2.2 (Model II, nucleation) asserts beside its figures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paper_checks.claim import Claim, Erratum, Fault, Finding, Verdict
+from paper_checks.claims._breathers import EPS, A, B
+from paper_checks.claims._text import untestable
+from paper_checks.following import following
+
+SETS = ((2.5, 0.5), (4.0, 0.5))
+"""The (a, b) of Figs. 7-11, and of Figs. 12, 13, 16, 17."""
+
+
+def _lone() -> Finding:
+    """Look for other stable states above the largest printed threshold."""
+    from theory.envelope import envelope_jacobian
+    from theory.vdp_chain import VdpChain
+    from verification.integrators.envelope_run import run_envelope
+
+    chain = VdpChain(A, B, 0.25, EPS, 15)
+    still = np.zeros(15, dtype=complex)
+    uniform = np.full(15, chain.stable_amplitude, dtype=complex)
+    rates = {}
+    for name, state in (("rest", still), ("uniform cycle", uniform)):
+        growth = np.sort(np.linalg.eigvals(envelope_jacobian(state, chain)).real)[::-1]
+        rates[name] = float(growth[0] if name == "rest" else growth[1])
+    noise = np.random.default_rng(2).normal(size=(2, 15)) * 1e-3
+    kicks = noise[0] + 1j * noise[1]
+    after_rest = np.abs(run_envelope(chain, still + kicks, 60.0).phi).max()
+    after_cycle = np.abs(np.abs(run_envelope(chain, uniform + kicks, 60.0).phi) - uniform.real)
+    left = float(after_rest), float(after_cycle.max())
+    others = max(rates.values()) < 0.0 and max(left) < 1e-4
+    return Finding(
+        verdict=Verdict.PARTIAL if others else Verdict.REPRODUCED,
+        value="at c = 0.25 the rest state and the uniform cycle are stable as well",
+        error="growth rates per unit εt: "
+        + ", ".join(f"{name} {rate:+.4f}" for name, rate in rates.items()),
+        methods=(
+            "eigenvalues of the averaged chain (the trivial one of the cycle apart)",
+            f"runs from a perturbation of 1e-3: {left[0]:.0e} and {left[1]:.0e} are left of it",
+        ),
+        tolerance="a growth rate below zero is stable; less than a tenth of the perturbation left",
+        explanation=(
+            "The sentence is a conjecture about breathers and fronts. Among all motions the front "
+            "is not alone: the chain at rest and the chain all excited are stable at every "
+            "coupling, and on a finite chain a front ends in the second one. What becomes of "
+            "breathers is judged under fig11-patterns."
+        ),
+    )
+
+
+def _limit_of_sizes() -> Finding:
+    """Compare the threshold of size 3 with those that no longer change with size."""
+    from theory.vdp_chain import VdpChain
+    from verification.breather_threshold import Method, breather_threshold
+    from verification.nucleation import Preparation, escape_threshold
+    from verification.nucleus import Nucleus, outward_pattern
+
+    chain = VdpChain(A, B, 0.0, EPS)
+    folds = {
+        size: breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE)
+        for size in (3, 5, 7)
+    }
+    runs = {size: escape_threshold(chain, Preparation(size), tolerance=1e-4) for size in (3, 5)}
+    for size, run in runs.items():
+        if abs(run.c - folds[size].c) > run.error + folds[size].error:
+            raise ArithmeticError(f"size {size}: run {run.c:.6f}, fold {folds[size].c:.6f}")
+    step, rest = folds[3].c - folds[5].c, abs(folds[5].c - folds[7].c)
+    apart = step > 10.0 * rest and step > runs[3].error + runs[5].error
+    return Finding(
+        verdict=Verdict.CORRECTED if apart else Verdict.REPRODUCED,
+        value=", ".join(f"size {size}: {fold.c:.6f}" for size, fold in folds.items()),
+        error=f"{max(fold.error for fold in folds.values()):.0e}, in the averaged chain",
+        methods=("folds by continuation", "bisection of runs of the averaged chain"),
+        tolerance="a step from 3 to 5 of ten times that from 5 to 7: not the limit",
+        explanation=(
+            f"Size 3 has the largest coupling, {step:.5f} above the value at which the curve "
+            "stays. 0.2011 is a maximum over sizes, not the limit for large nuclei."
+        ),
+        erratum=Erratum(
+            Fault.INCONSISTENT,
+            "“a limiting value $\\bar c_{cr} = 0.2011$ (obtained for nucleus of size 3)”",
+            "a largest value, at size 3; the limit for large nuclei is smaller",
+            "The next sentence says that the value is constant from size 5 on.",
+            f"Folds: {folds[3].c:.6f} at size 3, {folds[5].c:.6f} at 5, {folds[7].c:.6f} at 7.",
+            "The end of the nucleation range in the last sentence of section 2.2.",
+        ),
+    )
+
+
+def _two_values() -> Finding:
+    """Find the one threshold of the single nucleus that two sections give differently."""
+    from theory.vdp_chain import VdpChain
+    from verification.breather_threshold import Method, breather_threshold
+    from verification.nucleation import Preparation, escape_threshold
+    from verification.nucleus import Nucleus
+
+    chain = VdpChain(A, B, 0.0, EPS)
+    orbit = breather_threshold(chain, Nucleus(1), Method.ORBIT)
+    average = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
+    run = escape_threshold(chain, Preparation(1), tolerance=1e-4)
+    if abs(run.c - average.c) > run.error + average.error:
+        raise ArithmeticError(f"run {run.c:.6f}, fold {average.c:.6f}")
+    first = orbit.c_stable if orbit.c_stable is not None else orbit.c
+    off = [abs(printed - first) for printed in (0.195, 0.1916)]
+    differ = min(off) > 10.0 * orbit.error and abs(average.c - first) < 0.001
+    return Finding(
+        verdict=Verdict.CORRECTED if differ else Verdict.REPRODUCED,
+        value=f"{first:.8f} for (8) at ε = 0.01, {average.c:.8f} as ε → 0",
+        error=f"{orbit.error:.0e} and {average.error:.0e}",
+        methods=("continuation of orbits and of averaged breathers", "bisection of averaged runs"),
+        tolerance="ten times the error of the threshold",
+        explanation=(
+            "Both printed values are above it. The first comes from multipliers along the "
+            "approximate orbit (fig09-multipliers), the second from slowly increasing c, which is "
+            "late (fig11-values)."
+        ),
+        erratum=Erratum(
+            Fault.INCONSISTENT,
+            "“about the value of $c = 0.195$” in 2.1.4, “$c = 0.1916$” in 2.2",
+            f"$c = {first:.5f}$ in both",
+            "The same breather at the same parameters loses stability at one coupling.",
+            f"The true periodic orbit does at {first:.8f} (error {orbit.error:.0e}).",
+            "The lower end of the range of nucleation.",
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "text-two-values",
+        "Sections 2.1.4 and 2.2",
+        "The breather of one particle loses stability at c = 0.195 and at c = 0.1916.",
+        "0.195 and 0.1916",
+        Verdict.CORRECTED,
+        "fronts threshold vdp --nucleus 1 --method orbit",
+        _two_values,
+    ),
+    following(
+        "text-to-larger",
+        "Section 2.2",
+        "Before a front forms, the breather of one particle gives way to larger nuclei.",
+        "fig11-order",
+        "fig10-stable",
+    ),
+    Claim(
+        "text-lone",
+        "Section 2.2",
+        "When all breathers have lost stability the front is the lone stable solution.",
+        None,
+        Verdict.PARTIAL,
+        "fronts check text-lone",
+        _lone,
+    ),
+    untestable(
+        "text-procedure",
+        "Section 2.2",
+        "Other breathers could be studied by the procedure of 2.1.",
+        "It is said to be possible and not carried out: no ansatz for a larger nucleus is given.",
+    ),
+    Claim(
+        "text-limiting",
+        "Section 2.2, Fig. 11",
+        "The critical coupling has the limiting value 0.2011, obtained for size 3.",
+        "0.2011",
+        Verdict.CORRECTED,
+        "fronts check text-limiting",
+        _limit_of_sizes,
+    ),
+    following(
+        "text-narrow",
+        "Section 2.2",
+        "Nucleation takes place in a narrow range, from c = 0.1916 to 0.2011.",
+        "fig11-values",
+        "fig11-order",
+        printed="0.1916, 0.2011",
+    ),
+    following(
+        "text-all-lost",
+        "Section 2.2",
+        "At c = 0.2011 all possible nuclei have lost stability.",
+        "fig11-values",
+        "fig11-patterns",
+        printed="0.2011",
+    ),
+)

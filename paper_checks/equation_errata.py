@@ -1,0 +1,135 @@
+"""The line in the table of errata of a displayed equation, from what its derivation found."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from paper_checks.claim import Erratum, Fault
+
+if TYPE_CHECKING:
+    import sympy as sp
+
+    from derivations.printed import Judgement
+
+LONG = 420
+"""Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
+
+
+_LETTERS = {
+    "mu": "μ", "xi": "ξ", "phi": "φ", "Psi": "Ψ", "psi": "ψ", "omega": "ω", "eps": "ε",
+    "alpha": "α", "delta": "δ", "theta": "θ", "zeta": "ζ", "eta": "η", "tau": "τ", "pi": "π",
+    "infinity": "∞", "v_hat": "v̂",
+}  # fmt: skip
+_LETTER = re.compile(rf"(?<![A-Za-z'_])({'|'.join(_LETTERS)})(?![A-Za-z'-])")
+_SIGNS = {" >= ": " ≥ ", " <= ": " ≤ ", " << ": " ≪ ", " -> ": " → ", "sqrt(": "√("}
+
+
+def readable(prose: str) -> str:
+    """Return prose of the derivations, which is ASCII, with the paper's letters and signs.
+
+    Examples
+    --------
+    >>> readable("mu(0) = mu_st for n >= 1, not in 'multiple-scales'")
+    "μ(0) = μ_st for n ≥ 1, not in 'multiple-scales'"
+    """
+    for sign, better in _SIGNS.items():
+        prose = prose.replace(sign, better)
+    return _LETTER.sub(lambda found: _LETTERS[found.group(1)], prose)
+
+
+def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
+    """Return the erratum of an equation that is misprinted or ambiguous, None for another one.
+
+    Parameters
+    ----------
+    found : Judgement
+        What the checks said in this run.
+    derivation : str
+        Name of the derivation that has the step.
+    """
+    from derivations.printed import Verdict
+
+    printed = found.printed
+    step = f"the step '{found.step.operation}' of the derivation '{derivation}'"
+    if printed.verdict is Verdict.MISPRINT:
+        fault, corrected = Fault.MISPRINT, correction(found)
+        proof = (
+            f"The check on print fails: {found.on_print.statement}. What {step} gives passes the "
+            f"same check: {found.on_derived.statement}."
+        )
+    elif printed.verdict is Verdict.AMBIGUOUS:
+        fault = Fault.AMBIGUOUS
+        tried = list(zip(printed.readings, found.on_readings, strict=True))
+        right = [reading for reading, evidence in tried if evidence.holds]
+        corrected = "; or ".join(f"read: {reading.meaning}" for reading in right)
+        proof = f"Compared with {step}. " + " ".join(
+            f"The reading “{reading.meaning}” {'holds' if evidence.holds else 'fails'}: "
+            f"{evidence.statement}."
+            for reading, evidence in tried
+        )
+    else:
+        return None
+    return Erratum(
+        fault=fault,
+        printed=f"${printed.latex}$",
+        corrected=corrected if fault is Fault.MISPRINT else readable(corrected),
+        reason=readable(printed.note),
+        proof=readable(proof),
+        affects=readable(printed.affects) or "Nothing else.",
+    )
+
+
+def correction(found: Judgement) -> str:
+    """Return the part of the derived equation that differs from print, between dollar signs.
+
+    Of a system, the equations that differ; of a matrix, the first entry that differs; of a long
+    equation, the difference of its two sides from those of print.
+    """
+    import sympy as sp
+
+    from derivations.evidence import parts_of
+    from derivations.rendering import equation_latex
+
+    printed, derived = found.printed.equation, found.step.equation
+    if not isinstance(printed, sp.Eq | sp.Tuple):
+        if sp.expand(printed - _side(derived)) == 0:
+            return "add $= 0$ at the end"
+        return f"${found.corrected}$"
+    pairs = list(zip(parts_of(printed), parts_of(derived), strict=False))
+    wrong = [(old, new) for old, new in pairs if sp.simplify(_side(old) - _side(new)) != 0]
+    if len(pairs) > 1 and wrong:
+        return "; ".join(f"${equation_latex(new)}$" for _, new in wrong)
+    if isinstance(printed.rhs, sp.MatrixBase):
+        return _entry(printed.rhs, derived.rhs)
+    if len(found.corrected or "") <= LONG:
+        return f"${found.corrected}$"
+    missing = sp.factor(sp.expand(_side(derived) - _side(printed)))
+    return f"add to the left side ${equation_latex(missing)}$"
+
+
+def _side(equation: sp.Basic) -> sp.Expr:
+    import sympy as sp
+
+    if isinstance(equation, sp.Eq):
+        left, right = equation.args
+        if isinstance(right, sp.MatrixBase):
+            return sp.Integer(0)
+        return left - right
+    return sp.sympify(equation)
+
+
+def _entry(printed: sp.MatrixBase, derived: sp.MatrixBase) -> str:
+    from derivations.rendering import equation_latex
+
+    places = [
+        (row, column)
+        for row in range(printed.rows)
+        for column in range(printed.cols)
+        if printed[row, column] - derived[row, column] != 0
+    ]
+    row, column = places[0]
+    return (
+        f"the entry ({row + 1}, {column + 1}) for N = {printed.rows // 2} is "
+        f"${equation_latex(derived[row, column])}$, and so for {len(places) - 1} others"
+    )

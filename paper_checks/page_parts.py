@@ -1,0 +1,58 @@
+"""Parts of the page: errata, equations, and lists of facts."""
+
+from __future__ import annotations
+
+from html import escape
+
+from paper_checks.claim import Erratum, Formula
+from paper_checks.mathml import formula, with_formulas
+from paper_checks.outcome import Outcome
+from paper_checks.report import Report
+
+
+def errata(report: Report) -> str:
+    """Write the section of errata; empty without one."""
+    items = "".join(_erratum(outcome, erratum) for outcome, erratum in report.errata)
+    if not items:
+        return ""
+    return (
+        '<section aria-labelledby="errata-title">'
+        f'<h2 id="errata-title">Errata ({len(report.errata)})</h2>'
+        '<p class="lead">Lines of the paper that should read otherwise. Each opens to the text as '
+        "printed, as corrected, and to what proves it.</p>"
+        f'<ol id="errata" class="rows">{items}</ol></section>'
+    )
+
+
+def _erratum(outcome: Outcome, erratum: Erratum) -> str:
+    key = escape(outcome.claim.key)
+    facts = [
+        ("As printed", f'<div class="math">{with_formulas(erratum.printed)}</div>'),
+        ("Corrected", f'<div class="math">{with_formulas(erratum.corrected)}</div>'),
+        ("Proof", escape(erratum.proof)),
+        ("Affects", escape(erratum.affects)),
+        ("Judged under", f'<a href="#claim-{key}">{key}</a>'),
+    ]
+    return f"""<li id="erratum-{key}"><details><summary>
+<span class="place">{escape(outcome.claim.place)}</span>
+<span class="claim">{with_formulas(erratum.reason)}</span>
+<span class="fault">{erratum.fault}</span>
+</summary>
+<div class="evidence">{facts_list(facts)}</div>
+</details></li>
+"""
+
+
+def formulas_block(formulas: tuple[Formula, ...]) -> str:
+    """Write equations with their labels."""
+    return "".join(
+        f'<figure class="formula"><figcaption>{escape(one.label)}</figcaption>'
+        f'<div class="math">{formula(one.latex, block=True)}</div></figure>'
+        for one in formulas
+    )
+
+
+def facts_list(facts: list[tuple[str, str]]) -> str:
+    """Write names and values, which are HTML already, as a list."""
+    rows = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
+    return f"<dl>{rows}</dl>"

@@ -1,0 +1,171 @@
+"""The errata are found, not typed; equations are typeset whole."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from xml.etree import ElementTree
+
+import pytest
+import sympy as sp
+
+from derivations import printed as printed_module
+from derivations.printed import Judgement, report
+from paper_checks.claim import Fault, Finding
+from paper_checks.claims import equations
+from paper_checks.equation_errata import correction, readable
+from paper_checks.mathml import LatexError, mathml, with_formulas
+
+MISPRINTED = {2, 4, 32, 33, 42}
+AMBIGUOUS = {6, 35, 37, 40, 44, 45, 51, 53}
+"""Found by hand when the paper was first read."""
+
+
+@pytest.fixture(scope="module")
+def judgements() -> dict[int, Judgement]:
+    return {found.printed.number: found for found in report().judgements}
+
+
+@pytest.fixture(scope="module")
+def findings() -> dict[int, Finding]:
+    return {int(claim.key[2:]): claim.judge() for claim in equations.CLAIMS}
+
+
+def test_the_errata_are_those_found_by_hand(findings: dict[int, Finding]) -> None:
+    by_fault = {
+        fault: {n for n, one in findings.items() if one.erratum and one.erratum.fault is fault}
+        for fault in Fault
+    }
+    assert by_fault[Fault.MISPRINT] == MISPRINTED
+    assert by_fault[Fault.AMBIGUOUS] == AMBIGUOUS
+    assert not by_fault[Fault.INCONSISTENT]
+
+
+def test_each_states_what_proves_it_and_what_it_affects(findings: dict[int, Finding]) -> None:
+    for number in MISPRINTED | AMBIGUOUS:
+        erratum = findings[number].erratum
+        assert erratum is not None
+        for part in (erratum.printed, erratum.corrected, erratum.reason, erratum.affects):
+            assert part.strip()
+        assert "fails" in erratum.proof
+        assert re.search(r"of the derivation '[a-z-]+'", erratum.proof)
+
+
+@pytest.mark.parametrize(
+    ("number", "right", "wrong"),
+    [
+        (4, r"\xi = \frac{d}{2 \sqrt{k} \sqrt{m}}", r"\omega"),
+        (2, r"\mu = \mu_{d} +", r"\mu_{st} + \left(\mu_{st}"),
+        (42, r"- 2 a x_{1} + 4 b x_{1}^{3}", r"1 - 2 a x"),
+        (33, r"add to the left side $\frac{a \epsilon", "b"),  # no minus: print has the minus
+        (32, "= 0", "Psi"),
+    ],
+)
+def test_a_correction_shows_what_differs_and_nothing_else(
+    judgements: dict[int, Judgement], number: int, right: str, wrong: str
+) -> None:
+    shown = correction(judgements[number])
+    assert right in shown
+    assert wrong not in shown.replace(r"\overline", "")
+
+
+def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(
+    judgements: dict[int, Judgement],
+) -> None:
+    found = judgements[33]
+    printed, derived = found.printed.equation, found.step.equation
+    missing = sp.expand(derived.args[0] - printed.args[0])
+    generator = iter([0.3 + 0.4j, 1.7, 0.9, 0.2, 1.1, 0.05, 0.6 - 0.2j, 0.1 + 0.1j])
+    symbols = sorted(missing.free_symbols, key=str)
+    values = {symbol: next(generator) for symbol in symbols}
+    number = complex(missing.subs(values).evalf())
+    phi = complex(values[next(s for s in symbols if "varphi" in str(s))])
+    rest = {str(symbol): values[symbol] for symbol in symbols}
+    fast = sp.exp(-2j * rest["omega"] * rest["t"])
+    # By hand: ε (φ + φ* e)/2 times a times twice (φ*)² e over 4ω².
+    size = next(rest[name] for name in ("epsilon", "varepsilon") if name in rest)
+    bar = phi.conjugate()
+    by_hand = complex(
+        size * (phi + bar * fast) / 2 * rest["a"] * 2 * bar**2 * fast / (4 * rest["omega"] ** 2)
+    )
+    assert abs(number - by_hand) < 1e-12
+
+
+def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
+    monkeypatch: pytest.MonkeyPatch, judgements: dict[int, Judgement]
+) -> None:
+    found = judgements[4]
+    passing = printed_module.Judgement(
+        found.printed, found.step, found.corrected, found.on_derived, found.on_derived, ()
+    )
+    monkeypatch.setattr(equations, "_judgements", lambda: {**judgements, 4: passing})
+    finding = equations.CLAIMS[3].judge()
+    assert finding.erratum is None
+    assert finding.verdict is not equations.CLAIMS[3].recorded
+
+
+def _letters(latex: str) -> Counter[str]:
+    """Letters and numbers of a formula, commands that only shape it left out."""
+    plain = re.sub(r"\\(begin|end)\{\w+\}|\\(left|right|[A-Za-z]+)|\\.", " ", latex)
+    return Counter(re.findall(r"[A-Za-z0-9]", plain))
+
+
+def test_every_equation_is_typeset_and_keeps_each_letter(judgements: dict[int, Judgement]) -> None:
+    for number, found in judgements.items():
+        for latex in filter(None, (found.printed.latex, found.corrected)):
+            text = mathml(latex, block=True)
+            tree = ElementTree.fromstring(text)
+            assert tree.tag == "math"
+            shown = Counter(
+                letter
+                for node in tree.iter()
+                if node.tag in ("mi", "mn", "mtext")
+                for letter in re.findall(r"[A-Za-z0-9]", node.text or "")
+            )
+            words = re.findall(r"\\(sin|cos|ln|exp)(?![a-z])", latex)
+            expected = _letters(latex) + Counter("".join(words))
+            assert shown == expected, (number, latex)
+
+
+@pytest.mark.parametrize(
+    ("latex", "expected"),
+    [
+        (r"\frac12", "<mfrac><mn>1</mn><mn>2</mn></mfrac>"),
+        (r"x_1^2", "<msubsup><mi>x</mi><mn>1</mn><mn>2</mn></msubsup>"),
+        (r"e^{-x}", '<msup><mi>e</mi><mrow><mo form="prefix">−</mo><mi>x</mi></mrow></msup>'),
+        (r"\hat v", '<mover accent="true"><mi>v</mi><mo>^</mo></mover>'),
+        (r"\sum_{k}", "<munder><mo>∑</mo><mrow><mi>k</mi></mrow></munder>"),
+        (r"a<b", "<mi>a</mi><mo>&lt;</mo><mi>b</mi>"),
+    ],
+)
+def test_formulas_become_what_the_standard_says(latex: str, expected: str) -> None:
+    assert mathml(latex) == f"<math>{expected}</math>"
+
+
+@pytest.mark.parametrize(
+    "latex", ["{x", "x}", r"\frac1", r"\left(x", r"\begin{pmatrix}x", r"\unknown", "x_", "_1",
+              r"\begin{pmatrix}x}", r"\begin{other}x\end{other}", r"\left"],
+)  # fmt: skip
+def test_what_is_not_known_is_refused_and_shown_as_written(latex: str) -> None:
+    with pytest.raises(LatexError):
+        mathml(latex)
+    assert with_formulas(f"see ${latex}$") == f"see <code>{latex}</code>"
+
+
+def test_prose_around_formulas_is_escaped() -> None:
+    assert with_formulas("<b> & $x$ </b>") == ("&lt;b&gt; &amp; <math><mi>x</mi></math> &lt;/b&gt;")
+    assert with_formulas("one $ alone < two") == "one $ alone &lt; two"
+    assert "<script" not in with_formulas(r"$\text{<script>}$")
+
+
+@pytest.mark.parametrize(
+    ("prose", "better"),
+    [
+        ("mu_st >= eps c", "μ_st ≥ ε c"),
+        ("the derivation 'multiple-scales' of a pinned theta", None),
+        ("O(eps^2), phi* and alpha_0", "O(ε^2), φ* and α_0"),
+        ("meta and museum", "meta and museum"),
+    ],
+)
+def test_letters_are_replaced_and_words_are_not(prose: str, better: str | None) -> None:
+    assert readable(prose) == (better or prose.replace("theta", "θ"))

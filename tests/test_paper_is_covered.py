@@ -1,0 +1,74 @@
+"""The claims cover the paper's numbering, its printed numbers and its sections."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from paper_checks.claim import Verdict
+from paper_checks.discover import Entry, find_entries
+from paper_checks.following import missing, resolved
+
+ENTRIES = find_entries()
+
+EQUATIONS = range(1, 55)
+FIGURES = range(2, 19)
+"""Fig. 1 is a drawing of the model and states nothing."""
+
+NUMBERS = (
+    "40 %",
+    "0.195",
+    "0.1916",
+    "0.2011",
+    "t = 14000, 17000, 20000",
+)
+"""Numbers of the text that are results; parameters of figures are in the figures' claims."""
+
+
+def test_every_displayed_equation_has_one_claim() -> None:
+    keys = [entry.claim.key for entry in ENTRIES if re.fullmatch(r"eq\d\d", entry.claim.key)]
+    assert keys == [f"eq{number:02d}" for number in EQUATIONS]
+
+
+@pytest.mark.parametrize("number", FIGURES)
+def test_every_figure_has_a_claim_of_its_own_that_is_computed(number: int) -> None:
+    group = f"fig{number:02d}"
+    own = [entry for entry in ENTRIES if entry.group == group]
+    assert own, f"no claim in paper_checks/claims/{group}.py"
+    assert all(not entry.claim.follows for entry in own)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_every_printed_result_is_the_printed_value_of_a_claim(number: str) -> None:
+    assert any(number in (entry.claim.printed or "") for entry in ENTRIES)
+
+
+@pytest.mark.parametrize(
+    "part", ["Abstract", "Introduction", "Section 1.1", "Section 1.2", "Section 1.3", "Section 2,",
+             "Section 2.1.1", "Section 2.1.3", "Section 2.2", "Section 2.3.1", "Section 2.3.2",
+             "Conclusions"],
+)  # fmt: skip
+def test_every_part_of_the_text_has_a_claim(part: str) -> None:
+    assert any(entry.claim.place.startswith(part) for entry in ENTRIES)
+
+
+def test_every_claim_that_follows_others_finds_them() -> None:
+    assert missing(ENTRIES) == {}
+
+
+def test_statements_are_not_repeated() -> None:
+    said = [(entry.claim.place, entry.claim.statement) for entry in ENTRIES]
+    assert len(set(said)) == len(said)
+
+
+def test_a_claim_that_follows_others_has_no_verdict_on_record_of_its_own() -> None:
+    def others(entry: Entry) -> set[Verdict]:
+        names = set(entry.claim.follows)
+        return {e.claim.recorded for e in ENTRIES if {e.group, e.claim.key} & names}
+
+    lost = missing(ENTRIES)
+    for entry in resolved(ENTRIES):
+        found = others(entry)
+        if entry.claim.follows and entry.claim.key not in lost and len(found) == 1:
+            assert {entry.claim.recorded} == found, entry.claim.key

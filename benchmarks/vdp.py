@@ -237,7 +237,7 @@ def targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
         (("scipy",), 50.0),
         (("jitcode",), 5.0),
         (("heyoka",), 1.0),
-        ((SERIES, FIXED8, FIXED4, SPLIT), 1.0),
+        ((SERIES, FIXED8, FIXED4, SPLIT), None),
     ):
         peers = [point for point in points if point.method.startswith(names)]
         least = single.least_factor(default, peers, LOW, HIGH)
@@ -252,7 +252,9 @@ def targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
         rows.append(
             Target(
                 f"default stepper against {who}, at equal error",
-                None if least is None else least[0], "at least", limit, "times", detail,
+                None if least is None else least[0],
+                "no target" if limit is None else "at least",
+                limit, "times", detail,
             )
         )  # fmt: skip
     return tuple(rows)

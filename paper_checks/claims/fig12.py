@@ -97,7 +97,7 @@ def _steady() -> Finding:
 CLAIMS = (
     Claim(
         "fig12-steady",
-        "Fig. 12, section 2.2",
+        "Fig. 12, section 2.3.1",
         "Above the critical coupling a front runs steadily along the chain, site after site going "
         "over from rest to the stable cycle.",
         None,

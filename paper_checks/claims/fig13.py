@@ -124,7 +124,7 @@ def _picture(
 CLAIMS = (
     Claim(
         "fig13-scaling",
-        "Fig. 13, section 2.2",
+        "Fig. 13, section 2.3.1",
         "The scaled front velocity is asymptotically linear in the coupling.",
         None,
         Verdict.REPRODUCED,

@@ -172,7 +172,7 @@ CLAIMS = (
     ),
     Claim(
         "fig14-collapse",
-        "Section 2.2",
+        "Section 2.3.1",
         "Velocities for different a and b depend on η = b/a² only.",
         None,
         Verdict.REPRODUCED,
@@ -180,8 +180,8 @@ CLAIMS = (
         _collapse,
     ),
     Claim(
-        "section22-epsilon",
-        "Section 2.2",
+        "section231-epsilon",
+        "Section 2.3.1",
         "Front velocity scales with ε: v̂ = v/ε.",
         None,
         Verdict.REPRODUCED,

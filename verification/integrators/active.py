@@ -6,6 +6,8 @@ contiguous row is what compiled loops run through fastest.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -66,17 +68,23 @@ def add_coupling(
         return
     out[0] += factor * (2.0 * u[0] - (before + u[1]))
     out[last] += factor * (2.0 * u[last] - (u[last - 1] + beyond))
-    target, here, previous, following = out[1:last], u[1:last], u[: last - 1], u[2:]
-    for n in range(last - 1):
-        target[n] += factor * (2.0 * here[n] - (previous[n] + following[n]))
+    for n in range(1, last):
+        out[n] += factor * (2.0 * u[n] - (u[n - 1] + u[n + 1]))
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"nnan", "nsz"})
 def largest(row: FloatArray) -> float:
-    """Return the largest modulus; not a number if one is not."""
+    """Return the largest modulus; what it is worth if one is not finite, :func:`finite` tells."""
     found = 0.0
     for n in range(row.size):
-        size = abs(row[n])
-        if not size <= found:
-            found = size
+        found = max(found, abs(row[n]))
     return found
+
+
+@njit(cache=True, fastmath={"reassoc"})
+def finite(row: FloatArray) -> bool:
+    """Tell whether all values are finite, and so small that their sum is."""
+    total = 0.0
+    for n in range(row.size):
+        total += abs(row[n])
+    return math.isfinite(total)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import FREE, largest
+from verification.integrators.active import FREE, finite, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import ENVELOPE, FULL
 
@@ -141,7 +141,7 @@ def run_to_label(
             return FIXED_POINT, t, 0, steps
         take_step(model, state, p, FREE, FREE, h, A, weights, K, trial)
         error = step_error(K, h, E5, E3, room, largest(state)) / tolerance
-        if h < SHORTEST or not math.isfinite(largest(state)):
+        if h < SHORTEST or not finite(state):
             return BROKEN, t, above, steps
         if not error <= 1.0:
             h *= max(0.2, 0.9 * error ** (-1.0 / 8.0)) if math.isfinite(error) else 0.2

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import end_codes, largest
+from verification.integrators.active import end_codes, finite, largest
 from verification.integrators.slopes import slope
 
 FloatArray = npt.NDArray[np.float64]
@@ -47,9 +47,10 @@ def take_step(
     stages = weights.size
     for i in range(stages + 1):
         row = A[i] if i < stages else weights
+        factor, known = (h * row[0], K[0]) if i > 0 else (0.0, x)
         for n in range(x.size):
-            out[n] = x[n]
-        for j in range(i):
+            out[n] = x[n] + factor * known[n]
+        for j in range(1, i):
             factor = h * row[j]
             if factor != 0.0:
                 known = K[j]
@@ -74,14 +75,16 @@ def step_error(
     three[:] = 0.0
     for j in range(E5.size):
         known, of_five, of_three = K[j], E5[j], E3[j]
+        if of_five == 0.0 and of_three == 0.0:
+            continue
         for n in range(five.size):
             five[n] += of_five * known[n]
             three[n] += of_three * known[n]
     e5, e3 = h * largest(five), h * largest(three)
+    if not (finite(five) and finite(three)) or e3 >= size > 0.0:
+        return math.inf
     if e5 == 0.0:
         return 0.0
-    if not e3 < size:
-        return math.inf
     return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))
 
 

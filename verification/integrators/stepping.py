@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import end_codes, largest
+from verification.integrators.active import end_codes, finite, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import FULL
 from verification.integrators.taylor import (
@@ -182,7 +182,7 @@ def advance(
                 clock[2] = max(clock[2], ratio)
                 break
             clock[1] = h
-        if math.isnan(h) or not math.isfinite(largest(x)):
+        if math.isnan(h) or not finite(x):
             ended = NOT_FINITE
             break
         if h < shortest:

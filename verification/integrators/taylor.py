@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import add_coupling, largest
+from verification.integrators.active import add_coupling, finite, largest
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -146,9 +146,9 @@ def step_length(series: Series, order: int, tolerance: float) -> float:
     size = tolerance * max(largest(u[0]), largest(v[0]))
     h = math.inf
     for k in (order - 1, order):
-        term = largest(u[k]) + largest(v[k])
-        if not math.isfinite(term):
+        if not (finite(u[k]) and finite(v[k])):
             return math.nan
+        term = max(largest(u[k]), largest(v[k]))
         if term > 0.0:
             h = min(h, (size / term) ** (1.0 / k))
     return h

@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 .PHONY: paper test lint bench clean
 
 paper: $(READY)
-	$(BIN)/fronts check --out report
+	$(BIN)/fronts check --out report --jobs 2
 
 test: $(READY)
 	$(BIN)/python -m pytest

@@ -12,13 +12,15 @@ from verification.integrators import stepping
 from verification.integrators.active import FOLLOWING, FREE, RING
 from verification.integrators.runge_kutta import error_weights, tableau
 from verification.integrators.slopes import ENVELOPE, FULL
-from verification.integrators.taylor import taylor_order
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
 SHORTEST = 5e-4
 """Steps of (8) below this are left to the stiff method: the damping rate is then some 1e4."""
+
+SHORTEST_SLOW = 1e-13
+"""Steps of (43) below this are given up; a start of 1e3 needs some 1e-11."""
 
 _REST = 0.1
 """Rest level of the active window over the tolerance times the largest |Ψ| of the start."""
@@ -43,8 +45,6 @@ class Lane:
         Times t of the samples, from 0 to the end.
     tolerance, level, window, behind
         As in ``verification.vdp_run.run_vdp``.
-    series : bool
-        Step by the Taylor series instead of by Runge-Kutta.
     wave : bool
         To the left of the first site a wave goes on, φ = iφ of its neighbour, instead of an end.
     """
@@ -59,16 +59,13 @@ class Lane:
         level: float,
         window: bool,
         behind: int,
-        series: bool = False,
         wave: bool = False,
     ) -> None:
         self._chain, self._full = chain, full
         self._first = RING if chain.ends is Ends.PERIODIC else FOLLOWING if wave else FREE
         self._model = FULL if full else ENVELOPE
-        self._method = stepping.TAYLOR if series else stepping.RUNGE_KUTTA
         self._scale = 1.0 if full else chain.eps
         self.tolerance, self.level, self._behind = tolerance, level, behind
-        self._order = taylor_order(tolerance)
         self.sample_times = times * self._scale
         self._start = hashlib.sha256(np.ascontiguousarray(start).tobytes()).hexdigest()[:16]
         # y = Im Ψ and ẏ = Re Ψ; for the envelope (Re φ, Im φ).
@@ -113,7 +110,6 @@ class Lane:
             "sites": chain.sites,
             "ends": chain.ends.value,
             "model": self._model,
-            "method": self._method,
             "tolerance": self.tolerance,
             "level": self.level,
             "first": self._first,
@@ -168,7 +164,6 @@ class Lane:
         active = max(1, int(self.counters[1] - self.counters[0]))
         ended = stepping.advance(
             self._model,
-            self._method,
             np.array([chain.a, chain.b, chain.c, chain.eps]),
             self._first,
             self.state,
@@ -176,7 +171,6 @@ class Lane:
             self.counters,
             self.end,
             self.tolerance,
-            self._order,
             *tableau(8),
             *error_weights(),
             self._rest,
@@ -185,14 +179,14 @@ class Lane:
             self._arrivals,
             self.sample_times,
             self.samples,
-            SHORTEST if self._full else 0.0,
+            SHORTEST if self._full else SHORTEST_SLOW,
             max(1, budget // active),
         )
-        if ended == stepping.TOO_SHORT:
+        if ended == stepping.TOO_SHORT and self._full:
             from verification.stiff_stage import pass_stiff_stage
 
             pass_stiff_stage(chain, self)
-        elif ended == stepping.NOT_FINITE:
+        elif ended in (stepping.TOO_SHORT, stepping.NOT_FINITE):
             raise NotFiniteError(
                 f"the run overflowed at t = {self.time:.6g}; "
                 "start from a smaller displacement, or lower the coupling."

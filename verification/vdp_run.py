@@ -1,7 +1,7 @@
 """A direct run of Model II, by (8) or by its averaged form (43): steps, samples, arrivals.
 
-(8) is stepped by the Runge-Kutta method of order 8, (43) by its Taylor series, the fastest of
-those measured (``benchmarks/``). Where steps would become too short because the damping is stiff
+Both are stepped by the Runge-Kutta method of order 8, the fastest of those measured
+(``benchmarks/``). Where steps would become too short because the damping is stiff
 (a site displaced far beyond the cycle), ``verification.stiff_stage`` takes over until they would
 not. Two runs go side by side, one at a hundred times the tolerance; their difference is the error
 that is reported.

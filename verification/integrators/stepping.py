@@ -1,10 +1,7 @@
-"""The loop over steps of Model II, compiled: window, samples, arrivals; one method or another.
+"""The loop over steps of Model II, compiled: window, samples, arrivals; (8) or (43) by DOP853.
 
-A method gives a step from the present state and the state at any time inside the step. Which step
-is taken depends on the state and on ``clock`` only, so that where a run is divided changes nothing.
-
-RUNGE_KUTTA  DOP853's stages and error estimate
-TAYLOR       Taylor series
+Which step is taken depends on the state and on ``clock`` only, so that where a run is divided
+changes nothing.
 """
 
 from __future__ import annotations
@@ -18,19 +15,9 @@ from verification.compiled import njit
 from verification.integrators.active import end_codes, finite, largest
 from verification.integrators.runge_kutta import step_error, take_step
 from verification.integrators.slopes import FULL
-from verification.integrators.taylor import (
-    envelope_coefficients,
-    evaluate,
-    full_coefficients,
-    series_room,
-    step_length,
-)
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
-
-RUNGE_KUTTA, TAYLOR = 0, 1
-"""Codes of the methods."""
 
 REACHED, TOO_SHORT, NOT_FINITE, BUDGET = 0, 1, 2, 3
 """How :func:`advance` ended: at the stop, at a step below ``shortest``, at a number that is not
@@ -69,7 +56,6 @@ def _widened(x: FloatArray, rest: float, lo: int, hi: int, sites: int) -> tuple[
 @njit(cache=True)
 def advance(
     model: int,
-    method: int,
     parameters: FloatArray,
     first: int,
     state: FloatArray,
@@ -77,7 +63,6 @@ def advance(
     counters: IntArray,
     stop: float,
     tolerance: float,
-    order: int,
     A: FloatArray,
     weights: FloatArray,
     E5: FloatArray,
@@ -99,8 +84,6 @@ def advance(
     ----------
     model : int
         FULL or ENVELOPE (``slopes``).
-    method : int
-        RUNGE_KUTTA or TAYLOR.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
     first : int
@@ -117,8 +100,6 @@ def advance(
         Time to reach.
     tolerance : float
         Local error relative to the largest value.
-    order : int
-        Of the Taylor series.
     A, weights, E5, E3
         Runge-Kutta method and its error estimate.
     rest : float
@@ -133,12 +114,11 @@ def advance(
     times, samples : ndarray, shapes (M,), (M, 2, N)
         Where the state is wanted, ascending; filled as they are passed.
     shortest : float
-        A step below this ends the call with TOO_SHORT, nothing advanced.
+        Positive; a step below this ends the call with TOO_SHORT, nothing advanced.
     most_steps : int
         Steps after which to return with BUDGET.
     """
     sites = state.shape[1]
-    series = method != RUNGE_KUTTA
     packed_lo = packed_hi = -1
     square, met = level * level, max(1e-15, _MET * tolerance)
     review = _REVIEW if model == FULL else 0.0
@@ -152,55 +132,36 @@ def advance(
         if lo != packed_lo or hi != packed_hi:
             m = hi - lo
             x, new, inside = np.zeros(2 * m), np.zeros(2 * m), np.zeros(2 * m)
-            K = np.zeros((1 if series else weights.size, 2 * m))
+            K = np.zeros((weights.size, 2 * m))
             room = np.zeros((2, 2 * m))
-            C = series_room(order if series else 0, m)
             x[:m], x[m:] = state[0, lo:hi], state[1, lo:hi]
             packed_lo, packed_hi = lo, hi
             left, right = end_codes(lo, hi, sites, first, behind > 0)
-        t = clock[0]
-        if series:
-            C[0][0], C[1][0] = x[:m], x[m:]
-            if model == FULL:
-                full_coefficients(C, order, parameters, left, right)
-            else:
-                envelope_coefficients(C, order, parameters, left, right)
-            h = step_length(C, order, tolerance)
-            h = min(h, max(stop - t, 1.0)) if math.isinf(h) else h
-        else:
-            size = largest(x)
-            h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
-            while h >= shortest:
-                take_step(model, x, parameters, left, right, h, A, weights, K, new)
-                ratio = step_error(K, h, E5, E3, room, size) / tolerance
-                if not math.isfinite(ratio):
-                    h *= _SHRINK
-                    continue
-                if ratio > 1.0:
-                    h *= max(_SHRINK, _SAFETY * ratio ** (-0.125))
-                    continue
-                clock[2] = max(clock[2], ratio)
-                break
-            clock[1] = h
-        if math.isnan(h) or not finite(x):
+        if not finite(x):
             ended = NOT_FINITE
             break
+        t = clock[0]
+        size = largest(x)
+        h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
+        while h >= shortest:
+            take_step(model, x, parameters, left, right, h, A, weights, K, new)
+            ratio = step_error(K, h, E5, E3, room, size) / tolerance
+            if ratio <= 1.0:
+                clock[2] = max(clock[2], ratio)
+                break
+            h *= max(_SHRINK, _SAFETY * ratio ** (-0.125)) if math.isfinite(ratio) else _SHRINK
+        clock[1] = h
         if h < shortest:
             clock[1] = 0.0
             ended = TOO_SHORT
             break
         while counters[2] < times.size and times[counters[2]] <= t + h:
             part = times[counters[2]] - t - clock[4]
-            if series:
-                evaluate(C, order, part, inside)
-            else:
-                take_step(model, x, parameters, left, right, part, A, weights, K, inside)
+            take_step(model, x, parameters, left, right, part, A, weights, K, inside)
             sample = samples[counters[2]]
             sample[:] = state
             sample[0, lo:hi], sample[1, lo:hi] = inside[:m], inside[m:]
             counters[2] += 1
-        if series:
-            evaluate(C, order, h, new)
         foremost = -1
         for n in range(m):
             above = new[n] ** 2 + new[m + n] ** 2 - square
@@ -211,10 +172,7 @@ def advance(
             below = x[n] ** 2 + x[m + n] ** 2 - square
             for _ in range(_LOOKS):
                 part = low + below / (below - above) * (high - low)
-                if series:
-                    evaluate(C, order, part, inside)
-                else:
-                    take_step(model, x, parameters, left, right, part, A, weights, K, inside)
+                take_step(model, x, parameters, left, right, part, A, weights, K, inside)
                 value = inside[n] ** 2 + inside[m + n] ** 2 - square
                 if abs(value) <= met * square or high - low <= met * h:
                     break
@@ -228,7 +186,7 @@ def advance(
         whole = h + clock[4]
         clock[0] = t + whole
         clock[4] = whole - (clock[0] - t)
-        if not series and clock[0] >= clock[3]:
+        if clock[0] >= clock[3]:
             clock[3] = clock[0] + review
             if clock[2] < _LAZY:
                 clock[1] = h * min(_GROW, _SAFETY * max(clock[2], 1e-8) ** (-0.125))

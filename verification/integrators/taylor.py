@@ -1,4 +1,4 @@
-"""Taylor series in time for (8) and (43), compiled: any order, dense output.
+"""Taylor series in time for (8) and (43), compiled; slower than ``runge_kutta``, and apart from it.
 
 Both right sides are polynomials, so the Taylor coefficients of the solution follow one another by
 convolutions (Cauchy products):
@@ -19,7 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import add_coupling, finite, largest
+from verification.integrators.active import add_coupling, end_codes, finite, largest
+from verification.integrators.slopes import FULL
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -166,3 +167,39 @@ def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
             row = C[k]
             for n in range(m):
                 target[n] = target[n] * h + row[n]
+
+
+@njit(cache=True, error_model="numpy")
+def taylor_steps(
+    model: int,
+    state: FloatArray,
+    parameters: FloatArray,
+    first: int,
+    end: float,
+    tolerance: float,
+    order: int,
+) -> int:
+    """Advance a state of shape (2, N) to ``end``, all sites; for tests and benchmarks.
+
+    Returns the number of steps, or -1 if a number is not finite.
+    """
+    sites = state.shape[1]
+    left, right = end_codes(0, sites, sites, first, False)
+    series = series_room(order, sites)
+    x = state.copy().reshape(2 * sites)
+    t, steps = 0.0, 0
+    while t < end:
+        series[0][0], series[1][0] = x[:sites], x[sites:]
+        if model == FULL:
+            full_coefficients(series, order, parameters, left, right)
+        else:
+            envelope_coefficients(series, order, parameters, left, right)
+        h = step_length(series, order, tolerance)
+        if math.isnan(h):
+            return -1
+        h = min(h, end - t)
+        evaluate(series, order, h, x)
+        t = end if h == end - t else t + h
+        steps += 1
+    state[0], state[1] = x[:sites], x[sites:]
+    return steps

@@ -12,6 +12,9 @@ obeys r_T + c r_x + (c/6) r_xxx + f(r) = 0. With r(x - vT) and ξ = (x - vT)/(c/
 At r = 0 one root of λ³ - κλ + ½ = 0 has negative real part, at r_s two roots of
 λ³ - κλ + f'(r_s) = 0 have positive real part: a curve meets a surface in three dimensions, at
 isolated κ. Since v - c grows more slowly than c, v is asymptotically linear in c, with slope one.
+
+Where κ < 0 (η above 0.0567) the front is slower than c and overtaken by phase waves from behind;
+the law is then that of a front with the staggered wave behind it for ever.
 """
 
 from __future__ import annotations
@@ -100,6 +103,17 @@ def strong_coupling_front(eta: float) -> StrongCouplingFront:
     return StrongCouplingFront(eta, ends[0], 1e-10 + abs(ends[1] - ends[0]))
 
 
+@dataclass(frozen=True)
+class _Passes:
+    """Event of scipy that ends the integration: r passes a value."""
+
+    value: float
+    terminal: bool = True
+
+    def __call__(self, _: float, x: FloatArray) -> float:
+        return float(x[0] - self.value)
+
+
 def _leaves_upwards(kappa: float, eta: float, start: float) -> bool:
     """Tell on which side of r_s the solution that ends at r = 0 comes from."""
     from scipy.integrate import solve_ivp
@@ -113,13 +127,6 @@ def _leaves_upwards(kappa: float, eta: float, start: float) -> bool:
         f = 0.5 * r * (1.0 - r * r / 4.0 + eta * r**4 / 8.0)
         return [-x[1], -x[2], -(kappa * x[1] - f)]
 
-    def above(_: float, x: FloatArray) -> float:
-        return float(x[0] - 1.4 * r_s)
-
-    def below(_: float, x: FloatArray) -> float:
-        return float(x[0] + 0.4 * r_s)
-
-    above.terminal = below.terminal = True  # type: ignore[attr-defined]
     r = start * r_s
     solved = solve_ivp(
         backward,
@@ -128,6 +135,6 @@ def _leaves_upwards(kappa: float, eta: float, start: float) -> bool:
         method="DOP853",
         rtol=1e-11,
         atol=1e-14 * r_s,
-        events=(above, below),
+        events=(_Passes(1.4 * r_s), _Passes(-0.4 * r_s)),
     )
     return solved.t_events is not None and bool(solved.t_events[0].size)

@@ -141,8 +141,10 @@ def _growth() -> Finding:
     inside = [size for size, exponents, _ in rows if (exponents.symmetric or 0.0) < 0.0]
     return Finding(
         verdict=Verdict.REPRODUCED if not unstable else Verdict.NOT_REPRODUCED,
-        value="; ".join(f"size {size}: {found.growth:+.5f}" for size, found, _ in rows),
-        error="1e-9 in the exponents (largest growth rate per unit εt at c = 0.1)",
+        value="a perturbation grows at the rate "
+        + ", ".join(f"{found.growth:+.3f} (size {size})" for size, found, _ in rows)
+        + " per unit of εt",
+        error="1e-9 in the exponents, at c = 0.1",
         methods=(
             "eigenvalues of the averaged chain about the exact breather",
             "growth of an antisymmetric perturbation in a run: "

@@ -13,7 +13,13 @@ from scipy.integrate import solve_ivp
 
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators.active import FREE, RING
-from verification.integrators.runge_kutta import fixed_steps, tableau
+from verification.integrators.runge_kutta import (
+    error_weights,
+    fixed_steps,
+    step_error,
+    tableau,
+    take_step,
+)
 from verification.integrators.slopes import ENVELOPE, FULL, slope
 from verification.integrators.splitting import saba, split_steps
 from verification.integrators.taylor import taylor_order, taylor_steps
@@ -187,3 +193,21 @@ def test_the_clock_loses_nothing_over_many_equal_steps() -> None:
     taylor_steps(FULL, state, parameters, FREE, 1000.0, 1e-14, taylor_order(1e-14))
     assert lane.counters[3] > 15_000
     assert np.abs(lane.psi[-1] - (state[1] + 1j * state[0])).max() < 3e-11
+
+
+@pytest.mark.parametrize("displacement", [30.0, 100.0, 300.0])
+def test_a_step_that_explodes_never_passes(displacement: float) -> None:
+    """The damping rate is up to 4e7: most of these steps are unstable, some end near 1e150."""
+    parameters = np.array([4.0, 0.5, 0.6, 0.01])
+    A, weights = tableau(8)
+    K, room, out = np.zeros((12, 10)), np.zeros((2, 10)), np.zeros(10)
+    x = np.zeros(10)
+    x[2] = displacement
+    exploded = 0
+    for h in np.geomspace(1e-8, 1.0, 400):
+        take_step(FULL, x, parameters, FREE, FREE, h, A, weights, K, out)
+        error = step_error(K, h, *error_weights(), room, displacement)
+        if not np.abs(out).max() < 10.0 * displacement:
+            exploded += 1
+            assert not error < 1e-2
+    assert exploded > 50

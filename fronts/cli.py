@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import logging
 import os
 import sys
 from collections.abc import Sequence
@@ -72,12 +73,23 @@ def _run(argv: Sequence[str]) -> int:
     if name not in COMMANDS:
         raise UsageError(f"'{name}' is not a command: choose one of {', '.join(COMMANDS)}.")
     parser, module = _parser(name)
+    _announce_compilation()
     answer = module.run(parser.parse_args(rest))  # type: ignore[attr-defined]
     if "--json" in rest:
         print(json.dumps(answer.payload, allow_nan=False))
     else:
         print(answer.text)
     return int(answer.exit_code)
+
+
+def _announce_compilation() -> None:
+    """Let a terminal show that the first run of a stepper compiles it."""
+    logger = logging.getLogger("verification.compiled")
+    if sys.stderr.isatty() and not logger.handlers:
+        handler = logging.StreamHandler()
+        handler.setFormatter(logging.Formatter("fronts: %(message)s"))
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
 
 
 def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:

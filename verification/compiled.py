@@ -7,6 +7,7 @@ function that it calls from another file, the old code would go on being used, i
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import shutil
 import time
@@ -16,6 +17,8 @@ from numba import njit
 from numba.core import config
 
 __all__ = ["njit"]
+
+logger = logging.getLogger(__name__)
 
 _HOME = Path(__file__).parent
 _PREFIX, _OPTION = "compiled-", "CACHE_DIR"
@@ -46,6 +49,7 @@ def _keep_compiled_code() -> None:
         base = Path.home() / ".cache" / "fronts"
     folder = base / f"{_PREFIX}{source_digest(_HOME)}"
     if not folder.exists():
+        logger.info("compiling the steppers: ten seconds or more, once")
         for old in base.glob(f"{_PREFIX}*"):
             if old.stat().st_mtime < time.time() - _WEEK:
                 shutil.rmtree(old, ignore_errors=True)

@@ -57,10 +57,8 @@ def test_sites_left_out_do_not_change_the_run(model: Model) -> None:
     )  # fmt: skip
     assert kept.mean_active < 0.5 * whole.mean_active
     size = float(np.abs(start).max())
-    # The bound that run_vdp states, beside the error of either run.
-    first = run_vdp(chain, start, 900.0, model=model, samples=2, tolerance=tolerance)
-    assert first.error is not None
-    assert np.abs(kept.psi - whole.psi).max() < 10.0 * tolerance * size + first.error
+    # The bound that run_vdp states; both runs take the same steps.
+    assert np.abs(kept.psi - whole.psi).max() < 10.0 * tolerance * size
 
 
 def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_square() -> None:

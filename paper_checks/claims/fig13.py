@@ -15,6 +15,9 @@ AVERAGED = (
 FULL = (0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0)
 """Couplings; the range of the paper's axis cannot be read."""
 
+SLOW = (0.1024, 0.1028, 0.1032)
+"""Couplings just above the one at which fronts stop."""
+
 CHECKED = (0.3, 0.6, 1.0)
 """Couplings at which scipy's velocity is compared."""
 
@@ -25,7 +28,8 @@ def _scaling() -> Finding:
     """Measure v̂ up to c = 100; compare the exponent with one, and v̂ with the law."""
     from theory.envelope_front import strong_coupling_front
     from theory.vdp_chain import VdpChain
-    from verification.vdp_front import measure_front
+    from verification.arrival_fit import FrontStatus
+    from verification.vdp_front import Behind, measure_front
     from verification.vdp_run import Model
 
     law = strong_coupling_front(B / A**2)
@@ -36,6 +40,12 @@ def _scaling() -> Finding:
     full = [measure_front(VdpChain(A, B, c, eps=EPS), Model.FULL, most_sites=250) for c in FULL]
     if not all(each.v and each.error is not None for each in (*fronts, *full)):
         raise ArithmeticError("a front did not run")
+    slow = [measure_front(VdpChain(A, B, each), behind=Behind.WAVE).v or 0.0 for each in SLOW]
+    rise, foot = np.polyfit(SLOW, np.square(slow), 1)
+    stop = -foot / rise
+    below = measure_front(VdpChain(A, B, stop - 1e-3), behind=Behind.WAVE)
+    if below.status is not FrontStatus.PINNED:
+        raise ArithmeticError(f"a front is {below.status} where it should have stopped")
     c, v = np.array(AVERAGED), np.array([each.v for each in fronts])
     error = np.array([each.error for each in fronts])
     v_full = np.array([each.v for each in full])
@@ -73,6 +83,8 @@ def _scaling() -> Finding:
             f"{exponent[0]:.2f} at c = {middle[0]:.3f}, near where fronts stop, passes one near "
             f"c = {middle[int(np.argmax(exponent < 1.0))]:.2f}, is smallest, {exponent.min():.3f}, "
             f"at c = {middle[int(np.argmin(exponent))]:.2f} and returns to one. "
+            f"Fronts stop at c = {stop:.4f}, where v̂² falls to zero in a straight line, and are "
+            "pinned below. "
             f"From c = 0.2 to 3 a straight line {slope:.3f} c + {offset:.3f} leaves residuals up "
             f"to {np.abs(rest).max():.3f}. At ε = 0.01 the chain (8) has a v̂ lower by "
             f"{1 - v_full[1] / v[AVERAGED.index(0.3)]:.1%} at c = 0.3 and "

@@ -45,10 +45,17 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
 
 @pytest.mark.parametrize(
     ("model", "c", "end"),
-    [(Model.FULL, 0.6, 900.0), (Model.ENVELOPE, 0.6, 900.0), (Model.ENVELOPE, 30.0, 90.0)],
+    [
+        (Model.FULL, 0.6, 900.0),
+        (Model.FULL, 3.0, 300.0),
+        (Model.ENVELOPE, 0.1, 20000.0),
+        (Model.ENVELOPE, 0.6, 3000.0),
+        (Model.ENVELOPE, 3.1, 300.0),
+        (Model.ENVELOPE, 100.0, 30.0),
+    ],
 )
 def test_sites_left_out_do_not_change_the_run(model: Model, c: float, end: float) -> None:
-    """At c = 30 fronts are wide, and their first traces run far ahead."""
+    """At c = 100 fronts are wide, and their first traces run far ahead."""
     tolerance = 1e-8
     chain = VdpChain(4.0, 0.5, c, sites=160)
     start = staggered_front(chain, 30)
@@ -61,7 +68,7 @@ def test_sites_left_out_do_not_change_the_run(model: Model, c: float, end: float
     )  # fmt: skip
     assert kept.mean_active < 0.7 * whole.mean_active
     # The bound that run_vdp states; both runs take the same steps.
-    assert np.abs(kept.psi - whole.psi).max() < 10.0 * tolerance * float(np.abs(start).max())
+    assert np.abs(kept.psi - whole.psi).max() < 0.1 * tolerance * float(np.abs(start).max())
 
 
 def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_square() -> None:

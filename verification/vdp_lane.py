@@ -22,8 +22,10 @@ SHORTEST = 5e-4
 SHORTEST_SLOW = 1e-13
 """Steps of (43) below this are given up; a start of 1e3 needs some 1e-11."""
 
-_REST = 0.1
-"""Rest level of the active window over the tolerance times the largest |Ψ| of the start."""
+_REST, _MARGIN, _WEAK = 1.0, 4, 3.0
+"""Rest level of the active window over the tolerance times the largest |Ψ| of the start; sites kept
+beyond the last one above it, twice as many at couplings above the last number. What this changes is
+below a hundredth of the tolerance."""
 
 
 class NotFiniteError(ArithmeticError):
@@ -77,13 +79,14 @@ class Lane:
         size = np.abs(start)
         self._arrivals[size >= level] = 0.0
         self._rest = -1.0
+        self._margin = _MARGIN if chain.c <= _WEAK else 2 * _MARGIN
         self.counters[:2] = 0, chain.sites
         if window and chain.ends is Ends.FREE:
             self._rest = _REST * tolerance * float(size.max())
             moving = np.flatnonzero(size > self._rest)
             if moving.size:
-                self.counters[0] = max(0, moving[0] - stepping.MARGIN)
-                self.counters[1] = min(chain.sites, moving[-1] + stepping.MARGIN + 1)
+                self.counters[0] = max(0, moving[0] - self._margin)
+                self.counters[1] = min(chain.sites, moving[-1] + self._margin + 1)
                 self.state[:, : self.counters[0]] = 0.0
                 self.state[:, self.counters[1] :] = 0.0
 
@@ -174,6 +177,7 @@ class Lane:
             *tableau(8),
             *error_weights(),
             self._rest,
+            self._margin,
             self.level,
             self._behind,
             self._arrivals,

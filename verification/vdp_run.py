@@ -142,8 +142,8 @@ def run_vdp(
     level : float, optional
         Amplitude of an arrival; by default the unstable cycle of one cell.
     window : bool
-        Leave sites out while they and their neighbours are at rest to within a tenth of the
-        tolerance. The run is then changed by less than ten times the tolerance.
+        Leave sites out while they and their neighbours are at rest to within the tolerance. The run
+        is then changed by less than a tenth of the tolerance, relative to the largest |Ψ|.
     behind : int
         Keep only so many sites behind the foremost arrival of a front that runs to larger n; the
         last one kept is coupled to a continued wave. 0 keeps all. What is left behind stays as it

@@ -23,9 +23,6 @@ REACHED, TOO_SHORT, NOT_FINITE, BUDGET = 0, 1, 2, 3
 """How :func:`advance` ended: at the stop, at a step below ``shortest``, at a number that is not
 finite, or after ``most_steps``."""
 
-MARGIN = 8
-"""Sites kept beyond the last one that is above the rest level."""
-
 _FIRST = 0.5
 """First step at tolerance one; it follows the tolerance, so that two runs never share steps."""
 
@@ -37,18 +34,20 @@ _REVIEW = 6.5
 
 
 @njit(cache=True)
-def _widened(x: FloatArray, rest: float, lo: int, hi: int, sites: int) -> tuple[int, int]:
-    """Return lo and hi moved outwards so that MARGIN sites at rest lie within, on either side."""
+def _widened(
+    x: FloatArray, rest: float, margin: int, lo: int, hi: int, sites: int
+) -> tuple[int, int]:
+    """Return lo and hi moved outwards so that ``margin`` sites at rest lie within either end."""
     m = hi - lo
     square = rest * rest
     new_lo, new_hi = lo, hi
-    for n in range(min(m, MARGIN)):
+    for n in range(min(m, margin)):
         if x[n] ** 2 + x[m + n] ** 2 > square:
-            new_lo = max(0, lo + n - MARGIN)
+            new_lo = max(0, lo + n - margin)
             break
-    for n in range(m - 1, max(0, m - MARGIN) - 1, -1):
+    for n in range(m - 1, max(0, m - margin) - 1, -1):
         if x[n] ** 2 + x[m + n] ** 2 > square:
-            new_hi = min(sites, lo + n + MARGIN + 1)
+            new_hi = min(sites, lo + n + margin + 1)
             break
     return min(lo, new_lo), max(hi, new_hi)
 
@@ -68,6 +67,7 @@ def advance(
     E5: FloatArray,
     E3: FloatArray,
     rest: float,
+    margin: int,
     level: float,
     behind: int,
     arrivals: FloatArray,
@@ -103,8 +103,10 @@ def advance(
     A, weights, E5, E3
         Runge-Kutta method and its error estimate.
     rest : float
-        Sites are active from MARGIN sites before their neighbours exceed this amplitude; negative
-        for all sites always.
+        Sites at the ends are left out until one within ``margin`` of them exceeds this amplitude;
+        negative for all sites always.
+    margin : int
+        Sites at rest that are kept.
     level : float
         Amplitude that counts as an arrival.
     behind : int
@@ -196,7 +198,7 @@ def advance(
         counters[4] += m
         wider_lo, wider_hi = lo, hi
         if rest >= 0.0 and (lo > 0 or hi < sites):
-            wider_lo, wider_hi = _widened(x, rest, lo, hi, sites)
+            wider_lo, wider_hi = _widened(x, rest, margin, lo, hi, sites)
             if behind > 0:
                 wider_lo = lo
         if behind > 0 and foremost - behind > lo:

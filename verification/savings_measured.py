@@ -83,6 +83,34 @@ def sites() -> tuple[float, float]:
     return float(found.window), float(found.crossing_times.size + found.window)
 
 
+def sites_at_rest() -> tuple[float, float]:
+    """Count sites stepped and all sites, on the chain of the benchmark."""
+    from theory.vdp_chain import VdpChain
+    from verification.vdp_run import run_vdp
+    from verification.vdp_start import displaced
+
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=31)
+    run = run_vdp(chain, displaced(chain, [1]), 1000.0, samples=2, companion=False)
+    return run.mean_active, float(chain.sites)
+
+
+def sites_behind() -> tuple[float, float]:
+    """Count sites stepped with few and with all sites kept behind a front."""
+    from theory.vdp_chain import VdpChain
+    from verification.vdp_run import Model, run_vdp
+    from verification.vdp_start import staggered_front
+
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=300)
+    few, whole = (
+        run_vdp(
+            chain, staggered_front(chain, 24), 3.7e4, model=Model.ENVELOPE, samples=2,
+            behind=behind, companion=False,
+        )
+        for behind in (24, 0)
+    )  # fmt: skip
+    return few.mean_active, whole.mean_active
+
+
 def events() -> tuple[float, float]:
     """Count events, and the fixed second-order steps for the same error."""
     from verification.piecewise_simulation import simulate_front

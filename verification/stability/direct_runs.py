@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -70,6 +71,7 @@ def full_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     stiff = rate > 30.0
     if stiff and rate * _END > 1e12:
         raise NoReferenceError("too stiff for scipy")
+    options: Any = {"jac": lambda _, x: full_jacobian(chain, x)} if stiff else {}
     answers = []
     for tolerance in (_REFERENCE, 30.0 * _REFERENCE):
         run = solve_ivp(
@@ -79,7 +81,7 @@ def full_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
             method="Radau" if stiff else "DOP853",
             rtol=tolerance,
             atol=tolerance * max(1e-300, float(np.abs(state).max())),
-            jac=(lambda _, x: full_jacobian(chain, x)) if stiff else None,
+            **options,
         )
         if not run.success:
             raise NoReferenceError(run.message)

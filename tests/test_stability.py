@@ -32,6 +32,13 @@ POINTS = {
     "c-fold": 14,
     "eta-fold": 10,
 }
+RUN = {
+    "a": 4.0, "eta": 0.03, "c": 0.6, "eps": 0.01, "sites": 8, "displacement": 2.0,
+    "tolerance": 1e-9,
+}  # fmt: skip
+SLIDING = {
+    "c": 0.02, "v_d": 1.25, "v0": 0.5, "xi": 0.05, "mu_st": 1.0, "sites": 4, "displacement": 2.0,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", [*QUICK, *POINTS])
@@ -57,6 +64,13 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("envelope-breather", {"eta": 0.125 * (1 - 1e-9), "c": 1e-6}),
         ("envelope-breather", {"eta": 0.124875, "c": 1e-8}),
         ("sigma-series", {"v": 0.3, "c": 0.5, "digits": 40}),
+        ("run-vdp", {**RUN, "displacement": 1e3, "eps": 1e-3}),
+        ("run-vdp", {**RUN, "eps": 1.0, "c": 10.0}),
+        ("run-vdp", {**RUN, "sites": 1e5, "displacement": 1e-8}),
+        ("run-envelope", {**RUN, "c": 1e-8}),
+        ("run-friction", {**SLIDING, "v_d": 1.1513}),
+        ("run-friction", {**SLIDING, "c": 1.0}),
+        ("run-friction", {**SLIDING, "xi": 1e-6, "sites": 1.0}),
     ],
 )
 def test_dear_quantities_are_right_at_single_points(name: str, values: Mapping[str, float]) -> None:

@@ -155,7 +155,10 @@ def friction_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     if at["v0"] < 1e-3 or at["v_d"] < 1e-2:
         raise NoReferenceError("too many steps for scipy")
     chain = replace(_friction(at), sites=kept)
-    run = run_events(chain, claim.extra[:, :kept], _TAU, times=np.array([_TAU]))
+    try:
+        run = run_events(chain, claim.extra[:, :kept], _TAU, times=np.array([_TAU]))
+    except ArithmeticError as error:
+        raise NoReferenceError(str(error)) from None
     distance = float(np.abs(claim.value[:kept] - run.y[-1]).max())
     return Check(distance, 1e-10, "scipy's DOP853 with events")
 

@@ -90,6 +90,20 @@ def count_within(quantity: str, value: int, low: int, high: int, remedy: str | N
     return int(number)
 
 
+def end_time(quantity: str, value: float) -> float:
+    """Return the end time of a run: positive, at most 1e9.
+
+    Beyond, a time in double precision no longer tells the phase to a part in a million, and a run
+    takes days.
+
+    Raises
+    ------
+    ParameterError
+        If it is not in this range.
+    """
+    return within(quantity, positive(quantity, value, "give a positive time"), 0.0, 1e9)
+
+
 def _checked(
     quantity: str,
     value: SupportsFloat | str,

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.friction_chain import FrictionChain
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, end_time, within
 from verification.friction_lane import FrictionLane
 from verification.integrators import friction
 
@@ -119,7 +119,7 @@ def run_friction(
     start : ndarray, shape (2, N)
         y and ẏ (``verification.friction_start``).
     t_end : float
-        τ, positive.
+        τ, positive, at most 1e9.
     tolerance : float
         Local error of y and ẏ, absolute, from 1e-14 to 1e-2.
     samples : int
@@ -149,7 +149,7 @@ def run_friction(
     ((2, 5), True, 'resolved')
     """
     begin = perf_counter()
-    positive("end time tau", t_end, "give a positive time")
+    end_time("end time tau", t_end)
     within("tolerance", tolerance, 1e-14, 1e-2)
     within("number of samples", samples, 2, 1_000_000)
     within("events kept", events, 0, 1e8)

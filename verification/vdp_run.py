@@ -19,7 +19,7 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, end_time, positive, within
 from theory.vdp_chain import Ends, VdpChain
 from verification.vdp_checkpoint import read_checkpoint, write_checkpoint
 from verification.vdp_lane import Lane
@@ -132,7 +132,7 @@ def run_vdp(
     start : ndarray of complex, shape (N,)
         Ψ(0) = ẏ + iy (``verification.vdp_start``).
     t_end : float
-        Time t, positive; slow time is εt.
+        Time t, positive, at most 1e9; slow time is εt.
     model : Model
         (8), or (43).
     tolerance : float
@@ -173,7 +173,7 @@ def run_vdp(
     ((2, 5), True)
     """
     begin = perf_counter()
-    positive("end time t", t_end, "give a positive time")
+    end_time("end time t", t_end)
     within("tolerance", tolerance, 1e-14, 1e-2)
     within("number of samples", samples, 2, 1_000_000)
     psi = np.asarray(start, dtype=complex)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, given, real, refuse, write_whole
+from fronts.arguments import check_writable, given, real, refuse, same_file, write_whole
 from fronts.friction_options import CELL, START, add_cell_options, add_start_option
 from fronts.progress import Fraction
 
@@ -92,13 +92,15 @@ def sites(text: str) -> tuple[int, ...]:
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    for path, kinds in (
-        (options.out, (".npz",)),
-        (options.picture, (".png", ".svg", ".pdf")),
-        (options.checkpoint, (".npz",)),
+    for path, kinds, option in (
+        (options.out, (".npz",), "--out"),
+        (options.picture, (".png", ".svg", ".pdf"), "--picture"),
+        (options.checkpoint, (".npz",), "--checkpoint"),
     ):
         if path is not None:
-            check_writable(path, kinds)
+            check_writable(path, kinds, option)
+    if None not in (options.out, options.checkpoint) and same_file(options.out, options.checkpoint):
+        raise UsageError(f"--out and --checkpoint are both {options.out}: name two files.")
     if options.seed < 0:
         raise UsageError(f"--seed {options.seed} must not be negative.")
 

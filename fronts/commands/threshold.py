@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import given, real, refuse
+from fronts.arguments import given, real, refuse, refuse_other_methods
 from fronts.commands.breather import add_chain_options, add_nucleus_options, nucleus_of
 from fronts.friction_options import (
     CELL,
@@ -49,7 +49,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=["envelope", "orbit", "sweep", "closed-form"],
         help="vdp: envelope: continuation as eps tends to 0; orbit: continuation in (8); sweep: "
-        "slow growth of c from an in-phase start, extrapolated to rate zero (envelope)",
+        "slow growth of c from an in-phase start, extrapolated to rate zero; closed-form: (29), "
+        "(37) (envelope)",
     )
     parser.add_argument(
         "--perturbation", type=real, help="vdp: seeded noise on the start of a sweep (0)"
@@ -85,6 +86,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _vdp(options: argparse.Namespace) -> Answer:
     refuse(options, _FRICTION, options.model)
+    refuse_other_methods(options, {"perturbation": "sweep", "seed": "sweep"})
     for name, default in _VDP.items():
         setattr(options, name, given(getattr(options, name), default))
     from theory.vdp_chain import VdpChain

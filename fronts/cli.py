@@ -95,9 +95,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
     one sentence says why. 3: a defect of the toolkit. 130: interrupted.
 
-    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, a
-    ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, or a
-    ``PrecisionError``.
+    An error meant for the user is a ``UsageError``, an ``OSError`` on a file, a ``ValueError``
+    with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``
+    or a ``RunError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -128,8 +128,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             _complain(str(error), as_json, details)
             return 2
         from theory.kinetic_sum import PrecisionError
+        from theory.parameters import RunError
 
-        if isinstance(error, PrecisionError):
+        if isinstance(error, (PrecisionError, RunError)):
             _complain(str(error), as_json, {})
             return 2
         return _defect(error, as_json)

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from fronts.cli import COMMANDS, main
+from verification.integrators import friction
 
 
 def _json(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
@@ -162,6 +163,7 @@ BAD = [
     f"simulate vdp {_RUN} --t-end 1e300",
     f"simulate vdp {_RUN} --out /proc/run.npz",
     f"simulate vdp {_RUN} --out run.npz --checkpoint ./run.npz",
+    f"simulate vdp {_RUN} --n 1000000 --samples 1000000",
     "simulate friction --c 0.02 --excite 1 --t-end 1e300",
     "simulate friction --c 0.02 --excite 1 --t-end 9 --mu-st 0.5",
     "simulate friction --c 0.02 --excite 1 --t-end 9 --v-d 0",
@@ -211,6 +213,20 @@ def test_a_cycle_that_does_not_exist_is_shown_as_a_dash(capsys: pytest.CaptureFi
     shown = capsys.readouterr().out
     assert "nan" not in shown
     assert " -" in shown.splitlines()[-1]
+
+
+def test_a_run_of_stiff_steps_only_has_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
+    answer = _json(capsys, f"simulate vdp {_RUN} --displacement 1000")
+    assert answer["steps"] == 0
+    assert answer["mean_active"] == 0.0
+
+
+def test_a_run_that_cannot_go_on_is_no_defect(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(friction, "advance", lambda *_: friction.TOO_SHORT)
+    assert main(shlex.split("simulate friction --c 0.02 --excite 1 --t-end 9")) == 2
+    assert "time stands still" in capsys.readouterr().err
 
 
 def test_one_point_imports_nothing_it_does_not_use() -> None:

@@ -32,6 +32,10 @@ class ParameterError(ValueError):
         super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
 
 
+class RunError(ArithmeticError):
+    """A run that cannot go on; the message is one sentence that says where, and what to change."""
+
+
 def positive(
     quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
 ) -> float:

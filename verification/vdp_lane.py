@@ -7,6 +7,7 @@ import hashlib
 import numpy as np
 import numpy.typing as npt
 
+from theory.parameters import RunError
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators import stepping
 from verification.integrators.active import FOLLOWING, FREE, RING
@@ -24,7 +25,7 @@ _REST = 0.1
 """Rest level of the active window over the tolerance times the largest |Ψ| of the start."""
 
 
-class NotFiniteError(ArithmeticError):
+class NotFiniteError(RunError):
     """The state has left the range of double precision."""
 
 

@@ -25,7 +25,7 @@ EXAMPLE = """examples:
   fronts simulate vdp --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --model envelope --t-end 9000
   fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png"""
 
-_VDP = ("a", "b", "eps", "model", "checkpoint")
+_VDP = ("a", "b", "eps", "model")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -63,7 +63,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--checkpoint",
         type=Path,
-        help="vdp: keep the run in this .npz file; if it exists, go on from it",
+        help="keep the run in this .npz file; if it exists, go on from it",
     )
 
 

@@ -153,6 +153,9 @@ BAD = [
     "threshold vdp --perturbation 1e-3",
     "threshold vdp --a 1e200",
     "threshold friction --seed 1",
+    "threshold friction --v-d 1",
+    "threshold friction --c-min 0",
+    "threshold friction --t-end 0",
     "front vdp --c 0.6 --a 1e300 --b 0.5",
     "cell vdp --a 1e-300 --b 1e-300",
     "cell vdp --a 2.5 --b 1e-12",
@@ -227,6 +230,28 @@ def test_a_run_that_cannot_go_on_is_no_defect(
     monkeypatch.setattr(friction, "advance", lambda *_: friction.TOO_SHORT)
     assert main(shlex.split("simulate friction --c 0.02 --excite 1 --t-end 9")) == 2
     assert "time stands still" in capsys.readouterr().err
+
+
+def test_a_threshold_below_the_hopf_velocity_says_why_there_is_none(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(shlex.split("threshold friction --v-d 1")) == 2
+    shown = capsys.readouterr().err
+    assert "above 1.15129" in shown
+    assert "lower it" not in shown
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [("simulate", "--t-end"), ("map", "--t-end"), ("threshold", "--t-end"),
+     ("simulate", "--perturbation"), ("threshold", "--perturbation")],
+)  # fmt: skip
+def test_one_thing_has_one_name_in_every_command(
+    command: str, option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert f"{option} " in capsys.readouterr().out
 
 
 def test_one_point_imports_nothing_it_does_not_use() -> None:

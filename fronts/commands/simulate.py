@@ -53,7 +53,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--displacement", type=real, help="how far (default: the stable cycle of one cell)"
     )
     add_start_option(parser)
-    parser.add_argument("--perturb", type=real, default=0.0, help="size of noise on every site")
+    parser.add_argument(
+        "--perturbation",
+        "--perturb",
+        dest="perturb",
+        type=real,
+        default=0.0,
+        help="size of noise on every site (0)",
+    )
     parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
     parser.add_argument("--t-end", type=real, required=True, help="end time t; slow time is eps t")
     parser.add_argument("--tolerance", type=real, help="local error (vdp: 1e-9, friction: 1e-10)")

@@ -119,7 +119,8 @@ def _leaves_upwards(kappa: float, eta: float, start: float) -> bool:
     def below(_: float, x: FloatArray) -> float:
         return float(x[0] + 0.4 * r_s)
 
-    above.terminal = below.terminal = True  # type: ignore[attr-defined]
+    for event in (above, below):
+        vars(event)["terminal"] = True
     r = start * r_s
     solved = solve_ivp(
         backward,

@@ -16,7 +16,7 @@ from fronts.friction_options import CELL, add_cell_options, cell_numbers
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell
     from verification.friction_cell_continuation import Continuation
-    from verification.friction_cell_orbits import Cycle
+    from verification.friction_cell_cycles import Cycle
     from verification.vdp_cell import VdpCycle
 
 EXAMPLE = """examples:

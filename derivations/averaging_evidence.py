@@ -167,7 +167,7 @@ def _amplitude_point(rng: random.Random) -> Point:
     return {**point, n: place, under_test.A_n: math.hypot(*quarter)}
 
 
-def _staggered(rng: random.Random, centre: bool) -> tuple[Point, list[complex]]:
+def _staggered(rng: random.Random, centre: bool) -> tuple[Point, None]:
     p = _numbers(rng)
     p["w"] = 1.0
     own, left, right = (rng.uniform(0.2, 1.5) for _ in range(3))
@@ -183,7 +183,7 @@ def _staggered(rng: random.Random, centre: bool) -> tuple[Point, list[complex]]:
     else:
         names = {under_test.r[0]: own, under_test.r[-1]: left, under_test.r[1]: right,
                  under_test.r_rate: -rest.real}  # fmt: skip
-    return {**_named(p), **names}, None  # type: ignore[return-value]
+    return {**_named(p), **names}, None
 
 
 def _tail_point(rng: random.Random) -> Point:

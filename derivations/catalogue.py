@@ -53,12 +53,14 @@ def load(name: str, order: int = 1) -> Derivation:
         raise DerivationInputError("order", order, "1 or 2", "choose one of the two")
     module = importlib.import_module(f"derivations.{LISTING[name][0]}")
     if name in WITH_ORDER:
-        return module.derive(order)  # type: ignore[no-any-return]
+        ordered: Derivation = module.derive(order)
+        return ordered
     if order == 2 and name != "second-order":
         raise DerivationInputError(
             "order", order, f"1 for '{name}'", "leave it out: this derivation has one order"
         )
-    return module.derive()  # type: ignore[no-any-return]
+    made: Derivation = module.derive()
+    return made
 
 
 def owner(number: int) -> str:

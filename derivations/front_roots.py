@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import sympy as sp
 
@@ -90,11 +90,11 @@ def _on_line(at: sp.Expr, cosine: int) -> tuple[sp.Expr, sp.Expr]:
     return sp.expand(real), sp.expand(imaginary)
 
 
-def _reads_off(where: object) -> Check:
+def _reads_off(where: Callable[[random.Random], Point]) -> Check:
     """Compare with the exponentials of L, evaluated at points of a line."""
 
     def draw(rng: random.Random) -> Point:
-        return where(rng)  # type: ignore[operator,no-any-return]
+        return where(rng)
 
     return vanishes_at(draw, "L from its exponentials", count=6)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +99,21 @@ def refuse(options: argparse.Namespace, names: Iterable[str], model: str) -> Non
             raise UsageError(f"--{flag} has no meaning for the model {model}.")
 
 
+def refuse_other_methods(options: argparse.Namespace, owners: Mapping[str, str]) -> None:
+    """Refuse options of another ``--method`` than the one that was named; by option, its method.
+
+    Raises
+    ------
+    UsageError
+        If one was given, or a seed is negative.
+    """
+    for name, method in owners.items():
+        if getattr(options, name) is not None and options.method != method:
+            raise UsageError(f"--{name} is for --method {method}: leave it out.")
+    if (getattr(options, "seed", None) or 0) < 0:
+        raise UsageError(f"--seed {options.seed} must not be negative.")
+
+
 def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--out") -> Path:
     """Refuse early, before any work, a path that cannot be written.
 
@@ -106,7 +121,8 @@ def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--
     ------
     UsageError
         If the folder does not exist or may not be written, the path is a folder, or its suffix
-        is not one of ``suffixes`` (if any are named).
+        is not one of ``suffixes`` (if any are named). The folder is tried, not asked: permissions
+        say nothing of file systems that refuse.
     """
     if suffixes and path.suffix.lower() not in suffixes:
         raise UsageError(f"{option} {path} must end in {' or '.join(suffixes)}.")
@@ -115,10 +131,24 @@ def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--
         raise UsageError(f"{option} {path} is a folder: name a file in it.")
     if not folder.is_dir():
         raise UsageError(f"{option} {path} cannot be written: the folder {folder} does not exist.")
-    target = path if path.exists() else folder
-    if not os.access(target, os.W_OK):
-        raise UsageError(f"{option} {path} cannot be written: no permission on {target}.")
+    if path.exists() and not os.access(path, os.W_OK):
+        raise UsageError(f"{option} {path} cannot be written: no permission on {path}.")
+    try:
+        _neighbour(path).unlink()
+    except OSError as error:
+        raise UsageError(f"{option} {path} cannot be written: {error.strerror}.") from None
     return path
+
+
+def same_file(one: Path, other: Path) -> bool:
+    """Tell whether two names lead to one file, whether it exists or not.
+
+    Examples
+    --------
+    >>> same_file(Path("run.npz"), Path("./run.npz"))
+    True
+    """
+    return one.resolve() == other.resolve()
 
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
@@ -126,9 +156,7 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> None:
 
     ``write`` fills a temporary neighbour with the same suffix, which then takes the name.
     """
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=path.suffix, prefix=".writing-")
-    os.close(handle)
-    temporary = Path(name)
+    temporary = _neighbour(path)
     try:
         write(temporary)
         mode = 0o666 & ~_umask()
@@ -136,6 +164,12 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _neighbour(path: Path) -> Path:
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=path.suffix, prefix=".writing-")
+    os.close(handle)
+    return Path(name)
 
 
 def _umask() -> int:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import json
 import logging
 import os
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 from typing import NoReturn
 
 from fronts.answer import UsageError
@@ -51,7 +53,7 @@ def _overview() -> str:
     return "\n".join(lines)
 
 
-def _parser(name: str) -> tuple[_Parser, object]:
+def _parser(name: str) -> tuple[_Parser, ModuleType]:
     module = importlib.import_module(f"fronts.commands.{name}")
     parser = _Parser(
         prog=f"fronts {name}",
@@ -74,7 +76,7 @@ def _run(argv: Sequence[str]) -> int:
         raise UsageError(f"'{name}' is not a command: choose one of {', '.join(COMMANDS)}.")
     parser, module = _parser(name)
     _announce_compilation()
-    answer = module.run(parser.parse_args(rest))  # type: ignore[attr-defined]
+    answer = module.run(parser.parse_args(rest))
     if "--json" in rest:
         print(json.dumps(answer.payload, allow_nan=False))
     else:
@@ -105,9 +107,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
     one sentence says why. 3: a defect of the toolkit. 130: interrupted.
 
-    An error meant for the user is a ``UsageError``, an ``OSError`` on a file the user named, a
-    ``ValueError`` with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, or a
-    ``PrecisionError``.
+    An error meant for the user is a ``UsageError``, an ``OSError`` on a file, a ``ValueError``
+    with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``
+    or a ``RunError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -124,26 +126,38 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        # Of a file only: what a file system says while writing is for the user to mend.
+        if error.filename is None and error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            return _defect(error, as_json)
+        where = "" if error.filename is None else f" {error.filename}"
+        _complain(f"the file{where} cannot be used: {error.strerror}.", as_json, {})
+        return 2
     except Exception as error:
         if isinstance(error, ValueError) and hasattr(error, "remedy"):
             fields = ("quantity", "value", "allowed", "remedy")
             details = {field: str(getattr(error, field)) for field in fields}
             _complain(str(error), as_json, details)
             return 2
-        if os.environ.get("FRONTS_TRACEBACK"):
-            raise
         from theory.kinetic_sum import PrecisionError
+        from theory.parameters import RunError
 
-        if isinstance(error, PrecisionError):
+        if isinstance(error, (PrecisionError, RunError)):
             _complain(str(error), as_json, {})
             return 2
-        kind = type(error).__name__
-        _complain(
-            f"a defect of this toolkit: {kind}: {error} (set FRONTS_TRACEBACK=1 to see where).",
-            as_json,
-            {},
-        )
-        return 3
+        return _defect(error, as_json)
+
+
+def _defect(error: Exception, as_json: bool) -> int:
+    if os.environ.get("FRONTS_TRACEBACK"):
+        raise error
+    _complain(
+        f"a defect of this toolkit: {type(error).__name__}: {error} "
+        "(set FRONTS_TRACEBACK=1 to see where).",
+        as_json,
+        {},
+    )
+    return 3
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import numpy as np
 from fronts.answer import Answer, UsageError
 from fronts.arguments import given, write_whole
 from fronts.friction_options import CELL, cell_of, start_point_of
+from fronts.progress import Fraction
 
 if TYPE_CHECKING:
     from verification.friction_run import FrictionRun
@@ -38,13 +39,16 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     if options.perturb > 0:
         noise = np.random.default_rng(options.seed).standard_normal(start.shape)
         start = start + options.perturb * noise
-    result = run_friction(
-        chain,
-        start,
-        options.t_end,
-        tolerance=given(options.tolerance, 1e-10),
-        samples=options.samples,
-    )
+    with Fraction(f"run to tau = {options.t_end:g}") as shown:
+        result = run_friction(
+            chain,
+            start,
+            options.t_end,
+            tolerance=given(options.tolerance, 1e-10),
+            samples=options.samples,
+            checkpoint=options.checkpoint,
+            progress=shown.show,
+        )
     if options.out is not None:
         write_whole(options.out, lambda path: _save(path, result))
     if options.picture is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import json
 import math
@@ -13,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from fronts.cli import COMMANDS, main
+from verification.integrators import friction
 
 
 def _json(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
@@ -118,6 +120,8 @@ def test_curves_and_profiles_are_written_whole(suffix: str, tmp_path: Path) -> N
         assert len(shape.read_text().splitlines()) == 322
 
 
+_RUN = "--a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 9"
+
 BAD = [
     "kinetic --c 0 --eta 0.03",
     "kinetic --c -1 --eta 0.03",
@@ -142,6 +146,30 @@ BAD = [
     "profile --c 0.5 --eta 0.03125 --out /nowhere/shape.png",
     "front piecewise --c 0 --eta 0.03",
     "front piecewise --c 0.5 --eta 0.2",
+    "kinetic --c 0.5 --a 1e300 --b 0.5",
+    "breather --c 0.1 --a 1e300",
+    "breather --c 0.1 --reading tail",
+    "breather --c 0.1 --method simulation --seed -1",
+    "threshold vdp --perturbation 1e-3",
+    "threshold vdp --a 1e200",
+    "threshold friction --seed 1",
+    "threshold friction --v-d 1",
+    "threshold friction --c-min 0",
+    "threshold friction --t-end 0",
+    "front vdp --c 0.6 --a 1e300 --b 0.5",
+    "cell vdp --a 1e-300 --b 1e-300",
+    "cell vdp --a 2.5 --b 1e-12",
+    "cell friction --v-d 1.25 --eps 0.01",
+    f"simulate vdp {_RUN} --eps 0",
+    f"simulate vdp {_RUN} --n 1",
+    f"simulate vdp {_RUN} --t-end inf",
+    f"simulate vdp {_RUN} --t-end 1e300",
+    f"simulate vdp {_RUN} --out /proc/run.npz",
+    f"simulate vdp {_RUN} --out run.npz --checkpoint ./run.npz",
+    f"simulate vdp {_RUN} --n 1000000 --samples 1000000",
+    "simulate friction --c 0.02 --excite 1 --t-end 1e300",
+    "simulate friction --c 0.02 --excite 1 --t-end 9 --mu-st 0.5",
+    "simulate friction --c 0.02 --excite 1 --t-end 9 --v-d 0",
     "check nosuchclaim",
     "nosuchcommand",
 ]
@@ -158,6 +186,72 @@ def test_bad_input_gets_one_sentence_and_exit_code_2(
     assert main([*shlex.split(line), "--json"]) == 2
     error = json.loads(capsys.readouterr().err)["error"]
     assert error["message"]
+
+
+@pytest.mark.parametrize("option", ["--out", "--picture", "--checkpoint"])
+def test_a_file_that_cannot_be_written_is_named_by_its_own_option(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / ("run.png" if option == "--picture" else "run.npz")
+    folder.mkdir()
+    assert main(shlex.split(f"simulate vdp {_RUN} {option} {shlex.quote(str(folder))}")) == 2
+    assert f"{option} {folder} is a folder" in capsys.readouterr().err
+
+
+def test_a_disk_that_fills_up_is_no_defect(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*arguments: object, **options: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("numpy.savez_compressed", full)
+    out = tmp_path / "run.npz"
+    assert main(shlex.split(f"simulate vdp {_RUN} --out {shlex.quote(str(out))}")) == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cycle_that_does_not_exist_is_shown_as_a_dash(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(shlex.split("cell friction --v-d 0.9:2:3")) == 0
+    shown = capsys.readouterr().out
+    assert "nan" not in shown
+    assert " -" in shown.splitlines()[-1]
+
+
+def test_a_run_of_stiff_steps_only_has_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
+    answer = _json(capsys, f"simulate vdp {_RUN} --displacement 1000")
+    assert answer["steps"] == 0
+    assert answer["mean_active"] == 0.0
+
+
+def test_a_run_that_cannot_go_on_is_no_defect(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(friction, "advance", lambda *_: friction.TOO_SHORT)
+    assert main(shlex.split("simulate friction --c 0.02 --excite 1 --t-end 9")) == 2
+    assert "time stands still" in capsys.readouterr().err
+
+
+def test_a_threshold_below_the_hopf_velocity_says_why_there_is_none(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(shlex.split("threshold friction --v-d 1")) == 2
+    shown = capsys.readouterr().err
+    assert "above 1.15129" in shown
+    assert "lower it" not in shown
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [("simulate", "--t-end"), ("map", "--t-end"), ("threshold", "--t-end"),
+     ("simulate", "--perturbation"), ("threshold", "--perturbation")],
+)  # fmt: skip
+def test_one_thing_has_one_name_in_every_command(
+    command: str, option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert f"{option} " in capsys.readouterr().out
 
 
 def test_one_point_imports_nothing_it_does_not_use() -> None:

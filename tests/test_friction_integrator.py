@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -307,3 +308,52 @@ def test_a_run_can_be_taken_in_parts() -> None:
         parts.go_to(t)
     assert np.abs(whole.y - parts.y).max() < 1e-8
     assert np.array_equal(whole.modes, parts.modes)
+
+
+@pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])
+def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
+    chain = FrictionChain(0.05, sites=9)
+    start = nucleus(chain, place)
+    whole = run_friction(chain, start, 60.0, samples=7, events=500)
+    file = tmp_path / "run.npz"
+    looks = 0
+
+    def interrupt(_: float) -> None:
+        nonlocal looks
+        looks += 1
+        if looks % 3 == 0:
+            raise KeyboardInterrupt
+
+    # A budget of one step of nine sites: the run is left after every step without an event.
+    for _ in range(2000):
+        try:
+            resumed = run_friction(
+                chain, start, 60.0, samples=7, events=500, checkpoint=file, progress=interrupt,
+                budget=1,
+            )  # fmt: skip
+            break
+        except KeyboardInterrupt:
+            continue
+    assert looks > 100
+    for name in ("y", "velocity", "envelope", "arrivals", "log"):
+        assert np.array_equal(getattr(whole, name), getattr(resumed, name), equal_nan=True), name
+    assert (whole.error, whole.steps) == (resumed.error, resumed.steps)
+
+
+def test_a_checkpoint_of_another_friction_run_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "run.npz"
+    chain = FrictionChain(0.05, sites=9)
+    run_friction(chain, nucleus(chain, [5]), 9.0, checkpoint=file)
+    for other, place, end, named in (
+        (FrictionChain(0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
+        (chain, [4], 9.0, "start"),
+        (chain, [5], 10.0, "t_end"),
+    ):
+        with pytest.raises(ParameterError, match=named):
+            run_friction(other, nucleus(other, place), end, checkpoint=file)
+
+
+def test_more_samples_than_memory_holds_are_refused() -> None:
+    chain = FrictionChain(0.05, sites=1000)
+    with pytest.raises(ParameterError, match="at most 100000 for 1000 sites"):
+        run_friction(chain, nucleus(chain, [5]), 9.0, samples=200_000)

@@ -32,6 +32,10 @@ class ParameterError(ValueError):
         super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
 
 
+class RunError(ArithmeticError):
+    """A run that cannot go on; the message is one sentence that says where, and what to change."""
+
+
 def positive(
     quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
 ) -> float:
@@ -88,6 +92,20 @@ def count_within(quantity: str, value: int, low: int, high: int, remedy: str | N
             quantity, value, f"a whole number from {low} to {high}", "give a whole number"
         )
     return int(number)
+
+
+def end_time(quantity: str, value: float) -> float:
+    """Return the end time of a run: positive, at most 1e9.
+
+    Beyond, a time in double precision no longer tells the phase to a part in a million, and a run
+    takes days.
+
+    Raises
+    ------
+    ParameterError
+        If it is not in this range.
+    """
+    return within(quantity, positive(quantity, value, "give a positive time"), 0.0, 1e9)
 
 
 def _checked(

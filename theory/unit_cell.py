@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from theory.parameters import ParameterError, positive
+from theory.parameters import ParameterError, positive, within
 
 ETA_END = 0.125
 """The two cycles meet at η = 1/8; beyond it the cell has no limit cycle."""
@@ -23,19 +23,23 @@ def eta_from_damping(a: float, b: float) -> float:
     Parameters
     ----------
     a, b : float
-        Coefficients of (8), dimensionless, both positive.
+        Coefficients of (8), dimensionless, both positive, from 1e-100 to 1e100: beyond, the
+        amplitudes would not fit into double precision.
 
     Raises
     ------
     ParameterError
-        If a or b is not finite and positive.
+        If a or b is not finite and positive, or out of range.
 
     Examples
     --------
     >>> eta_from_damping(4, 0.5)
     0.03125
     """
-    return positive("damping coefficient b", b) / positive("damping coefficient a", a) ** 2
+    for name, value in (("a", a), ("b", b)):
+        within(f"damping coefficient {name}", positive(f"damping coefficient {name}", value),
+               1e-100, 1e100)  # fmt: skip
+    return b / a**2
 
 
 def checked_eta(eta: float) -> float:

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.friction_cell import FrictionCell
-from verification.friction_cell_orbits import cycle_end_velocity, stick_slip_once, unstable_once
+from verification.friction_cell_cycles import stick_slip_once, unstable_once
+from verification.friction_cell_orbits import cycle_end_velocity
 
 FloatArray = npt.NDArray[np.float64]
 

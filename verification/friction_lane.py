@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.friction_chain import FrictionChain, FrictionEnds
-from theory.parameters import ParameterError, positive
+from theory.parameters import ParameterError, RunError, positive
 from verification.integrators import friction
 from verification.integrators.friction_series import binomials
 from verification.integrators.taylor import taylor_order
@@ -19,7 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 _REST = 0.01
 
 
-class FrictionRunError(ArithmeticError):
+class FrictionRunError(RunError):
     """A run that cannot go on: time stands still, or the state has left double precision."""
 
 
@@ -42,6 +44,8 @@ class FrictionLane:
         Where the state is sampled, ascending.
     events : int
         Events that are kept in ``log``.
+    end : float
+        τ to which :meth:`go_on` goes.
 
     Raises
     ------
@@ -59,6 +63,7 @@ class FrictionLane:
         watched: Sequence[int] | None = None,
         times: FloatArray | None = None,
         events: int = 0,
+        end: float = math.inf,
     ) -> None:
         start = np.asarray(start, dtype=float)
         if start.shape != (2, chain.sites) or not np.all(np.isfinite(start)):
@@ -86,6 +91,8 @@ class FrictionLane:
         self.times = np.zeros(0) if times is None else np.asarray(times, dtype=float)
         self._samples = np.zeros((self.times.size, 3, chain.sites))
         self._log = np.zeros((events, 3))
+        self.end = end
+        self._start = hashlib.sha256(np.ascontiguousarray(start).tobytes()).hexdigest()[:16]
         self._rest = -1.0
         self.counters[friction.HI] = chain.sites
         if window and self._free:
@@ -108,6 +115,47 @@ class FrictionLane:
     def time(self) -> float:
         """τ reached."""
         return float(self._clock[0])
+
+    @property
+    def finished(self) -> bool:
+        """Whether ``end`` has been reached."""
+        return self.time >= self.end
+
+    @property
+    def kept(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays that make up the state of the run; filled in place when it is resumed."""
+        return {
+            "y": self.y,
+            "w": self._w,
+            "modes": self.modes,
+            "clock": self._clock,
+            "counters": self.counters,
+            "arrivals": self.arrivals,
+            "extremes": self._extremes,
+            "samples": self._samples,
+            "log": self._log,
+        }
+
+    @property
+    def stamp(self) -> dict[str, float | int | str | bool]:
+        """What decides the run, to be held against a checkpoint."""
+        cell = self.chain.cell
+        return {
+            **{name: getattr(cell, name) for name in ("mu_st", "mu_d", "v0", "xi", "v_d")},
+            "c": self.chain.c,
+            "sites": self.chain.sites,
+            "ends": self.chain.ends.value,
+            "tolerance": self.tolerance,
+            "rest": self._rest,
+            "t_end": self.end,
+            "times": hashlib.sha256(self.times.tobytes()).hexdigest()[:16],
+            "events": len(self._log),
+            "start": self._start,
+        }
+
+    def go_on(self, budget: int) -> None:
+        """Step until ``end``, or until some ``budget`` of sites times steps is spent."""
+        self.go_to(self.end, most_steps=1 + budget // self.chain.sites)
 
     @property
     def velocity(self) -> FloatArray:

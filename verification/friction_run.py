@@ -6,16 +6,18 @@ times the tolerance; their difference is the error that is reported.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.friction_chain import FrictionChain
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, end_time, within
+from verification.checkpoint import check_samples, run_through
 from verification.friction_lane import FrictionLane
 from verification.integrators import friction
 
@@ -109,6 +111,9 @@ def run_friction(
     window: bool = True,
     companion: bool = True,
     events: int = 0,
+    checkpoint: Path | None = None,
+    progress: Callable[[float], None] | None = None,
+    budget: int = 200_000,
 ) -> FrictionRun:
     """Run the chain from τ = 0 to ``t_end``.
 
@@ -119,7 +124,7 @@ def run_friction(
     start : ndarray, shape (2, N)
         y and ẏ (``verification.friction_start``).
     t_end : float
-        τ, positive.
+        τ, positive, at most 1e9.
     tolerance : float
         Local error of y and ẏ, absolute, from 1e-14 to 1e-2.
     samples : int
@@ -132,11 +137,19 @@ def run_friction(
         Run beside it at a hundred times the tolerance, for the error.
     events : int
         Events kept in ``log``, from 0 to 1e8.
+    checkpoint : Path, optional
+        File in which the run is kept every few seconds and when it is interrupted. If it exists,
+        the run goes on from it, to the same bits.
+    progress : callable, optional
+        Told the fraction done, now and then.
+    budget : int
+        Sites times steps between two looks at the clock.
 
     Raises
     ------
     ParameterError
-        If a parameter is out of range or the start does not fit.
+        If a parameter is out of range, the start does not fit, or the checkpoint belongs to
+        another run.
     FrictionRunError
         If the run cannot go on.
 
@@ -149,9 +162,9 @@ def run_friction(
     ((2, 5), True, 'resolved')
     """
     begin = perf_counter()
-    positive("end time tau", t_end, "give a positive time")
+    end_time("end time tau", t_end)
     within("tolerance", tolerance, 1e-14, 1e-2)
-    within("number of samples", samples, 2, 1_000_000)
+    check_samples(samples if times is None else len(times), chain.sites)
     within("events kept", events, 0, 1e8)
     wanted = np.linspace(0.0, t_end, int(samples)) if times is None else np.asarray(times, float)
     if np.any(np.diff(wanted) < 0.0) or np.any(wanted < 0.0) or np.any(wanted > t_end):
@@ -160,9 +173,10 @@ def run_friction(
         )
     lanes = []
     for each in [tolerance, min(0.1, COMPANION * tolerance)] if companion else [tolerance]:
-        lane = FrictionLane(chain, start, each, window=window, times=wanted, events=events)
-        lane.go_to(t_end)
-        lanes.append(lane)
+        lanes.append(
+            FrictionLane(chain, start, each, window=window, times=wanted, events=events, end=t_end)
+        )
+    spent = run_through(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
     error = arrival_error = None
     status = RunStatus.RESOLVED
@@ -193,7 +207,7 @@ def run_friction(
         tolerance,
         steps,
         float(first.counters[friction.SITE_STEPS]) / max(1, steps),
-        perf_counter() - begin,
+        spent + perf_counter() - begin,
     )
 
 

@@ -69,7 +69,7 @@ def cycle_point(cell: FrictionCell, point: StartPoint) -> float:
 
 @lru_cache(maxsize=4096)
 def _turning_points(cell: FrictionCell) -> tuple[float, float]:
-    from verification.friction_cell_orbits import cycle_turning_points
+    from verification.friction_cell_cycles import cycle_turning_points
 
     return cycle_turning_points(cell)
 

@@ -15,6 +15,8 @@ reported as fuzzy.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from time import perf_counter
@@ -193,6 +195,7 @@ def friction_threshold(
     highest: float = 0.5,
     accuracy: float = 1e-6,
     tests: int = 12,
+    progress: Callable[[float], None] | None = None,
 ) -> FrictionThreshold:
     """Find the lowest coupling at which a nucleus spreads.
 
@@ -209,6 +212,8 @@ def friction_threshold(
     tests : int
         Couplings on each side of the threshold where monotony is tested; 0 for no test of it, nor
         of what a later final time changes.
+    progress : callable, optional
+        Told, after each run, the fraction done, as far as it can be foreseen.
 
     Raises
     ------
@@ -227,10 +232,13 @@ def friction_threshold(
     within("accuracy", accuracy, 1e-12, 0.1)
     count_within("tests of monotony", tests, 0, 10_000)
     runs = 0
+    expected = 2.0 * tests + math.log(highest / lowest) / math.log(GROWTH)
 
     def at(c: float, longer: float, coarser: float) -> bool:
         nonlocal runs
         runs += 1
+        if progress is not None:
+            progress(runs / (runs + expected))
         tolerance = min(1e-4, coarser * spreading.tolerance)
         final = longer * spreading.final_time
         return spreads(replace(chain, c=c), replace(spreading, tolerance=tolerance), final)
@@ -247,6 +255,15 @@ def friction_threshold(
                 )
             low, c = c, min(highest, GROWTH * c)
         if c == start:
+            hopf = chain.cell.hopf_velocity
+            if chain.cell.v_d <= hopf:
+                raise ParameterError(
+                    "belt velocity v_d",
+                    chain.cell.v_d,
+                    f"above {hopf:.6g}, below which steady sliding is unstable and every site "
+                    "starts by itself",
+                    "take a larger v_d",
+                )
             raise ParameterError(
                 "lowest coupling", start, "one at which the nucleus does not spread", "lower it"
             )

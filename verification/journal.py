@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import sys
 import time
 import zlib
 from collections.abc import Mapping
@@ -20,10 +21,8 @@ from typing import Any
 from theory.parameters import ParameterError
 from verification.table import Scalar
 
-try:
+if sys.platform != "win32":  # there, two sweeps into one file are not told apart
     import fcntl
-except ImportError:  # not on Windows; there, two sweeps into one file are not told apart
-    fcntl = None  # type: ignore[assignment]
 
 SYNC_PERIOD = 1.0
 """Seconds between two writes forced to the disk; a kill loses nothing, a power cut this much."""
@@ -171,7 +170,7 @@ class Journal:
                 self.finished.setdefault(index, result)
 
     def _lock(self) -> None:
-        if fcntl is None:
+        if sys.platform == "win32":
             return
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)

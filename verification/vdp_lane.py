@@ -7,6 +7,7 @@ import hashlib
 import numpy as np
 import numpy.typing as npt
 
+from theory.parameters import RunError
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators import stepping
 from verification.integrators.active import FOLLOWING, FREE, RING
@@ -28,7 +29,7 @@ beyond the last one above it, twice as many at couplings above the last number. 
 below a hundredth of the tolerance."""
 
 
-class NotFiniteError(ArithmeticError):
+class NotFiniteError(RunError):
     """The state has left the range of double precision."""
 
 

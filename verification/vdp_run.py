@@ -19,9 +19,9 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, end_time, positive, within
 from theory.vdp_chain import Ends, VdpChain
-from verification.vdp_checkpoint import read_checkpoint, write_checkpoint
+from verification.checkpoint import check_samples, run_through
 from verification.vdp_lane import Lane
 
 FloatArray = npt.NDArray[np.float64]
@@ -29,8 +29,6 @@ ComplexArray = npt.NDArray[np.complex128]
 
 COMPANION = 100.0
 """The companion run has the tolerance times this."""
-
-_SAVE_SECONDS = 5.0
 
 
 class Model(StrEnum):
@@ -132,7 +130,7 @@ def run_vdp(
     start : ndarray of complex, shape (N,)
         Ψ(0) = ẏ + iy (``verification.vdp_start``).
     t_end : float
-        Time t, positive; slow time is εt.
+        Time t, positive, at most 1e9; slow time is εt.
     model : Model
         (8), or (43).
     tolerance : float
@@ -173,9 +171,9 @@ def run_vdp(
     ((2, 5), True)
     """
     begin = perf_counter()
-    positive("end time t", t_end, "give a positive time")
+    end_time("end time t", t_end)
     within("tolerance", tolerance, 1e-14, 1e-2)
-    within("number of samples", samples, 2, 1_000_000)
+    check_samples(samples, chain.sites)
     psi = np.asarray(start, dtype=complex)
     if psi.shape != (chain.sites,) or not np.all(np.isfinite(psi)):
         raise ParameterError(
@@ -191,28 +189,7 @@ def run_vdp(
         Lane(chain, model is Model.FULL, psi, times, each, threshold, window, behind)
         for each in tolerances
     ]
-    spent = 0.0
-    if checkpoint is not None and checkpoint.exists():
-        spent = read_checkpoint(checkpoint, lanes)
-    saved = perf_counter()
-
-    def keep() -> None:
-        if checkpoint is not None:
-            write_checkpoint(checkpoint, lanes, spent + perf_counter() - begin)
-
-    try:
-        for lane in lanes:
-            while not lane.finished:
-                lane.go_on(budget)
-                if progress is not None:
-                    progress(sum(each.time for each in lanes) / (len(lanes) * t_end))
-                if perf_counter() - saved > _SAVE_SECONDS:
-                    keep()
-                    saved = perf_counter()
-    except KeyboardInterrupt:
-        keep()
-        raise
-    keep()
+    spent = run_through(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
     error = arrival_error = None
     if companion:
@@ -231,7 +208,7 @@ def run_vdp(
         tolerance,
         steps,
         first.stiff_steps,
-        float(first.counters[4]) / steps if steps else math.nan,
+        float(first.counters[4]) / max(1, steps),
         spent + perf_counter() - begin,
     )
 

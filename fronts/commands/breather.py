@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import real
+from fronts.arguments import given, real, refuse_other_methods
 
 if TYPE_CHECKING:
     from theory.vdp_chain import VdpChain
@@ -36,15 +36,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=list(METHODS),
         default="orbit",
         help="closed-form: (29), (37); envelope: the averaged chain (43), solved; orbit: the "
-        "periodic orbit of (8); simulation: (8) run from a perturbed start",
+        "periodic orbit of (8); simulation: (8) run from a perturbed start (orbit)",
     )
     parser.add_argument(
         "--reading",
         choices=["centre", "neighbour", "tail"],
-        default="neighbour",
-        help="site n at which (37) is taken, for closed-form: 0, 1, or far out",
+        help="closed-form: site n at which (37) is taken: 0, 1, or far out (neighbour)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the simulation's noise")
+    parser.add_argument("--seed", type=int, help="simulation: seed of the noise (0)")
 
 
 def add_chain_options(parser: argparse.ArgumentParser) -> None:
@@ -81,6 +80,7 @@ def nucleus_of(options: argparse.Namespace) -> Nucleus:
 
 def run(options: argparse.Namespace) -> Answer:
     """Compute the breather by the method that was named."""
+    refuse_other_methods(options, {"reading": "closed-form", "seed": "simulation"})
     from theory.vdp_chain import VdpChain
 
     nucleus = nucleus_of(options)
@@ -112,7 +112,7 @@ def _closed_form(
 
     if nucleus.size != 1 or nucleus.place != "bulk":
         raise UsageError("--method closed-form is for --nucleus 1 in the bulk: (9) has one centre.")
-    found = solve_breather(chain, Reading(options.reading))
+    found = solve_breather(chain, Reading(options.reading or "neighbour"))
     fold: dict[str, object] = {"fold": found.fold.c, "fold_error": found.fold.error}
     if found.alpha_0 is None:
         return _none(found.seconds, fold)
@@ -176,7 +176,7 @@ def _simulation(
 ) -> dict[str, object]:
     from verification.breather_run import run_breather
 
-    found = run_breather(chain, nucleus, seed=options.seed)
+    found = run_breather(chain, nucleus, seed=given(options.seed, 0))
     if found.status == "escaped":
         from verification.breather_threshold import breather_threshold
 

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, real, real_or_range, write_whole
+from fronts.arguments import check_writable, real, real_or_range, refuse, write_whole
 from fronts.friction_options import CELL, add_cell_options, cell_numbers
 
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell
     from verification.friction_cell_continuation import Continuation
-    from verification.friction_cell_orbits import Cycle
+    from verification.friction_cell_cycles import Cycle
     from verification.vdp_cell import VdpCycle
 
 EXAMPLE = """examples:
@@ -56,11 +56,7 @@ range of y that goes to steady sliding when started with zero velocity: null if 
 def run(options: argparse.Namespace) -> Answer:
     """Run the model that was named."""
     other = _VDP_ONLY if options.model == "friction" else _FRICTION_ONLY
-    for name in other:
-        if getattr(options, name) is not None:
-            raise UsageError(
-                f"--{name.replace('_', '-')} is not an option of the {options.model} cell."
-            )
+    refuse(options, other, options.model)
     return MODELS[options.model](options)
 
 
@@ -175,13 +171,17 @@ def _diagram(cell: FrictionCell, low: float, high: float, count: int, out: Path 
     }  # fmt: skip
     if out is None:
         lines = ["  ".join(f"{name:>12}" for name in _COLUMNS)]
-        lines += ["  ".join(f"{value:12.7g}" for value in row) for row in rows]
+        lines += ["  ".join(_number(value) for value in row) for row in rows]
         return Answer(payload, "\n".join(lines))
     if out.suffix.lower() == ".csv":
         write_whole(out, lambda path: _write_table(path, rows))
     else:
         write_whole(out, lambda path: _draw(path, cell, diagram))
     return Answer(payload, f"{count} velocities in {seconds:.3g} s, written to {out}")
+
+
+def _number(value: float) -> str:
+    return f"{'-' if math.isnan(value) else f'{value:.7g}':>12}"
 
 
 def _rows(diagram: Continuation) -> list[list[float]]:

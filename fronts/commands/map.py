@@ -79,7 +79,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="friction: free ends (default), or Eq. 5 with the missing neighbours zero",
     )
     parser.add_argument(
+        "--t-end",
         "--end",
+        dest="end",
         type=real,
         help="end time; a label found after half of it does not count (vdp: 2000 in slow time "
         "eps t; friction: 20000 in tau)",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, given, real, refuse, write_whole
+from fronts.arguments import check_writable, given, real, refuse, same_file, write_whole
 from fronts.friction_options import CELL, START, add_cell_options, add_start_option
 from fronts.progress import Fraction
 
@@ -25,7 +25,7 @@ EXAMPLE = """examples:
   fronts simulate vdp --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --model envelope --t-end 9000
   fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png"""
 
-_VDP = ("a", "b", "eps", "model", "checkpoint")
+_VDP = ("a", "b", "eps", "model")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +53,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--displacement", type=real, help="how far (default: the stable cycle of one cell)"
     )
     add_start_option(parser)
-    parser.add_argument("--perturb", type=real, default=0.0, help="size of noise on every site")
+    parser.add_argument(
+        "--perturbation",
+        "--perturb",
+        dest="perturb",
+        type=real,
+        default=0.0,
+        help="size of noise on every site (0)",
+    )
     parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
     parser.add_argument("--t-end", type=real, required=True, help="end time t; slow time is eps t")
     parser.add_argument("--tolerance", type=real, help="local error (vdp: 1e-9, friction: 1e-10)")
@@ -63,7 +70,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--checkpoint",
         type=Path,
-        help="vdp: keep the run in this .npz file; if it exists, go on from it",
+        help="keep the run in this .npz file; if it exists, go on from it",
     )
 
 
@@ -92,13 +99,15 @@ def sites(text: str) -> tuple[int, ...]:
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    for path, kinds in (
-        (options.out, (".npz",)),
-        (options.picture, (".png", ".svg", ".pdf")),
-        (options.checkpoint, (".npz",)),
+    for path, kinds, option in (
+        (options.out, (".npz",), "--out"),
+        (options.picture, (".png", ".svg", ".pdf"), "--picture"),
+        (options.checkpoint, (".npz",), "--checkpoint"),
     ):
         if path is not None:
-            check_writable(path, kinds)
+            check_writable(path, kinds, option)
+    if None not in (options.out, options.checkpoint) and same_file(options.out, options.checkpoint):
+        raise UsageError(f"--out and --checkpoint are both {options.out}: name two files.")
     if options.seed < 0:
         raise UsageError(f"--seed {options.seed} must not be negative.")
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import given, real, refuse
+from fronts.arguments import given, real, refuse, refuse_other_methods
 from fronts.commands.breather import add_chain_options, add_nucleus_options, nucleus_of
 from fronts.friction_options import (
     CELL,
@@ -18,6 +18,7 @@ from fronts.friction_options import (
     cell_of,
     start_point_of,
 )
+from fronts.progress import Fraction
 
 EXAMPLE = """examples:
   fronts threshold vdp --nucleus 3
@@ -37,7 +38,7 @@ _VDP = {
     "perturbation": 0.0,
     "seed": 0,
 }
-_FRICTION = (*CELL, *START, "definition", "final_time", "ends", "n", "accuracy", "c_max")
+_FRICTION = (*CELL, *START, "definition", "final_time", "ends", "n", "accuracy", "c_min", "c_max")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -49,10 +50,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=["envelope", "orbit", "sweep", "closed-form"],
         help="vdp: envelope: continuation as eps tends to 0; orbit: continuation in (8); sweep: "
-        "slow growth of c from an in-phase start, extrapolated to rate zero (envelope)",
+        "slow growth of c from an in-phase start, extrapolated to rate zero; closed-form: (29), "
+        "(37) (envelope)",
     )
     parser.add_argument(
-        "--perturbation", type=real, help="vdp: seeded noise on the start of a sweep (0)"
+        "--perturbation",
+        "--perturb",
+        type=real,
+        help="vdp: seeded noise on the start of a sweep (0)",
     )
     parser.add_argument("--seed", type=int, help="vdp: seed of the noise (0)")
     add_cell_options(parser)
@@ -65,7 +70,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "sites (first)",
     )
     parser.add_argument(
-        "--final-time", type=real, help="friction: tau by which it must have happened (1000)"
+        "--t-end",
+        "--final-time",
+        dest="final_time",
+        type=real,
+        help="friction: tau by which it must have happened (1000)",
     )
     parser.add_argument(
         "--ends",
@@ -73,6 +82,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="friction: free ends, or Eq. 5 with the missing neighbours zero (free)",
     )
     parser.add_argument("--accuracy", type=real, help="friction: width of the bracket (1e-6)")
+    parser.add_argument("--c-min", type=real, help="friction: lowest coupling tried (0.001)")
     parser.add_argument("--c-max", type=real, help="friction: highest coupling tried (0.5)")
     # The defaults of Model II are put in below, so that Model I can refuse its options.
     parser.set_defaults(**dict.fromkeys(_VDP))
@@ -85,6 +95,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _vdp(options: argparse.Namespace) -> Answer:
     refuse(options, _FRICTION, options.model)
+    refuse_other_methods(options, {"perturbation": "sweep", "seed": "sweep"})
     for name, default in _VDP.items():
         setattr(options, name, given(getattr(options, name), default))
     from theory.vdp_chain import VdpChain
@@ -214,12 +225,15 @@ def _friction(options: argparse.Namespace) -> Answer:
         given(options.final_time, 1000.0),
         start_point_of(options),
     )
-    found = friction_threshold(
-        chain,
-        spreading,
-        highest=given(options.c_max, 0.5),
-        accuracy=given(options.accuracy, 1e-6),
-    )
+    with Fraction("threshold") as shown:
+        found = friction_threshold(
+            chain,
+            spreading,
+            lowest=given(options.c_min, 1e-3),
+            highest=given(options.c_max, 0.5),
+            accuracy=given(options.accuracy, 1e-6),
+            progress=shown.show,
+        )
     payload: dict[str, object] = {
         "c_crit": found.c,
         "error": found.error,

@@ -268,7 +268,8 @@ def advance(
     log : ndarray, shape (K, 3)
         Time, site, kind of the first K events.
     most_steps : int
-        Steps after which to return with BUDGET.
+        Steps after which to return with BUDGET, as soon as a step ends without an event. A run
+        that goes on from there is the same to the last bit.
     """
     sites = y.size
     v_d = parameters[V_D]
@@ -282,6 +283,7 @@ def advance(
     released = np.zeros(sites, dtype=np.bool_)
     Y[0], W[0] = y, w
     ended, steps, standing = REACHED, 0, 0
+    happens = False
     allowed = allowed_remainder(order, tolerance)
     arrived = 0
     for n in range(sites):
@@ -293,7 +295,8 @@ def advance(
         if 0 < wanted <= arrived:
             ended = WANTED
             break
-        if steps >= most_steps:
+        # Not right after an event: which sites have just been released is known in here only.
+        if steps >= most_steps and not happens:
             ended = BUDGET
             break
         for n in range(lo, hi):

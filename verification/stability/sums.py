@@ -34,7 +34,7 @@ def _by_integral(at: Mapping[str, float]) -> Claim:
 
 
 def _by_series(at: Mapping[str, float]) -> Claim:
-    return _claim(sum_by_roots(at["v"], at["c"], at["digits"]))  # type: ignore[arg-type]
+    return _claim(sum_by_roots(at["v"], at["c"], int(at["digits"])))
 
 
 def _by_bessel(at: Mapping[str, float]) -> Claim:
@@ -46,7 +46,7 @@ def _by_quadrature(at: Mapping[str, float]) -> Claim:
 
 
 def _by_precise_integral(at: Mapping[str, float]) -> Claim:
-    return _claim(precise_sum_by_integral(at["v"], at["c"], at["digits"]))  # type: ignore[arg-type]
+    return _claim(precise_sum_by_integral(at["v"], at["c"], int(at["digits"])))
 
 
 QUANTITIES = (

@@ -25,7 +25,7 @@ MOST_SITES = {"closed-form": 100_000, "envelope": 401, "orbit": 101, "simulation
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts breather``."""
-    parser.add_argument("--c", type=real, required=True, help="coupling c > 0")
+    parser.add_argument("--c", type=real, default=0.1, help="coupling c > 0 (default 0.1, Fig. 7)")
     add_chain_options(parser)
     parser.add_argument(
         "--n", type=int, help="number of sites; by default 7 on each side of the nucleus"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, real, real_or_range, refuse, write_whole
+from fronts.arguments import check_writable, given, real, real_or_range, refuse, write_whole
 from fronts.friction_options import CELL, add_cell_options, cell_numbers
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--v-d", type=real_or_range, help="belt velocity, or low:high:count for a diagram"
     )
     add_cell_options(parser, v_d=False)
-    parser.add_argument("--a", type=real, help="damping coefficient a of (8)")
-    parser.add_argument("--b", type=real, help="damping coefficient b of (8)")
+    parser.add_argument("--a", type=real, help="damping coefficient a of (8) (2.5)")
+    parser.add_argument("--b", type=real, help="damping coefficient b of (8) (0.5)")
     parser.add_argument("--eps", type=real, help="small parameter of (8) (0.01)")
     parser.add_argument(
         "--out", type=Path, help="write the diagram to a file ending in .csv, .png, .svg or .pdf"
@@ -211,8 +211,7 @@ def _draw(path: Path, cell: FrictionCell, diagram: Continuation) -> None:
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    if options.a is None or options.b is None:
-        raise UsageError("give both --a and --b of the Van der Pol cell.")
+    options.a, options.b = given(options.a, 2.5), given(options.b, 0.5)
     from verification.vdp_cell import vdp_cell
 
     eps = 0.01 if options.eps is None else options.eps

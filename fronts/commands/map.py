@@ -45,16 +45,28 @@ OUT.json has parameters and versions; OUT-boundary.csv has the boundaries."""
 _VDP = ("eta", "model", "a", "b", "eps", "displacement")
 _FRICTION = (*CELL, *START, "nucleus", "place", "ends")
 
+_PAPER = {
+    "vdp": {"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
+    "friction": {"v_d": (1.0, 2.0, 21), "c": (0.0, 0.1, 21)},
+}
+"""The planes of Figs. 15 and 5."""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts map``."""
     parser.add_argument("chain", choices=sorted(MODELS), help="the chain to run")
-    parser.add_argument("--eta", type=real_or_range, help="vdp: b/a^2, or low:high:count")
     parser.add_argument(
-        "--v-d", type=real_or_range, help="friction: velocity of the belt, or low:high:count"
+        "--eta", type=real_or_range, help="vdp: b/a^2, or low:high:count (default 0.01:0.14:14)"
     )
     parser.add_argument(
-        "--c", type=real_or_range, required=True, help="coupling, or low:high:count"
+        "--v-d",
+        type=real_or_range,
+        help="friction: velocity of the belt, or low:high:count (1:2:21)",
+    )
+    parser.add_argument(
+        "--c",
+        type=real_or_range,
+        help="coupling, or low:high:count (vdp: 0.05:1:20, friction: 0:0.1:21)",
     )
     parser.add_argument(
         "--model", choices=("full", "envelope"), help="vdp: Eq. 8 (full), or its average 43"
@@ -141,9 +153,8 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
     both = []
     for name in (first, second):
         flag = f"--{name.replace('_', '-')}"
-        if getattr(options, name) is None:
-            raise UsageError(f"give {flag} for the model {options.chain}.")
-        both.append(_values(flag, getattr(options, name)))
+        chosen = getattr(options, name) or _PAPER[options.chain][name]
+        both.append(_values(flag, chosen))
     if len(both[0]) * len(both[1]) > MOST_POINTS:
         raise UsageError(f"{len(both[0]) * len(both[1])} points are more than {MOST_POINTS}.")
     return both[0], both[1]

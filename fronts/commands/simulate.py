@@ -32,9 +32,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts simulate``."""
     parser.add_argument("chain", choices=sorted(MODELS), help="the chain to run")
     parser.add_argument("--n", type=int, default=31, help="number of oscillators (default 31)")
-    parser.add_argument("--a", type=real, help="vdp: damping coefficient a")
-    parser.add_argument("--b", type=real, help="vdp: damping coefficient b")
-    parser.add_argument("--c", type=real, required=True, help="coupling c")
+    parser.add_argument("--a", type=real, help="vdp: damping coefficient a (2.5)")
+    parser.add_argument("--b", type=real, help="vdp: damping coefficient b (0.5)")
+    parser.add_argument("--c", type=real, help="coupling c (vdp: 0.1, friction: 0.02)")
     parser.add_argument("--eps", type=real, help="vdp: small parameter (default 0.01)")
     add_cell_options(parser)
     parser.add_argument(
@@ -47,7 +47,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--model", choices=("full", "envelope"), help="vdp: Eq. 8 (full), or its average 43"
     )
     parser.add_argument(
-        "--excite", type=sites, required=True, help="sites displaced: 15, or 14,15,16, or 14:16"
+        "--excite",
+        type=sites,
+        help="sites displaced: 15, or 14,15,16, or 14:16 (vdp: the middle, friction: 1)",
     )
     parser.add_argument(
         "--displacement", type=real, help="how far (default: the stable cycle of one cell)"
@@ -62,7 +64,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="size of noise on every site (0)",
     )
     parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
-    parser.add_argument("--t-end", type=real, required=True, help="end time t; slow time is eps t")
+    parser.add_argument(
+        "--t-end", type=real, help="end time t; slow time is eps t (vdp: 2000, friction: 1000)"
+    )
     parser.add_argument("--tolerance", type=real, help="local error (vdp: 1e-9, friction: 1e-10)")
     parser.add_argument("--samples", type=int, default=201, help="states kept (default 201)")
     parser.add_argument("--out", type=Path, help="write times, states, arrivals to a .npz file")
@@ -76,6 +80,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Run the model that was named."""
+    middle = (max(options.n, 1) + 1) // 2
+    scene = {"c": 0.1, "t_end": 2000.0, "excite": (middle,)}
+    if options.chain == "friction":
+        scene = {"c": 0.02, "t_end": 1000.0, "excite": (1,)}
+    for name, value in scene.items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
     return MODELS[options.chain](options)
 
 
@@ -115,8 +126,6 @@ def _check_files(options: argparse.Namespace) -> None:
 def _vdp(options: argparse.Namespace) -> Answer:
     refuse(options, (*CELL, *START), options.chain)
     _check_files(options)
-    if options.a is None or options.b is None:
-        raise UsageError("give both --a and --b for the model vdp.")
     if options.ends == "literal":
         raise UsageError("--ends literal is for the model friction: take free or periodic.")
     from theory.parameters import within
@@ -124,8 +133,8 @@ def _vdp(options: argparse.Namespace) -> Answer:
     from verification.vdp_run import Model, run_vdp
     from verification.vdp_start import displaced, perturbed
 
-    eps = given(options.eps, 0.01)
-    chain = VdpChain(options.a, options.b, options.c, eps, options.n, Ends(options.ends))
+    a, b, eps = given(options.a, 2.5), given(options.b, 0.5), given(options.eps, 0.01)
+    chain = VdpChain(a, b, options.c, eps, options.n, Ends(options.ends))
     within("size of the noise", options.perturb, 0.0, 1.0)
     start = displaced(chain, options.excite, options.displacement)
     if options.perturb > 0:

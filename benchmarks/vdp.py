@@ -1,4 +1,4 @@
-"""``python -m benchmarks.vdp``: the Van der Pol chain, error against run time beside peers.
+"""The Van der Pol chain, error against run time beside peers.
 
 N = 31, t = 1000, a = 4, b = 0.5, c = 0.6, ε = 0.01, the first site on its cycle. The default
 stepper (Runge-Kutta of order 8, sites at rest left out) beside its losing rivals, which are fixed
@@ -11,19 +11,19 @@ thresholds of Fig. 11. Times are processor seconds, but for the map, where they 
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-from benchmarks import single
+from benchmarks.equal_error import least_factor
+from benchmarks.quantity import Quantity, Tell
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from benchmarks.chain_diagram import Style
+    from benchmarks.diagram import Style
     from benchmarks.record import Failure, Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
     from theory.vdp_chain import VdpChain
@@ -39,17 +39,11 @@ LOW, HIGH = 1e-9, 1e-3
 """Errors between which speed was promised."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code."""
-    return single.main(__doc__, measure, style, "vdp", arguments)
-
-
 def style() -> Style:
     """Return how the diagram is drawn."""
-    from benchmarks.chain_diagram import Style
+    from benchmarks.diagram import Style
 
     return Style(
-        "vdp",
         "largest error (right is better)",
         "processor seconds a run",
         "Error against run time, Van der Pol chain, N = 31, t = 1000. Pale: settings that another "
@@ -70,7 +64,7 @@ def style() -> Style:
     )
 
 
-def measure(quick: bool, tell: Callable[[str], None]) -> Record:
+def measure(quick: bool, tell: Tell) -> Record:
     """Measure every contender side by side and judge the targets."""
     import numpy as np
 
@@ -93,7 +87,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Record:
     points, failures = measure_side_by_side(QUANTITY, SCENE, rows, effort, process_time)
     waits = {"ours, compiled or loaded": compiled, **waits}
     return record.Record(
-        "python -m benchmarks.vdp" + " --quick" * quick, record.now(), record.this_machine(),
+        "fronts bench chain" + " --quick" * quick, record.now(), record.this_machine(),
         record.these_versions(), {SCENE: apart}, points, failures + missing,
         (*targets(points), *_compile_times(waits), *_tasks(quick, tell)),
     )  # fmt: skip
@@ -123,7 +117,7 @@ def ours(chain: VdpChain, tolerance: float, series: bool) -> FloatArray:
 
 
 def contenders(
-    chain: VdpChain, true: FloatArray, quick: bool, tell: Callable[[str], None]
+    chain: VdpChain, true: FloatArray, quick: bool, tell: Tell
 ) -> tuple[list[Contender], dict[str, float], tuple[Failure, ...]]:
     """Return every method at every setting, compile times of peers, and the peers not there."""
     from benchmarks.runner import Contender
@@ -147,7 +141,7 @@ def contenders(
 
 
 def _peers(
-    chain: VdpChain, true: FloatArray, quick: bool, tell: Callable[[str], None]
+    chain: VdpChain, true: FloatArray, quick: bool, tell: Tell
 ) -> tuple[list[Contender], dict[str, float], tuple[Failure, ...]]:
     from benchmarks import vdp_peers
     from benchmarks.record import Failure
@@ -240,7 +234,7 @@ def targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
         ((SERIES, FIXED8, FIXED4, SPLIT), None),
     ):
         peers = [point for point in points if point.method.startswith(names)]
-        least = single.least_factor(default, peers, LOW, HIGH)
+        least = least_factor(default, peers, LOW, HIGH)
         detail = f"errors from {LOW:g} to {HIGH:g}"
         if least is not None:
             worst = least[1]
@@ -268,7 +262,7 @@ def _compile_times(waits: dict[str, float]) -> list[Target]:
             for name, s in waits.items()]  # fmt: skip
 
 
-def _tasks(quick: bool, tell: Callable[[str], None]) -> list[Target]:
+def _tasks(quick: bool, tell: Tell) -> list[Target]:
     """Measure whole tasks: a front over longer and longer chains, the map, the thresholds."""
     tell("measuring whole tasks ...")
     rows = [_front_cost((100, 200, 400) if quick else (100, 300, 1000, 3000))]
@@ -332,5 +326,13 @@ def _thresholds() -> Target:
     return Target("all thresholds of Fig. 11 by continuation", seconds, "below", 20.0, "s", detail)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+
+BENCHMARK = Quantity(
+    "chain",
+    "trajectory of the Van der Pol chain (8)",
+    (SCENE,),
+    OURS,
+    (LOW, HIGH),
+    measure,
+    style,
+)

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from benchmarks import friction, piecewise_suite, piecewise_targets, tables
-from benchmarks.piecewise_diagram import worth_choosing
+from benchmarks.diagram import worth_choosing
 from benchmarks.piecewise_sum import contenders, references
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
 from benchmarks.runner import (

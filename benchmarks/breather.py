@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
@@ -105,9 +106,7 @@ def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
     centre = Nucleus(1).centre(chain.sites)
 
     def flow(u: FloatArray, times: FloatArray | None = None) -> FloatArray:
-        run = solve_ivp(
-            rate, (0.0, u[-1]), u[:-1], "DOP853", times, rtol=tolerance, atol=tolerance
-        )
+        run = solve_ivp(rate, (0.0, u[-1]), u[:-1], "DOP853", times, rtol=tolerance, atol=tolerance)
         if not run.success:
             raise ArithmeticError(run.message)
         return np.asarray(run.y if times is not None else run.y[:, -1])
@@ -168,10 +167,6 @@ def _long(chain: VdpChain, true: FloatArray, end: float, tolerance: float) -> An
     rate = right_side(chain)
     centre = Nucleus(1).centre(chain.sites)
 
-    def rising(_: float, x: FloatArray) -> float:
-        return float(x[centre])
-
-    rising.direction = 1.0  # type: ignore[attr-defined]
     start = np.zeros(2 * chain.sites)
     start[chain.sites + centre] = chain.stable_amplitude
     settled = solve_ivp(
@@ -179,13 +174,24 @@ def _long(chain: VdpChain, true: FloatArray, end: float, tolerance: float) -> An
         rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     run = solve_ivp(
-        rate, (0.0, 16.0), settled.y[:, -1], "DOP853", np.linspace(0.0, 16.0, 4096), events=rising,
+        rate, (0.0, 16.0), settled.y[:, -1], "DOP853", np.linspace(0.0, 16.0, 4096), events=_Rising(centre),
         rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     zeros = run.t_events[0]
     period = float(zeros[1] - zeros[0])
     y = run.y[: chain.sites, run.t <= period]
     return _answer(np.append(np.abs(y).max(axis=1), 2.0 * math.pi / period), true, None)
+
+
+@dataclass(frozen=True)
+class _Rising:
+    """An event of ``solve_ivp``: y of a site passes zero upwards."""
+
+    site: int
+    direction: float = 1.0
+
+    def __call__(self, _: float, x: FloatArray) -> float:
+        return float(x[self.site])
 
 
 def style() -> Style:

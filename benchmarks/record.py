@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 PACKAGES = (
     "numpy", "scipy", "mpmath", "numba", "cxroots", "python-flint", "jitcode", "heyoka",
@@ -159,12 +159,17 @@ def stamped(
     )
 
 
-def write_record(record: Record, path: Path) -> None:
-    """Write a record as JSON, each target with its verdict."""
+def as_payload(record: Record) -> dict[str, Any]:
+    """Return a record for JSON, each target with its verdict."""
     payload = asdict(record)
     for row, target in zip(payload["targets"], record.targets, strict=True):
         row["verdict"] = target.verdict
-    text = json.dumps(payload, indent=1, allow_nan=False) + "\n"
+    return payload
+
+
+def write_record(record: Record, path: Path) -> None:
+    """Write a record as JSON."""
+    text = json.dumps(as_payload(record), indent=1, allow_nan=False) + "\n"
     write_whole(path, text.encode())
 
 

@@ -137,9 +137,7 @@ def _bare(c: float, eta: float, refine: float) -> Answer:
     return Answer(float(found.v[-1]), float(found.error[-1]))
 
 
-def _by_quad(
-    c: float, eta: float, bracket: tuple[float, float, float], tolerance: float
-) -> Answer:
+def _by_quad(c: float, eta: float, bracket: tuple[float, float, float], tolerance: float) -> Answer:
     import math
 
     from scipy.integrate import quad

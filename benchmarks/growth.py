@@ -1,0 +1,348 @@
+"""How time and memory grow: with sites, digits, 1/v, points of a map and workers.
+
+Each line of work is run at growing sizes; the exponent is the slope of log time against log size
+over the larger half, where the cost that does not grow matters least. It stands beside the exponent
+that the method should have. Memory is the peak of what Python and NumPy allocated,
+and is measured where arrays grow.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tracemalloc
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import perf_counter, process_time
+
+import numpy as np
+
+from benchmarks.quantity import Tell
+from benchmarks.record import now, these_versions, this_machine, write_whole
+
+Work = Callable[[float], object]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of work.
+
+    Attributes
+    ----------
+    name, size_name : str
+        What is done, and what its size is.
+    work : callable
+        Do it at a size.
+    quick, full : tuple of float
+        Sizes, ascending.
+    expected : float or None
+        Exponent of time that the method should have, None if none follows from it.
+    why : str
+        Where that comes from.
+    repeats : int
+        The least of so many times counts.
+    wall : bool
+        Time by the clock on the wall, for work of several processes.
+    """
+
+    name: str
+    size_name: str
+    work: Work
+    quick: tuple[float, ...]
+    full: tuple[float, ...]
+    expected: float | None
+    why: str
+    repeats: int = 2
+    wall: bool = False
+
+    @property
+    def memory(self) -> bool:
+        """Whether memory is measured: where arrays grow. Tracing slows many small numbers down."""
+        return self.size_name == "sites"
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What one line of work cost.
+
+    Attributes
+    ----------
+    name, size_name, why : str
+        As of the line.
+    sizes, seconds, megabytes : tuple of float
+        Size, least time, peak memory (nan where it is not measured).
+    exponent, memory_exponent : float
+        Fitted over the larger half.
+    expected : float or None
+        Of time.
+    wall : bool
+        Whether the times are those of the wall.
+    """
+
+    name: str
+    size_name: str
+    why: str
+    sizes: tuple[float, ...]
+    seconds: tuple[float, ...]
+    megabytes: tuple[float, ...]
+    exponent: float
+    memory_exponent: float
+    expected: float | None
+    wall: bool
+
+
+def lines() -> list[Line]:
+    """Return every line of work."""
+    return [
+        Line(
+            "front of (43), moving window", "sites", front, (10, 100, 1000, 3000),
+            (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000), 1.0,
+            "the time to cross is N, the window is constant",
+        ),
+        Line(
+            "front of (43), all sites", "sites", whole_front, (50, 100, 200),
+            (50, 100, 200, 400, 800, 1600), 2.0, "the time to cross is N, and so are the sites",
+        ),
+        Line(
+            "front of (5)", "sites", friction_front, (20, 40, 80), (20, 40, 80, 160, 320), 2.0,
+            "the time to cross is N, and all sites behind stay excited",
+        ),
+        Line(
+            "sum by the series", "digits", series, (15, 30, 60), (15, 30, 60, 120, 250), 3.0,
+            "as many roots as digits, and Taylor products of as many terms: two powers, and the "
+            "length of the numbers",
+        ),
+        Line(
+            "sum by the integral, many digits", "digits", integral, (15, 30, 60),
+            (15, 30, 60, 120, 250, 500), 2.0,
+            "as many points as digits, each an exponential of so many digits",
+        ),
+        Line(
+            "sum by the integral, double", "1/v", slow_sum, (1, 10, 100, 1000, 10_000),
+            (1, 10, 100, 1000, 10_000), 0.0, "the strip of analyticity stays open as v falls", 20,
+        ),
+        Line(
+            "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
+            "|Σ| oscillates in 1/v, and every turn is looked at",
+        ),
+        Line(
+            "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
+            (16, 64, 256, 1024), 1.0, "a point knows nothing of the others",
+        ),
+        Line(
+            "map of states, averaged, 1024 points", "workers", workers, (1, 2), (1, 2), -1.0,
+            "half the points a worker; on shared cores less", 1, True,
+        ),
+    ]  # fmt: skip
+
+
+def measure(quick: bool, tell: Tell) -> list[Growth]:
+    """Measure every line of work."""
+    done = []
+    for line in lines():
+        tell(f"growth: {line.name}")
+        sizes = line.quick if quick else line.full
+        line.work(sizes[0])  # compiled and imported before anything is timed
+        costs = [cost(line, size) for size in sizes]
+        half = slice(min(len(sizes) // 2, len(sizes) - 2), None)
+        seconds, memory = ([row[i] for row in costs] for i in (0, 1))
+        done.append(
+            Growth(
+                line.name, line.size_name, line.why, tuple(map(float, sizes)), tuple(seconds),
+                tuple(memory), slope(sizes[half], seconds[half]), slope(sizes[half], memory[half]),
+                line.expected, line.wall,
+            )
+        )  # fmt: skip
+    return done
+
+
+def cost(line: Line, size: float) -> tuple[float, float]:
+    """Return the least time in seconds and the peak memory in megabytes."""
+    clock = perf_counter if line.wall else process_time
+    best = math.inf
+    for turn in range(line.repeats):
+        begin = clock()
+        line.work(size)
+        best = min(best, clock() - begin)
+        if best > 2.0 and turn == 0:
+            break
+    if not line.memory:
+        return best, math.nan
+    tracemalloc.start()
+    try:
+        line.work(size)
+        return best, tracemalloc.get_traced_memory()[1] / 1e6
+    finally:
+        tracemalloc.stop()
+
+
+def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
+    """Return the slope of log cost against log size, by least squares.
+
+    Examples
+    --------
+    >>> round(slope([1, 2, 4], [3, 12, 48]), 12)
+    2.0
+    """
+    known = [(s, c) for s, c in zip(sizes, costs, strict=True) if c > 0.0 and math.isfinite(c)]
+    if len(known) < 2:
+        return math.nan
+    x, y = np.log(np.array(known)).T
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def front(sites: float) -> object:
+    return _front(int(sites), 24)
+
+
+def whole_front(sites: float) -> object:
+    return _front(int(sites), 0)
+
+
+def _front(sites: int, behind: int) -> object:
+    from theory.vdp_chain import VdpChain
+    from verification.vdp_run import Model, run_vdp
+    from verification.vdp_start import staggered_front
+
+    chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+    filled = min(24, sites // 2)
+    return run_vdp(
+        chain, staggered_front(chain, filled), sites / 0.72 / chain.eps, model=Model.ENVELOPE,
+        behind=min(behind, filled), companion=False, samples=2,
+    )  # fmt: skip
+
+
+def friction_front(sites: float) -> object:
+    from theory.friction_chain import FrictionChain
+    from verification.friction_run import run_friction
+    from verification.friction_start import nucleus
+
+    chain = FrictionChain(0.05, sites=int(sites))
+    return run_friction(
+        chain, nucleus(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, companion=False
+    )
+
+
+def series(digits: float) -> object:
+    from theory.sum_series import sum_by_roots
+
+    return sum_by_roots("0.3", "0.5", int(digits))
+
+
+def integral(digits: float) -> object:
+    from theory.sum_integral_precise import precise_sum_by_integral
+
+    return precise_sum_by_integral("0.3", "0.5", int(digits))
+
+
+def slow_sum(inverse: float) -> object:
+    from theory.sum_integral import sum_by_integral
+
+    return sum_by_integral(1.0 / inverse, 0.5)
+
+
+def slow_front(inverse: float) -> object:
+    """Solve for every v with |Σ| = its value at v = 1/inverse."""
+    from theory.branch_search import all_velocities
+    from theory.sum_integral import sum_by_integral
+
+    target = abs(sum_by_integral(1.0 / inverse, 0.5).value)
+    return all_velocities(np.array([0.5]), np.array([target]))
+
+
+def one_worker(points: float) -> object:
+    return _map(int(points), 1)
+
+
+def workers(count: float) -> object:
+    return _map(1024, int(count))
+
+
+def _map(points: int, count: int) -> object:
+    from verification.state_map import StateTask, state_points
+    from verification.sweep import sweep
+    from verification.vdp_run import Model
+
+    side = math.isqrt(points)
+    etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)
+    task = StateTask(Model.ENVELOPE)
+    return sweep(task, state_points(etas.tolist(), couplings.tolist()), workers=count)
+
+
+def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
+    """Return the table for JSON; what is not a number is null."""
+    return {
+        "command": command,
+        "date": now(),
+        "machine": this_machine(),
+        "versions": these_versions(),
+        "lines": [
+            {
+                **asdict(row),
+                "megabytes": [each if math.isfinite(each) else None for each in row.megabytes],
+                "exponent": _finite(row.exponent),
+                "memory_exponent": _finite(row.memory_exponent),
+            }
+            for row in rows
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _shown(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "-"
+
+
+def as_text(rows: Sequence[Growth]) -> str:
+    """Return the table as text."""
+    lines = [
+        f"{'work':38} {'grows with':10} {'from':>7} {'to':>7} {'s at the end':>12} {'MB':>8} "
+        f"{'exponent':>9} {'expected':>9} {'of memory':>10}"
+    ]
+    for row in rows:
+        expected = "-" if row.expected is None else f"{row.expected:g}"
+        lines.append(
+            f"{row.name:38} {row.size_name:10} {row.sizes[0]:7g} {row.sizes[-1]:7g} "
+            f"{row.seconds[-1]:12.3g} {_shown(row.megabytes[-1], '.3g'):>8} {row.exponent:9.2f} "
+            f"{expected:>9} {_shown(row.memory_exponent, '.2f'):>10}"
+        )
+        lines.append(f"    {row.why}" + ("; seconds of the wall" if row.wall else ""))
+    return "\n".join(lines)
+
+
+def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Path) -> None:
+    """Write ``growth.json`` and the diagram."""
+    import io
+
+    from paper_checks.pictures import new_panels, picture
+
+    figure, panels = new_panels(2, 2, height=6.0)
+    axes_of = dict(zip(("sites", "digits", "1/v", "points"), panels, strict=True))
+    for row in rows:
+        if row.size_name in axes_of:
+            fitted = f"{row.name}: {row.exponent:.2f}"
+            axes_of[row.size_name].loglog(row.sizes, row.seconds, "o-", label=fitted)
+    for name, axes in axes_of.items():
+        axes.set(xlabel=name, ylabel="seconds")
+        axes.grid(True)
+        axes.legend(loc="best")
+    image = io.BytesIO()
+    figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
+    drawn = picture(
+        "growth",
+        "Run time as the work grows, with fitted exponents.",
+        figure,
+        {
+            "work": [row.name for row in rows for _ in row.sizes],
+            "size": [size for row in rows for size in row.sizes],
+            "seconds": [time for row in rows for time in row.seconds],
+        },
+    )
+    write_whole(folder / "growth.png", image.getvalue())
+    write_whole(folder / "growth.svg", drawn.svg.encode())
+    text = json.dumps(payload, indent=1, allow_nan=False) + "\n"
+    write_whole(folder / "growth.json", text.encode())

@@ -174,8 +174,8 @@ def _long(chain: VdpChain, true: FloatArray, end: float, tolerance: float) -> An
         rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     run = solve_ivp(
-        rate, (0.0, 16.0), settled.y[:, -1], "DOP853", np.linspace(0.0, 16.0, 4096), events=_Rising(centre),
-        rtol=tolerance, atol=tolerance,
+        rate, (0.0, 16.0), settled.y[:, -1], "DOP853", np.linspace(0.0, 16.0, 4096),
+        events=_Rising(centre), rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     zeros = run.t_events[0]
     period = float(zeros[1] - zeros[0])

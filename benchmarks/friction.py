@@ -126,8 +126,8 @@ def contenders(
         for band in ((1e-4,) if quick else (1e-4, 1e-6))
     ]  # fmt: skip
     for solver in Solver:
-        for delta in WIDTHS[:1] if quick else WIDTHS:
-            for tolerance in TOLERANCES[:2] if quick else TOLERANCES:
+        for delta in WIDTHS[1:2] if quick else WIDTHS:
+            for tolerance in TOLERANCES[1:2] if quick else TOLERANCES:
                 rows.append(
                     Contender(
                         f"scipy {solver.value}", f"delta {delta:g}, tolerance {tolerance:g}",

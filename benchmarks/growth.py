@@ -131,8 +131,8 @@ def lines() -> list[Line]:
             (16, 64, 256, 1024), 1.0, "a point knows nothing of the others",
         ),
         Line(
-            "map of states, averaged, 1024 points", "workers", workers, (1, 2), (1, 2), -1.0,
-            "half the points a worker; on shared cores less", 1, True,
+            "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
+            "half the points a worker, and a second to start it; on shared cores less", 1, True,
         ),
     ]  # fmt: skip
 
@@ -256,7 +256,7 @@ def one_worker(points: float) -> object:
 
 
 def workers(count: float) -> object:
-    return _map(1024, int(count))
+    return _map(4096, int(count))
 
 
 def _map(points: int, count: int) -> object:

@@ -5,7 +5,8 @@ Ours are Newton's method on the averaged chain, whose error is of order ε whate
 shooting with variational equations, and a long run. A user would pick scipy: ``root`` on the flow
 of ``solve_ivp``, started from the averaged breather, or ``solve_ivp`` for a long time. Ours are
 held against scipy's shooting at 1e-13, scipy's against our shooting with twice the steps;
-``agreement`` is how far these two are apart.
+``agreement`` is how far these two are apart: some 1e-9, because ours reads the largest displacement
+off a parabola through three samples; states and periods agree to 1e-12.
 """
 
 from __future__ import annotations
@@ -126,10 +127,22 @@ def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
 
 
 def _peaks(y: FloatArray) -> FloatArray:
-    """Return max |y_n| of one period of samples, shape (N, samples), by trigonometric sums."""
+    """Return max |y_n| of one period of samples, shape (N, samples), by trigonometric sums.
+
+    From the largest sample, Newton's method on the derivative.
+    """
     size = y.shape[1]
-    fine = np.fft.irfft(np.fft.rfft(y, axis=1), n=64 * size, axis=1) * 64
-    return np.asarray(np.abs(fine).max(axis=1))
+    terms = np.fft.rfft(y, axis=1)[:, : size // 2] / size
+    order = 1j * np.arange(terms.shape[1])
+    phase = 2.0 * math.pi * np.abs(y).argmax(axis=1) / size
+
+    def derivative(k: int) -> FloatArray:
+        sums = terms * order**k * np.exp(order * phase[:, None])
+        return np.asarray(2.0 * sums.sum(axis=1).real - (k == 0) * terms[:, 0].real)
+
+    for _ in range(6):
+        phase = phase - derivative(1) / derivative(2)
+    return np.abs(derivative(0))
 
 
 def _answer(found: FloatArray, true: FloatArray, claimed: float | None) -> Answer:
@@ -216,5 +229,5 @@ def style() -> Style:
 
 
 BENCHMARK = Quantity(
-    "breather", "breather of the chain (8)", tuple(SCENES), SHOOTING, (1e-10, 1e-3), measure, style
+    "breather", "breather of the chain (8)", tuple(SCENES), SHOOTING, (1e-8, 1e-3), measure, style
 )

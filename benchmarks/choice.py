@@ -2,7 +2,8 @@
 
 For each error 10^-k that a user is likely to ask for, every method takes its fastest setting whose
 true error is no larger. The default should then be the fastest; where another one is, by more than
-a tenth, the table says which and by what factor.
+a tenth, the table says which and by what factor. Errors below what the references are apart are
+left out: they are not known.
 """
 
 from __future__ import annotations
@@ -82,8 +83,11 @@ def choices(quantity: Quantity, record: Record) -> list[Choice]:
         if not any(point.method == quantity.default for point in here):
             raise ValueError(f"{quantity.name}: no point of {quantity.default} at {scene}")
         fastest, beaten = [], []
-        for error in decades(*quantity.useful):
-            best = fastest_within(here, error)
+        low, high = quantity.useful
+        for error in decades(max(low, record.agreement[scene]), high):
+            best = fastest_within(
+                (point for point in here if point.method not in quantity.variants), error
+            )
             if not best:
                 continue
             own = best.pop(quantity.default, math.inf)

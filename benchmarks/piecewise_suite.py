@@ -77,4 +77,5 @@ BENCHMARK = Quantity(
     (1e-12, 1e-2),
     measure,
     style,
+    ("integral, one call",),
 )

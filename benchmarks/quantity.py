@@ -45,6 +45,8 @@ class Quantity:
         From (quick, tell) to the record; quick is within 20 s, full within 3 minutes.
     style : callable
         How the diagram is drawn.
+    variants : tuple of str
+        The default in other dress, such as one call in place of a batch: drawn, and no rivals.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Quantity:
     useful: tuple[float, float]
     measure: Callable[[bool, Tell], Record]
     style: Callable[[], Style]
+    variants: tuple[str, ...] = ()
 
 
 @functools.cache

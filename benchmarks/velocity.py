@@ -207,5 +207,12 @@ def style() -> Style:
 
 
 BENCHMARK = Quantity(
-    "velocity", "front velocity of Eq. (54)", SCENES, ALL, (1e-12, 1e-2), measure, style
+    "velocity",
+    "front velocity of Eq. (54)",
+    SCENES,
+    ALL,
+    (1e-12, 1e-2),
+    measure,
+    style,
+    (BATCH, BARE),
 )

@@ -1,5 +1,6 @@
 """The benchmarks measure what they say: turns, medians, failures by name, honest errors."""
 
+import dataclasses
 import itertools
 import json
 import math
@@ -274,6 +275,21 @@ def test_a_default_that_is_never_beaten_is_the_lower_envelope():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.95))  # within the noise of a tenth
     (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
     assert row.lower_envelope
+
+
+def test_errors_that_the_reference_cannot_tell_are_not_compared():
+    record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
+    blurred = dataclasses.replace(record, agreement={"s": 1e-3})
+    (row,) = choice.choices(_quantity(1e-6, 1e-1), blurred)
+    assert [each.error for each in row.beaten] == [1e-1, 1e-2, 1e-3]
+
+
+def test_a_variant_of_the_default_is_no_rival():
+    record = _record(("ours", 1e-9, 1.0), ("ours, in a batch", 1e-9, 0.1))
+    quantity = Quantity(
+        "q", "", ("s",), "ours", (1e-6, 1e-1), None, None, ("ours, in a batch",)
+    )  # fmt: skip
+    assert choice.choices(quantity, record)[0].lower_envelope
 
 
 def test_a_record_without_the_default_method_is_refused():

@@ -95,8 +95,10 @@ def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
                     color=COLOURS[colour], marker=marker, linestyle=line, alpha=alpha, label=label,
                 )  # fmt: skip
     axes.invert_xaxis()
-    if axes.get_xlim()[0] > style.garbage:
-        axes.axvspan(axes.get_xlim()[0], style.garbage, color="0.9", label="garbage")
+    if any(point.error > style.garbage for point in points):
+        limits = axes.get_xlim()
+        axes.axvspan(limits[0], style.garbage, color="0.9", label="garbage")
+        axes.set_xlim(limits)
     axes.grid(True)
 
 

@@ -124,7 +124,7 @@ def lines() -> list[Line]:
         ),
         Line(
             "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
-            "|Σ| turns in 1/v and every turn is looked at; below 1/v = 50 the overhead of arrays rules",
+            "|Σ| turns in 1/v and every turn is looked at; here the overhead of arrays rules",
         ),
         Line(
             "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
@@ -132,7 +132,7 @@ def lines() -> list[Line]:
         ),
         Line(
             "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
-            "half the points a worker; a point is so cheap that handing it over costs more", 1, True,
+            "half the points a worker; but to hand over so cheap a point costs more", 1, True,
         ),
         Line(
             "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
@@ -326,6 +326,8 @@ def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Pat
     """Write ``growth.json`` and the diagram."""
     import io
 
+    from matplotlib.ticker import NullFormatter
+
     from paper_checks.pictures import new_panels, picture
 
     figure, panels = new_panels(2, 2, height=6.0)
@@ -336,8 +338,11 @@ def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Pat
             axes_of[row.size_name].loglog(row.sizes, row.seconds, "o-", label=fitted)
     for name, axes in axes_of.items():
         axes.set(xlabel=name, ylabel="seconds")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.grid(True)
-        axes.legend(loc="best")
+        axes.margins(y=0.3)
+        axes.legend(loc="upper left")
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
     drawn = picture(

@@ -180,13 +180,13 @@ def as_text(rows: Sequence[Choice]) -> str:
 
 
 def span(errors: Sequence[float]) -> str:
-    """Return the ends of a row of errors.
+    """Return the ends of a row of errors, or all of them where one is left out.
 
     Examples
     --------
-    >>> span([1e-2, 1e-3, 1e-4]), span([])
-    ('1e-02 to 1e-04', '')
+    >>> span([1e-2, 1e-3, 1e-4]), span([1e-2, 1e-4]), span([])
+    ('1e-02 to 1e-04', '1e-02, 1e-04', '')
     """
-    if not errors:
-        return ""
-    return f"{errors[0]:.0e}" + (f" to {errors[-1]:.0e}" if len(errors) > 1 else "")
+    if len(errors) > 2 and list(errors) == decades(errors[-1], errors[0]):
+        return f"{errors[0]:.0e} to {errors[-1]:.0e}"
+    return ", ".join(f"{error:.0e}" for error in errors)

@@ -212,7 +212,7 @@ def style() -> Style:
     from benchmarks.diagram import Style
 
     return Style(
-        "largest error of amplitudes and frequency (right is better)",
+        "largest error (right is better)",
         "processor seconds a breather",
         "Error against run time of a breather of (8), seven sites. The averaged chain is solved "
         "exactly, and errs by a term of order ε.",

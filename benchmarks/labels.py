@@ -143,7 +143,7 @@ def style() -> Style:
     from benchmarks.diagram import Style
 
     return Style(
-        "part of the labels that differ (none: at the right edge)",
+        "part of the labels that differ",
         "processor seconds a point",
         "Wrong labels against run time, a few points of the map of Fig. 15. None wrong is drawn "
         "at 1e-3.",

@@ -21,7 +21,7 @@ lint: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m pip install --quiet --editable ".[bench]"
-	$(BIN)/python -m benchmarks
+	$(BIN)/fronts bench
 
 $(READY): pyproject.toml bootstrap.sh
 	@sh bootstrap.sh $(VENV)

@@ -1,1 +1,1 @@
-"""Error against run time, beside peers, in one process; run with ``python -m benchmarks``."""
+"""Error against run time, beside peers, in one process; run with ``fronts bench``."""

@@ -1,30 +1,35 @@
 """Time to the modulation equations of one cell, beside OSCILATE and ``asymptotics``.
 
 The claim: second order for the cell of Eq. (8), with symbols, takes milliseconds and is right.
-Run ``python -m benchmarks.derivation`` with the ``bench`` extra installed. Each contender runs in
-a process of its own with a time limit; import time is not counted. Judged are
+Each contender runs in a process of its own with a time limit; import time is not counted, and
+seconds are those of the wall. The error is
 
-- both cycles: the zeros of the amplitude rate, against the cell averaged by direct sampling,
-- second order: the shift of the frequency, against a true periodic orbit at small eps,
-- resonance: whether a drive at the linear frequency enters the modulation equation.
+- at first order, the mean damping, by direct sampling of the cell, at the amplitudes found,
+- at second order, the shift of the frequency against a true periodic orbit at small eps.
+
+A contender in whose modulation equation a drive at the linear frequency does not enter is listed as
+a failure, whatever its error.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
-import platform
 import statistics
 import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.quantity import Quantity, Tell
 from derivations.averaging_evidence import damping_mean
 from derivations.periodic_orbit import orbit
+
+if TYPE_CHECKING:
+    from benchmarks.diagram import Style
+    from benchmarks.record import Record
 
 A, B = 2.5, 0.5
 EPS = 1e-3
@@ -116,40 +121,102 @@ def ours(route: str, scale: int) -> str:
     return OURS.replace("ROUTE", route).replace("SCALE", str(scale))
 
 
+MULTIPLE, AVERAGING = "multiple scales", "averaging"
 CONTENDERS = {
-    "this toolkit, multiple scales": (ours("by_multiple_scales", 2), None, 5),
-    "this toolkit, averaging": (ours("by_averaging", 1), None, 5),
+    MULTIPLE: (ours("by_multiple_scales", 2), None, 5),
+    AVERAGING: (ours("by_averaging", 1), None, 5),
     "OSCILATE": (OSCILATE, "oscilate", 1),
     "asymptotics": (ASYMPTOTICS, "asymptotics", 1),
 }
 """Program, package, and repetitions (the peers take too long for more than one)."""
+SCENES = {"first order: both cycles": 1, "second order: the frequency": 2}
+QUANTITY = "derivation"
 
 
-def measure(name: str, order: int, limit: float) -> dict[str, Any]:
-    """Return the median time and the verdicts of one contender at one order."""
-    program, package, repeats = CONTENDERS[name]
-    line: dict[str, Any] = {"contender": name, "order": order, "version": installed(package)}
-    if line["version"] is None:
-        return {**line, "failure": "not installed"}
+def measure(quick: bool, tell: Tell) -> Record:
+    """Measure every contender at both orders, in processes of their own."""
+    from benchmarks.record import Failure, WorkPoint, stamped
+
+    points: list[WorkPoint] = []
+    failures: list[Failure] = []
+    for scene, order in SCENES.items():
+        for name in CONTENDERS:
+            tell(f"derivation by {name}, order {order}")
+            try:
+                runs = answers(name, order, 15.0 if quick else 60.0, 1 if quick else None)
+                error = judged(runs[0], order)
+            except Exception as reason:  # whatever a peer raises is its result
+                text = f"{type(reason).__name__}: {reason}"[:160]
+                failures.append(Failure(QUANTITY, scene, name, "as it is", text))
+                continue
+            if not runs[0]["driven"]:
+                text = "a drive at the linear frequency does not enter the equation"
+                failures.append(Failure(QUANTITY, scene, name, "resonance", text))
+            seconds = [run["seconds"] for run in runs]
+            points.append(
+                WorkPoint(
+                    QUANTITY, scene, name, "as it is", error, None, seconds[0],
+                    statistics.median(seconds), len(seconds),
+                )
+            )  # fmt: skip
+    command = "fronts bench derivation" + " --quick" * quick
+    return stamped(command, {scene: reference_apart(order) for scene, order in SCENES.items()},
+                   points, failures)  # fmt: skip
+
+
+def answers(name: str, order: int, limit: float, repeats: int | None) -> list[dict[str, Any]]:
+    """Return what each run of a contender printed.
+
+    Raises
+    ------
+    ModuleNotFoundError, ArithmeticError, TimeoutError
+        If it is not installed, stopped with an error, or gave no answer within ``limit`` seconds.
+    """
+    program, package, most = CONTENDERS[name]
+    if installed(package) is None:
+        raise ModuleNotFoundError("not installed")
     runs = []
-    for _ in range(repeats):
+    for _ in range(repeats or most):
         try:
             done = subprocess.run(
                 [sys.executable, "-c", program, str(order)],
                 capture_output=True, text=True, timeout=limit, check=False,
             )  # fmt: skip
         except subprocess.TimeoutExpired:
-            return {**line, "failure": f"no answer in {limit:g} s"}
+            raise TimeoutError(f"no answer in {limit:g} s") from None
         if done.returncode:
-            return {**line, "failure": (done.stderr.strip().splitlines() or ["no message"])[-1]}
+            raise ArithmeticError((done.stderr.strip().splitlines() or ["no message"])[-1])
         runs.append(json.loads(done.stdout.strip().splitlines()[-1]))
-    found = runs[0]
-    line["seconds"] = statistics.median(run["seconds"] for run in runs)
-    line["both cycles"] = cycles_error(found["rate"]) < 1e-9
-    if order == 2:
-        line["second order"] = found["shift"] != "None" and shift_error(found["shift"]) < 1e-4
-    line["resonance"] = found["driven"]
-    return line
+    return runs
+
+
+def judged(found: dict[str, Any], order: int) -> float:
+    """Return the error of what was derived.
+
+    Raises
+    ------
+    ArithmeticError
+        If there are not two cycles, or no shift of the frequency.
+    """
+    if order == 1:
+        error = cycles_error(found["rate"])
+        if not math.isfinite(error):
+            raise ArithmeticError("the rate has not two zeros")
+        return error
+    if found["shift"] == "None":
+        raise ArithmeticError("no shift of the frequency")
+    return shift_error(found["shift"])
+
+
+def reference_apart(order: int) -> float:
+    """Return how well the reference itself is known.
+
+    First order: the change of the sampled damping when the amplitude moves by rounding. Second: the
+    change of the shift, which is taken at a finite eps, when eps is halved.
+    """
+    if order == 1:
+        return float(np.finfo(float).eps)
+    return abs(measured_shift(EPS) - measured_shift(0.5 * EPS))
 
 
 def installed(package: str | None) -> str | None:
@@ -178,37 +245,49 @@ def shift_error(shift: str) -> float:
     """Return the difference from the frequency of the true outer cycle, over eps squared."""
     import sympy as sp
 
-    size = math.sqrt((A + math.sqrt(A * A - 8 * B)) / B)
-    start = size * np.sin(2 * np.pi * np.arange(61) / 61)[None, :]
-    _, frequency = orbit(start, 1.0, {"e": EPS, "a": A, "b": B, "c": 0.0})
     r = sp.Symbol("r", positive=True)
-    predicted = float(sp.sympify(shift, locals={"r": r}).subs(r, size))
-    return abs((frequency - 1) / EPS**2 - predicted)
+    predicted = float(sp.sympify(shift, locals={"r": r}).subs(r, outer_amplitude()))
+    return abs(measured_shift(EPS) - predicted)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--limit", type=float, default=120.0, help="seconds for each run")
-    parser.add_argument("--json", action="store_true")
-    parsed = parser.parse_args()
-    lines = [measure(name, order, parsed.limit) for order in (1, 2) for name in CONTENDERS]
-    if parsed.json:
-        machine = {"python": platform.python_version(), "machine": platform.machine()}
-        print(json.dumps({"machine": machine, "lines": lines}))
-        return 0
-    for line in lines:
-        head = f"order {line['order']}  {line['contender']:<30}"
-        if "failure" in line:
-            print(f"{head} {line['failure']}")
-            continue
-        verdicts = ", ".join(
-            f"{key}: {'right' if line[key] else 'WRONG'}"
-            for key in ("both cycles", "second order", "resonance")
-            if key in line
-        )
-        print(f"{head} {line['seconds'] * 1e3:9.1f} ms  {verdicts}")
-    return 0
+def outer_amplitude() -> float:
+    """Return the amplitude of the stable cycle."""
+    return math.sqrt((A + math.sqrt(A * A - 8 * B)) / B)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def measured_shift(eps: float) -> float:
+    """Return (frequency - 1)/eps² of the true outer cycle."""
+    start = outer_amplitude() * np.sin(2 * np.pi * np.arange(61) / 61)[None, :]
+    _, frequency = orbit(start, 1.0, {"e": eps, "a": A, "b": B, "c": 0.0})
+    return float((frequency - 1) / eps**2)
+
+
+def style() -> Style:
+    """Return how the diagram is drawn."""
+    from benchmarks.diagram import Style
+
+    return Style(
+        "error of the result (right is better)",
+        "seconds, imports apart",
+        "Error against run time of the modulation equations of one cell. The second order is "
+        "compared with an orbit at ε = 0.001, which limits the error that can be seen.",
+        {
+            MULTIPLE: ("blue", "o"),
+            AVERAGING: ("sky", "s"),
+            "OSCILATE": ("vermilion", "v"),
+            "asymptotics": ("orange", "D"),
+        },
+        1e-3,
+        1e-16,
+    )
+
+
+BENCHMARK = Quantity(
+    QUANTITY,
+    "modulation equations of one cell",
+    tuple(SCENES),
+    MULTIPLE,
+    (1e-16, 1e-3),
+    measure,
+    style,
+)

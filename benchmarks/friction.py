@@ -1,4 +1,4 @@
-"""``python -m benchmarks.friction``: the friction chain by three families, error against run time.
+"""The friction chain by three families, error against run time.
 
 N = 31, τ = 200, the first site excited, c = 0.02. Event-exact Taylor steps; the switch model of the
 paper, fixed and adaptive; regularised friction through scipy's LSODA, Radau and BDF. The error is
@@ -9,19 +9,19 @@ seconds of processor time, one thread each.
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-from benchmarks import single
+from benchmarks.equal_error import least_factor
+from benchmarks.quantity import Quantity, Tell
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from benchmarks.chain_diagram import Style
+    from benchmarks.diagram import Style
     from benchmarks.record import Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
     from theory.friction_chain import FrictionChain
@@ -39,17 +39,11 @@ WIDTHS = (1e-2, 1e-3, 1e-4)
 TOLERANCES = (1e-3, 1e-5, 1e-7)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code."""
-    return single.main(__doc__, measure, style, "friction", arguments)
-
-
 def style() -> Style:
     """Return how the diagram is drawn."""
-    from benchmarks.chain_diagram import Style
+    from benchmarks.diagram import Style
 
     return Style(
-        "friction",
         "largest error of y (right is better)",
         "processor seconds a run",
         "Error against run time, friction chain, N = 31, τ = 200. Pale: settings that another one "
@@ -66,7 +60,7 @@ def style() -> Style:
     )
 
 
-def measure(quick: bool, tell: Callable[[str], None]) -> Record:
+def measure(quick: bool, tell: Tell) -> Record:
     """Measure every contender side by side and judge the target."""
     import numpy as np
 
@@ -90,10 +84,10 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Record:
     apart = float(np.abs(second.y - reference.y).max())
     rows = contenders(chain, start, reference.y, quick)
     tell(f"measuring {len(rows)} settings ...")
-    effort = Effort(seconds=0.2, fewest=3, most=21, patience=0.4, limit=60.0)
+    effort = Effort(0.1, 1, 9, 0.2, 10.0) if quick else Effort(0.2, 3, 21, 0.4, 60.0)
     # Processor time, so that other work on a shared machine does not count.
     points, failures = measure_side_by_side(QUANTITY, SCENE, rows, effort, process_time)
-    command = "python -m benchmarks.friction" + " --quick" * quick
+    command = "fronts bench friction" + " --quick" * quick
     return record.Record(
         command, record.now(), record.this_machine(), record.these_versions(), {SCENE: apart},
         points, failures,
@@ -132,8 +126,8 @@ def contenders(
         for band in ((1e-4,) if quick else (1e-4, 1e-6))
     ]  # fmt: skip
     for solver in Solver:
-        for delta in WIDTHS[:2] if quick else WIDTHS:
-            for tolerance in TOLERANCES[:2] if quick else TOLERANCES:
+        for delta in WIDTHS[1:2] if quick else WIDTHS:
+            for tolerance in TOLERANCES[1:2] if quick else TOLERANCES:
                 rows.append(
                     Contender(
                         f"scipy {solver.value}", f"delta {delta:g}, tolerance {tolerance:g}",
@@ -204,7 +198,7 @@ def targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
     ours = [point for point in points if point.method == EXACT]
     peers = [point for point in points if point.method.startswith("scipy ")]
     garbage = sum(point.error > GARBAGE for point in peers)
-    least = single.least_factor(ours, peers, 0.0, GARBAGE)
+    least = least_factor(ours, peers, 0.0, GARBAGE)
     detail = f"{garbage} of {len(peers)} settings of scipy are garbage: error above {GARBAGE:g}"
     if least is not None:
         best = least[1]
@@ -234,5 +228,12 @@ def _second_reference(seconds: float) -> Target:
     return Target("the second reference", seconds, "no target", None, "s", detail)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+BENCHMARK = Quantity(
+    "friction",
+    "trajectory of the friction chain (5)",
+    (SCENE,),
+    EXACT,
+    (1e-8, GARBAGE),
+    measure,
+    style,
+)

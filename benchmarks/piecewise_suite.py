@@ -2,62 +2,80 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import math
+from time import process_time
+from typing import TYPE_CHECKING
 
-from benchmarks.piecewise_sum import QUANTITY, SCENES, References, contenders, references
+from benchmarks.piecewise_sum import QUANTITY, SCENES, contenders, references
 from benchmarks.piecewise_targets import batch_target, other_targets, ratio_targets
-from benchmarks.record import Failure, Target, WorkPoint
+from benchmarks.quantity import Quantity, Tell
+from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Effort, measure_side_by_side
 from verification.scenes import scene_named
+
+if TYPE_CHECKING:
+    from benchmarks.diagram import Style
 
 FULL = Effort()
 QUICK = Effort(seconds=0.1, fewest=2, most=9, patience=1.0, limit=10.0)
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What one suite found; see ``benchmarks.record``."""
-
-    agreement: dict[str, float]
-    points: tuple[WorkPoint, ...]
-    failures: tuple[Failure, ...]
-    targets: tuple[Target, ...]
-
-
-def measure(
-    quick: bool, scenes: Sequence[str] = SCENES, tell: Callable[[str], None] = lambda _: None
-) -> Measured:
-    """Measure every method at the scenes, then the targets.
-
-    Parameters
-    ----------
-    quick : bool
-        Fewer settings and repeats; within a minute.
-    scenes : sequence of str
-        Names out of ``verification.scenes``. Ratios to peers are taken at each.
-    tell : callable
-        Told what is being done.
-    """
+def measure(quick: bool, tell: Tell) -> Record:
+    """Measure every method at the scenes, then the targets; ratios to peers at each scene."""
     points: list[WorkPoint] = []
     failures: list[Failure] = []
     agreement: dict[str, float] = {}
-    for name in scenes:
+    for name in SCENES:
         tell(f"{QUANTITY} at the scene {name}")
         scene = scene_named(name)
         known = references(scene.v, scene.c)
         agreement[name] = known.apart
         taking_part = [each for each in contenders(scene, known) if each.quick or not quick]
-        done, failed = measure_side_by_side(QUANTITY, name, taking_part, QUICK if quick else FULL)
+        done, failed = measure_side_by_side(
+            QUANTITY, name, taking_part, QUICK if quick else FULL, process_time
+        )
         points += done
         failures += failed
     tell("promised speeds")
-    ratios = [row for name in scenes for row in ratio_targets(points, name)]
+    ratios = [row for name in SCENES for row in ratio_targets(points, name)]
     targets = (batch_target(quick), *ratios, *other_targets(quick))
-    return Measured(agreement, tuple(points), tuple(failures), targets)
+    command = "fronts bench sum" + " --quick" * quick
+    return stamped(command, agreement, points, failures, targets)
 
 
-def methods() -> list[str]:
-    """Return every method and setting, for a listing."""
-    scene = scene_named(SCENES[0])
-    return [f"{each.method:24} {each.knob}" for each in contenders(scene, References(0j, 0j))]
+def style() -> Style:
+    """Return how the diagram is drawn."""
+    from benchmarks.diagram import Style
+
+    return Style(
+        "error of Σ (right is better)",
+        "seconds an evaluation",
+        "Error against run time of Σ(v, c). Pale: settings that another one of the same method "
+        "beats. Below 1e-16 a double shows nothing.",
+        {
+            "integral, in a batch": ("blue", "o"),
+            "integral, one call": ("sky", "o"),
+            "integral, many digits": ("blue", "P"),
+            "root series": ("vermilion", "s"),
+            "root series, cut off": ("vermilion", "x"),
+            "Bessel series": ("green", "^"),
+            "quadrature in pieces": ("purple", "D"),
+            "scipy.integrate.quad": ("orange", "v"),
+            "cxroots, our tail": ("black", "X"),
+            "cxroots, cut off": ("black", "+"),
+        },
+        math.inf,
+        1e-51,
+    )
+
+
+BENCHMARK = Quantity(
+    "sum",
+    "the sum Σ(v, c) of Eq. (53)",
+    SCENES,
+    "integral, in a batch",
+    (1e-12, 1e-2),
+    measure,
+    style,
+    ("integral, one call",),
+)

@@ -1,6 +1,7 @@
 """What a benchmark leaves behind: points of error against run time, failures, targets, the machine.
 
-Errors are absolute and dimensionless, times are wall-clock seconds.
+Errors are absolute and dimensionless. Times are processor seconds, so that other work on a shared
+machine does not count, or wall-clock seconds where a record says so.
 """
 
 from __future__ import annotations
@@ -8,15 +9,16 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 PACKAGES = (
     "numpy", "scipy", "mpmath", "numba", "cxroots", "python-flint", "jitcode", "heyoka",
+    "oscilate", "asymptotics",
 )  # fmt: skip
 
 
@@ -137,12 +139,48 @@ class Record:
     targets: tuple[Target, ...]
 
 
-def write_record(record: Record, path: Path) -> None:
-    """Write a record as JSON, each target with its verdict."""
+def stamped(
+    command: str,
+    agreement: Mapping[str, float],
+    points: Sequence[WorkPoint],
+    failures: Sequence[Failure],
+    targets: Sequence[Target] = (),
+) -> Record:
+    """Return the record of a run that has just ended here."""
+    return Record(
+        command,
+        now(),
+        this_machine(),
+        these_versions(),
+        agreement,
+        tuple(points),
+        tuple(failures),
+        tuple(targets),
+    )
+
+
+def as_payload(record: Record) -> dict[str, Any]:
+    """Return a record for JSON, each target with its verdict."""
     payload = asdict(record)
     for row, target in zip(payload["targets"], record.targets, strict=True):
         row["verdict"] = target.verdict
-    path.write_text(json.dumps(payload, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return payload
+
+
+def write_record(record: Record, path: Path) -> None:
+    """Write a record as JSON."""
+    text = json.dumps(as_payload(record), indent=1, allow_nan=False) + "\n"
+    write_whole(path, text.encode())
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file so that it is there whole or not at all."""
+    temporary = path.with_name(f".writing-{path.name}")
+    try:
+        temporary.write_bytes(content)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def read_record(path: Path) -> Record:

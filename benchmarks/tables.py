@@ -27,7 +27,11 @@ def _points(run: Record) -> Iterator[str]:
         )
         for point in (each for each in run.points if each.scene == scene):
             claimed = "-" if point.claimed is None else f"{point.claimed:.1e}"
-            mark = "" if point.honest else "  WORSE THAN IT CLAIMS"
+            # The reference itself is known to within the agreement only.
+            beyond = point.claimed is not None and (
+                point.error > point.claimed + run.agreement[scene]
+            )
+            mark = "  WORSE THAN IT CLAIMS" if beyond else ""
             warned = f"  warned: {point.warning[:50]}" if point.warning else ""
             yield (
                 f"  {point.method:22} {point.knob:30} {point.error:8.1e} {claimed:>8} "
@@ -43,8 +47,10 @@ def _failures(run: Record) -> Iterator[str]:
 
 
 def _targets(run: Record) -> Iterator[str]:
+    if not run.targets:
+        return
     yield ""
-    yield "promised speeds"
+    yield "promised speeds, and what else was timed"
     for each in run.targets:
         measured = "-" if each.measured is None else f"{each.measured:.3g}"
         wanted = "" if each.limit is None else f"{each.relation} {each.limit:g}, "

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.vdp``: the Van der Pol chain, error against run time beside peers.
+"""The Van der Pol chain, error against run time beside peers.
 
 N = 31, t = 1000, a = 4, b = 0.5, c = 0.6, ε = 0.01, the first site on its cycle. The default
 stepper (Runge-Kutta of order 8, sites at rest left out) beside its losing rivals, which are fixed
@@ -11,19 +11,19 @@ thresholds of Fig. 11. Times are processor seconds, but for the map, where they 
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-from benchmarks import single
+from benchmarks.equal_error import least_factor
+from benchmarks.quantity import Quantity, Tell
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from benchmarks.chain_diagram import Style
+    from benchmarks.diagram import Style
     from benchmarks.record import Failure, Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
     from theory.vdp_chain import VdpChain
@@ -39,17 +39,11 @@ LOW, HIGH = 1e-9, 1e-3
 """Errors between which speed was promised."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code."""
-    return single.main(__doc__, measure, style, "vdp", arguments)
-
-
 def style() -> Style:
     """Return how the diagram is drawn."""
-    from benchmarks.chain_diagram import Style
+    from benchmarks.diagram import Style
 
     return Style(
-        "vdp",
         "largest error (right is better)",
         "processor seconds a run",
         "Error against run time, Van der Pol chain, N = 31, t = 1000. Pale: settings that another "
@@ -70,7 +64,7 @@ def style() -> Style:
     )
 
 
-def measure(quick: bool, tell: Callable[[str], None]) -> Record:
+def measure(quick: bool, tell: Tell) -> Record:
     """Measure every contender side by side and judge the targets."""
     import numpy as np
 
@@ -89,11 +83,11 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Record:
     apart = float(np.abs(second - true).max())
     rows, waits, missing = contenders(chain, true, quick, tell)
     tell(f"measuring {len(rows)} settings ...")
-    effort = Effort(seconds=0.3, fewest=3, most=41, patience=2.0, limit=120.0)
+    effort = Effort(0.1, 1, 9, 0.3, 20.0) if quick else Effort(0.3, 3, 41, 2.0, 120.0)
     points, failures = measure_side_by_side(QUANTITY, SCENE, rows, effort, process_time)
     waits = {"ours, compiled or loaded": compiled, **waits}
     return record.Record(
-        "python -m benchmarks.vdp" + " --quick" * quick, record.now(), record.this_machine(),
+        "fronts bench chain" + " --quick" * quick, record.now(), record.this_machine(),
         record.these_versions(), {SCENE: apart}, points, failures + missing,
         (*targets(points), *_compile_times(waits), *_tasks(quick, tell)),
     )  # fmt: skip
@@ -137,7 +131,7 @@ def by_series(chain: VdpChain, tolerance: float) -> FloatArray:
 
 
 def contenders(
-    chain: VdpChain, true: FloatArray, quick: bool, tell: Callable[[str], None]
+    chain: VdpChain, true: FloatArray, quick: bool, tell: Tell
 ) -> tuple[list[Contender], dict[str, float], tuple[Failure, ...]]:
     """Return every method at every setting, compile times of peers, and the peers not there."""
     from benchmarks.runner import Contender
@@ -161,7 +155,7 @@ def contenders(
 
 
 def _peers(
-    chain: VdpChain, true: FloatArray, quick: bool, tell: Callable[[str], None]
+    chain: VdpChain, true: FloatArray, quick: bool, tell: Tell
 ) -> tuple[list[Contender], dict[str, float], tuple[Failure, ...]]:
     from benchmarks import vdp_peers
     from benchmarks.record import Failure
@@ -181,7 +175,7 @@ def _peers(
         solve = vdp_peers.scipy_solver(chain, start, T_END, method)
         for k in powers:
             add(f"scipy {method}", solve, k)
-    for method in ("dop853", "lsoda"):
+    for method in ("dop853",) if quick else ("dop853", "lsoda"):
         tell(f"compiling jitcode {method} ...")
         try:
             solve, waits[f"jitcode {method}"] = vdp_peers.jitcode_solver(
@@ -259,7 +253,7 @@ def targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
         ((SERIES, FIXED8, FIXED4, SPLIT), None),
     ):
         peers = [point for point in points if point.method.startswith(names)]
-        least = single.least_factor(default, peers, LOW, HIGH)
+        least = least_factor(default, peers, LOW, HIGH)
         detail = f"errors from {LOW:g} to {HIGH:g}"
         if least is not None:
             worst = least[1]
@@ -287,7 +281,7 @@ def _compile_times(waits: dict[str, float]) -> list[Target]:
             for name, s in waits.items()]  # fmt: skip
 
 
-def _tasks(quick: bool, tell: Callable[[str], None]) -> list[Target]:
+def _tasks(quick: bool, tell: Tell) -> list[Target]:
     """Measure whole tasks: a front over longer and longer chains, the map, the thresholds."""
     tell("measuring whole tasks ...")
     rows = [_front_cost((100, 200, 400) if quick else (100, 300, 1000, 3000))]
@@ -340,16 +334,26 @@ def _thresholds() -> Target:
     from benchmarks.record import Target
     from theory.vdp_chain import VdpChain
     from verification.breather_threshold import Method, breather_threshold
-    from verification.nucleus import Nucleus
+    from verification.nucleus import Nucleus, outward_pattern
 
     chain = VdpChain(2.5, 0.5, 0.0, 0.01)
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
-    found = [breather_threshold(chain, Nucleus(size), Method.ENVELOPE).c for size in sizes]
+    found = [
+        breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE).c
+        for size in sizes
+    ]
     seconds = perf_counter() - begin
     detail = ", ".join(f"size {n}: {c:.5f}" for n, c in zip(sizes, found, strict=True))
     return Target("all thresholds of Fig. 11 by continuation", seconds, "below", 20.0, "s", detail)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+BENCHMARK = Quantity(
+    "chain",
+    "trajectory of the Van der Pol chain (8)",
+    (SCENE,),
+    OURS,
+    (LOW, HIGH),
+    measure,
+    style,
+)

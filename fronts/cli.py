@@ -28,6 +28,7 @@ COMMANDS = {
     "threshold": "the coupling at which a nucleus stops being localised (Figs. 4, 11)",
     "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
     "stress": "every quantity over all decades of its parameters, held against another method",
+    "bench": "error against run time beside peers, and how cost grows (source tree only)",
     "check": "the verdict on each claim of the paper",
 }
 """Subcommand and one line of help; the code is ``fronts.commands.<name>``."""

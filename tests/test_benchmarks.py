@@ -1,13 +1,28 @@
 """The benchmarks measure what they say: turns, medians, failures by name, honest errors."""
 
+import dataclasses
 import itertools
+import json
+import math
 import time
 
+import numpy
 import pytest
 
-from benchmarks import friction, piecewise_suite, piecewise_targets, tables
-from benchmarks.piecewise_diagram import worth_choosing
+from benchmarks import (
+    choice,
+    friction,
+    front,
+    growth,
+    multipliers,
+    piecewise_suite,
+    piecewise_targets,
+    roots,
+    tables,
+)
+from benchmarks.diagram import worth_choosing
 from benchmarks.piecewise_sum import contenders, references
+from benchmarks.quantity import RESULTS, Quantity, all_quantities, chosen
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
 from benchmarks.runner import (
     Answer,
@@ -17,6 +32,9 @@ from benchmarks.runner import (
     measure_side_by_side,
     time_limit,
 )
+from fronts.cli import main
+from fronts.commands import bench
+from theory.envelope import envelope_rate
 from theory.friction_chain import FrictionChain
 from verification.friction_run import run_friction
 from verification.friction_start import nucleus
@@ -180,3 +198,220 @@ def test_every_friction_method_gives_its_largest_error():
     for errors in seen.values():
         assert errors[-1] < 0.1 * errors[0]
         assert np.isfinite(errors).all()
+
+
+NEW = ("velocity", "roots", "breather", "multipliers", "front", "map")
+
+
+def test_every_quantity_of_the_plan_is_discovered_once():
+    names = [quantity.name for quantity in all_quantities()]
+    assert names == sorted({"sum", *NEW, "chain", "friction", "derivation"})
+
+
+@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
+def test_a_quantity_draws_its_default_and_has_useful_errors(quantity):
+    style = quantity.style()
+    assert quantity.default in style.methods
+    assert len(set(style.methods.values())) == len(style.methods)  # told apart
+    assert 0 < quantity.useful[0] < quantity.useful[1] <= style.garbage or (
+        quantity.name == "derivation"
+    )
+    assert quantity.scenes
+
+
+@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
+def test_the_stored_record_of_every_quantity_is_complete(quantity):
+    record = read_record(RESULTS / f"{quantity.name}.json")
+    seen = {point.method for point in record.points}
+    failed = {failure.method for failure in record.failures}
+    assert set(record.agreement) == set(quantity.scenes)
+    assert {point.scene for point in record.points} == set(quantity.scenes)
+    assert set(quantity.style().methods) <= seen | failed  # whoever is drawn was tried
+    assert seen <= set(quantity.style().methods)  # and whoever was measured is drawn
+    assert record.machine["processor"]
+    assert record.versions["numpy"]
+    for suffix in ("svg", "png"):
+        assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
+
+
+@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
+def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(quantity):
+    stored = json.loads((RESULTS / "defaults.json").read_text())["choices"]
+    mine = [row for row in stored if row["quantity"] == quantity.name]
+    found = choice.choices(quantity, read_record(RESULTS / f"{quantity.name}.json"))
+    assert mine == json.loads(json.dumps(choice.as_payload(found)))
+    assert {row["scene"] for row in mine} == set(quantity.scenes)
+    assert all(row["default"] == quantity.default for row in mine)
+
+
+def _quantity(low, high):
+    return Quantity("q", "", ("s",), "ours", (low, high), None, None)
+
+
+def _record(*points):
+    rows = tuple(WorkPoint("q", "s", m, "k", e, None, t, t, 3) for m, e, t in points)
+    return Record("c", "d", {}, {}, {"s": 0.0}, rows, (), ())
+
+
+def test_a_default_is_judged_at_each_decade_of_error():
+    record = _record(
+        ("ours", 5e-3, 1.0), ("ours", 5e-5, 2.0), ("peer", 5e-2, 0.1), ("peer", 5e-4, 1.0),
+        ("exact", 1e-9, 9.0),
+    )  # fmt: skip
+    (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
+    # At 0.1 the peer takes 0.1 s; at 1e-3 it takes 1 s and ours 2 s; below 1e-5 ours has nothing.
+    assert row.fastest == (1e-2, 1e-4)
+    assert [(b.error, b.by, b.factor) for b in row.beaten] == [
+        (1e-1, "peer", 10.0),
+        (1e-3, "peer", 2.0),
+        (1e-5, "exact", None),
+        (1e-6, "exact", None),
+    ]
+    assert not row.lower_envelope
+    assert "exact is faster: 1e-05 (not reached)" in choice.as_text([row])
+
+
+def test_a_default_that_is_never_beaten_is_the_lower_envelope():
+    record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.95))  # within the noise of a tenth
+    (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
+    assert row.lower_envelope
+
+
+def test_errors_that_the_reference_cannot_tell_are_not_compared():
+    record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
+    blurred = dataclasses.replace(record, agreement={"s": 1e-3})
+    (row,) = choice.choices(_quantity(1e-6, 1e-1), blurred)
+    assert [each.error for each in row.beaten] == [1e-1, 1e-2, 1e-3]
+
+
+def test_a_variant_of_the_default_is_no_rival():
+    record = _record(("ours", 1e-9, 1.0), ("ours, in a batch", 1e-9, 0.1))
+    quantity = Quantity(
+        "q", "", ("s",), "ours", (1e-6, 1e-1), None, None, ("ours, in a batch",)
+    )  # fmt: skip
+    assert choice.choices(quantity, record)[0].lower_envelope
+
+
+def test_a_record_without_the_default_method_is_refused():
+    with pytest.raises(ValueError, match="no point of ours"):
+        choice.choices(_quantity(1e-6, 1e-1), _record(("peer", 1e-9, 1.0)))
+
+
+def test_the_fit_of_growth_finds_a_power_and_sees_the_larger_half():
+    assert growth.slope([1, 10, 100], [2, 2e3, 2e6]) == pytest.approx(3.0)
+    assert math.isnan(growth.slope([1, 10], [0.0, 1.0]))
+
+
+def test_growth_is_measured_at_every_size(monkeypatch):
+    seen = []
+    line = growth.Line("w", "sites", seen.append, (1, 2, 4), (8,), 1.0, "why", 2)
+    monkeypatch.setattr(growth, "lines", lambda: [line])
+    (row,) = growth.measure(True, lambda _: None)
+    assert row.sizes == (1.0, 2.0, 4.0)
+    assert seen.count(4) == 3  # twice for the time, once for the memory
+    assert len(row.seconds) == len(row.megabytes) == 3
+    assert json.dumps(growth.as_payload([row], "c"), allow_nan=False)
+
+
+def test_the_stored_growth_covers_what_was_promised():
+    rows = json.loads((RESULTS / "growth.json").read_text())["lines"]
+    ends = {row["name"]: (row["sizes"][0], row["sizes"][-1]) for row in rows}
+    assert ends["front of (43), moving window"] == (10, 1e5)
+    assert {row["size_name"] for row in rows} == {"sites", "digits", "1/v", "points", "workers"}
+
+
+@pytest.mark.parametrize("name", ["roots", "multipliers"])
+def test_a_quick_run_gives_a_small_error_and_a_record(name, capsys, tmp_path):
+    assert main(["bench", name, "--quick", "--json", "--out", str(tmp_path)]) == 0
+    (record,) = json.loads(capsys.readouterr().out)["records"].values()
+    (quantity,) = chosen([name])
+    ours = [point for point in record["points"] if point["method"] == quantity.default]
+    assert min(point["error"] for point in ours) < 1e-11  # what the default is good for
+    written = read_record(tmp_path / f"{name}.json")
+    assert [point.error for point in written.points] == [p["error"] for p in record["points"]]
+    assert (tmp_path / f"{name}.svg").read_text().startswith("<?xml")
+    assert {row["quantity"] for row in json.loads((tmp_path / "defaults.json").read_text())[
+        "choices"
+    ]} == {name}  # fmt: skip
+
+
+def test_missed_roots_are_counted_and_not_passed_over():
+    true = [1 + 1j, 2 + 1j, 3 + 1j]
+    assert roots._largest([1 + 1j, 2 + 1j, complex("nan"), 3 + 1.0001j], true) == pytest.approx(
+        1e-4
+    )
+    with pytest.raises(roots.MissedRootsError, match="2 of 3"):
+        roots._largest([1 + 1j, complex("nan")], true)
+
+
+def test_the_reduced_chain_of_the_front_is_the_averaged_chain():
+    # The staggered rate, written out for scipy, against the complex right side of (43).
+    random = numpy.random.default_rng(3)
+    chain = front.chain_of(9)
+    r = random.normal(size=9)
+    turn = (-1j) ** numpy.arange(9)
+    phi = turn * r
+    # In the frame e^{icT}; the end sites lack a neighbour and are left out.
+    rate = (envelope_rate(phi, chain) - 1j * chain.c * phi) / turn
+    assert abs(rate[1:-1] - front.staggered_rate(chain)(0.0, r)[1:-1]).max() < 1e-14
+
+
+def test_a_smooth_average_of_the_intervals_ignores_a_ripple():
+    n = numpy.arange(300)
+    arrivals = 2.0 * n + 0.1 * numpy.sin(1.7 * n)  # a ripple of a twentieth of the interval
+    assert front.smooth_velocity(arrivals) == pytest.approx(0.5, abs=1e-9)
+
+
+def test_multipliers_are_paired_before_they_are_compared():
+    one = numpy.array([1.0, 0.5 + 0.5j, 0.5 - 0.5j])
+    assert multipliers.apart(one[[2, 0, 1]] + 1e-7, one) == pytest.approx(1e-7)
+
+
+def test_bench_lists_every_quantity(capsys):
+    assert main(["bench", "--list", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["quantities"]
+    assert [row["name"] for row in rows] == [quantity.name for quantity in all_quantities()]
+    assert all(row["default"] in row["methods"] for row in rows)
+    assert main(["bench", "--list"]) == 0
+    text = capsys.readouterr().out
+    assert all(quantity.name in text for quantity in all_quantities())
+    assert "growth" in text
+
+
+def test_bench_judges_the_defaults(capsys):
+    assert main(["bench", "--defaults", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["missing"] == []
+    assert {row["quantity"] for row in found["choices"]} == {q.name for q in all_quantities()}
+    assert main(["bench", "roots", "--defaults"]) == 0
+    assert "labelled roots" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
+        (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "make it first")),
+        (["bench", "--list", "--defaults"], ("--list and --defaults",)),
+        (["bench", "--quik"], ("--quik", "--help")),
+    ],
+)
+def test_bad_input_to_bench_is_one_sentence(line, words, capsys):
+    assert main(line) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert len(told.err.strip().splitlines()) == 1
+    assert all(word in told.err for word in words)
+
+
+def test_defaults_without_records_say_how_to_make_them(capsys, tmp_path):
+    assert main(["bench", "--defaults", "--out", str(tmp_path)]) == 2
+    assert "no record" in capsys.readouterr().err
+
+
+def test_without_the_source_tree_bench_says_where_the_benchmarks_are(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(bench, "ROOT", tmp_path)
+    assert main(["bench", "--list"]) == 2
+    told = capsys.readouterr().err
+    assert "source tree" in told
+    assert len(told.strip().splitlines()) == 1

@@ -1,0 +1,192 @@
+"""Is the default method the right one? Read from the records, decade of error by decade.
+
+For each error 10^-k that a user is likely to ask for, every method takes its fastest setting whose
+true error is no larger. The default should then be the fastest; where another one is, by more than
+a tenth, the table says which and by what factor. Errors below what the references are apart are
+left out: they are not known.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from benchmarks.quantity import Quantity
+from benchmarks.record import Record, WorkPoint, read_record, write_whole
+
+NOISE = 1.1
+"""A factor of time below which two methods count as equally fast."""
+
+
+@dataclass(frozen=True)
+class Beaten:
+    """An error at which another method is faster.
+
+    Attributes
+    ----------
+    error : float
+        The error asked for.
+    by : str
+        The fastest method there.
+    factor : float or None
+        Time of the default over its time; None where the default does not get so far.
+    """
+
+    error: float
+    by: str
+    factor: float | None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The default method of one quantity at one scene.
+
+    Attributes
+    ----------
+    quantity, scene, default : str
+        What, where, which.
+    recorded : str
+        Date of the record.
+    fastest : tuple of float
+        Errors asked for at which no other method is faster.
+    beaten : tuple of Beaten
+        The others.
+    """
+
+    quantity: str
+    scene: str
+    default: str
+    recorded: str
+    fastest: tuple[float, ...]
+    beaten: tuple[Beaten, ...]
+
+    @property
+    def lower_envelope(self) -> bool:
+        """Whether the default is the fastest at every useful error that any method reaches."""
+        return not self.beaten and bool(self.fastest)
+
+
+def choices(quantity: Quantity, record: Record) -> list[Choice]:
+    """Return one choice a scene.
+
+    Raises
+    ------
+    ValueError
+        If the record does not hold the default method at a scene.
+    """
+    rows = []
+    for scene in dict.fromkeys(point.scene for point in record.points):
+        here = [point for point in record.points if point.scene == scene]
+        if not any(point.method == quantity.default for point in here):
+            raise ValueError(f"{quantity.name}: no point of {quantity.default} at {scene}")
+        fastest, beaten = [], []
+        low, high = quantity.useful
+        for error in decades(max(low, record.agreement[scene]), high):
+            best = fastest_within(
+                (point for point in here if point.method not in quantity.variants), error
+            )
+            if not best:
+                continue
+            own = best.pop(quantity.default, math.inf)
+            rival = min(best, key=lambda name: best[name], default=None)
+            if rival is None or own <= NOISE * best[rival]:
+                fastest.append(error)
+            else:
+                factor = own / best[rival] if math.isfinite(own) else None
+                beaten.append(Beaten(error, rival, factor))
+        rows.append(
+            Choice(
+                quantity.name, scene, quantity.default, record.date, tuple(fastest), tuple(beaten)
+            )
+        )
+    return rows
+
+
+def decades(low: float, high: float) -> list[float]:
+    """Return the powers of ten from ``high`` down to ``low``.
+
+    Examples
+    --------
+    >>> decades(1e-4, 0.1)
+    [0.1, 0.01, 0.001, 0.0001]
+    """
+    first, last = math.floor(math.log10(high) + 1e-9), math.ceil(math.log10(low) - 1e-9)
+    return [float(f"1e{k}") for k in range(first, last - 1, -1)]
+
+
+def fastest_within(points: Iterable[WorkPoint], error: float) -> dict[str, float]:
+    """Return the least time of each method with a setting that is so exact."""
+    best: dict[str, float] = {}
+    for point in points:
+        if point.error <= error:
+            best[point.method] = min(best.get(point.method, math.inf), point.seconds)
+    return best
+
+
+def stored_choices(quantities: Sequence[Quantity], folder: Path) -> tuple[list[Choice], list[str]]:
+    """Return the choices from the records of a folder, and the names of those without a record."""
+    rows: list[Choice] = []
+    missing = []
+    for quantity in quantities:
+        path = folder / f"{quantity.name}.json"
+        if path.is_file():
+            rows += choices(quantity, read_record(path))
+        else:
+            missing.append(quantity.name)
+    return rows, missing
+
+
+def as_payload(rows: Sequence[Choice]) -> list[dict[str, object]]:
+    """Return the table for JSON."""
+    return [{**asdict(row), "lower_envelope": row.lower_envelope} for row in rows]
+
+
+def write_choices(rows: Sequence[Choice], path: Path) -> None:
+    """Write the table as JSON."""
+    text = json.dumps({"choices": as_payload(rows)}, indent=1, allow_nan=False) + "\n"
+    write_whole(path, text.encode())
+
+
+def as_text(rows: Sequence[Choice]) -> str:
+    """Return the table as text: one line a scene, and one for each method that beats the default.
+
+    Examples
+    --------
+    >>> print(as_text([Choice("sum", "s", "m", "today", (1e-2,), (Beaten(1e-3, "n", 2.0),))]))
+    quantity     scene                        default                       is the fastest
+    sum          s                            m                             at 1 of 2 errors: 1e-02
+                     n is faster: 1e-03 (2.0 times)
+    """
+    lines = [f"{'quantity':12} {'scene':28} {'default':29} is the fastest"]
+    for row in rows:
+        total = len(row.fastest) + len(row.beaten)
+        where = span(row.fastest)
+        verdict = f"everywhere, {where}" if row.lower_envelope else (
+            f"at {len(row.fastest)} of {total} errors" + (f": {where}" if where else "")
+        )  # fmt: skip
+        lines.append(f"{row.quantity:12} {row.scene:28} {row.default:29} {verdict}")
+        for by in dict.fromkeys(each.by for each in row.beaten):
+            there = ", ".join(
+                f"{each.error:.0e} "
+                + ("(not reached)" if each.factor is None else f"({each.factor:.1f} times)")
+                for each in row.beaten
+                if each.by == by
+            )
+            lines.append(f"{'':16} {by} is faster: {there}")
+    return "\n".join(lines)
+
+
+def span(errors: Sequence[float]) -> str:
+    """Return the ends of a row of errors, or all of them where one is left out.
+
+    Examples
+    --------
+    >>> span([1e-2, 1e-3, 1e-4]), span([1e-2, 1e-4]), span([])
+    ('1e-02 to 1e-04', '1e-02, 1e-04', '')
+    """
+    if len(errors) > 2 and list(errors) == decades(errors[-1], errors[0]):
+        return f"{errors[0]:.0e} to {errors[-1]:.0e}"
+    return ", ".join(f"{error:.0e}" for error in errors)

@@ -1,0 +1,191 @@
+"""How time and memory grow: with sites, digits, 1/v, points of a map and workers.
+
+Each line of work is run at growing sizes; the exponent is the slope of log time against log size
+over the larger half, where the cost that does not grow matters least. It stands beside the exponent
+that the method should have. Memory is the peak of what Python and NumPy allocated,
+and is measured where arrays grow.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tracemalloc
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import perf_counter, process_time
+
+import numpy as np
+
+from benchmarks.growth_work import Line, lines
+from benchmarks.quantity import Tell
+from benchmarks.record import now, these_versions, this_machine, write_whole
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What one line of work cost.
+
+    Attributes
+    ----------
+    name, size_name, why : str
+        As of the line.
+    sizes, seconds, megabytes : tuple of float
+        Size, least time, peak memory (nan where it is not measured).
+    exponent, memory_exponent : float
+        Fitted over the larger half.
+    expected : float or None
+        Of time.
+    wall : bool
+        Whether the times are those of the wall.
+    """
+
+    name: str
+    size_name: str
+    why: str
+    sizes: tuple[float, ...]
+    seconds: tuple[float, ...]
+    megabytes: tuple[float, ...]
+    exponent: float
+    memory_exponent: float
+    expected: float | None
+    wall: bool
+
+
+def measure(quick: bool, tell: Tell) -> list[Growth]:
+    """Measure every line of work."""
+    done = []
+    for line in lines():
+        tell(f"growth: {line.name}")
+        sizes = line.quick if quick else line.full
+        line.work(sizes[0])  # compiled and imported before anything is timed
+        costs = [cost(line, size) for size in sizes]
+        half = slice(min(len(sizes) // 2, len(sizes) - 2), None)
+        seconds, memory = ([row[i] for row in costs] for i in (0, 1))
+        done.append(
+            Growth(
+                line.name, line.size_name, line.why, tuple(map(float, sizes)), tuple(seconds),
+                tuple(memory), slope(sizes[half], seconds[half]), slope(sizes[half], memory[half]),
+                line.expected, line.wall,
+            )
+        )  # fmt: skip
+    return done
+
+
+def cost(line: Line, size: float) -> tuple[float, float]:
+    """Return the least time in seconds and the peak memory in megabytes."""
+    clock = perf_counter if line.wall else process_time
+    best = math.inf
+    for turn in range(line.repeats):
+        begin = clock()
+        line.work(size)
+        best = min(best, clock() - begin)
+        if best > 2.0 and turn == 0:
+            break
+    if not line.memory:
+        return best, math.nan
+    tracemalloc.start()
+    try:
+        line.work(size)
+        return best, tracemalloc.get_traced_memory()[1] / 1e6
+    finally:
+        tracemalloc.stop()
+
+
+def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
+    """Return the slope of log cost against log size, by least squares.
+
+    Examples
+    --------
+    >>> round(slope([1, 2, 4], [3, 12, 48]), 12)
+    2.0
+    """
+    known = [(s, c) for s, c in zip(sizes, costs, strict=True) if c > 0.0 and math.isfinite(c)]
+    if len(known) < 2:
+        return math.nan
+    x, y = np.log(np.array(known)).T
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
+    """Return the table for JSON; what is not a number is null."""
+    return {
+        "command": command,
+        "date": now(),
+        "machine": this_machine(),
+        "versions": these_versions(),
+        "lines": [
+            {
+                **asdict(row),
+                "megabytes": [each if math.isfinite(each) else None for each in row.megabytes],
+                "exponent": _finite(row.exponent),
+                "memory_exponent": _finite(row.memory_exponent),
+            }
+            for row in rows
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _shown(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "-"
+
+
+def as_text(rows: Sequence[Growth]) -> str:
+    """Return the table as text."""
+    lines = [
+        f"{'work':38} {'grows with':10} {'from':>7} {'to':>7} {'s at the end':>12} {'MB':>8} "
+        f"{'exponent':>9} {'expected':>9} {'of memory':>10}"
+    ]
+    for row in rows:
+        expected = "-" if row.expected is None else f"{row.expected:g}"
+        lines.append(
+            f"{row.name:38} {row.size_name:10} {row.sizes[0]:7g} {row.sizes[-1]:7g} "
+            f"{row.seconds[-1]:12.3g} {_shown(row.megabytes[-1], '.3g'):>8} {row.exponent:9.2f} "
+            f"{expected:>9} {_shown(row.memory_exponent, '.2f'):>10}"
+        )
+        lines.append(f"    {row.why}" + ("; seconds of the wall" if row.wall else ""))
+    return "\n".join(lines)
+
+
+def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Path) -> None:
+    """Write ``growth.json`` and the diagram."""
+    import io
+
+    from matplotlib.ticker import NullFormatter
+
+    from paper_checks.pictures import new_panels, picture
+
+    figure, panels = new_panels(2, 2, height=6.0)
+    axes_of = dict(zip(("sites", "digits", "1/v", "points"), panels, strict=True))
+    for row in rows:
+        if row.size_name in axes_of:
+            fitted = f"{row.name}: {row.exponent:.2f}"
+            axes_of[row.size_name].loglog(row.sizes, row.seconds, "o-", label=fitted)
+    for name, axes in axes_of.items():
+        axes.set(xlabel=name, ylabel="seconds")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.grid(True)
+        axes.margins(y=0.3)
+        axes.legend(loc="upper left")
+    image = io.BytesIO()
+    figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
+    drawn = picture(
+        "growth",
+        "Run time as the work grows, with fitted exponents.",
+        figure,
+        {
+            "work": [row.name for row in rows for _ in row.sizes],
+            "size": [size for row in rows for size in row.sizes],
+            "seconds": [time for row in rows for time in row.seconds],
+        },
+    )
+    write_whole(folder / "growth.png", image.getvalue())
+    write_whole(folder / "growth.svg", drawn.svg.encode())
+    text = json.dumps(payload, indent=1, allow_nan=False) + "\n"
+    write_whole(folder / "growth.json", text.encode())

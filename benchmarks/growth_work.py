@@ -1,0 +1,180 @@
+"""The lines of work whose cost is measured as they grow, with the exponents they should have."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+Work = Callable[[float], object]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of work.
+
+    Attributes
+    ----------
+    name, size_name : str
+        What is done, and what its size is.
+    work : callable
+        Do it at a size.
+    quick, full : tuple of float
+        Sizes, ascending.
+    expected : float or None
+        Exponent of time that the method should have, None if none follows from it.
+    why : str
+        Where that comes from.
+    repeats : int
+        The least of so many times counts.
+    wall : bool
+        Time by the clock on the wall, for work of several processes.
+    """
+
+    name: str
+    size_name: str
+    work: Work
+    quick: tuple[float, ...]
+    full: tuple[float, ...]
+    expected: float | None
+    why: str
+    repeats: int = 2
+    wall: bool = False
+
+    @property
+    def memory(self) -> bool:
+        """Whether memory is measured: where arrays grow. Tracing slows many small numbers down."""
+        return self.size_name == "sites"
+
+
+def lines() -> list[Line]:
+    """Return every line of work."""
+    return [
+        Line(
+            "front of (43), moving window", "sites", front, (10, 100, 1000, 3000),
+            (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000), 1.0,
+            "the time to cross is N, the window is constant",
+        ),
+        Line(
+            "front of (43), all sites", "sites", whole_front, (50, 100, 200),
+            (50, 100, 200, 400, 800, 1600), 2.0, "the time to cross is N, and so are the sites",
+        ),
+        Line(
+            "front of (5)", "sites", friction_front, (20, 40, 80), (20, 40, 80, 160, 320), 2.0,
+            "the time to cross is N, and all sites behind stay excited",
+        ),
+        Line(
+            "sum by the series", "digits", series, (15, 30, 60), (15, 30, 60, 120, 250), 3.0,
+            "as many roots as digits, and Taylor products of as many terms: two powers, and the "
+            "length of the numbers",
+        ),
+        Line(
+            "sum by the integral, many digits", "digits", integral, (15, 30, 60),
+            (15, 30, 60, 120, 250, 500), 2.0,
+            "as many points as digits, each an exponential of so many digits",
+        ),
+        Line(
+            "sum by the integral, double", "1/v", slow_sum, (1, 10, 100, 1000, 10_000),
+            (1, 10, 100, 1000, 10_000), 0.0, "the strip of analyticity stays open as v falls", 20,
+        ),
+        Line(
+            "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
+            "|Σ| turns in 1/v and every turn is looked at; here the overhead of arrays rules",
+        ),
+        Line(
+            "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
+            (16, 64, 256, 1024), 1.0, "a point knows nothing of the others",
+        ),
+        Line(
+            "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
+            "half the points a worker; but to hand over so cheap a point costs more", 1, True,
+        ),
+        Line(
+            "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
+            "half the points a worker, and a second to start it; on shared cores less", 1, True,
+        ),
+    ]  # fmt: skip
+
+
+def front(sites: float) -> object:
+    return _front(int(sites), 24)
+
+
+def whole_front(sites: float) -> object:
+    return _front(int(sites), 0)
+
+
+def _front(sites: int, behind: int) -> object:
+    from theory.vdp_chain import VdpChain
+    from verification.vdp_run import Model, run_vdp
+    from verification.vdp_start import staggered_front
+
+    chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+    filled = min(24, sites // 2)
+    return run_vdp(
+        chain, staggered_front(chain, filled), sites / 0.72 / chain.eps, model=Model.ENVELOPE,
+        behind=min(behind, filled), companion=False, samples=2,
+    )  # fmt: skip
+
+
+def friction_front(sites: float) -> object:
+    from theory.friction_chain import FrictionChain
+    from verification.friction_run import run_friction
+    from verification.friction_start import nucleus
+
+    chain = FrictionChain(0.05, sites=int(sites))
+    return run_friction(
+        chain, nucleus(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, companion=False
+    )
+
+
+def series(digits: float) -> object:
+    from theory.sum_series import sum_by_roots
+
+    return sum_by_roots("0.3", "0.5", int(digits))
+
+
+def integral(digits: float) -> object:
+    from theory.sum_integral_precise import precise_sum_by_integral
+
+    return precise_sum_by_integral("0.3", "0.5", int(digits))
+
+
+def slow_sum(inverse: float) -> object:
+    from theory.sum_integral import sum_by_integral
+
+    return sum_by_integral(1.0 / inverse, 0.5)
+
+
+def slow_front(inverse: float) -> object:
+    """Solve for every v with |Σ| = its value at v = 1/inverse."""
+    from theory.branch_search import all_velocities
+    from theory.sum_integral import sum_by_integral
+
+    target = abs(sum_by_integral(1.0 / inverse, 0.5).value)
+    return all_velocities(np.array([0.5]), np.array([target]))
+
+
+def one_worker(points: float) -> object:
+    return _map(int(points), 1)
+
+
+def workers(count: float) -> object:
+    return _map(4096, int(count))
+
+
+def full_workers(count: float) -> object:
+    return _map(144, int(count), full=True)
+
+
+def _map(points: int, count: int, full: bool = False) -> object:
+    from verification.state_map import StateTask, state_points
+    from verification.sweep import sweep
+    from verification.vdp_run import Model
+
+    side = math.isqrt(points)
+    etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)
+    task = StateTask(Model.FULL if full else Model.ENVELOPE)
+    return sweep(task, state_points(etas.tolist(), couplings.tolist()), workers=count)

@@ -1,0 +1,162 @@
+"""``fronts bench``: measured error against run time, and how cost grows; needs the source tree."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fronts.answer import Answer, UsageError
+
+if TYPE_CHECKING:
+    from benchmarks.quantity import Quantity
+
+EXAMPLE = """examples:
+  fronts bench --list                     the quantities, their scenes and default methods
+  fronts bench roots velocity --quick     two of them, within half a minute, nothing written
+  fronts bench growth                     time and memory against sites, digits, 1/v, points
+  fronts bench --defaults                 is each default the fastest? from the stored records
+  fronts bench                            everything, into benchmarks/results
+
+Run it on a quiet machine. Peers that are not installed are listed as failures; 'pip install
+.[bench]' in the source tree installs them."""
+
+GROWTH = "growth"
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``fronts bench``."""
+    parser.add_argument(
+        "quantities", nargs="*", metavar="QUANTITY", help="only these; growth is one of them"
+    )
+    parser.add_argument("--quick", action="store_true", help="fewer settings, nothing written")
+    parser.add_argument("--list", action="store_true", help="list the quantities, measure none")
+    parser.add_argument(
+        "--defaults", action="store_true", help="judge the default methods by the stored records"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the records (benchmarks/results)"
+    )
+
+
+def run(options: argparse.Namespace) -> Answer:
+    """List, judge the defaults, or measure."""
+    for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
+    need_source_tree(ROOT)
+    from benchmarks.quantity import RESULTS, all_quantities, chosen
+
+    names = [name for name in options.quantities if name != GROWTH]
+    growth = GROWTH in options.quantities or not options.quantities
+    wanted = chosen(names) if names or not options.quantities else ()
+    if options.out is not None and not options.out.is_dir():
+        raise UsageError(f"--out {options.out} is not a folder that exists: make it first.")
+    if options.list and options.defaults:
+        raise UsageError("--list and --defaults are two questions: ask one of them.")
+    if options.list:
+        return _list(wanted)
+    if options.defaults:
+        return _defaults(wanted or all_quantities(), options.out or RESULTS)
+    folder = options.out or (None if options.quick else RESULTS)
+    if folder is not None and not os.access(folder, os.W_OK):
+        raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")
+    return _measure(wanted, growth, options.quick, folder)
+
+
+def need_source_tree(root: Path) -> None:
+    """Make the benchmarks importable.
+
+    Raises
+    ------
+    UsageError
+        If they are not there, as in an installed wheel.
+    """
+    if not (root / "benchmarks" / "quantity.py").is_file():
+        raise UsageError(
+            "the benchmarks are in the source tree and not in the installed package: run this "
+            "command from a checkout, after 'pip install --editable .[bench]' there."
+        )
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))
+
+
+def _list(wanted: tuple[Quantity, ...]) -> Answer:
+    rows = [
+        {
+            "name": quantity.name,
+            "what": quantity.what,
+            "scenes": list(quantity.scenes),
+            "default": quantity.default,
+            "methods": list(quantity.style().methods),
+            "useful": list(quantity.useful),
+        }
+        for quantity in wanted
+    ]
+    lines = []
+    for quantity in wanted:
+        lines.append(f"{quantity.name:12} {quantity.what}; by default: {quantity.default}")
+        lines.append(f"{'':12} scenes: {'; '.join(quantity.scenes)}")
+    lines.append(f"{GROWTH:12} how time and memory grow, with fitted exponents")
+    return Answer({"quantities": rows}, "\n".join(lines))
+
+
+def _defaults(wanted: tuple[Quantity, ...], folder: Path) -> Answer:
+    from benchmarks.choice import as_payload, as_text, stored_choices
+
+    rows, missing = stored_choices(wanted, folder)
+    if not rows:
+        raise UsageError(f"there is no record in {folder}: run 'fronts bench --out {folder}'.")
+    text = as_text(rows)
+    if missing:
+        text += "\nno record: " + ", ".join(missing)
+    return Answer({"choices": as_payload(rows), "missing": missing}, text)
+
+
+def _measure(
+    wanted: tuple[Quantity, ...], growth: bool, quick: bool, folder: Path | None
+) -> Answer:
+    from benchmarks.choice import stored_choices, write_choices
+    from benchmarks.diagram import draw
+    from benchmarks.quantity import all_quantities
+    from benchmarks.record import as_payload, write_record
+    from benchmarks.tables import as_text
+
+    records: dict[str, object] = {}
+    texts = []
+    for quantity in wanted:
+        record = quantity.measure(quick, _tell)
+        records[quantity.name] = as_payload(record)
+        texts.append(as_text(record))
+        if folder is not None:
+            write_record(record, folder / f"{quantity.name}.json")
+            draw(quantity.name, record.points, quantity.style(), folder)
+    payload: dict[str, object] = {"records": records}
+    if growth:
+        payload[GROWTH], text = _growth(quick, folder, _tell)
+        texts.append(text)
+    if folder is not None:
+        if wanted:
+            rows, _ = stored_choices(all_quantities(), folder)
+            write_choices(rows, folder / "defaults.json")
+        texts.append(f"Written to {folder}; 'fronts bench --defaults' judges the default methods.")
+    return Answer(payload, "\n\n".join(texts))
+
+
+def _growth(
+    quick: bool, folder: Path | None, tell: Callable[[str], None]
+) -> tuple[dict[str, Any], str]:
+    from benchmarks import growth
+
+    rows = growth.measure(quick, tell)
+    payload = growth.as_payload(rows, "fronts bench growth" + " --quick" * quick)
+    if folder is not None:
+        growth.write_growth(payload, rows, folder)
+    return payload, growth.as_text(rows)
+
+
+def _tell(text: str) -> None:
+    print(f"{text} ...", file=sys.stderr, flush=True)

@@ -12,6 +12,7 @@ from benchmarks.record import WorkPoint, write_whole
 from paper_checks.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 _FLOOR = 1e-17
@@ -56,13 +57,16 @@ def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> 
         axes.set_ylabel(style.ylabel)
     for axes in panels[len(scenes) :]:
         axes.set_visible(False)
-    handles = {}
+    handles: dict[str, Artist] = {}
     for axes in panels:
         lines, labels = axes.get_legend_handles_labels()
         handles |= dict(zip(labels, lines, strict=True))
     if handles:
         figure.legend(
-            list(handles.values()), list(handles), loc="outside lower center", ncols=columns + 1
+            handles=list(handles.values()),
+            labels=list(handles),
+            loc="outside lower center",
+            ncols=columns + 1,
         )
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=200, metadata={"Software": None})

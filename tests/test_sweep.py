@@ -45,7 +45,12 @@ def _alive(log: Path) -> set[int]:
 
 
 def _command(out: Path, log: Path, workers: int) -> list[str]:
-    program = "import sys, sweep_example; sweep_example.main(*sys.argv[1:])"
+    # A test run in the background may have been told to ignore interrupts.
+    program = (
+        "import signal, sys, sweep_example\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "sweep_example.main(*sys.argv[1:])"
+    )
     return [sys.executable, "-c", program, str(out), str(log), str(workers)]
 
 

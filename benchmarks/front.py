@@ -178,7 +178,10 @@ def _arrivals(
 
 
 def _crossing(
-    solver: DOP853, amplitude: Callable[[FloatArray], FloatArray], site: int, level: float
+    solver: DOP853[np.float64],
+    amplitude: Callable[[FloatArray], FloatArray],
+    site: int,
+    level: float,
 ) -> float:
     """Return when a site passed the level within the last step."""
     from scipy.optimize import brentq

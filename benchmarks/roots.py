@@ -155,7 +155,7 @@ def _guesses(v: float, c: float, across: int, up: int) -> Any:
 def _newton(v: float, c: float, true: Sequence[Any], across: int, up: int) -> Answer:
     from scipy.optimize import newton
 
-    found = newton(
+    found: Any = newton(
         lambda k: 0.5 - 1j * c * (1.0 - np.cos(k)) - 1j * v * k,
         _guesses(v, c, across, up),
         fprime=lambda k: -1j * (v + c * np.sin(k)),

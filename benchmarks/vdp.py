@@ -37,6 +37,8 @@ OURS, SERIES = "Runge-Kutta 8 (default)", "Taylor series"
 FIXED8, FIXED4, SPLIT = "Runge-Kutta 8, fixed", "Runge-Kutta 4, fixed", "splitting SABA4"
 LOW, HIGH = 1e-9, 1e-3
 """Errors between which speed was promised."""
+TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(6, 25))
+"""1e-3 to 1e-12, by half decades, for all with a tolerance."""
 
 
 def style() -> Style:
@@ -111,7 +113,8 @@ def ours(chain: VdpChain, tolerance: float) -> FloatArray:
     lane = Lane(chain, True, displaced(chain, [1]), np.array([0.0, T_END]), tolerance, 1.0, True, 0)
     while not lane.finished:
         lane.go_on(10**9)
-    return lane.samples[-1].ravel()
+    final: FloatArray = lane.samples[-1].ravel()
+    return final
 
 
 def by_series(chain: VdpChain, tolerance: float) -> FloatArray:
@@ -139,7 +142,7 @@ def contenders(
     rows = [
         Contender(name, f"tolerance {tol:.1e}", partial(_own, chain, true, tol, solve), 0.0)
         for name, solve in ((OURS, ours), (SERIES, by_series))
-        for tol in (10.0 ** (-half / 2) for half in (range(6, 23, 4) if quick else range(6, 25)))
+        for tol in (TOLERANCES[::4] if quick else TOLERANCES)
     ]
     rows += [
         Contender(name, f"{steps} steps", partial(_fixed, chain, true, order, steps), 0.0)
@@ -165,16 +168,16 @@ def _peers(
     rows: list[Contender] = []
     waits: dict[str, float] = {}
     missing = []
-    powers = (4, 8) if quick else (3, 4, 5, 6, 8, 10, 12)
+    tolerances = TOLERANCES[2:11:8] if quick else TOLERANCES
 
-    def add(name: str, solve: vdp_peers.Solve, k: int) -> None:
-        evaluate = partial(_peer, solve, 10.0**-k, true)
-        rows.append(Contender(name, f"tolerance 1e-{k}", evaluate, 0.0, peer=True))
+    def add(name: str, solve: vdp_peers.Solve, tolerance: float) -> None:
+        evaluate = partial(_peer, solve, tolerance, true)
+        rows.append(Contender(name, f"tolerance {tolerance:.1e}", evaluate, 0.0, peer=True))
 
-    for method in ("DOP853", "LSODA"):
-        solve = vdp_peers.scipy_solver(chain, start, T_END, method)
-        for k in powers:
-            add(f"scipy {method}", solve, k)
+    for solver in vdp_peers.SCIPY:
+        solve = vdp_peers.scipy_solver(chain, start, T_END, solver)
+        for tolerance in tolerances:
+            add(f"scipy {solver}", solve, tolerance)
     for method in ("dop853",) if quick else ("dop853", "lsoda"):
         tell(f"compiling jitcode {method} ...")
         try:
@@ -184,16 +187,17 @@ def _peers(
         except Exception as error:  # whatever a peer raises is its result
             missing.append(Failure(QUANTITY, SCENE, f"jitcode {method}", "all", str(error)[:160]))
             continue
-        for k in powers:
-            add(f"jitcode {method}", solve, k)
-    for k in powers:
-        tell(f"compiling heyoka at 1e-{k} ...")
+        for tolerance in tolerances:
+            add(f"jitcode {method}", solve, tolerance)
+    for tolerance in tolerances:
+        knob = f"{tolerance:.1e}"
+        tell(f"compiling heyoka at {knob} ...")
         try:
-            solve, waits[f"heyoka 1e-{k}"] = vdp_peers.heyoka_solver(chain, start, T_END, 10.0**-k)
+            solve, waits[f"heyoka {knob}"] = vdp_peers.heyoka_solver(chain, start, T_END, tolerance)
         except Exception as error:  # whatever a peer raises is its result
-            missing.append(Failure(QUANTITY, SCENE, "heyoka", f"1e-{k}", str(error)[:160]))
+            missing.append(Failure(QUANTITY, SCENE, "heyoka", knob, str(error)[:160]))
             continue
-        add("heyoka", solve, k)
+        add("heyoka", solve, tolerance)
     return rows, waits, tuple(missing)
 
 
@@ -210,7 +214,7 @@ def _fixed(chain: VdpChain, true: FloatArray, order: int, steps: int) -> Answer:
     import numpy as np
 
     from verification.integrators.active import FREE
-    from verification.integrators.runge_kutta import fixed_steps, tableau
+    from verification.integrators.runge_kutta import fixed_steps
     from verification.integrators.slopes import FULL
     from verification.integrators.splitting import saba, split_steps
 
@@ -218,7 +222,7 @@ def _fixed(chain: VdpChain, true: FloatArray, order: int, steps: int) -> Answer:
     parameters = np.array([chain.a, chain.b, chain.c, chain.eps])
     h = T_END / steps
     if order:
-        fixed_steps(FULL, state, parameters, FREE, h, steps, *tableau(order))
+        fixed_steps(FULL, state, parameters, FREE, h, steps, order)
     else:
         split_steps(state, parameters, False, h, steps, *saba(4))
     return _answer(state.ravel(), true)

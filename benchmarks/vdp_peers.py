@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[float], FloatArray]
+ScipyMethod = Literal["DOP853", "LSODA"]
+
+SCIPY: tuple[ScipyMethod, ...] = ("DOP853", "LSODA")
 
 
 def right_side(chain: VdpChain) -> Callable[[float, FloatArray], FloatArray]:
@@ -36,7 +39,7 @@ def right_side(chain: VdpChain) -> Callable[[float, FloatArray], FloatArray]:
     return rate
 
 
-def scipy_solver(chain: VdpChain, start: FloatArray, end: float, method: str) -> Solve:
+def scipy_solver(chain: VdpChain, start: FloatArray, end: float, method: ScipyMethod) -> Solve:
     """Return ``solve_ivp`` with one of its methods."""
     from scipy.integrate import solve_ivp
 

@@ -20,7 +20,7 @@ from theory.vdp_chain import Ends, VdpChain
 from verification.boundary import NOTHING, Bisection, boundary_lines
 from verification.integrators import label_run
 from verification.integrators.active import FREE
-from verification.integrators.runge_kutta import fixed_steps, tableau
+from verification.integrators.runge_kutta import fixed_steps
 from verification.integrators.slopes import ENVELOPE as ENVELOPE_CODE
 from verification.integrators.slopes import FULL as FULL_CODE
 from verification.journal import journal_path
@@ -162,7 +162,7 @@ def test_the_compiled_run_follows_scipy() -> None:
     state = np.zeros((2, 16))
     state[1, -1] = 6.0
     p = np.array([chain.a, chain.b, chain.c, chain.eps])
-    fixed_steps(ENVELOPE_CODE, state, p, FREE, 0.01, 2000, *tableau(8))
+    fixed_steps(ENVELOPE_CODE, state, p, FREE, 0.01, 2000, 8)
     # scipy's relative tolerance of 1e-9 a step, over some hundred steps
     assert np.hypot(*state) == pytest.approx(reference[-1], abs=3e-7)
 

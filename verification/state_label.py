@@ -30,7 +30,6 @@ import numpy.typing as npt
 from theory.parameters import ParameterError, positive, within
 from theory.vdp_chain import VdpChain
 from verification.integrators import label_run
-from verification.integrators.runge_kutta import error_weights, tableau
 from verification.integrators.slopes import ENVELOPE, FULL
 from verification.vdp_run import Model
 
@@ -144,8 +143,6 @@ def label_state(
         WINDOW * scale,
         STILL * (level if math.isfinite(level) else 1.0),
         tolerance,
-        *tableau(8),
-        *error_weights(),
     )
     if code == label_run.BROKEN:
         raise ArithmeticError(

@@ -11,7 +11,6 @@ from theory.parameters import RunError
 from theory.vdp_chain import Ends, VdpChain
 from verification.integrators import stepping
 from verification.integrators.active import FOLLOWING, FREE, RING
-from verification.integrators.runge_kutta import error_weights, tableau
 from verification.integrators.slopes import ENVELOPE, FULL
 
 FloatArray = npt.NDArray[np.float64]
@@ -175,8 +174,6 @@ class Lane:
             self.counters,
             self.end,
             self.tolerance,
-            *tableau(8),
-            *error_weights(),
             self._rest,
             self._margin,
             self.level,

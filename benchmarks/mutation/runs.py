@@ -171,9 +171,10 @@ class Runs:
 
         def jobs() -> Callable[[Asker], None] | None:
             with self._lock:
-                index, request = next(left, (None, None))
-            if index is None:
+                waiting = next(left, None)
+            if waiting is None:
                 return None
+            index, request = waiting
 
             def job(ask: Asker) -> None:
                 answer = ask(request)
@@ -247,7 +248,8 @@ class Runs:
         with self._lock:
             first = [test for test in self._killers[place] if test in tests]
         order = first + [test for test in tests if test not in first]
-        spent, picked = 0.0, []
+        spent = 0.0
+        picked: list[str] = []
         for test in order:
             spent += self._survey.seconds[test]
             if spent <= self._seconds or not picked:

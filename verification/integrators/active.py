@@ -52,6 +52,19 @@ def value_beyond(code: int, end: float, far: float, followed: float) -> float:
     return 0.0
 
 
+@njit(cache=True, error_model="numpy")
+def neighbours_of_ends(
+    u: FloatArray, left: int, right: int, followed: float
+) -> tuple[float, float]:
+    """Return the sums of both neighbours of the first and of the last site, which may be one."""
+    last = u.size - 1
+    before = value_beyond(left, u[0], u[last], followed)
+    beyond = value_beyond(right, u[last], u[0], followed)
+    if last == 0:
+        return before + beyond, before + beyond
+    return before + u[1], u[last - 1] + beyond
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def add_coupling(
     out: FloatArray, u: FloatArray, factor: float, left: int, right: int, followed: float
@@ -61,13 +74,10 @@ def add_coupling(
     Neighbours are added first, so that a mirror-symmetric state stays so to the last bit.
     """
     last = u.size - 1
-    before = value_beyond(left, u[0], u[last], followed)
-    beyond = value_beyond(right, u[last], u[0], followed)
-    if last == 0:
-        out[0] += factor * (2.0 * u[0] - (before + beyond))
-        return
-    out[0] += factor * (2.0 * u[0] - (before + u[1]))
-    out[last] += factor * (2.0 * u[last] - (u[last - 1] + beyond))
+    near_first, near_last = neighbours_of_ends(u, left, right, followed)
+    out[0] += factor * (2.0 * u[0] - near_first)
+    if last > 0:
+        out[last] += factor * (2.0 * u[last] - near_last)
     for n in range(1, last):
         out[n] += factor * (2.0 * u[n] - (u[n - 1] + u[n + 1]))
 

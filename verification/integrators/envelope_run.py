@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from theory.vdp_chain import Ends, VdpChain
 from verification.compiled import njit
 from verification.integrators.active import FREE, RING, end_codes
-from verification.integrators.runge_kutta import tableau, take_step
+from verification.integrators.runge_kutta import STAGES, take_step
 from verification.integrators.slopes import ENVELOPE
 
 FloatArray = NDArray[np.float64]
@@ -99,7 +99,6 @@ def run_envelope(
         rate,
         h,
         steps,
-        *tableau(8),
     )
     real, imaginary = np.split(state, 2)
     time = done * h
@@ -116,17 +115,15 @@ def _run(
     rate: float,
     h: float,
     steps: int,
-    A: FloatArray,
-    weights: FloatArray,
 ) -> tuple[int, bool]:
     """Step; return the number of steps and whether a watched |φ|² has passed the limit."""
     m = x.size // 2
     left, right = end_codes(0, m, m, first, False)
-    K, out = np.zeros((weights.size, x.size)), np.zeros(x.size)
+    K, out = np.zeros((STAGES, x.size)), np.zeros(x.size)
     c = parameters[2]
     for done in range(steps):
         parameters[2] = c + rate * h * (done + 0.5)
-        take_step(ENVELOPE, x, parameters, left, right, h, A, weights, K, out)
+        take_step(ENVELOPE, x, parameters, left, right, h, K, out)
         x[:] = out
         for n in range(m):
             if watched[n] and not x[n] ** 2 + x[m + n] ** 2 <= limit:

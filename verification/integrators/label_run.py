@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from verification.compiled import njit
 from verification.integrators.active import FREE, finite, largest
-from verification.integrators.runge_kutta import step_error, take_step
+from verification.integrators.runge_kutta import STAGES, step_error, take_step
 from verification.integrators.slopes import ENVELOPE, FULL
 
 FloatArray = npt.NDArray[np.float64]
@@ -55,8 +55,6 @@ def to_section(
     p: FloatArray,
     state: FloatArray,
     h: float,
-    A: FloatArray,
-    weights: FloatArray,
     K: FloatArray,
     out: FloatArray,
 ) -> None:
@@ -68,11 +66,11 @@ def to_section(
     last = state.size // 2 - 1
     low, high = 0.0, h
     at_low = state[last]
-    take_step(FULL, state, p, FREE, FREE, h, A, weights, K, out)
+    take_step(FULL, state, p, FREE, FREE, h, K, out)
     at_high = out[last]
     for _ in range(30):
         middle = low - at_low * (high - low) / (at_high - at_low)
-        take_step(FULL, state, p, FREE, FREE, middle, A, weights, K, out)
+        take_step(FULL, state, p, FREE, FREE, middle, K, out)
         value = out[last]
         if abs(value) <= 1e-12 or high - low < 1e-14:
             return
@@ -94,10 +92,6 @@ def run_to_label(
     window: float,
     still: float,
     tolerance: float,
-    A: FloatArray,
-    weights: FloatArray,
-    E5: FloatArray,
-    E3: FloatArray,
 ) -> tuple[int, float, int, int]:
     """Step until a label is certain; return it, the time, sites above the level, and steps.
 
@@ -124,12 +118,10 @@ def run_to_label(
         y = 0 and rises, since within a period they ripple.
     tolerance : float
         Local error of a step, relative to the largest value.
-    A, weights, E5, E3
-        Runge-Kutta method of order 8 and its error estimate (``runge_kutta``).
     """
     sites = start.size // 2
     state, trial, sample = start.copy(), start.copy(), start.copy()
-    K = np.zeros((weights.size, start.size))
+    K = np.zeros((STAGES, start.size))
     room = np.zeros((2, start.size))
     lowest, highest = np.zeros(sites), np.zeros(sites)
     t, h, steps, above = 0.0, 0.01, 0, 0
@@ -139,8 +131,8 @@ def run_to_label(
     while t < end:
         if at_rest_for_ever(model, p, state, quiet):
             return FIXED_POINT, t, 0, steps
-        take_step(model, state, p, FREE, FREE, h, A, weights, K, trial)
-        error = step_error(K, h, E5, E3, room, largest(state)) / tolerance
+        take_step(model, state, p, FREE, FREE, h, K, trial)
+        error = step_error(K, h, room, largest(state)) / tolerance
         if h < SHORTEST or not finite(state):
             return BROKEN, t, above, steps
         if not error <= 1.0:
@@ -149,7 +141,7 @@ def run_to_label(
         rises = state[sites - 1] < 0.0 and trial[sites - 1] >= 0.0
         if t >= next_sample and (model == ENVELOPE or rises):
             if model == FULL:
-                to_section(p, state, h, A, weights, K, sample)
+                to_section(p, state, h, K, sample)
             else:
                 sample[:] = state
             above = 0

@@ -1,21 +1,25 @@
-"""Explicit Runge-Kutta steps for (8) and (43), compiled: the stages of DOP853, or any tableau.
+"""Explicit Runge-Kutta steps for (8) and (43), compiled: DOP853, and the classical one of order 4.
 
-The state is a row of length 2m (``active``); all quantities are dimensionless.
+The state is a row of length 2m (``active``); all quantities are dimensionless. The stages are
+written out, a loop each: one pass a term, over a tableau, takes twice as long.
 """
 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
+from scipy.integrate import DOP853
 
 from verification.compiled import njit
 from verification.integrators.active import end_codes, finite, largest
 from verification.integrators.slopes import slope
 
 FloatArray = npt.NDArray[np.float64]
+
+STAGES = DOP853.n_stages
+_A, _B, _E5, _E3 = (np.array(row) for row in (DOP853.A, DOP853.B, DOP853.E5, DOP853.E3))
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -26,12 +30,10 @@ def take_step(
     left: int,
     right: int,
     h: float,
-    A: FloatArray,
-    weights: FloatArray,
     K: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Put the state after one step of length h into out; the slopes stay in K.
+    """Put the state after one step of DOP853 of length h into out; the slopes stay in K.
 
     Parameters
     ----------
@@ -39,31 +41,103 @@ def take_step(
         FULL or ENVELOPE (``slopes``).
     x, out : ndarray, shape (2m,)
         State; ``out`` is also room for the stages and must not be ``x``.
-    A : ndarray, shape (s, s); weights : ndarray, shape (s,)
-        The method (:func:`tableau`).
-    K : ndarray, shape (s, 2m)
+    K : ndarray, shape (STAGES, 2m)
         Room.
     """
-    stages = weights.size
-    for i in range(stages + 1):
-        row = A[i] if i < stages else weights
-        factor, known = (h * row[0], K[0]) if i > 0 else (0.0, x)
-        for n in range(x.size):
-            out[n] = x[n] + factor * known[n]
-        for j in range(1, i):
-            factor = h * row[j]
-            if factor != 0.0:
-                known = K[j]
-                for n in range(x.size):
-                    out[n] += factor * known[n]
-        if i < stages:
-            slope(model, out, parameters, left, right, K[i])
+    size = x.size
+    k0, k1, k2, k3, k4, k5 = K[0], K[1], K[2], K[3], K[4], K[5]
+    k6, k7, k8, k9, k10, k11 = K[6], K[7], K[8], K[9], K[10], K[11]
+    slope(model, x, parameters, left, right, k0)
+    a = _A[1]
+    for n in range(size):
+        out[n] = x[n] + h * (a[0] * k0[n])
+    slope(model, out, parameters, left, right, k1)
+    a = _A[2]
+    for n in range(size):
+        out[n] = x[n] + h * (a[0] * k0[n] + a[1] * k1[n])
+    slope(model, out, parameters, left, right, k2)
+    a = _A[3]
+    for n in range(size):
+        out[n] = x[n] + h * (a[0] * k0[n] + a[2] * k2[n])
+    slope(model, out, parameters, left, right, k3)
+    a = _A[4]
+    for n in range(size):
+        out[n] = x[n] + h * (a[0] * k0[n] + a[2] * k2[n] + a[3] * k3[n])
+    slope(model, out, parameters, left, right, k4)
+    a = _A[5]
+    for n in range(size):
+        out[n] = x[n] + h * (a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n])
+    slope(model, out, parameters, left, right, k5)
+    a = _A[6]
+    for n in range(size):
+        out[n] = x[n] + h * (a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n] + a[5] * k5[n])
+    slope(model, out, parameters, left, right, k6)
+    a = _A[7]
+    for n in range(size):
+        out[n] = x[n] + h * (
+            a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n] + a[5] * k5[n] + a[6] * k6[n]
+        )
+    slope(model, out, parameters, left, right, k7)
+    a = _A[8]
+    for n in range(size):
+        out[n] = x[n] + h * (
+            a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n] + a[5] * k5[n] + a[6] * k6[n] + a[7] * k7[n]
+        )
+    slope(model, out, parameters, left, right, k8)
+    a = _A[9]
+    for n in range(size):
+        out[n] = x[n] + h * (
+            a[0] * k0[n]
+            + a[3] * k3[n]
+            + a[4] * k4[n]
+            + a[5] * k5[n]
+            + a[6] * k6[n]
+            + a[7] * k7[n]
+            + a[8] * k8[n]
+        )
+    slope(model, out, parameters, left, right, k9)
+    a = _A[10]
+    for n in range(size):
+        out[n] = x[n] + h * (
+            a[0] * k0[n]
+            + a[3] * k3[n]
+            + a[4] * k4[n]
+            + a[5] * k5[n]
+            + a[6] * k6[n]
+            + a[7] * k7[n]
+            + a[8] * k8[n]
+            + a[9] * k9[n]
+        )
+    slope(model, out, parameters, left, right, k10)
+    a = _A[11]
+    for n in range(size):
+        out[n] = x[n] + h * (
+            a[0] * k0[n]
+            + a[3] * k3[n]
+            + a[4] * k4[n]
+            + a[5] * k5[n]
+            + a[6] * k6[n]
+            + a[7] * k7[n]
+            + a[8] * k8[n]
+            + a[9] * k9[n]
+            + a[10] * k10[n]
+        )
+    slope(model, out, parameters, left, right, k11)
+    for n in range(size):
+        out[n] = x[n] + h * (
+            _B[0] * k0[n]
+            + _B[5] * k5[n]
+            + _B[6] * k6[n]
+            + _B[7] * k7[n]
+            + _B[8] * k8[n]
+            + _B[9] * k9[n]
+            + _B[10] * k10[n]
+            + _B[11] * k11[n]
+        )
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def step_error(
-    K: FloatArray, h: float, E5: FloatArray, E3: FloatArray, room: FloatArray, size: float
-) -> float:
+def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
     """Return DOP853's estimate of the local error, the largest over sites, relative to ``size``.
 
     It is e5²/√(e5² + e3²/100) and vanishes where e3 alone is huge, so that a step that explodes
@@ -71,21 +145,63 @@ def step_error(
     (2, 2m).
     """
     five, three = room[0], room[1]
-    five[:] = 0.0
-    three[:] = 0.0
-    for j in range(E5.size):
-        known, of_five, of_three = K[j], E5[j], E3[j]
-        if of_five == 0.0 and of_three == 0.0:
-            continue
-        for n in range(five.size):
-            five[n] += of_five * known[n]
-            three[n] += of_three * known[n]
+    k0, k5, k6, k7, k8, k9, k10, k11 = K[0], K[5], K[6], K[7], K[8], K[9], K[10], K[11]
+    for n in range(five.size):
+        five[n] = (
+            _E5[0] * k0[n]
+            + _E5[5] * k5[n]
+            + _E5[6] * k6[n]
+            + _E5[7] * k7[n]
+            + _E5[8] * k8[n]
+            + _E5[9] * k9[n]
+            + _E5[10] * k10[n]
+            + _E5[11] * k11[n]
+        )
+    for n in range(three.size):
+        three[n] = (
+            _E3[0] * k0[n]
+            + _E3[5] * k5[n]
+            + _E3[6] * k6[n]
+            + _E3[7] * k7[n]
+            + _E3[8] * k8[n]
+            + _E3[9] * k9[n]
+            + _E3[10] * k10[n]
+            + _E3[11] * k11[n]
+        )
     e5, e3 = h * largest(five), h * largest(three)
     if not (finite(five) and finite(three)) or e3 >= size > 0.0:
         return math.inf
     if e5 == 0.0:
         return 0.0
     return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def take_classical_step(
+    model: int,
+    x: FloatArray,
+    parameters: FloatArray,
+    left: int,
+    right: int,
+    h: float,
+    K: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Put the state after one classical step of order 4 into out; as :func:`take_step`."""
+    size, half, whole = x.size, 0.5 * h, h / 6.0
+    k0, k1, k2, k3 = K[0], K[1], K[2], K[3]
+    slope(model, x, parameters, left, right, k0)
+    for n in range(size):
+        out[n] = x[n] + half * k0[n]
+    slope(model, out, parameters, left, right, k1)
+    for n in range(size):
+        out[n] = x[n] + half * k1[n]
+    slope(model, out, parameters, left, right, k2)
+    for n in range(size):
+        out[n] = x[n] + h * k2[n]
+    slope(model, out, parameters, left, right, k3)
+    for n in range(size):
+        out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])
 
 
 @njit(cache=True, error_model="numpy")
@@ -96,48 +212,21 @@ def fixed_steps(
     first: int,
     h: float,
     steps: int,
-    A: FloatArray,
-    weights: FloatArray,
+    order: int,
 ) -> None:
-    """Advance a state of shape (2, N) by steps of length h, all sites; for tests and benchmarks."""
+    """Advance a state of shape (2, N) by steps of length h, all sites; for tests and benchmarks.
+
+    ``order`` is 8, or 4 for the classical step.
+    """
     sites = state.shape[1]
     left, right = end_codes(0, sites, sites, first, False)
     x = state.copy().reshape(2 * sites)
     out = np.zeros(2 * sites)
-    K = np.zeros((weights.size, 2 * sites))
+    K = np.zeros((STAGES, 2 * sites))
     for _ in range(steps):
-        take_step(model, x, parameters, left, right, h, A, weights, K, out)
+        if order == 8:
+            take_step(model, x, parameters, left, right, h, K, out)
+        else:
+            take_classical_step(model, x, parameters, left, right, h, K, out)
         x[:] = out
     state[0], state[1] = x[:sites], x[sites:]
-
-
-@lru_cache(maxsize=2)
-def tableau(order: int) -> tuple[FloatArray, FloatArray]:
-    """Return A and the weights of the method of order 4 (classical) or 8 (DOP853).
-
-    Examples
-    --------
-    >>> A, weights = tableau(8)
-    >>> A.shape, round(float(weights.sum()), 12)
-    ((12, 12), 1.0)
-    """
-    if order == 4:
-        A = np.zeros((4, 4))
-        A[1, 0] = A[2, 1] = 0.5
-        A[3, 2] = 1.0
-        return A, np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
-    if order == 8:
-        from scipy.integrate import DOP853
-
-        stages = DOP853.n_stages
-        return np.array(DOP853.A[:stages, :stages]), np.array(DOP853.B)
-    raise ValueError(f"there is no tableau of order {order} here: choose 4 or 8.")
-
-
-@lru_cache(maxsize=1)
-def error_weights() -> tuple[FloatArray, FloatArray]:
-    """Return the two rows of DOP853 that estimate its error, E5 and E3."""
-    from scipy.integrate import DOP853
-
-    stages = DOP853.n_stages
-    return np.array(DOP853.E5[:stages]), np.array(DOP853.E3[:stages])

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from verification.compiled import njit
 from verification.integrators.active import end_codes, finite, largest
-from verification.integrators.runge_kutta import step_error, take_step
+from verification.integrators.runge_kutta import STAGES, step_error, take_step
 from verification.integrators.slopes import FULL
 
 FloatArray = npt.NDArray[np.float64]
@@ -62,10 +62,6 @@ def advance(
     counters: IntArray,
     stop: float,
     tolerance: float,
-    A: FloatArray,
-    weights: FloatArray,
-    E5: FloatArray,
-    E3: FloatArray,
     rest: float,
     margin: int,
     level: float,
@@ -100,8 +96,6 @@ def advance(
         Time to reach.
     tolerance : float
         Local error relative to the largest value.
-    A, weights, E5, E3
-        Runge-Kutta method and its error estimate.
     rest : float
         Sites at the ends are left out until one within ``margin`` of them exceeds this amplitude;
         negative for all sites always.
@@ -134,7 +128,7 @@ def advance(
         if lo != packed_lo or hi != packed_hi:
             m = hi - lo
             x, new, inside = np.zeros(2 * m), np.zeros(2 * m), np.zeros(2 * m)
-            K = np.zeros((weights.size, 2 * m))
+            K = np.zeros((STAGES, 2 * m))
             room = np.zeros((2, 2 * m))
             x[:m], x[m:] = state[0, lo:hi], state[1, lo:hi]
             packed_lo, packed_hi = lo, hi
@@ -146,8 +140,8 @@ def advance(
         size = largest(x)
         h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
         while h >= shortest:
-            take_step(model, x, parameters, left, right, h, A, weights, K, new)
-            ratio = step_error(K, h, E5, E3, room, size) / tolerance
+            take_step(model, x, parameters, left, right, h, K, new)
+            ratio = step_error(K, h, room, size) / tolerance
             if ratio <= 1.0:
                 clock[2] = max(clock[2], ratio)
                 break
@@ -159,7 +153,7 @@ def advance(
             break
         while counters[2] < times.size and times[counters[2]] <= t + h:
             part = times[counters[2]] - t - clock[4]
-            take_step(model, x, parameters, left, right, part, A, weights, K, inside)
+            take_step(model, x, parameters, left, right, part, K, inside)
             sample = samples[counters[2]]
             sample[:] = state
             sample[0, lo:hi], sample[1, lo:hi] = inside[:m], inside[m:]
@@ -174,7 +168,7 @@ def advance(
             below = x[n] ** 2 + x[m + n] ** 2 - square
             for _ in range(_LOOKS):
                 part = low + below / (below - above) * (high - low)
-                take_step(model, x, parameters, left, right, part, A, weights, K, inside)
+                take_step(model, x, parameters, left, right, part, K, inside)
                 value = inside[n] ** 2 + inside[m + n] ** 2 - square
                 if abs(value) <= met * square or high - low <= met * h:
                     break

@@ -197,6 +197,8 @@ def _peers(
         except Exception as error:  # whatever a peer raises is its result
             missing.append(Failure(QUANTITY, SCENE, "heyoka", knob, str(error)[:160]))
             continue
+        slowest = "heyoka, slowest tolerance"
+        waits[slowest] = max(wait, waits.get(slowest, 0.0))
         add("heyoka", solve, tolerance)
     return rows, waits, tuple(missing)
 

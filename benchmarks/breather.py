@@ -190,7 +190,9 @@ def _long(chain: VdpChain, true: FloatArray, end: float, tolerance: float) -> An
         rate, (0.0, 16.0), settled.y[:, -1], "DOP853", np.linspace(0.0, 16.0, 4096),
         events=_Rising(centre), rtol=tolerance, atol=tolerance,
     )  # fmt: skip
-    zeros = np.asarray(run.t_events[0])  # type: ignore[index]
+    if run.t_events is None:
+        raise ArithmeticError("no period was seen")
+    zeros = run.t_events[0]
     period = float(zeros[1] - zeros[0])
     y = run.y[: chain.sites, run.t <= period]
     return _answer(np.append(np.abs(y).max(axis=1), 2.0 * math.pi / period), true, None)

@@ -193,7 +193,7 @@ def _peers(
         knob = f"{tolerance:.1e}"
         tell(f"compiling heyoka at {knob} ...")
         try:
-            solve, waits[f"heyoka {knob}"] = vdp_peers.heyoka_solver(chain, start, T_END, tolerance)
+            solve, wait = vdp_peers.heyoka_solver(chain, start, T_END, tolerance)
         except Exception as error:  # whatever a peer raises is its result
             missing.append(Failure(QUANTITY, SCENE, "heyoka", knob, str(error)[:160]))
             continue

@@ -304,3 +304,23 @@ def test_beyond_the_fold_there_is_no_orbit_and_the_fold_is_named() -> None:
     assert orbit.fold is not None
     assert 0.1911 < orbit.fold.c < 0.1912
     assert solve_orbit(replace(chain, c=0.1911), Nucleus(1)).status is BreatherStatus.EXISTS
+
+
+def test_amplitudes_are_where_the_velocities_vanish() -> None:
+    chain = replace(CHAIN, c=0.1, eps=0.1)
+    orbit = solve_orbit(chain, Nucleus(3, "+-"))
+    n = chain.sites
+    coupling = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    coupling[0, 0] = coupling[-1, -1] = 1
+
+    def rate(_: float, x: np.ndarray) -> np.ndarray:
+        y, v = x[:n], x[n:]
+        damping = v * (1 - chain.a * y**2 + chain.b * y**4)
+        return np.concatenate([v, -y - chain.eps * (chain.c * coupling @ y + damping)])
+
+    turns = [lambda _, x, site=site: x[n + site] for site in range(n)]
+    run = solve_ivp(
+        rate, (0, orbit.period), orbit.state, "DOP853", events=turns, rtol=1e-13, atol=1e-15
+    )
+    largest = [np.abs(states[:, site]).max() for site, states in enumerate(run.y_events)]
+    assert np.abs(orbit.amplitudes - largest).max() < 1e-11

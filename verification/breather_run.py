@@ -18,7 +18,8 @@ from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
 from verification.integrators.variational import integrate_chain
 from verification.nucleus import Nucleus
-from verification.orbits import SAMPLES, chain_rate, largest_displacements
+from verification.orbits import chain_rate
+from verification.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -169,7 +170,6 @@ def _measured(
     started: float,
 ) -> BreatherRun:
     samples = integrate_chain(chain, state, period, SAMPLES).samples
-    spectrum = np.fft.rfft(samples, axis=0) / SAMPLES
     drift = drifts[-1] if drifts else math.inf
     error = math.inf
     if status is RunStatus.SETTLED and len(drifts) > 1:
@@ -178,8 +178,8 @@ def _measured(
         error = max(5.0 * drift / (1.0 - factor), 1e-12)
     return BreatherRun(
         status,
-        largest_displacements(spectrum),
-        2j * spectrum[1],
+        largest_displacements(samples),
+        first_harmonics(samples),
         2.0 * math.pi / period,
         drift,
         error,

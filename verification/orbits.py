@@ -25,6 +25,7 @@ from verification.floquet import MARGINAL, Multipliers, floquet_multipliers
 from verification.integrators.variational import STEPS, integrate_variations
 from verification.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.nucleus import Nucleus
+from verification.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -34,8 +35,6 @@ STARTS = (0.05, 0.1, 0.15)
 at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
-SAMPLES = 64
-"""Samples a period for harmonics and amplitudes."""
 
 
 @dataclass(frozen=True)
@@ -289,15 +288,13 @@ def describe_orbit(
     multipliers = floquet_multipliers(
         fine.monodromy, period, chain.eps, _parity(state, nucleus, chain.sites), change
     )
-    spectrum = np.fft.rfft(fine.samples, axis=0) / len(fine.samples)
     return Orbit(
         BreatherStatus.EXISTS,
         state,
         period,
         2.0 * math.pi / period,
-        largest_displacements(spectrum),
-        # y = Im(h e^{iωt}) has the Fourier coefficient h/(2i) at +ω.
-        2j * spectrum[1],
+        largest_displacements(fine.samples),
+        first_harmonics(fine.samples),
         multipliers,
         float(np.abs(coarse.state - state).max()),
         error,
@@ -313,20 +310,6 @@ def _parity(state: Real, nucleus: Nucleus, sites: int) -> int:
     even = np.abs(y + y[::-1]).sum() + np.abs(v + v[::-1]).sum()
     odd = np.abs(y - y[::-1]).sum() + np.abs(v - v[::-1]).sum()
     return 1 if even > odd else -1
-
-
-def largest_displacements(spectrum: Complex) -> Real:
-    """Return max |y_n(t)| of a trigonometric polynomial, one column a site."""
-    fine = np.fft.irfft(spectrum * 2048, n=2048, axis=0)
-    peak = np.abs(fine).argmax(axis=0)
-    columns = np.arange(fine.shape[1])
-    left, mid, right = (np.abs(fine)[(peak + k) % 2048, columns] for k in (-1, 0, 1))
-    bend = left - 2.0 * mid + right
-    # Parabola through the three largest samples; a site at rest has none.
-    peaks: Real = mid - np.where(
-        bend < 0.0, (left - right) ** 2 / (8.0 * np.minimum(bend, -1e-300)), 0.0
-    )
-    return peaks
 
 
 def _no_orbit(fold: Fold, started: float) -> Orbit:

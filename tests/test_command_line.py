@@ -262,3 +262,29 @@ def test_one_point_imports_nothing_it_does_not_use() -> None:
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     for heavy in ("scipy", "sympy", "matplotlib", "mpmath", "flint"):
         assert f"'{heavy}'" not in shown.stderr
+
+
+@pytest.mark.parametrize("nucleus", ["--nucleus 1", "--nucleus 3 --pattern=+-", "--place edge"])
+def test_a_breather_of_a_theory_says_how_far_the_chain_is(nucleus, capsys):
+    """Its error bounds the distance from the orbit and falls like eps."""
+    errors = []
+    for eps in (0.02, 0.01):
+        line = f"breather --c 0.1 --eps {eps} {nucleus}"
+        theory = _json(capsys, f"{line} --method envelope")
+        orbit = _json(capsys, line)
+        pairs = zip(theory["amplitudes"], orbit["amplitudes"], strict=True)
+        apart = max(abs(one - other) for one, other in pairs)
+        assert apart <= theory["error"] <= apart + 1e-8
+        assert abs(theory["frequency"] - orbit["frequency"]) <= theory["frequency_error"]
+        errors.append(theory["error"])
+    assert math.log2(errors[0] / errors[1]) > 0.9
+
+
+def test_all_methods_for_a_breather_stand_side_by_side(capsys):
+    assert main(shlex.split("breather --c 0.195 --method all")) == 0
+    rows = capsys.readouterr().out.splitlines()[1:5]
+    # Only the closed form has a breather there: the branches of the others fold before.
+    assert [row.split()[:2] for row in rows] == [
+        ["closed-form", "exists"], ["envelope", "none"], ["orbit", "none"], ["simulation", "none"],
+    ]  # fmt: skip
+    assert "unknown" in rows[0]

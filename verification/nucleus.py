@@ -95,6 +95,10 @@ class Nucleus:
         """Return the index of the central (or left of the two central) excited site."""
         return self.first(sites) + (self.size - 1) // 2
 
+    def outward(self, sites: int) -> int:
+        """Return the central excited site, the right one of two, or at an edge the first."""
+        return 0 if self.place is Place.EDGE else self.first(sites) + self.size // 2
+
     def mirrored(self, sites: int) -> bool:
         """Whether reflection about the middle of the chain leaves the nucleus as it is."""
         flipped = self.pattern[::-1].translate(str.maketrans("+-", "-+"))

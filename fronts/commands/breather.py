@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = """examples:
   fronts breather --c 0.1
+  fronts breather --c 0.1 --method all
   fronts breather --c 0.19 --a 2.5 --b 0.5 --eps 0.01 --method orbit --json
   fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
   fronts breather --c 0.195 --method closed-form --reading tail"""
@@ -33,10 +34,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_nucleus_options(parser)
     parser.add_argument(
         "--method",
-        choices=list(METHODS),
+        choices=[*METHODS, "all"],
         default="orbit",
         help="closed-form: (29), (37); envelope: the averaged chain (43), solved; orbit: the "
-        "periodic orbit of (8); simulation: (8) run from a perturbed start (orbit)",
+        "periodic orbit of (8); simulation: (8) run from a perturbed start; all: a table of the "
+        "four (orbit)",
     )
     parser.add_argument(
         "--reading",
@@ -85,21 +87,31 @@ def run(options: argparse.Namespace) -> Answer:
 
     nucleus = nucleus_of(options)
     sites = nucleus.size + 14 if options.n is None else options.n
-    if sites > MOST_SITES[options.method]:
+    most = MOST_SITES.get(options.method, min(MOST_SITES.values()))
+    if sites > most:
         raise UsageError(
             f"--n {sites} is too many for --method {options.method}: "
-            f"at most {MOST_SITES[options.method]}; a breather needs a few sites."
+            f"at most {most}; a breather needs a few sites."
         )
     chain = VdpChain(options.a, options.b, options.c, options.eps, sites)
     nucleus.first(sites)
     _ = chain.stable_amplitude
-    payload: dict[str, object] = {
+    payload: dict[str, Any] = {
         "method": options.method,
         "pattern": nucleus.pattern,
         "c": chain.c,
-        **METHODS[options.method](chain, nucleus, options),
     }
-    return Answer(payload, _in_words(payload))
+    if options.method != "all":
+        payload |= METHODS[options.method](chain, nucleus, options)
+        return Answer(payload, _in_words(payload))
+    names = [name for name in METHODS if name != "closed-form" or has_closed_form(nucleus)]
+    payload["methods"] = {name: METHODS[name](chain, nucleus, options) for name in names}
+    return Answer(payload, _table(payload["methods"]))
+
+
+def has_closed_form(nucleus: Nucleus) -> bool:
+    """Tell whether (9) is about such a nucleus: it has one centre, far from the ends."""
+    return nucleus.size == 1 and nucleus.place == "bulk"
 
 
 def _closed_form(
@@ -110,7 +122,7 @@ def _closed_form(
     from theory.breather import Reading, solve_breather
     from verification.floquet import approximate_multipliers
 
-    if nucleus.size != 1 or nucleus.place != "bulk":
+    if not has_closed_form(nucleus):
         raise UsageError("--method closed-form is for --nucleus 1 in the bulk: (9) has one centre.")
     found = solve_breather(chain, Reading(options.reading or "neighbour"))
     fold: dict[str, object] = {"fold": found.fold.c, "fold_error": found.fold.error}
@@ -118,15 +130,16 @@ def _closed_form(
         return _none(found.seconds, fold)
     odd = replace(chain, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
     multipliers = approximate_multipliers(odd, found)
-    count = chain.sites - nucleus.centre(chain.sites)
+    amplitudes = found.amplitudes(chain.sites - nucleus.outward(chain.sites))
     return {
         "status": "exists",
-        "amplitudes": found.amplitudes(count).tolist(),
+        "amplitudes": amplitudes.tolist(),
         "frequency": found.frequency,
         "phase_step": found.phase_step,
         "stable": multipliers.stable,
         "growth": multipliers.growth,
-        "error": max(found.residual, 1e-15),
+        **_trust(chain, nucleus, amplitudes, found.frequency),
+        "residual": found.residual,
         "seconds": found.seconds,
         "trivial": multipliers.trivial,
         "decay": found.decay,
@@ -140,13 +153,16 @@ def _envelope(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) ->
     found = solve_envelope_breather(chain, nucleus)
     if found.exponents is None:
         return _none(found.seconds, _fold(found.fold))
+    amplitudes = abs(found.phi)
+    frequency = 1.0 + chain.eps * found.omega
     return {
         "status": "exists",
-        **_sites(found.phi, abs(found.phi), nucleus),
-        "frequency": 1.0 + chain.eps * found.omega,
+        **_sites(found.phi, amplitudes, nucleus),
+        "frequency": frequency,
         "stable": found.exponents.stable,
         "growth": found.exponents.growth,
-        "error": found.error,
+        **_trust(chain, nucleus, amplitudes[nucleus.outward(chain.sites) :], frequency),
+        "residual": found.residual,
         "seconds": found.seconds,
         "trivial": found.exponents.trivial,
     }
@@ -197,15 +213,31 @@ def _simulation(
     }
 
 
+def _trust(
+    chain: VdpChain, nucleus: Nucleus, amplitudes: Any, frequency: float
+) -> dict[str, object]:
+    """Return how far a theory of small ε is from the periodic orbit of (8)."""
+    from theory.parameters import ParameterError
+    from verification.newton import NotConvergedError
+    from verification.orbit_distance import distance_from_orbit
+
+    unknown: dict[str, object] = {"error": None, "frequency_error": None}
+    try:
+        distance = distance_from_orbit(chain, nucleus, amplitudes, frequency)
+    except (ParameterError, NotConvergedError) as error:
+        return {**unknown, "error_unknown": str(error)}
+    if distance is None:
+        return {**unknown, "error_unknown": "(8) has no such orbit at this coupling"}
+    return {"error": distance.amplitude, "frequency_error": distance.frequency}
+
+
 def _sites(waves: Any, amplitudes: Any, nucleus: Nucleus) -> dict[str, object]:
     """List amplitudes from the centre to the right end, and all phases in units of pi."""
     import numpy as np
 
     sites = len(amplitudes)
-    centre = nucleus.first(sites) + nucleus.size // 2
+    centre = nucleus.outward(sites)
     edge = nucleus.first(sites) + nucleus.size - 1
-    if nucleus.place == "edge":
-        centre = 0
     outward = waves[edge + 1] / waves[edge] if edge + 1 < sites else 1.0
     return {
         "amplitudes": [float(value) for value in amplitudes[centre:]],
@@ -249,10 +281,41 @@ def _in_words(found: dict[str, Any]) -> str:
         lines.append(f"  largest growth rate per unit of slow time: {found['growth']:.6g}")
     if found.get("trivial") is not None:
         lines.append(f"  trivial exponent or multiplier off by {found['trivial']:.1e}")
-    if error is not None:
-        lines.append(f"  error {error:.1e} as a solution of its own equations")
+    if found.get("error_unknown"):
+        lines.append(f"  error against the periodic orbit of (8) unknown: {found['error_unknown']}")
+    elif "frequency_error" in found:
+        lines.append(
+            f"  error against the periodic orbit of (8): {error:.1e} of the amplitudes, "
+            f"{found['frequency_error']:.1e} of the frequency"
+        )
+    elif error is not None:
+        lines.append(f"  error {error:.1e}")
     lines.append(f"  {found['seconds']:.3f} s")
     return "\n".join(lines)
+
+
+def _table(methods: dict[str, dict[str, Any]]) -> str:
+    """Show the methods side by side."""
+    lines = [
+        f"{'method':12} {'status':9} {'centre':>10} {'neighbour':>10} {'frequency':>12} "
+        f"{'phase step':>10} {'growth':>10} {'error':>8} {'seconds':>8}"
+    ]
+    for name, found in methods.items():
+        cells = [f"{name:12} {found['status']:9}"]
+        if found["status"] == "none":
+            cells.append("" if found.get("fold") is None else f"folds at c = {found['fold']:.8g}")
+        else:
+            centre, neighbour = [*found["amplitudes"], math.nan][:2]
+            growth, error = found["growth"], found["error"]
+            cells += [
+                f"{centre:10.6f} {neighbour:10.6f} {found['frequency']:12.9f}",
+                f"{found['phase_step']:10.6f}",
+                f"{'-' if growth is None else f'{growth:.6f}':>10}",
+                f"{'unknown' if error is None else f'{error:.1e}':>8}",
+                f"{found['seconds']:8.3f}",
+            ]
+        lines.append(" ".join(cells))
+    return "\n".join([*lines, "errors are those of the amplitudes, as a solution of (8)"])
 
 
 METHODS: dict[str, Callable[[VdpChain, Nucleus, argparse.Namespace], dict[str, object]]] = {

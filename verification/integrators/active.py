@@ -6,8 +6,6 @@ contiguous row is what compiled loops run through fastest.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
@@ -80,21 +78,3 @@ def add_coupling(
         out[last] += factor * (2.0 * u[last] - near_last)
     for n in range(1, last):
         out[n] += factor * (2.0 * u[n] - (u[n - 1] + u[n + 1]))
-
-
-@njit(cache=True, fastmath={"nnan", "nsz"})
-def largest(row: FloatArray) -> float:
-    """Return the largest modulus; what it is worth if one is not finite, :func:`finite` tells."""
-    found = 0.0
-    for n in range(row.size):
-        found = max(found, abs(row[n]))
-    return found
-
-
-@njit(cache=True, fastmath={"reassoc"})
-def finite(row: FloatArray) -> bool:
-    """Tell whether all values are finite, and so small that their sum is."""
-    total = 0.0
-    for n in range(row.size):
-        total += abs(row[n])
-    return math.isfinite(total)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from theory.vdp_chain import Ends, VdpChain
 from verification.compiled import njit
 from verification.integrators.active import FREE, RING, end_codes
+from verification.integrators.rows import put
 from verification.integrators.runge_kutta import STAGES, take_step
 from verification.integrators.slopes import ENVELOPE
 
@@ -124,7 +125,7 @@ def _run(
     for done in range(steps):
         parameters[2] = c + rate * h * (done + 0.5)
         take_step(ENVELOPE, x, parameters, left, right, h, K, out)
-        x[:] = out
+        put(out, x)
         for n in range(m):
             if watched[n] and not x[n] ** 2 + x[m + n] ** 2 <= limit:
                 return done + 1, True

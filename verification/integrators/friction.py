@@ -34,6 +34,7 @@ from verification.integrators.friction_series import (
     resolved,
     site_value,
 )
+from verification.integrators.rows import put
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -281,7 +282,8 @@ def advance(
     event = np.full(sites, np.inf)
     f, work = np.zeros(order + 1), np.zeros((50, order + 1))
     released = np.zeros(sites, dtype=np.bool_)
-    Y[0], W[0] = y, w
+    put(y, Y[0])
+    put(w, W[0])
     ended, steps, standing = REACHED, 0, 0
     happens = False
     allowed = allowed_remainder(order, tolerance)

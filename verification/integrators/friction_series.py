@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
+from verification.integrators.rows import put
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -133,7 +134,7 @@ def coefficients(
 def horner(P: FloatArray, order: int, h: float, lo: int, hi: int, out: FloatArray) -> None:
     """Put the value a time h after the expansion point into out[lo:hi]."""
     target = out[lo:hi]
-    target[:] = P[order, lo:hi]
+    put(P[order, lo:hi], target)
     for k in range(order - 1, -1, -1):
         row = P[k, lo:hi]
         for n in range(hi - lo):

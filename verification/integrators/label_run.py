@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import FREE, finite, largest
+from verification.integrators.active import FREE
+from verification.integrators.rows import finite, largest, put
 from verification.integrators.runge_kutta import STAGES, step_error, take_step
 from verification.integrators.slopes import ENVELOPE, FULL
 
@@ -143,7 +144,7 @@ def run_to_label(
             if model == FULL:
                 to_section(p, state, h, K, sample)
             else:
-                sample[:] = state
+                put(state, sample)
             above = 0
             for n in range(sites):
                 amplitude = math.hypot(sample[n], sample[sites + n])

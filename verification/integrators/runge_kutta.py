@@ -13,7 +13,8 @@ import numpy.typing as npt
 from scipy.integrate import DOP853
 
 from verification.compiled import njit
-from verification.integrators.active import end_codes, finite, largest
+from verification.integrators.active import end_codes
+from verification.integrators.rows import finite, largest, put
 from verification.integrators.slopes import slope
 
 FloatArray = npt.NDArray[np.float64]
@@ -228,5 +229,6 @@ def fixed_steps(
             take_step(model, x, parameters, left, right, h, K, out)
         else:
             take_classical_step(model, x, parameters, left, right, h, K, out)
-        x[:] = out
-    state[0], state[1] = x[:sites], x[sites:]
+        put(out, x)
+    put(x[:sites], state[0])
+    put(x[sites:], state[1])

@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import end_codes, finite, largest
+from verification.integrators.active import end_codes
+from verification.integrators.rows import finite, largest, put
 from verification.integrators.runge_kutta import STAGES, step_error, take_step
 from verification.integrators.slopes import FULL
 
@@ -130,7 +131,8 @@ def advance(
             x, new, inside = np.zeros(2 * m), np.zeros(2 * m), np.zeros(2 * m)
             K = np.zeros((STAGES, 2 * m))
             room = np.zeros((2, 2 * m))
-            x[:m], x[m:] = state[0, lo:hi], state[1, lo:hi]
+            put(state[0, lo:hi], x[:m])
+            put(state[1, lo:hi], x[m:])
             packed_lo, packed_hi = lo, hi
             left, right = end_codes(lo, hi, sites, first, behind > 0)
         if not finite(x):
@@ -155,8 +157,10 @@ def advance(
             part = times[counters[2]] - t - clock[4]
             take_step(model, x, parameters, left, right, part, K, inside)
             sample = samples[counters[2]]
-            sample[:] = state
-            sample[0, lo:hi], sample[1, lo:hi] = inside[:m], inside[m:]
+            put(state[0], sample[0])
+            put(state[1], sample[1])
+            put(inside[:m], sample[0, lo:hi])
+            put(inside[m:], sample[1, lo:hi])
             counters[2] += 1
         foremost = -1
         for n in range(m):
@@ -178,7 +182,7 @@ def advance(
                     high, above, below = part, value, 0.5 * below
             arrivals[lo + n] = t + part
             foremost = lo + n
-        x[:] = new
+        put(new, x)
         whole = h + clock[4]
         clock[0] = t + whole
         clock[4] = whole - (clock[0] - t)
@@ -198,8 +202,10 @@ def advance(
         if behind > 0 and foremost - behind > lo:
             wider_lo = foremost - behind
         if wider_lo != lo or wider_hi != hi:
-            state[0, lo:hi], state[1, lo:hi] = x[:m], x[m:]
+            put(x[:m], state[0, lo:hi])
+            put(x[m:], state[1, lo:hi])
             counters[0], counters[1] = wider_lo, wider_hi
     if packed_hi > packed_lo and counters[0] == packed_lo and counters[1] == packed_hi:
-        state[0, packed_lo:packed_hi], state[1, packed_lo:packed_hi] = x[:m], x[m:]
+        put(x[:m], state[0, packed_lo:packed_hi])
+        put(x[m:], state[1, packed_lo:packed_hi])
     return ended

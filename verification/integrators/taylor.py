@@ -19,7 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.compiled import njit
-from verification.integrators.active import add_coupling, end_codes, finite, largest
+from verification.integrators.active import add_coupling, end_codes
+from verification.integrators.rows import finite, largest, put
 from verification.integrators.slopes import FULL
 
 FloatArray = npt.NDArray[np.float64]
@@ -162,7 +163,7 @@ def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
     for i in range(2):
         C = series[0] if i == 0 else series[1]
         target = out[i * m : (i + 1) * m]
-        target[:] = C[order]
+        put(C[order], target)
         for k in range(order - 1, -1, -1):
             row = C[k]
             for n in range(m):
@@ -189,7 +190,8 @@ def taylor_steps(
     x = state.copy().reshape(2 * sites)
     t, steps = 0.0, 0
     while t < end:
-        series[0][0], series[1][0] = x[:sites], x[sites:]
+        put(x[:sites], series[0][0])
+        put(x[sites:], series[1][0])
         if model == FULL:
             full_coefficients(series, order, parameters, left, right)
         else:
@@ -201,5 +203,6 @@ def taylor_steps(
         evaluate(series, order, h, x)
         t = end if h == end - t else t + h
         steps += 1
-    state[0], state[1] = x[:sites], x[sites:]
+    put(x[:sites], state[0])
+    put(x[sites:], state[1])
     return steps

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
 from verification.compiled import njit
+from verification.integrators.rows import put
 
 Real = NDArray[np.float64]
 
@@ -215,11 +216,12 @@ def _run(y, v, ty, tv, samples, h, order, a, b, c, eps, ring, base, omega, extra
     DV = np.zeros((order + 1, sites, columns))
     row = np.zeros(columns)
     for step in range(samples.shape[0]):
-        samples[step] = y
-        Y[0] = y
-        V[0] = v
-        DY[0] = ty
-        DV[0] = tv
+        put(y, samples[step])
+        put(y, Y[0])
+        put(v, V[0])
+        for n in range(sites):
+            put(ty[n], DY[0, n])
+            put(tv[n], DV[0, n])
         for k in range(order):
             for n in range(sites):
                 s = 0.0

@@ -8,14 +8,13 @@ left out: they are not known.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmarks.quantity import Quantity
-from benchmarks.record import Record, WorkPoint, read_record, write_whole
+from benchmarks.record import Record, WorkPoint, read_record, write_json
 
 NOISE = 1.1
 """A factor of time below which two methods count as equally fast."""
@@ -146,8 +145,7 @@ def as_payload(rows: Sequence[Choice]) -> list[dict[str, object]]:
 
 def write_choices(rows: Sequence[Choice], path: Path) -> None:
     """Write the table as JSON."""
-    text = json.dumps({"choices": as_payload(rows)}, indent=1, allow_nan=False) + "\n"
-    write_whole(path, text.encode())
+    write_json({"choices": as_payload(rows)}, path)
 
 
 def as_text(rows: Sequence[Choice]) -> str:

@@ -8,7 +8,6 @@ and is measured where arrays grow.
 
 from __future__ import annotations
 
-import json
 import math
 import tracemalloc
 from collections.abc import Sequence
@@ -20,7 +19,7 @@ import numpy as np
 
 from benchmarks.growth_work import Line, lines
 from benchmarks.quantity import Tell
-from benchmarks.record import now, these_versions, this_machine, write_whole
+from benchmarks.record import now, these_versions, this_machine, write_json, write_whole
 
 
 @dataclass(frozen=True)
@@ -187,5 +186,4 @@ def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Pat
     )
     write_whole(folder / "growth.png", image.getvalue())
     write_whole(folder / "growth.svg", drawn.svg.encode())
-    text = json.dumps(payload, indent=1, allow_nan=False) + "\n"
-    write_whole(folder / "growth.json", text.encode())
+    write_json(payload, folder / "growth.json")

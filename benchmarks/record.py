@@ -169,8 +169,12 @@ def as_payload(record: Record) -> dict[str, Any]:
 
 def write_record(record: Record, path: Path) -> None:
     """Write a record as JSON."""
-    text = json.dumps(as_payload(record), indent=1, allow_nan=False) + "\n"
-    write_whole(path, text.encode())
+    write_json(as_payload(record), path)
+
+
+def write_json(payload: Mapping[str, object], path: Path) -> None:
+    """Write an object as JSON, whole or not at all."""
+    write_whole(path, (json.dumps(payload, indent=1, allow_nan=False) + "\n").encode())
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -10,6 +10,7 @@ from importlib import resources
 from paper_checks.claim import Finding, Picture, Verdict
 from paper_checks.inline_svg import inline_svg, width_of
 from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.page_measurements import contents, measurement_sections
 from paper_checks.page_parts import errata, facts_list, formulas_block
 from paper_checks.report import Report
 from paper_checks.table import duration
@@ -49,6 +50,7 @@ def page(report: Report) -> str:
 {_standfirst(report)}
 {_counts(report)}
 {_alert(report)}
+{contents(report.measurements)}
 </header>
 <main>
 {_headlines(report)}
@@ -63,7 +65,7 @@ def page(report: Report) -> str:
 {"".join(_row(outcome) for outcome in report.outcomes)}</ol>
 <p id="none" hidden>No claim fits this choice.</p>
 </section>
-</main>
+{measurement_sections(report.measurements)}</main>
 {_footer(report)}
 <script>
 {_resource("page.js")}</script>

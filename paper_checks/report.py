@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from importlib import metadata
 
 from paper_checks.claim import Erratum, Verdict
+from paper_checks.measurements import Section
 from paper_checks.outcome import FAILED, Outcome, now, slug
 
 FORMAT = 1
@@ -40,6 +41,8 @@ class Report:
         Platform and number of cores.
     created : str
         When the run ended, UTC.
+    measurements : tuple of Section
+        Stored measurements that stand beside the claims.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -49,6 +52,7 @@ class Report:
     source: str
     machine: Mapping[str, object]
     created: str
+    measurements: tuple[Section, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -114,6 +118,7 @@ def make_report(
     available: int,
     versions: Mapping[str, str | None],
     source: str,
+    measurements: Sequence[Section] = (),
 ) -> Report:
     """Put the outcomes of a run together with the time and the machine."""
     return Report(
@@ -124,6 +129,7 @@ def make_report(
         source=source,
         machine=machine(),
         created=now(),
+        measurements=tuple(measurements),
     )
 
 
@@ -173,6 +179,7 @@ def to_json(report: Report) -> Json:
             for outcome, erratum in report.errata
         ],
         "claims": [_record(outcome) for outcome in report.outcomes],
+        "measurements": [section.as_dict() for section in report.measurements],
     }
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
-from paper_checks import discover
+from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
 from paper_checks.pictures import new_axes, picture
 from paper_checks.store import Store
@@ -42,6 +42,7 @@ def example_claims(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(str(HERE / "report_example"))
     monkeypatch.setattr(discover, "PACKAGE", "example_claims")
     monkeypatch.setenv("EXAMPLE_LOG", str(tmp_path / "log"))
+    monkeypatch.setattr(measurements, "RESULTS", HERE / "report_example" / "measured")
     monkeypatch.delenv("EXAMPLE_TROUBLE", raising=False)
 
 
@@ -237,6 +238,8 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
     pictures = [one for claim in report["claims"] for one in claim["pictures"]]
     assert all(list(one) == documented[3] for one in pictures)
     assert [list(one) for one in report["errata"]] == [documented[4]]
+    assert all(list(one) == documented[5] for one in report["measurements"])
+    assert len(report["measurements"]) == 5
     assert report["errata"][0]["key"] == "fig16-misprint"
     assert report["claims"][3]["formulas"] == [
         {"label": "As printed", "latex": r"a^2 - b^2 < \alpha"}
@@ -278,6 +281,28 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
     assert len(data) == 2
     assert "url(http" not in text
     assert "@import" not in text
+
+
+def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypatch):
+    assert main(["check", "--out", str(tmp_path)]) == 0
+    words = "".join(Page((tmp_path / "index.html").read_text()).words)
+    for shown in (
+        "at least 200 times150not met",
+        "1e-03 to 1e-04, 1e-061e-05: series, 2.5 times",
+        "sites, 10 to 100",
+        "all107210000",
+        "15 in place of 2000 roots: 133 times",
+        "quad, narrow, 1e-9: gave up <here>",
+        "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores.",
+    ):
+        assert shown in words.replace("\n", "")
+    assert "compilation" not in words  # nothing was promised
+    # Some claims only, or no records, as in an installed package: no such section.
+    assert main(["check", "fig9", "--out", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / "report.json").read_text())["measurements"] == []
+    monkeypatch.setattr(measurements, "RESULTS", tmp_path / "none")
+    assert main(["check", "--out", str(tmp_path)]) == 0
+    assert "stored records" not in (tmp_path / "index.html").read_text()
 
 
 def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeypatch, capsys):

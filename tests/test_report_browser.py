@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from fronts.cli import main
-from paper_checks import discover
+from paper_checks import discover, measurements
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 FLAGS = (
@@ -55,6 +55,7 @@ addEventListener("load", () => setTimeout(() => {
   place.dispatchEvent(new Event("input"));
   document.getElementById("unfold").click();
   report.unfolded = state();
+  all(".measured ~ details").forEach((one) => { one.open = true; });
   report.overflow = document.documentElement.scrollWidth - innerWidth;
   report.pictures = all("figure svg").map((svg) => {
     const box = svg.getBoundingClientRect();
@@ -120,6 +121,7 @@ def folder(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(Path(__file__).parent / "report_example"))
         patch.setattr(discover, "PACKAGE", "example_claims")
+        patch.setattr(measurements, "RESULTS", Path(__file__).parent / "report_example/measured")
         assert main(["check", "--out", str(out)]) == 0
     text = (out / "index.html").read_text(encoding="utf-8")
     (out / "probed.html").write_text(text.replace("</body>", PROBE), encoding="utf-8")
@@ -164,7 +166,7 @@ def test_an_error_in_the_page_would_be_noticed(browser, folder, tmp_path):
 
 def test_pictures_data_and_links_load(browser, folder, tmp_path):
     found = probe(browser, folder / "probed.html", profile=tmp_path)
-    assert len(found["pictures"]) == 2
+    assert len(found["pictures"]) == 3
     for picture in found["pictures"]:
         assert picture["width"] > 300
         assert picture["height"] > 100
@@ -218,7 +220,7 @@ def test_it_follows_the_colour_scheme_and_pictures_stay_on_white(
     assert found["dark"] is dark
     brightness = sum(map(int, re.findall(r"\d+", found["background"])[:3])) / 3
     assert (brightness < 50) is dark
-    assert found["card"] == ["rgb(255, 255, 255)"] * 2
+    assert found["card"] == ["rgb(255, 255, 255)"] * 3
 
 
 def test_equations_are_typeset_by_the_browser_itself(browser, folder, tmp_path):

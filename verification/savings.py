@@ -87,6 +87,7 @@ class MeasuredSaving:
             "spent": self.spent,
             "whole": self.whole,
             "estimated": self.saving.estimated,
+            "measured": self.text,
             "test": self.saving.test,
         }
 

@@ -18,6 +18,7 @@ from fronts.progress import Progress
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.following import resolved, with_followed
+from paper_checks.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
 from paper_checks.page import page
 from paper_checks.report import Report, installed_versions, make_report, picture_files, to_json
@@ -118,7 +119,8 @@ def run(options: argparse.Namespace) -> Answer:
             raise
     seconds = time.perf_counter() - start
 
-    report = make_report(outcomes, seconds, len(every), versions, source)
+    measurements = stored_sections() if len(entries) == len(every) else ()
+    report = make_report(outcomes, seconds, len(every), versions, source, measurements)
     payload = to_json(report)
     text = report_as_text(report, width)
     if options.record:

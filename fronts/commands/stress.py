@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
   fronts stress --points 2000 --seed 1 --out stress.csv
-  fronts stress --savings
+  fronts stress --savings --record
   fronts stress --list
 
 Every quantity is tried at named scenes, at the corners of its parameters and at random, one point
@@ -37,13 +37,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
     )
     parser.add_argument("--list", action="store_true", help="list the quantities, try nothing")
+    parser.add_argument(
+        "--record", action="store_true", help="keep the result for the report (in the source tree)"
+    )
     parser.add_argument("--savings", action="store_true", help="what a scene does not need")
 
 
 def run(options: argparse.Namespace) -> Answer:
     """Try the points, list the quantities, or measure the savings."""
     if options.savings:
-        return _savings()
+        return _savings(options.record)
     if options.list:
         return _list()
     from theory.parameters import count_within
@@ -74,7 +77,26 @@ def run(options: argparse.Namespace) -> Answer:
         "seconds": found.table.seconds,
         "out": None if options.out is None else str(options.out),
     }
+    if options.record:
+        _keep("stability", payload, f"fronts stress --points {options.points}")
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
+
+
+def _keep(name: str, payload: dict[str, object], command: str) -> None:
+    """Store a result where the report finds it."""
+    from fronts.commands.bench import ROOT, need_source_tree
+
+    need_source_tree(ROOT)
+    from benchmarks.quantity import RESULTS
+    from benchmarks.record import now, these_versions, this_machine, write_json
+
+    stamp = {
+        "command": command,
+        "date": now(),
+        "machine": this_machine(),
+        "versions": these_versions(),
+    }
+    write_json(stamp | payload, RESULTS / f"{name}.json")
 
 
 def _finite(value: Any) -> Any:
@@ -126,7 +148,7 @@ def _list() -> Answer:
     return Answer({"quantities": rows}, "\n".join(lines))
 
 
-def _savings() -> Answer:
+def _savings(record: bool) -> Answer:
     from verification.savings import measured_savings
 
     rows = measured_savings()
@@ -136,4 +158,7 @@ def _savings() -> Answer:
         lines.append(f"    bound: {row.saving.bound}")
         lines.append(f"    measured: {row.text}")
         lines.append(f"    test: {row.saving.test}")
-    return Answer({"savings": [row.as_dict() for row in rows]}, "\n".join(lines))
+    payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
+    if record:
+        _keep("savings", payload, "fronts stress --savings")
+    return Answer(payload, "\n".join(lines))

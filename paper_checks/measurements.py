@@ -8,6 +8,7 @@ package has no records, and then no such section.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -145,18 +146,13 @@ def _defaults(records: Mapping[str, Json], folder: Path) -> Section | None:
         return None
     rows = []
     for choice in records["defaults"]["choices"]:
-        beaten = (
-            f"{one['error']:.0e}: {one['by']}"
-            + ("" if one["factor"] is None else f", {one['factor']:.2g} times")
-            for one in choice["beaten"]
-        )
         rows.append(
             (
                 choice["quantity"],
                 choice["scene"],
                 choice["default"],
                 _decades(choice["fastest"]) or "nowhere",
-                "; ".join(beaten) or "nowhere",
+                _rivals(choice["beaten"]) or "nowhere",
             )
         )
     dates = sorted({choice["recorded"] for choice in records["defaults"]["choices"]})
@@ -171,13 +167,30 @@ def _defaults(records: Mapping[str, Json], folder: Path) -> Section | None:
     )
 
 
+def _rivals(beaten: Iterable[Json]) -> str:
+    """Write which methods are faster than the default, at which errors and by what factor."""
+    rivals: dict[str, list[Json]] = {}
+    for one in beaten:
+        rivals.setdefault(one["by"], []).append(one)
+    texts = []
+    for rival, ones in rivals.items():
+        factors = [one["factor"] for one in ones if one["factor"] is not None]
+        texts.append(f"{_decades(one['error'] for one in ones)}: {rival}")
+        if factors:
+            low, high = f"{min(factors):.2g}", f"{max(factors):.2g}"
+            texts[-1] += f", {low} times" if low == high else f", {low} to {high} times"
+        if len(factors) < len(ones):
+            texts[-1] += ", and the default does not get so far"
+    return "; ".join(texts)
+
+
 def _decades(errors: Iterable[float]) -> str:
     """Write powers of ten, runs of neighbours as ranges.
 
     Examples
     --------
     >>> _decades([1e-3, 1e-4, 1e-5, 1e-8])
-    '1e-03 to 1e-05, 1e-08'
+    '10⁻³ to 10⁻⁵, 10⁻⁸'
     """
     runs: list[list[float]] = []
     for error in errors:
@@ -186,8 +199,14 @@ def _decades(errors: Iterable[float]) -> str:
         else:
             runs.append([error])
     return ", ".join(
-        f"{run[0]:.0e}" + (f" to {run[-1]:.0e}" if len(run) > 1 else "") for run in runs
+        _power(run[0]) + (f" to {_power(run[-1])}" if len(run) > 1 else "") for run in runs
     )
+
+
+def _power(value: float) -> str:
+    """Write a power of ten."""
+    exponent = str(round(math.log10(value)))
+    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _growth(records: Mapping[str, Json], folder: Path) -> Section | None:

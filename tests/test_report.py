@@ -288,7 +288,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
     words = "".join(Page((tmp_path / "index.html").read_text()).words)
     for shown in (
         "at least 200 times150not met",
-        "1e-03 to 1e-04, 1e-061e-05: series, 2.5 times",
+        "10⁻³ to 10⁻⁴, 10⁻⁶10⁻⁵: series, 2.5 times",
         "sites, 10 to 100",
         "all107210000",
         "15 in place of 2000 roots: 133 times",

@@ -49,7 +49,7 @@ def _overview() -> str:
         "",
         *(f"  {name:<10} {line}" for name, line in COMMANDS.items()),
         "",
-        "Every command takes --json and then prints one JSON object.",
+        "Every command takes --json and then prints one JSON object. --version tells the version.",
     ]
     return "\n".join(lines)
 
@@ -72,6 +72,9 @@ def _run(argv: Sequence[str]) -> int:
     if not argv or argv[0] in ("-h", "--help", "help"):
         print(_overview())
         return 0
+    if argv[0] == "--version":
+        print(f"fronts {_version()}")
+        return 0
     name, *rest = argv
     if name not in COMMANDS:
         raise UsageError(f"'{name}' is not a command: choose one of {', '.join(COMMANDS)}.")
@@ -83,6 +86,15 @@ def _run(argv: Sequence[str]) -> int:
     else:
         print(answer.text)
     return int(answer.exit_code)
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("excitation-fronts")
+    except PackageNotFoundError:
+        return "not installed: run from its source"
 
 
 def _announce_compilation() -> None:

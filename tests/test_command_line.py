@@ -288,3 +288,10 @@ def test_all_methods_for_a_breather_stand_side_by_side(capsys):
         ["closed-form", "exists"], ["envelope", "none"], ["orbit", "none"], ["simulation", "none"],
     ]  # fmt: skip
     assert "unknown" in rows[0]
+
+
+def test_the_version_is_that_of_the_project(capsys):
+    assert main(["--version"]) == 0
+    said = capsys.readouterr().out.removeprefix("fronts ").strip()
+    project = Path(__file__).parents[1] / "pyproject.toml"
+    assert f'version = "{said}"' in project.read_text() or said.startswith("not installed")

@@ -59,7 +59,7 @@ def contenders(scene: Scene, known: References) -> tuple[Contender, ...]:
 
 def _integrals(v: float, c: float, known: References) -> Iterator[Contender]:
     true = known.series
-    for tolerance in (1e-4, 1e-8, 1e-12, 1e-15):
+    for tolerance in (1e-2, 1e-4, 1e-8, 1e-12, 1e-15):
         yield Contender(
             "integral, in a batch",
             f"tolerance {tolerance:g}",

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -195,18 +195,18 @@ class _Poles:
     c: FloatArray
     k: ComplexArray
 
-    @property
+    @cached_property
     def slope(self) -> ComplexArray:
         """L_k."""
         return dispersion_slope(self.k, self.v, self.c)
 
-    @property
+    @cached_property
     def residue(self) -> ComplexArray:
         """The term 1/(k L_k) of the series."""
         term: ComplexArray = 1.0 / (self.k * self.slope)
         return term
 
-    @property
+    @cached_property
     def sigma(self) -> ComplexArray:
         """Where it is: log tan(-k/2) - iπ/4."""
         place: ComplexArray = np.log(np.tan(-0.5 * self.k)) - 0.25j * np.pi

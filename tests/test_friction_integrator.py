@@ -19,6 +19,7 @@ from verification.friction_events import run_events
 from verification.friction_lane import FrictionLane, FrictionRunError
 from verification.friction_run import FrictionRun, RunStatus, run_friction
 from verification.friction_start import nucleus
+from verification.integrators import friction
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -310,6 +311,17 @@ def test_a_run_can_be_taken_in_parts() -> None:
     assert np.array_equal(whole.modes, parts.modes)
 
 
+def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
+    chain = FrictionChain(0.05, sites=300)
+    lane = FrictionLane(chain, nucleus(chain, list(range(1, 301))), 1e-9)
+    lane.go_to(20.0)
+    for _ in range(5):
+        before = int(lane.counters[friction.STEPS])
+        lane.go_to(1e5, most_steps=40)
+        assert int(lane.counters[friction.STEPS]) - before == 40
+    assert lane.counters[friction.KINDS :].sum() > 300
+
+
 @pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])
 def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
     chain = FrictionChain(0.05, sites=9)
@@ -324,7 +336,7 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
         if looks % 3 == 0:
             raise KeyboardInterrupt
 
-    # A budget of one step of nine sites: the run is left after every step without an event.
+    # A budget of one step of nine sites: the run is left after every step.
     for _ in range(2000):
         try:
             resumed = run_friction(

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from theory.parameters import ParameterError, within
 
-_FORMAT = 1
+_FORMAT = 2
 _SAVE_SECONDS = 5.0
 
 MOST_NUMBERS = 10**8

@@ -19,6 +19,8 @@ from verification.integrators.taylor import taylor_order
 FloatArray = npt.NDArray[np.float64]
 
 _REST = 0.01
+_PIECE = 200_000
+"""Sites times steps, at most, between two looks at the keyboard: a fraction of a second."""
 
 
 class FrictionRunError(RunError):
@@ -81,6 +83,7 @@ class FrictionLane:
         self._w = start[1] - cell.v_d
         self.modes = friction.initial_modes(self.y, self._w, self._parameters, self._free)
         kept = friction.allocate(chain.sites)
+        self._released: npt.NDArray[np.bool_] = kept["released"]
         self._clock, self.counters = kept["clock"], kept["counters"]
         self.arrivals: FloatArray = kept["arrivals"]
         self._extremes: FloatArray = kept["extremes"]
@@ -128,6 +131,7 @@ class FrictionLane:
             "y": self.y,
             "w": self._w,
             "modes": self.modes,
+            "released": self._released,
             "clock": self._clock,
             "counters": self.counters,
             "arrivals": self.arrivals,
@@ -154,7 +158,7 @@ class FrictionLane:
         }
 
     def go_on(self, budget: int) -> None:
-        """Step until ``end``, or until some ``budget`` of sites times steps is spent."""
+        """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
         self.go_to(self.end, most_steps=1 + budget // self.chain.sites)
 
     @property
@@ -193,17 +197,36 @@ class FrictionLane:
     def go_to(self, stop: float, *, wanted: int = 0, most_steps: int = 2**62) -> bool:
         """Step until ``stop``, or until so many watched sites have stuck; tell whether they have.
 
+        Compiled code cannot be interrupted, so it is left now and then.
+
         Raises
         ------
         FrictionRunError
             If time stands still or the state overflows.
         """
-        ended = friction.advance(
+        ended, left = friction.BUDGET, most_steps
+        while ended == friction.BUDGET and left > 0:
+            steps = min(left, 1 + _PIECE // self.chain.sites)
+            left -= steps
+            ended = self._advance(stop, wanted, steps)
+        if ended == friction.NOT_FINITE:
+            raise FrictionRunError(
+                f"the run overflowed at tau = {self.time:.6g}; start from a smaller displacement."
+            )
+        if ended == friction.TOO_SHORT:
+            raise FrictionRunError(
+                f"time stands still at tau = {self.time:.6g}; take a larger v0 or a smaller c."
+            )
+        return bool(ended == friction.WANTED)
+
+    def _advance(self, stop: float, wanted: int, most_steps: int) -> int:
+        ended: int = friction.advance(
             self._parameters,
             self._free,
             self.y,
             self._w,
             self.modes,
+            self._released,
             self._clock,
             self.counters,
             stop,
@@ -221,15 +244,7 @@ class FrictionLane:
             self._log,
             most_steps,
         )
-        if ended == friction.NOT_FINITE:
-            raise FrictionRunError(
-                f"the run overflowed at tau = {self.time:.6g}; start from a smaller displacement."
-            )
-        if ended == friction.TOO_SHORT:
-            raise FrictionRunError(
-                f"time stands still at tau = {self.time:.6g}; take a larger v0 or a smaller c."
-            )
-        return bool(ended == friction.WANTED)
+        return ended
 
     def going_to_rest(self, share: float = 1e-3) -> bool:
         """Tell whether every site is so near to stable steady sliding that none will stick again.

@@ -46,10 +46,10 @@ REACHED, TOO_SHORT, NOT_FINITE, BUDGET, WANTED = 0, 1, 2, 3, 4
 """How :func:`advance` ended: at the stop, at time standing still, at a number that is not finite,
 after ``most_steps``, or with as many watched arrivals as were wanted."""
 
-LO, HI, SAMPLED, STEPS, SITE_STEPS, LOGGED = 0, 1, 2, 3, 4, 5
+LO, HI, SAMPLED, STEPS, SITE_STEPS, LOGGED, STANDING = 0, 1, 2, 3, 4, 5, 6
 """Places in ``counters``; the number of events of each kind follows from ``KINDS`` on."""
 
-KINDS = 6
+KINDS = 7
 MARGIN = 8
 _TOGETHER = 8.9e-16
 _LEVELS = 3
@@ -215,6 +215,7 @@ def advance(
     y: FloatArray,
     w: FloatArray,
     modes: IntArray,
+    released: npt.NDArray[np.bool_],
     clock: FloatArray,
     counters: IntArray,
     stop: float,
@@ -242,9 +243,11 @@ def advance(
         Free ends; else the missing neighbours are zero.
     y, w, modes : ndarray, shape (N,)
         Position, ẏ - v_d, mode; in and out.
+    released : ndarray of bool, shape (N,)
+        Sites that have been released at this very time; in and out.
     clock : ndarray, shape (1,)
         Time.
-    counters : ndarray of int, shape (9,)
+    counters : ndarray of int, shape (10,)
         See ``LO`` and the names after it.
     stop : float
         Time to reach.
@@ -269,8 +272,8 @@ def advance(
     log : ndarray, shape (K, 3)
         Time, site, kind of the first K events.
     most_steps : int
-        Steps after which to return with BUDGET, as soon as a step ends without an event. A run
-        that goes on from there is the same to the last bit.
+        Steps after which to return with BUDGET. A run that goes on from there is the same to the
+        last bit.
     """
     sites = y.size
     v_d = parameters[V_D]
@@ -281,11 +284,9 @@ def advance(
     lap, signs, row = room[0], room[1:4], room[4]
     event = np.full(sites, np.inf)
     f, work = np.zeros(order + 1), np.zeros((50, order + 1))
-    released = np.zeros(sites, dtype=np.bool_)
     put(y, Y[0])
     put(w, W[0])
-    ended, steps, standing = REACHED, 0, 0
-    happens = False
+    ended, steps = REACHED, 0
     allowed = allowed_remainder(order, tolerance)
     arrived = 0
     for n in range(sites):
@@ -297,8 +298,7 @@ def advance(
         if 0 < wanted <= arrived:
             ended = WANTED
             break
-        # Not right after an event: which sites have just been released is known in here only.
-        if steps >= most_steps and not happens:
+        if steps >= most_steps:
             ended = BUDGET
             break
         for n in range(lo, hi):
@@ -340,10 +340,10 @@ def advance(
                     kind = 0 if W[0, n] + v_d > 0.0 else 1
                     extremes[kind, n] = _extreme(Y, W, order, h, n, v_d)
                 released[n] = False
-            standing = 0
+            counters[STANDING] = 0
         else:
-            standing += 1
-            if standing > 4 * sites + 16:
+            counters[STANDING] += 1
+            if counters[STANDING] > 4 * sites + 16:
                 ended = TOO_SHORT
                 break
         clock[0] = stop if t + h >= stop and not happens else t + h
@@ -404,6 +404,7 @@ def _switch(
 def allocate(sites: int) -> dict[str, Any]:
     """Return fresh arrays for the bookkeeping of :func:`advance`."""
     return {
+        "released": np.zeros(sites, dtype=bool),
         "clock": np.zeros(1),
         "counters": np.zeros(KINDS + 3, dtype=np.int64),
         "arrivals": np.full(sites, np.nan),

@@ -98,7 +98,11 @@ def test_the_four_evaluations_agree_at_random(v: float, c: float) -> None:
     assert found[1].error < 1e-12
 
 
-@pytest.mark.parametrize(("v", "c"), [*EVERY, *random_scenes(12, 16, 6.0)])
+CORNERS = [(1e-12, 1e12), (1e-11, 1e10), (0.0099, 50.0), (0.0101, 50.0), (1e12, 1e-12)]
+"""Corners of the range, and both sides of where the contour needs no poles."""
+
+
+@pytest.mark.parametrize(("v", "c"), [*EVERY, *CORNERS, *random_scenes(12, 16, 6.0)])
 def test_integral_and_series_agree_over_twelve_decades(v: float, c: float) -> None:
     try:
         series = sum_by_roots(v, c)

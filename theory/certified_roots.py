@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from theory.dispersion import FloatArray
 from theory.parameters import ParameterError
 from theory.root_count import box_corners, box_of_strips, edge_pieces
 from theory.roots import IntArray, RootSet, labelled_roots, strip_bounds
@@ -69,16 +69,17 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     flint.ctx.prec = _BITS
     try:
         found = labelled_roots(v, c, labels, upper)
-        radius = np.array(
-            [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
-        )
+        balls = [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
+        alone = _alone(flint, [place for _, place in balls], labels, upper)
         counted = _certified_count(flint, v, c, labels, upper)
     finally:
         flint.ctx.prec = before
-    if counted != labels.size or not _alone(found, radius, upper):
-        raise CertificationError(
-            f"{counted} roots counted and {labels.size} enclosed at v = {v!r}, c = {c!r}"
-        )
+    where = f"at v = {v!r}, c = {c!r}"
+    if counted != labels.size:
+        raise CertificationError(f"{counted} roots counted and {labels.size} enclosed {where}")
+    if not alone:
+        raise CertificationError(f"a root is too near the edge of its strip {where}")
+    radius = np.array([size for size, _ in balls])
     roots = RootSet(found.labels, found.k, found.residual, radius)
     return CertifiedRoots(roots, counted, _BITS)
 
@@ -93,8 +94,11 @@ def _flint() -> Any:
     return flint
 
 
-def _enclose(flint: Any, v: float, c: float, k: complex, radius: float) -> float:
-    """Return a radius about ``k`` that provably holds exactly one root."""
+def _enclose(flint: Any, v: float, c: float, k: complex, radius: float) -> tuple[float, Any]:
+    """Return a radius about ``k`` that provably holds exactly one root, and where that lies.
+
+    The second is a far smaller ball, with a centre that need not be a double.
+    """
     v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
     middle = flint.acb(k.real, k.imag)
     value = flint.acb(0.5) - 2 * i * c_ * (middle / 2).sin() ** 2 - i * v_ * middle
@@ -107,7 +111,7 @@ def _enclose(flint: Any, v: float, c: float, k: complex, radius: float) -> float
             shift = value / slope
             size = float(abs(shift).upper())
             if size < trial:  # the image lies inside the square of half-side trial
-                return math.nextafter(size, math.inf)
+                return math.nextafter(size, math.inf), middle - shift
         trial *= 2.0
     raise CertificationError(f"no ball about {k} could be certified at v = {v!r}, c = {c!r}")
 
@@ -142,7 +146,11 @@ def _certified_count(flint: Any, v: float, c: float, labels: IntArray, upper: bo
     return round(turn / (2.0 * math.pi))
 
 
-def _alone(found: RootSet, radius: FloatArray, upper: bool) -> bool:
-    """Tell whether every ball lies in its own strip, so that no two balls can meet."""
-    low, high = strip_bounds(found.labels, upper)
-    return bool(np.all((found.k.real - radius > low) & (found.k.real + radius < high)))
+def _alone(flint: Any, places: Sequence[Any], labels: IntArray, upper: bool) -> bool:
+    """Tell whether every root lies in its own strip, so that no two are the same."""
+    bounds = zip(*strip_bounds(labels, upper), strict=True)
+    return all(
+        place.real > round(low / math.pi) * flint.arb.pi()
+        and place.real < round(high / math.pi) * flint.arb.pi()
+        for place, (low, high) in zip(places, bounds, strict=True)
+    )

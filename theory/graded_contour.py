@@ -36,6 +36,7 @@ _MARGIN = 3.2
 """The step leaves e^{-3.2} of the tolerance for e^{-π²/2h}, of which up to 16 times is charged."""
 _END = 1.4
 """The reach leaves about 0.16 of the tolerance for each end."""
+_SLOWEST = 0.01
 _CHUNK = 1 << 13
 _EPS = float(np.finfo(float).eps)
 _Number = TypeVar("_Number", np.float64, np.complex128)
@@ -268,9 +269,10 @@ def _departing_poles(v: FloatArray, c: FloatArray) -> _Poles:
 
     The one in the strip (2πn, 2πn + 2π) leaves as its Re k passes (2n + 1)π, when
     v (2|n| - 1)π = c (1 + cosh(1/2v)) (fact 4 of ``theory.dispersion``). For v > 6c all are too far
-    from the contour to matter.
+    from the contour to matter. For v < `_SLOWEST` the integrand is 1/(2A) to double precision,
+    since Re A ≥ ½ on the contour and so |E| ≤ e^{-1/2v}; that has none of these poles.
     """
-    here = v < 6.0 * c
+    here = (v < 6.0 * c) & (v > _SLOWEST)
     v_, c_ = np.repeat(v[here, None], 3, axis=1), np.repeat(c[here, None], 3, axis=1)
     labels = departing_labels(v[here], c[here])
     k = labelled_roots(v_.ravel(), c_.ravel(), labels.ravel(), upper=False).k

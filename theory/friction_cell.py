@@ -84,6 +84,24 @@ class FrictionCell:
         return self.mu_st - 2.0 * self.xi * self.v_d
 
 
+def check_sliding_stable(cell: FrictionCell) -> None:
+    """Refuse a belt so slow that sites at rest start by themselves.
+
+    Raises
+    ------
+    ParameterError
+        If v_d is not above the Hopf velocity.
+    """
+    if cell.v_d <= cell.hopf_velocity:
+        raise ParameterError(
+            "belt velocity v_d",
+            cell.v_d,
+            f"above {cell.hopf_velocity:.6g}, below which steady sliding is unstable and every "
+            "site starts by itself",
+            "take a larger v_d or more damping",
+        )
+
+
 def friction_coefficient(cell: FrictionCell, v_rel: float) -> float:
     """Return μ(v_rel) of (2), corrected: μ_d + (μ_st - μ_d) e^{-|v_rel|/v₀}.
 

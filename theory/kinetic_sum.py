@@ -1,11 +1,14 @@
 """What a method returns for Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of (53).
 
-Four methods that share no code give it:
+Four methods give it:
 
 * ``theory.sum_integral``: the periodised integral by the trapezoidal rule, the fast one;
 * ``theory.sum_series``: the printed series over the roots, its tail summed, at any precision;
 * ``theory.sum_bessel``: a series of Bessel-function integrals, from the direct solution in time;
 * ``theory.sum_quadrature``: adaptive quadrature on the real line, the plain baseline.
+
+The last two share no code with the others or with each other. The first two share the solver for
+roots, where the integral has to know how near a pole comes to its contour.
 """
 
 from __future__ import annotations

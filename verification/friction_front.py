@@ -20,6 +20,7 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
+from theory.friction_cell import check_sliding_stable
 from theory.friction_chain import FrictionChain, FrictionEnds
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.arrival_fit import FrontStatus, Trial, settle
@@ -112,7 +113,7 @@ def measure_friction_front(
     Raises
     ------
     ParameterError
-        If a parameter is out of range.
+        If a parameter is out of range, or sites start by themselves.
 
     Examples
     --------
@@ -127,6 +128,7 @@ def measure_friction_front(
     within("accuracy", accuracy, 1e-6, 0.1)
     if chain.c == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
+    check_sliding_stable(chain.cell)
     if chain.ends is not FrictionEnds.FREE:
         raise ParameterError("ends", chain.ends.value, "free for a front", "use free ends")
     count_within(

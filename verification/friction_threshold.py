@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from time import perf_counter
 
+from theory.friction_cell import check_sliding_stable
 from theory.friction_chain import FrictionChain
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.friction_lane import FrictionLane
@@ -255,15 +256,7 @@ def friction_threshold(
                 )
             low, c = c, min(highest, GROWTH * c)
         if c == start:
-            hopf = chain.cell.hopf_velocity
-            if chain.cell.v_d <= hopf:
-                raise ParameterError(
-                    "belt velocity v_d",
-                    chain.cell.v_d,
-                    f"above {hopf:.6g}, below which steady sliding is unstable and every site "
-                    "starts by itself",
-                    "take a larger v_d",
-                )
+            check_sliding_stable(chain.cell)
             raise ParameterError(
                 "lowest coupling", start, "one at which the nucleus does not spread", "lower it"
             )

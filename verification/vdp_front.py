@@ -64,9 +64,11 @@ class FrontMeasurement:
     model : Model
         Equation.
     behind : Behind
-        What was behind the first site; both are the same where v̂ > c.
+        What was behind the first site.
     status : FrontStatus
         What became of the front.
+    outruns : bool
+        Whether the front outruns the waves behind it, v̂ > c: then ``behind`` changes nothing.
     v : float or None
         v̂ = v/ε; 0 if pinned, None if there is no front or it is not known.
     error : float or None
@@ -83,6 +85,7 @@ class FrontMeasurement:
     model: Model
     behind: Behind
     status: FrontStatus
+    outruns: bool
     v: float | None
     error: float | None
     arrivals: FloatArray
@@ -155,7 +158,7 @@ def measure_front(
     outruns = found.v is not None and found.v > _OUTRUNS * chain.c
     if behind is Behind.FREE and not outruns:
         found = _measure(chain, rule, Behind.FREE, found)
-    return replace(found, behind=behind, seconds=perf_counter() - begin)
+    return replace(found, behind=behind, outruns=outruns, seconds=perf_counter() - begin)
 
 
 @dataclass(frozen=True)
@@ -201,7 +204,16 @@ def _measure(
     v, error = (None if x is None else x / chain.eps for x in (found.v, found.error))
     steps = found.steps + (wave.steps if wave else 0)
     return FrontMeasurement(
-        sized(found.sites), rule.model, behind, found.status, v, error, found.arrivals, steps, 0.0
+        sized(found.sites),
+        rule.model,
+        behind,
+        found.status,
+        False,
+        v,
+        error,
+        found.arrivals,
+        steps,
+        0.0,
     )
 
 

@@ -180,7 +180,8 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
             accuracy=1e-3 if options.accuracy is None else options.accuracy,
             progress=shown.show,
         )
-    return Answer(_numbers(result), _measured(result, "slow time"))
+    payload = _numbers(result) | {"outruns_waves": result.outruns}
+    return Answer(payload, "\n".join([_measured(result, "slow time"), _behind(result)]))
 
 
 def _friction(options: argparse.Namespace) -> Answer:
@@ -218,6 +219,21 @@ def _numbers(result: FrontMeasurement | FrictionFront) -> dict[str, object]:
         "sites": result.chain.sites,
         "steps": result.steps,
     }
+
+
+def _behind(result: FrontMeasurement) -> str:
+    """Say whether what is behind the front matters."""
+    if result.v is None:
+        return "  what is behind it was: " + result.behind.value
+    if result.outruns:
+        return "  it outruns the waves behind it: v is above c"
+    return f"  waves behind it catch up with it: v is that with a {_BEHIND[result.behind.value]}"
+
+
+_BEHIND = {
+    "free": "free end behind, see --behind",
+    "wave": "wave behind that goes on for ever, see --behind",
+}
 
 
 def _measured(result: FrontMeasurement | FrictionFront, time: str) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -135,3 +137,15 @@ def test_a_wrong_fold_fails_instead_of_judging(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(module, "breather_threshold", wrong)
     for key in ("text-limiting", "text-two-values"):
         assert "ArithmeticError" in (judge(claim(key)).failure or "")
+
+
+def test_every_module_is_on_the_map_of_its_package():
+    import verification
+
+    here = Path(verification.__file__).parent
+    modules = {path.stem for path in here.glob("*.py")} | {
+        path.parent.name for path in here.glob("*/__init__.py")
+    }
+    named = set(re.findall(r"``(\w+)``", verification.__doc__))
+    assert modules - {"__init__"} <= named | {"integrators"}
+    assert named <= modules | {"verification"}

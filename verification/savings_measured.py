@@ -148,8 +148,8 @@ def time_steps() -> tuple[float, float]:
 
 def workers() -> tuple[float, float]:
     """Time a short sweep in this process and in two others."""
-    from verification.stability.judging import StressTask
-    from verification.stability.table import stress_points
+    from verification.extremes.judging import StressTask
+    from verification.extremes.table import stress_points
     from verification.sweep import sweep
 
     times = []

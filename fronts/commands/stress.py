@@ -11,7 +11,7 @@ from fronts.arguments import check_writable
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
-    from verification.stability.table import Stability
+    from verification.extremes.table import Stability
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> Answer:
     if options.list:
         return _list()
     from theory.parameters import count_within
-    from verification.stability.table import stability
+    from verification.extremes.table import stability
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -130,7 +130,7 @@ def _text(found: Stability) -> str:
 
 
 def _list() -> Answer:
-    from verification.stability.discover import all_quantities
+    from verification.extremes.discover import all_quantities
 
     rows = [
         {

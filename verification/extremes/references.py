@@ -11,7 +11,7 @@ from theory.kinetic_sum import PrecisionError
 from theory.limits import static_sum_distance
 from theory.sum_integral_precise import precise_sum_by_integral
 from theory.sum_series import sum_by_roots
-from verification.stability.quantity import NoReferenceError
+from verification.extremes.quantity import NoReferenceError
 
 MOST_PERIODS = 1500.0
 """Of c/v, up to which the roots are summed in high precision: about a root a unit of it."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from theory.kinetic_relation import kinetic_relation
+from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 from verification.piecewise_run import FrontStatus
 from verification.piecewise_simulation import simulate_front
-from verification.stability.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 
 def _front(at: Mapping[str, float]) -> Claim:

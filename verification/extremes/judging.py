@@ -16,8 +16,8 @@ import numpy as np
 
 from theory.kinetic_sum import PrecisionError
 from theory.parameters import ParameterError
-from verification.stability.discover import quantity_named
-from verification.stability.quantity import Check, Claim, NoReferenceError, Quantity
+from verification.extremes.discover import quantity_named
+from verification.extremes.quantity import Check, Claim, NoReferenceError, Quantity
 from verification.table import Point, Scalar
 
 PATIENCE = 5.0

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from theory.parameters import count_within
-from verification.stability.discover import chosen
-from verification.stability.judging import BAD, Outcome, StressTask
-from verification.stability.quantity import Quantity
+from verification.extremes.discover import chosen
+from verification.extremes.judging import BAD, Outcome, StressTask
+from verification.extremes.quantity import Quantity
 from verification.sweep import ProgressCallback, sweep
 from verification.table import Point, Table
 

@@ -20,8 +20,8 @@ from theory.limits import (
 from theory.sum_integral import sums
 from theory.thresholds import fold_coupling, fold_eta
 from theory.unit_cell import ETA_END
-from verification.stability.quantity import Axis, Check, Claim, Quantity
-from verification.stability.references import ratio_precise, reference_sum, static_sum_precise
+from verification.extremes.quantity import Axis, Check, Claim, Quantity
+from verification.extremes.references import ratio_precise, reference_sum, static_sum_precise
 
 C = Axis("c", 1e-8, 1e8)
 ETA = Axis("eta", 1e-12, ETA_END, near=(ETA_END, ETA_PIN_END))

@@ -12,7 +12,7 @@ from theory.front_profile import FrontProfile, front_profile
 from theory.parameters import ParameterError, within
 from theory.root_count import count_in_strips
 from theory.roots import labelled_roots
-from verification.stability.quantity import Axis, Check, Claim, NoReferenceError, Quantity
+from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 V, C = Axis("v", 1e-8, 1e8), Axis("c", 1e-8, 1e8)
 _TERMS = 400

@@ -14,13 +14,13 @@ import pytest
 from fronts.cli import main
 from theory.kinetic_sum import PrecisionError
 from theory.parameters import ParameterError
+from verification.extremes import judging
+from verification.extremes.discover import all_quantities, quantity_named
+from verification.extremes.judging import BAD, Outcome, is_clear, judge
+from verification.extremes.quantity import Axis, Check, Claim, Quantity
+from verification.extremes.table import stability
 from verification.savings import SAVINGS
 from verification.scenes import FAMILIES, scenes_of
-from verification.stability import judging
-from verification.stability.discover import all_quantities, quantity_named
-from verification.stability.judging import BAD, Outcome, is_clear, judge
-from verification.stability.quantity import Axis, Check, Claim, Quantity
-from verification.stability.table import stability
 
 ROOT = Path(__file__).parents[1]
 QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")

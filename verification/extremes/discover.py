@@ -8,9 +8,9 @@ import pkgutil
 from collections.abc import Sequence
 
 from theory.parameters import ParameterError
-from verification.stability.quantity import Quantity
+from verification.extremes.quantity import Quantity
 
-PACKAGE = "verification.stability"
+PACKAGE = "verification.extremes"
 
 
 @functools.cache

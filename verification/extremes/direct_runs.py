@@ -15,7 +15,7 @@ import numpy.typing as npt
 from theory.friction_cell import FrictionCell
 from theory.friction_chain import FrictionChain
 from theory.vdp_chain import VdpChain
-from verification.stability.quantity import Axis, Check, Claim, NoReferenceError, Quantity
+from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 ComplexArray = npt.NDArray[np.complex128]
 

@@ -29,13 +29,6 @@ above, between, below_left, below_first, below_right = sp.symbols(
 )
 
 
-def _split(at: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Real and imaginary part of L at a complex k with real parameters."""
-    found = sp.expand_complex(DISPERSION.rewrite(sp.cos).subs(k, at))
-    parts = found.as_real_imag()
-    return sp.simplify(sp.expand(parts[0])), sp.simplify(sp.expand(parts[1]))
-
-
 def steps() -> tuple[Step, ...]:
     """Return the proofs as steps."""
     whole = sp.Symbol("n", integer=True)

@@ -15,7 +15,8 @@ from paper_checks.claims._fronts import staggered_velocity
 from theory.envelope_front import strong_coupling_front
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
-from verification.vdp_front import Behind, FrontStatus, measure_front, velocity_of
+from verification.arrival_fit import velocity_of_arrivals
+from verification.vdp_front import Behind, FrontStatus, measure_front
 from verification.vdp_run import Model
 
 
@@ -90,7 +91,7 @@ def test_the_regression_knows_its_noise() -> None:
     hits = 0
     for _ in range(200):
         arrivals = np.arange(64) / 0.02 + random.normal(0.0, 0.5, 64)
-        v, error = velocity_of(arrivals, 0.01)
+        v, error = (x / 0.01 for x in velocity_of_arrivals(arrivals))
         hits += abs(v - 2.0) <= error
     # Two standard errors or more: at least 95 of 100, less three standard deviations of 200 trials.
     assert hits >= 181

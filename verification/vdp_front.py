@@ -28,7 +28,7 @@ import numpy.typing as npt
 
 from theory.parameters import ParameterError, count_within, positive, within
 from theory.vdp_chain import Ends, VdpChain
-from verification.arrival_fit import FrontStatus, Trial, settle, velocity_of_arrivals
+from verification.arrival_fit import FrontStatus, Trial, settle
 from verification.vdp_lane import Lane
 from verification.vdp_run import COMPANION, Model
 from verification.vdp_start import staggered_front
@@ -226,25 +226,6 @@ def _overtaken(c: float, v: float, filled: int, behind: Behind) -> float:
     if behind is Behind.WAVE or v > _OUTRUNS * c:
         return 0.0
     return 4.0 * v * filled / (c - v) if v < c else np.inf
-
-
-def velocity_of(arrivals: FloatArray, eps: float) -> tuple[float, float]:
-    """Return v̂ and its uncertainty from the second half of the arrival times.
-
-    Parameters
-    ----------
-    arrivals : ndarray, shape (m,)
-        Times t, ascending, at neighbouring sites; m at least 16.
-    eps : float
-        ε.
-
-    Examples
-    --------
-    >>> velocity_of(np.arange(32) / 0.02, eps=0.01)
-    (2.0, 0.0)
-    """
-    v, error = velocity_of_arrivals(arrivals)
-    return v / eps, error / eps
 
 
 def _lane(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> Lane:

@@ -200,9 +200,44 @@ def _integrate(
     return Flow(state, whole[:, :-1], by_c, samples, steps)
 
 
-@njit(cache=True)  # type: ignore[misc, unused-ignore]
-def _run(y, v, ty, tv, samples, h, order, a, b, c, eps, ring, base, omega, extra):  # type: ignore[no-untyped-def]
-    """Advance y, v, ty, tv in place; False if the solution is out of range."""
+@njit(cache=True)
+def _run(
+    y: Real,
+    v: Real,
+    ty: Real,
+    tv: Real,
+    samples: Real,
+    h: float,
+    order: int,
+    a: float,
+    b: float,
+    c: float,
+    eps: float,
+    ring: bool,
+    base: Real,
+    omega: float,
+    extra: float,
+) -> bool:
+    """Advance the state and its tangents in place; False if the solution is out of range.
+
+    Parameters
+    ----------
+    y, v : ndarray, shape (N,)
+        Displacements and velocities.
+    ty, tv : ndarray, shape (N, M)
+        Tangents; the last column, if there is one, is the derivative by c.
+    samples : ndarray, shape (steps, N)
+        Filled with y at the beginning of each step.
+    h, order
+        Step and order of the series.
+    a, b, c, eps, ring
+        The chain.
+    base : ndarray, shape (2, N) or (0, 0)
+        Amplitudes and phases of the sinusoids that replace the solution, if any, of frequency
+        ``omega``.
+    extra : float
+        Added to H: 1 for the Jacobian (42) as printed.
+    """
     sites, columns = ty.shape
     forced = base.shape[0] == 2
     Y = np.zeros((order + 1, sites))
@@ -283,20 +318,20 @@ def _run(y, v, ty, tv, samples, h, order, a, b, c, eps, ring, base, omega, extra
                     DY[k + 1, n, m] = DV[k, n, m] / (k + 1)
                     DV[k + 1, n, m] = (-DY[k, n, m] - eps * row[m]) / (k + 1)
         for n in range(sites):
-            sy = Y[order, n]
-            sv = V[order, n]
-            for k in range(order - 1, -1, -1):
-                sy = sy * h + Y[k, n]
-                sv = sv * h + V[k, n]
-            y[n] = sy
-            v[n] = sv
-            if not abs(sy) < 1e6:
+            y[n] = _value(Y[:, n], h)
+            v[n] = _value(V[:, n], h)
+            if not abs(y[n]) < LARGEST:
                 return False
             for m in range(columns):
-                ty[n, m] = DY[order, n, m]
-                tv[n, m] = DV[order, n, m]
-            for k in range(order - 1, -1, -1):
-                for m in range(columns):
-                    ty[n, m] = ty[n, m] * h + DY[k, n, m]
-                    tv[n, m] = tv[n, m] * h + DV[k, n, m]
+                ty[n, m] = _value(DY[:, n, m], h)
+                tv[n, m] = _value(DV[:, n, m], h)
     return True
+
+
+@njit(cache=True)
+def _value(coefficients: Real, h: float) -> float:
+    """Return the polynomial at h (Horner)."""
+    total = coefficients[-1]
+    for k in range(coefficients.size - 2, -1, -1):
+        total = total * h + coefficients[k]
+    return float(total)

@@ -1,4 +1,4 @@
-"""Runs of the chains (8), (43) and (5), and the friction cell, in the stability table.
+"""Runs of the chains (8), (43) and (5), in the stability table.
 
 Runs are compared at one short time, before chaos or a marginal event makes every method differ.
 """

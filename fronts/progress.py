@@ -109,11 +109,12 @@ def kept(said: Callable[[], str]) -> Iterator[None]:
 
     Examples
     --------
-    >>> with kept(lambda: "run.npz is kept"):
-    ...     raise KeyboardInterrupt
-    Traceback (most recent call last):
-    ...
-    fronts.progress.Interrupted: run.npz is kept
+    >>> try:
+    ...     with kept(lambda: "run.npz is kept"):
+    ...         raise KeyboardInterrupt
+    ... except Interrupted as interrupted:
+    ...     print(interrupted)
+    run.npz is kept
     """
     try:
         yield

@@ -90,7 +90,7 @@ def pinning_error(eta: float) -> float | None:
 
     Examples
     --------
-    >>> pinning_error(0.03125) < 1e-15 < 1e-3 < pinning_error(0.079999)
+    >>> pinning_error(0.03125) < 1e-14 < 1e-3 < pinning_error(0.079999)
     True
     """
     of = pinning_coupling if eta < ETA_PIN_END else retreat_coupling

@@ -99,7 +99,7 @@ def pinning_error(eta: float) -> float | None:
         return None
     beside = [of(math.nextafter(eta, to)) for to in (0.0, ETA_END)]
     spread = max(0.5 * abs(each - value) for each in beside if each is not None)
-    return spread + 16.0 * np.finfo(float).eps * value
+    return spread + 16.0 * float(np.finfo(float).eps) * value
 
 
 def retreat_coupling(eta: float) -> float | None:

@@ -7,7 +7,19 @@ from dataclasses import dataclass
 
 
 class UsageError(ValueError):
-    """A command line that cannot be carried out; the message is one sentence."""
+    """A command line that cannot be carried out.
+
+    Parameters
+    ----------
+    message : str
+        One sentence.
+    details : object
+        Of ``quantity``, ``value``, ``allowed``, ``remedy`` those that are known, for ``--json``.
+    """
+
+    def __init__(self, message: str, **details: object) -> None:
+        self.details = {name: str(value) for name, value in details.items()}
+        super().__init__(message)
 
 
 @dataclass(frozen=True)

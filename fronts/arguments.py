@@ -3,15 +3,55 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from fronts.answer import UsageError
 
 MOST_POINTS = 100_000
+
+
+class BadText(argparse.ArgumentTypeError):
+    """Text that cannot be the value of its option; ``fronts.cli`` adds the option's name.
+
+    Parameters
+    ----------
+    value : object
+        The text.
+    allowed : str
+        What is allowed, in words.
+    remedy : str
+        What to do instead.
+    """
+
+    def __init__(self, value: object, allowed: str, remedy: str) -> None:
+        self.value, self.allowed, self.remedy = value, allowed, remedy
+        super().__init__(f"{value} must be {allowed}; {remedy}")
+
+
+def with_values_joined(words: Sequence[str]) -> list[str]:
+    """Join an option and a value that begins with a minus, which ``argparse`` takes for an option.
+
+    No option but ``-h`` has a single minus.
+
+    Examples
+    --------
+    >>> with_values_joined(["--c", "-1e-3", "--v-d", "-1:1:5", "--json", "-h"])
+    ['--c=-1e-3', '--v-d=-1:1:5', '--json', '-h']
+    """
+    joined: list[str] = []
+    for word in words:
+        before = joined[-1] if joined else ""
+        value = word.startswith("-") and not word.startswith("--") and word not in ("-", "-h")
+        if value and before.startswith("--") and before != "--" and "=" not in before:
+            joined[-1] = f"{before}={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def real(text: str) -> float:
@@ -19,11 +59,25 @@ def real(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+        raise BadText(text, "a number", "write it as in 0.5 or 1e-3") from None
+
+
+def whole(text: str) -> int:
+    """Read one whole number; its range is left to the command.
+
+    Examples
+    --------
+    >>> whole("12")
+    12
+    """
+    try:
+        return int(text)
+    except ValueError:
+        raise BadText(text, "a whole number", "write it in digits, as in 12") from None
 
 
 def real_or_range(text: str) -> float | tuple[float, float, int]:
-    """Read ``0.5`` or ``low:high:count``.
+    """Read ``0.5`` or ``low:high:count``, which rises.
 
     Examples
     --------
@@ -34,14 +88,17 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
         return real(text)
     parts = text.split(":")
     if len(parts) != 3:
-        raise argparse.ArgumentTypeError(f"'{text}' is not low:high:count, as in 0.3:3:200")
-    low, high = real(parts[0]), real(parts[1])
-    try:
-        count = int(parts[2])
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"the count '{parts[2]}' is not a whole number") from None
+        raise BadText(text, "one number or low:high:count", "write it as in 0.3:3:200")
+    low, high, count = real(parts[0]), real(parts[1]), whole(parts[2])
+    if not -math.inf < low < high < math.inf:
+        raise BadText(
+            text, "low:high:count with low below high", "let it rise, as in 0.3:3:200, or give one"
+            " number"
+        )  # fmt: skip
     if not 2 <= count <= MOST_POINTS:
-        raise argparse.ArgumentTypeError(f"the count {count} must be from 2 to {MOST_POINTS}")
+        raise BadText(
+            text, f"low:high:count with a count from 2 to {MOST_POINTS}", "give such a count"
+        )
     return low, high, count
 
 
@@ -96,7 +153,13 @@ def refuse(options: argparse.Namespace, names: Iterable[str], model: str) -> Non
     for name in names:
         if getattr(options, name) is not None:
             flag = name.replace("_", "-")
-            raise UsageError(f"--{flag} has no meaning for the model {model}.")
+            raise UsageError(
+                f"--{flag} has no meaning for the model {model}: leave it out.",
+                quantity=f"--{flag}",
+                value=getattr(options, name),
+                allowed=f"absent for the model {model}",
+                remedy="leave it out",
+            )
 
 
 def refuse_other_methods(options: argparse.Namespace, owners: Mapping[str, str]) -> None:
@@ -109,9 +172,32 @@ def refuse_other_methods(options: argparse.Namespace, owners: Mapping[str, str])
     """
     for name, method in owners.items():
         if getattr(options, name) is not None and options.method != method:
-            raise UsageError(f"--{name} is for --method {method}: leave it out.")
-    if (getattr(options, "seed", None) or 0) < 0:
-        raise UsageError(f"--seed {options.seed} must not be negative.")
+            raise UsageError(
+                f"--{name} is for --method {method}: leave it out.",
+                quantity=f"--{name}",
+                value=getattr(options, name),
+                allowed=f"absent without --method {method}",
+                remedy="leave it out",
+            )
+    check_seed(getattr(options, "seed", None))
+
+
+def check_seed(seed: int | None) -> None:
+    """Refuse a seed that no generator takes.
+
+    Raises
+    ------
+    UsageError
+        If it is negative.
+    """
+    if seed is not None and seed < 0:
+        raise UsageError(
+            f"--seed {seed} must not be negative.",
+            quantity="--seed",
+            value=seed,
+            allowed="a whole number that is not negative",
+            remedy="give such a number",
+        )
 
 
 def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--out") -> Path:
@@ -124,20 +210,31 @@ def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--
         is not one of ``suffixes`` (if any are named). The folder is tried, not asked: permissions
         say nothing of file systems that refuse.
     """
-    if suffixes and path.suffix.lower() not in suffixes:
-        raise UsageError(f"{option} {path} must end in {' or '.join(suffixes)}.")
     folder = path.parent
+    if suffixes and path.suffix.lower() not in suffixes:
+        _unusable(option, path, f"must end in {' or '.join(suffixes)}", "give it such an ending")
     if path.is_dir():
-        raise UsageError(f"{option} {path} is a folder: name a file in it.")
+        _unusable(option, path, "is a folder", "name a file in it")
     if not folder.is_dir():
-        raise UsageError(f"{option} {path} cannot be written: the folder {folder} does not exist.")
+        why = f"cannot be written: the folder {folder} does not exist"
+        _unusable(option, path, why, "make the folder first")
     if path.exists() and not os.access(path, os.W_OK):
-        raise UsageError(f"{option} {path} cannot be written: no permission on {path}.")
+        _unusable(option, path, f"cannot be written: no permission on {path}", "name another file")
     try:
         _neighbour(path).unlink()
     except OSError as error:
-        raise UsageError(f"{option} {path} cannot be written: {error.strerror}.") from None
+        _unusable(option, path, f"cannot be written: {error.strerror}", "name another file")
     return path
+
+
+def _unusable(option: str, path: Path, why: str, remedy: str) -> NoReturn:
+    raise UsageError(
+        f"{option} {path} {why}: {remedy}.",
+        quantity=option,
+        value=path,
+        allowed="a file that can be written",
+        remedy=remedy,
+    ) from None
 
 
 def same_file(one: Path, other: Path) -> bool:

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import NoReturn
 
 from fronts.answer import UsageError
+from fronts.arguments import BadText, with_values_joined
 
 COMMANDS = {
     "kinetic": "every velocity at which the piecewise-linear front can travel (Eq. 54)",
@@ -40,6 +41,21 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
+    def read(self, words: Sequence[str]) -> argparse.Namespace:
+        """Return the options, or raise what names the option that cannot be read."""
+        try:
+            return self.parse_args(with_values_joined(words))
+        except argparse.ArgumentError as error:
+            name, cause = error.argument_name, error.__context__
+            if name is None:
+                self.error(str(error))
+            name = name.split("/")[0]
+            if isinstance(cause, BadText):
+                from theory.parameters import ParameterError
+
+                raise ParameterError(name, cause.value, cause.allowed, cause.remedy) from None
+            raise UsageError(f"{error}; see '{self.prog} --help'.", quantity=name) from None
+
 
 def _overview() -> str:
     lines = [
@@ -62,6 +78,7 @@ def _parser(name: str) -> tuple[_Parser, ModuleType]:
         epilog=module.EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
+        exit_on_error=False,
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     module.configure(parser)
@@ -77,10 +94,17 @@ def _run(argv: Sequence[str]) -> int:
         return 0
     name, *rest = argv
     if name not in COMMANDS:
-        raise UsageError(f"'{name}' is not a command: choose one of {', '.join(COMMANDS)}.")
+        known = ", ".join(COMMANDS)
+        raise UsageError(
+            f"'{name}' is not a command: choose one of {known}.",
+            quantity="command",
+            value=name,
+            allowed=known,
+            remedy="choose one of these",
+        )
     parser, module = _parser(name)
     _announce_compilation()
-    answer = module.run(parser.parse_args(rest))
+    answer = module.run(parser.read(rest))
     if "--json" in rest:
         print(json.dumps(answer.payload, allow_nan=False))
     else:
@@ -131,10 +155,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except UsageError as error:
-        _complain(str(error), as_json, {})
+        _complain(str(error), as_json, error.details)
         return 2
-    except KeyboardInterrupt:
-        _complain("interrupted; nothing half-written is left behind.", as_json, {})
+    except KeyboardInterrupt as interrupted:
+        kept = str(interrupted) or "nothing half-written is left behind"
+        _complain(f"interrupted; {kept}.", as_json, {})
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -12,7 +12,7 @@ import numpy as np
 from fronts.answer import Answer, UsageError
 from fronts.arguments import given, write_whole
 from fronts.friction_options import CELL, cell_of, start_point_of
-from fronts.progress import Fraction
+from fronts.progress import Fraction, kept_by_checkpoint
 
 if TYPE_CHECKING:
     from verification.friction_run import FrictionRun
@@ -33,13 +33,25 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
 
     if options.ends == "periodic":
         raise UsageError("--ends periodic is for the model vdp: take free or literal.")
+    if None not in (options.start_point, options.displacement):
+        raise UsageError(
+            f"--start-point {options.start_point} and --displacement {options.displacement:g} both "
+            "say where excited sites start: give one of them.",
+            quantity="--start-point",
+            value=options.start_point,
+            allowed="absent beside --displacement",
+            remedy="give one of them",
+        )
     within("size of the noise", options.perturb, 0.0, 1.0)
     chain = FrictionChain(options.c, cell_of(options), options.n, FrictionEnds(options.ends))
     start = nucleus(chain, options.excite, given(options.displacement, start_point_of(options)))
     if options.perturb > 0:
         noise = np.random.default_rng(options.seed).standard_normal(start.shape)
         start = start + options.perturb * noise
-    with Fraction(f"run to tau = {options.t_end:g}") as shown:
+    with (
+        kept_by_checkpoint(options.checkpoint),
+        Fraction(f"run to tau = {options.t_end:g}") as shown,
+    ):
         result = run_friction(
             chain,
             start,

@@ -1,4 +1,4 @@
-"""Progress of a long command on standard error, with a live line where there is a terminal."""
+"""Progress of a long command on standard error, and what is left of it if it is interrupted."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import shutil
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 from types import TracebackType
 from typing import TextIO
 
@@ -96,6 +99,53 @@ class Progress:
         self._stream.flush()
 
 
+class Interrupted(KeyboardInterrupt):
+    """An interruption whose message says what is kept and how to go on."""
+
+
+@contextmanager
+def kept(said: Callable[[], str]) -> Iterator[None]:
+    """Let an interruption inside say what is kept; an empty text says that nothing is.
+
+    Examples
+    --------
+    >>> try:
+    ...     with kept(lambda: "run.npz is kept"):
+    ...         raise KeyboardInterrupt
+    ... except Interrupted as interrupted:
+    ...     print(interrupted)
+    run.npz is kept
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Interrupted(said()) from None
+
+
+def kept_by_journal(*outs: Path | None) -> AbstractContextManager[None]:
+    """Let an interruption of sweeps into these tables name the journals that are left."""
+
+    def said() -> str:
+        from verification.journal import journal_path
+
+        left = [path for out in outs if out is not None for path in [journal_path(out)]]
+        names = " and ".join(str(path) for path in left if path.exists())
+        return f"{names} is kept: the same command with --resume goes on from it" if names else ""
+
+    return kept(said)
+
+
+def kept_by_checkpoint(checkpoint: Path | None) -> AbstractContextManager[None]:
+    """Let an interruption of a run name its checkpoint, if it has been written."""
+
+    def said() -> str:
+        if checkpoint is None or not checkpoint.exists():
+            return ""
+        return f"{checkpoint} is kept: the same command with this --checkpoint goes on from it"
+
+    return kept(said)
+
+
 class Fraction:
     """A live line with the fraction of one long step and the time left; silent without a terminal.
 
@@ -127,8 +177,10 @@ class Fraction:
         if not self._live or now - self._shown < PERIOD:
             return
         self._shown = now
-        left = (now - self._begin) * (1.0 - fraction) / fraction if fraction > 0 else 0.0
         columns = shutil.get_terminal_size().columns
-        text = f"... {self._name}: {100 * fraction:.0f} %, about {left:.0f} s left"
+        text = f"... {self._name}: {100 * fraction:.0f} %"
+        if fraction > 0:  # before, nothing is known of the time it takes
+            left = (now - self._begin) * (1.0 - fraction) / fraction
+            text += f", about {left:.0f} s left"
         self._stream.write(f"\r\x1b[K{text[: columns - 1]}")
         self._stream.flush()

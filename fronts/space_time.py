@@ -38,6 +38,8 @@ def draw_space_time(
     """
     from matplotlib.figure import Figure
 
+    from paper_checks.pictures import save
+
     figure = Figure(figsize=(5.0, 3.6), layout="constrained")
     axes = figure.subplots()
     count = amplitude.shape[1]
@@ -64,4 +66,4 @@ def draw_space_time(
     axes.set(xlabel=clock, ylabel="site n")
     axes.locator_params(axis="x", nbins=6)
     figure.colorbar(image, ax=axes, label=quantity)
-    figure.savefig(path, dpi=160)
+    save(path, figure, dpi=160)

@@ -13,7 +13,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from fronts.arguments import write_whole
-from fronts.progress import Fraction
+from fronts.progress import Fraction, kept_by_journal
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -40,7 +40,8 @@ def map_plane(plane: Plane, options: argparse.Namespace) -> tuple[dict[str, obje
     from verification.boundary import Bisection
 
     begin = perf_counter()
-    with _pool(plane.workers, len(plane.points)) as executor:
+    tables = () if options.out is None else (options.out, boundary_path(options.out))
+    with kept_by_journal(*tables), _pool(plane.workers, len(plane.points)) as executor:
         states = swept("map", plane.task, plane.points, options.out, options.resume, executor)
         map_seconds = perf_counter() - begin
         boundary = None
@@ -119,10 +120,10 @@ def _boundary(
 
 
 def _draw(path: Path, plane: Plane, states: Table, boundary: Table | None) -> None:
-    from paper_checks.pictures import new_axes
+    from paper_checks.pictures import new_axes, save
     from paper_checks.state_picture import draw_states
 
     figure, axes = new_axes("page", height=4.2, xlabel=plane.titles[0], ylabel=plane.titles[1])
     draw_states(axes, states, *plane.axes, boundary)
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    figure.savefig(path, dpi=200)
+    save(path, figure)

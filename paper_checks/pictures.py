@@ -19,6 +19,8 @@ import numpy as np
 from paper_checks.claim import NAME, Picture
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
@@ -42,6 +44,13 @@ COLOURS: Mapping[str, str] = {
 
 LARGE = 1_000_000
 """An SVG of more characters than this makes the report slow to open."""
+
+_STAMPS: Mapping[str, tuple[str, ...]] = {
+    "svg": ("Date", "Creator", "Format", "Type"),
+    "png": ("Software",),
+    "pdf": ("CreationDate", "Creator", "Producer"),
+}
+"""Where Matplotlib writes the time of day and its own version unless it is told not to."""
 
 _FALLBACK = "'DejaVu Sans', Verdana, Arial, sans-serif"
 
@@ -191,6 +200,25 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, ArrayLik
     return Picture(name, caption, svg, table)
 
 
+def save(path: Path, figure: Figure, dpi: int = 200) -> None:
+    """Write a figure to a file; the same figure gives the same bytes, at any time.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .png, .svg or .pdf.
+    figure : Figure
+        From `new_axes` or `new_panels`.
+    dpi : int, optional
+        Dots an inch of a .png file.
+    """
+    import matplotlib as mpl
+
+    kind = path.suffix.lower().removeprefix(".")
+    with mpl.rc_context({"svg.hashsalt": "fronts"}):
+        figure.savefig(path, dpi=dpi, metadata=dict.fromkeys(_STAMPS.get(kind, ())))
+
+
 def columns_as_csv(data: Mapping[str, ArrayLike]) -> str:
     r"""Write named columns as CSV; shorter columns end in empty cells.
 
@@ -225,8 +253,7 @@ def _cell(value: object) -> str:
 def _render(name: str, figure: Figure) -> str:
     import matplotlib as mpl
 
-    # Without these four, Matplotlib writes the time of day and its own version.
-    metadata: dict[str, Any] = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    metadata: dict[str, Any] = dict.fromkeys(_STAMPS["svg"])
     buffer = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
         figure.savefig(buffer, format="svg", metadata=metadata)

@@ -51,6 +51,7 @@ def draw_states(
                 ms=4.0,
                 color=colour,
                 label=f"{label} ({int(chosen.sum())})",
+                clip_on=False,
                 **face,
             )
     if boundary is not None and len(boundary):
@@ -73,6 +74,16 @@ def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Ta
             axes.plot([at, at], [y - half[up], y + half[up]], color="0.1", lw=0.8)
             axes.plot([low, high], [y, y], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
     axes.plot([], [], color="0.1", lw=0.8, label="change of label, bisected")
+    # A dash at the rim reaches half a cell beyond the grid, where nothing was run.
+    axes.set_xlim(*_rim(states, across))
+    axes.set_ylim(*_rim(states, up))
+
+
+def _rim(states: Table, name: str) -> tuple[float, float]:
+    """Return limits just wide enough for marks at the rim of the grid, and not below zero."""
+    low, high = float(states[name].min()), float(states[name].max())
+    beyond = 0.03 * (high - low) or 0.05 * abs(high) or 1.0
+    return max(low - beyond, min(low, 0.0)), high + beyond
 
 
 def _spacing(states: Table, name: str) -> float:

@@ -83,9 +83,10 @@ def test_a_new_cell(capsys):
     assert code == 0
     assert [cycle["stability"] for cycle in data["cycles"]] == ["unstable", "stable"]
     assert data["ratio"]["value"] == pytest.approx(0.267949192431)
-    code, out, _ = run(capsys, "cell", "--damping", "y**2 - 1")
-    assert code == 0
-    assert "exactly two cycles" in out
+    code, out, err = run(capsys, "cell", "--damping", "y**2 - 1")
+    assert (code, out) == (2, "")
+    assert "exactly two cycles" in err
+    assert run(capsys, "cell", "--damping", "y**2 - 1", "--no-front")[0] == 0
 
 
 @pytest.mark.parametrize(

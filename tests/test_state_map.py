@@ -350,7 +350,7 @@ def test_the_command_compares_the_full_equation_with_the_envelope(
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        ("--eta 0.14:0.01:14 --c 0.1", "must rise"),
+        ("--eta 0.14:0.01:14 --c 0.1", "let it rise"),
         ("--eta 0.01:0.14 --c 0.1", "low:high:count"),
         ("--eta 0.01:0.14:1000 --c 0.1:1:1000", "more than"),
         ("--eta -0.1 --c 0.1", "eta = b/a^2"),

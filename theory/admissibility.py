@@ -2,7 +2,7 @@
 
 Far out a bound on the tails proves it (``front_profile.tail_bound``). Between, |φ|² - r² and its
 exact slope, from (48), are taken at points a fraction of a site apart, and a cell is divided until
-twice its slopes cannot bring it to zero, or a violation is seen.
+twice its slopes cannot bring it below zero by more than the tolerance, or a violation is seen.
 """
 
 from __future__ import annotations
@@ -136,7 +136,8 @@ def _first_violation(
         za, ga, da, zb, gb, db = cells
         width = zb - za
         steepest = np.maximum(np.abs(da), np.abs(db))
-        safe = np.minimum(ga, gb) > width * steepest
+        # Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
+        safe = np.minimum(ga, gb) - width * steepest > -_TOLERANCE
         # The cell that touches ζ = 0 rises from the threshold, monotonically.
         rising = ((za == 0.0) & (da > 0) & (db > 0)) | ((zb == 0.0) & (da < 0) & (db < 0))
         safe |= rising & (np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db)))

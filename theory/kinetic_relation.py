@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import groupby
@@ -15,13 +15,15 @@ import numpy.typing as npt
 from theory.admissibility import check_admissible
 from theory.branch_search import Solutions, all_velocities
 from theory.dispersion import FloatArray
-from theory.limits import ETA_PIN_END, pinning_coupling, retreat_coupling
-from theory.parameters import ParameterError, positive
+from theory.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
+from theory.parameters import within
 from theory.thresholds import fold_couplings
 from theory.unit_cell import ETA_END, checked_eta, threshold_ratio, threshold_ratio_slope
 
 LARGEST_COUPLING = 1e8
 SMALLEST_COUPLING = 1e-8
+_BLOCK = 200
+"""Scenes whose velocities are sought at once; more are no faster and take memory."""
 
 
 class Status(StrEnum):
@@ -79,6 +81,8 @@ class KineticRelation:
         Static fronts exist up to c_pin, moving ones from c_fold; None for η ≥ 2/25.
     c_retreat : float or None
         For η > 2/25 the excited state retreats above it.
+    c_pin_error, c_fold_error, c_retreat_error : float or None
+        Bounds on their errors, the rounding of η included; large near η = 2/25.
     method : str
         How Σ was evaluated.
     terms : int
@@ -95,6 +99,9 @@ class KineticRelation:
     c_pin: float | None
     c_fold: float | None
     c_retreat: float | None
+    c_pin_error: float | None
+    c_fold_error: float | None
+    c_retreat_error: float | None
     method: str
     terms: int
     seconds: float
@@ -131,7 +138,10 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
 
 
 def trace_kinetic_relation(
-    c: npt.ArrayLike, eta: npt.ArrayLike, admissibility: bool = True
+    c: npt.ArrayLike,
+    eta: npt.ArrayLike,
+    admissibility: bool = True,
+    progress: Callable[[float], None] | None = None,
 ) -> list[KineticRelation]:
     """Return :func:`kinetic_relation` for arrays of c and η, broadcast together, all at once.
 
@@ -141,6 +151,8 @@ def trace_kinetic_relation(
         Couplings and η.
     admissibility : bool
         Check assumption (47) on every branch.
+    progress : callable, optional
+        Told the fraction done, now and then.
 
     Returns
     -------
@@ -164,15 +176,22 @@ def trace_kinetic_relation(
     thresholds = _thresholds(sorted({checked_eta(value) for value in eta_}))
     branches: list[list[Branch]] = [[] for _ in c_]
     terms = 0
-    for retreating in (True, False):  # a front retreats only beyond 2/25, advances only before
-        scenes = np.flatnonzero(_can_move(eta_, retreating))
-        if scenes.size == 0:
-            continue
+    blocks = [  # a front retreats only beyond 2/25, advances only before
+        (retreating, scenes[begin : begin + _BLOCK])
+        for retreating in (True, False)
+        for scenes in [np.flatnonzero(_can_move(eta_, retreating))]
+        for begin in range(0, scenes.size, _BLOCK)
+    ]
+    for done, (retreating, scenes) in enumerate(blocks):
+        if progress is not None:
+            progress(done / len(blocks))
         r = np.array([threshold_ratio(value) for value in eta_[scenes]])
         found = all_velocities(c_[scenes], 2.0 * r, retreating)
         terms += found.evaluations
         for scene, branch in _branches(found, c_[scenes], eta_[scenes], retreating, admissibility):
             branches[scenes[scene]].append(branch)
+            if progress is not None:
+                progress((done + scene / scenes.size) / len(blocks))
     seconds = (perf_counter() - start) / max(1, c_.size)
     answers = []
     for c_here, eta_here, list_ in zip(c_.tolist(), eta_.tolist(), branches, strict=True):
@@ -189,6 +208,9 @@ def trace_kinetic_relation(
                 limits.c_pin,
                 limits.c_fold,
                 limits.c_retreat,
+                limits.c_pin_error,
+                limits.c_fold_error,
+                limits.c_retreat_error,
                 "integral",
                 math.ceil(terms / c_.size),
                 seconds,
@@ -205,15 +227,8 @@ def checked_coupling(c: float) -> float:
     ParameterError
         If it is not.
     """
-    value = positive("coupling c", c)
-    if not SMALLEST_COUPLING <= value <= LARGEST_COUPLING:
-        raise ParameterError(
-            "coupling c",
-            c,
-            f"from {SMALLEST_COUPLING:g} to {LARGEST_COUPLING:g}",
-            "use the limits of theory.limits beyond",
-        )
-    return value
+    remedy = "use the limits of theory.limits beyond"
+    return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
 
 
 def _can_move(eta: FloatArray, retreating: bool) -> npt.NDArray[np.bool_]:
@@ -252,11 +267,14 @@ def _branches(
 
 @dataclass(frozen=True)
 class _Thresholds:
-    """The couplings that bound the kinds of motion at one η."""
+    """The couplings that bound the kinds of motion at one η, and their errors."""
 
-    c_pin: float | None
-    c_fold: float | None
-    c_retreat: float | None
+    c_pin: float | None = None
+    c_fold: float | None = None
+    c_retreat: float | None = None
+    c_pin_error: float | None = None
+    c_fold_error: float | None = None
+    c_retreat_error: float | None = None
 
     def judge(self, c: float, eta: float, branches: tuple[Branch, ...]) -> tuple[Status, str]:
         """Return the status and its reason."""
@@ -314,8 +332,17 @@ class _Thresholds:
 def _thresholds(etas: list[float]) -> dict[float, _Thresholds]:
     """Return the thresholds at each η."""
     bistable = [eta for eta in etas if eta < ETA_END]
-    known = {eta: _Thresholds(None, None, None) for eta in etas}
+    known = {eta: _Thresholds() for eta in etas}
     for eta, fold in zip(bistable, fold_couplings(bistable), strict=True):
-        c_fold = fold.value if fold else None
-        known[eta] = _Thresholds(pinning_coupling(eta), c_fold, retreat_coupling(eta))
+        error = pinning_error(eta)
+        if fold is None:
+            known[eta] = _Thresholds(c_retreat=retreat_coupling(eta), c_retreat_error=error)
+            continue
+        at_pinning = fold.velocity == 0.0
+        known[eta] = _Thresholds(
+            c_pin=pinning_coupling(eta),
+            c_fold=fold.value,
+            c_pin_error=error,
+            c_fold_error=error if at_pinning else fold.error,
+        )
     return known

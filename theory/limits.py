@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import cmath
 import math
+from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.parameters import positive
-from theory.unit_cell import eta_from_ratio, threshold_ratio
+from theory.unit_cell import ETA_END, eta_from_ratio, threshold_ratio
 
 ETA_PIN_END = 2.0 / 25.0
 """r = ½. From here on static fronts exist at every coupling, and no c_pin."""
@@ -64,14 +65,41 @@ def pinning_coupling(eta: float) -> float | None:
     >>> pinning_coupling(0.08) is None
     True
     """
-    r2 = threshold_ratio(eta) ** 2
-    if eta >= ETA_PIN_END or 4.0 * r2 >= 1.0:
+    r2, gap = threshold_ratio(eta) ** 2, _ratio_gap(eta)
+    if eta >= ETA_PIN_END or gap <= 0.0:
         return None
-    gap = 1.0 - 4.0 * r2
     # p - 1 written so that neither small r nor r near ½ cancels.
     root = math.sqrt(1.0 - 8.0 * r2 * gap)
     excess = (8.0 * r2 - 8.0 * r2 * gap / (1.0 + root)) / (2.0 * gap)
     return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
+
+
+def _ratio_gap(eta: float) -> float:
+    """Return 1 - 4r² to rounding: 8(2 - 25η)/((1 + s)(3 + 5s)), s = √(1 - 8η).
+
+    Near η = 2/25 the difference 1 - 4r² loses what c_pin ≈ 1/(1 - 4r²)² is made of.
+    """
+    s = math.sqrt(max(1.0 - 8.0 * eta, 0.0))
+    return 8.0 * float(2 - 25 * Fraction(eta)) / ((1.0 + s) * (3.0 + 5.0 * s))
+
+
+def pinning_error(eta: float) -> float | None:
+    """Return how far c_pin(η), or beyond η = 2/25 c_retreat(η), may be off.
+
+    Rounding, and what half a unit in the last place of η changes: a decimal η was rounded to it.
+
+    Examples
+    --------
+    >>> pinning_error(0.03125) < 1e-14 < 1e-3 < pinning_error(0.079999)
+    True
+    """
+    of = pinning_coupling if eta < ETA_PIN_END else retreat_coupling
+    value = of(eta)
+    if value is None:
+        return None
+    beside = [of(math.nextafter(eta, to)) for to in (0.0, ETA_END)]
+    spread = max(0.5 * abs(each - value) for each in beside if each is not None)
+    return spread + 16.0 * float(np.finfo(float).eps) * value
 
 
 def retreat_coupling(eta: float) -> float | None:
@@ -87,8 +115,7 @@ def retreat_coupling(eta: float) -> float | None:
     >>> abs(abs(2 + static_sum(c)) - 2 * threshold_ratio(0.11)) < 1e-14
     True
     """
-    r2 = threshold_ratio(eta) ** 2
-    gap = 4.0 * r2 - 1.0
+    r2, gap = threshold_ratio(eta) ** 2, -_ratio_gap(eta)
     if eta <= ETA_PIN_END or gap <= 0.0:
         return None
     p = (1.0 + math.sqrt(1.0 + 8.0 * r2 * gap)) / (2.0 * gap)

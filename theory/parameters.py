@@ -6,6 +6,9 @@ import math
 from collections.abc import Callable
 from typing import SupportsFloat
 
+LATEST = 1e9
+"""Latest end time of a run."""
+
 
 class ParameterError(ValueError):
     """A quantity outside the range where the theory is defined.
@@ -60,7 +63,11 @@ positive; give a positive number.
 
 
 def within(
-    quantity: str, value: float, low: float, high: float, remedy: str | None = None
+    quantity: str,
+    value: SupportsFloat | str,
+    low: float,
+    high: float,
+    remedy: str | None = None,
 ) -> float:
     """Return ``value`` as a float if ``low <= value <= high``.
 
@@ -78,6 +85,17 @@ def within(
     )
 
 
+def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str) -> float:
+    """Return ``value`` as a float if it is finite and not below ``low``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not finite, or below.
+    """
+    return _checked(quantity, value, f"finite and at least {low:g}", remedy, lambda x: x >= low)
+
+
 def count_within(quantity: str, value: int, low: int, high: int, remedy: str | None = None) -> int:
     """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
 
@@ -86,12 +104,15 @@ def count_within(quantity: str, value: int, low: int, high: int, remedy: str | N
     ParameterError
         If it is not a whole number in the range.
     """
-    number = within(quantity, value, low, high, remedy or "give a whole number in this range")
-    if number != int(number):
-        raise ParameterError(
-            quantity, value, f"a whole number from {low} to {high}", "give a whole number"
+    return int(
+        _checked(
+            quantity,
+            value,
+            f"a whole number from {low} to {high}",
+            remedy or "give a whole number in this range",
+            lambda x: low <= x <= high and x == int(x),
         )
-    return int(number)
+    )
 
 
 def end_time(quantity: str, value: float) -> float:
@@ -105,7 +126,8 @@ def end_time(quantity: str, value: float) -> float:
     ParameterError
         If it is not in this range.
     """
-    return within(quantity, positive(quantity, value, "give a positive time"), 0.0, 1e9)
+    allowed = f"positive and at most {LATEST:g}"
+    return _checked(quantity, value, allowed, "give such a time", lambda x: 0.0 < x <= LATEST)
 
 
 def _checked(

@@ -22,7 +22,7 @@ from theory.dispersion import (
     dispersion,
     dispersion_slope,
 )
-from theory.parameters import ParameterError, count_within, positive
+from theory.parameters import ParameterError, count_within, positive, within
 
 IntArray = npt.NDArray[np.int64]
 
@@ -72,10 +72,7 @@ def checked_velocity_and_coupling(
         If either is not from 1e-12 to 1e12.
     """
     for name, value in (("velocity v", v), ("coupling c", c)):
-        if not SMALLEST <= positive(name, value) <= LARGEST:
-            raise ParameterError(
-                name, value, f"from {SMALLEST:g} to {LARGEST:g}", "use a limit formula beyond"
-            )
+        within(name, value, SMALLEST, LARGEST, "use a limit formula beyond")
     return float(v), float(c)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, at_least, within
 
 ETA_END = 0.125
 """The two cycles meet at η = 1/8; beyond it the cell has no limit cycle."""
@@ -37,8 +37,7 @@ def eta_from_damping(a: float, b: float) -> float:
     0.03125
     """
     for name, value in (("a", a), ("b", b)):
-        within(f"damping coefficient {name}", positive(f"damping coefficient {name}", value),
-               1e-100, 1e100)  # fmt: skip
+        within(f"damping coefficient {name}", value, 1e-100, 1e100)
     return b / a**2
 
 
@@ -50,15 +49,8 @@ def checked_eta(eta: float) -> float:
     ParameterError
         If η is not finite, or below ``SMALLEST_ETA``.
     """
-    value = positive("eta = b/a^2", eta, "give a positive eta, or --a and --b")
-    if value < SMALLEST_ETA:
-        raise ParameterError(
-            "eta = b/a^2",
-            eta,
-            f"at least {SMALLEST_ETA:g}",
-            "below it use the limit v = sqrt(c/(8 r)), r = sqrt(2 eta)",
-        )
-    return value
+    remedy = "below it use the limit v = sqrt(c/(8 r)), r = sqrt(2 eta)"
+    return at_least("eta = b/a^2", eta, SMALLEST_ETA, remedy)
 
 
 def is_bistable(eta: float) -> bool:

@@ -33,6 +33,8 @@ FloatArray = npt.NDArray[np.float64]
 
 MARGIN = 8
 """Sites at the far end that need not be reached: the end itself speeds the front up."""
+LONGEST = 800
+"""Sites of the longest chain tried."""
 _LOOKS = 20
 _STILL = 1e-4
 
@@ -76,13 +78,27 @@ class FrictionFront:
         return self.status is FrontStatus.STEADY
 
 
+def checked_sites(sites: int, size: int, most_sites: int = LONGEST) -> int:
+    """Return the length tried first if it holds the nucleus and a front, and is not too long.
+
+    Raises
+    ------
+    ParameterError
+        If it is out of range, or the size of the nucleus is.
+    """
+    count_within("nucleus size", size, 1, 100)
+    least = size + 3 * MARGIN
+    remedy = "give such a length: it is doubled until the velocity settles"
+    return count_within("number of sites n", sites, least, max(most_sites, least), remedy)
+
+
 def measure_friction_front(
     chain: FrictionChain,
     *,
     size: int = 1,
     point: StartPoint | float = StartPoint.MAXIMUM,
     tolerance: float = 1e-8,
-    most_sites: int = 800,
+    most_sites: int = LONGEST,
     patience: float = 3000.0,
     accuracy: float = 1e-2,
     progress: Callable[[float], None] | None = None,
@@ -122,7 +138,7 @@ def measure_friction_front(
     ('steady', True)
     """
     begin = perf_counter()
-    count_within("nucleus size", size, 1, 100)
+    checked_sites(chain.sites, size, most_sites)
     within("tolerance", tolerance, 1e-12, 1e-4)
     positive("patience", patience)
     within("accuracy", accuracy, 1e-6, 0.1)
@@ -131,13 +147,6 @@ def measure_friction_front(
     check_sliding_stable(chain.cell)
     if chain.ends is not FrictionEnds.FREE:
         raise ParameterError("ends", chain.ends.value, "free for a front", "use free ends")
-    count_within(
-        "number of sites n",
-        chain.sites,
-        size + 3 * MARGIN,
-        max(most_sites, size + 3 * MARGIN),
-        "a front is timed over its second half",
-    )
 
     def trial(sites: int) -> Trial:
         longer = replace(chain, sites=sites)

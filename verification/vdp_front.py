@@ -35,6 +35,8 @@ from verification.vdp_start import staggered_front
 
 FloatArray = npt.NDArray[np.float64]
 
+LONGEST = 1000
+"""Sites beyond the start of the longest chain tried."""
 _BUDGET = 200_000
 _DECAYED = 0.5
 
@@ -105,7 +107,7 @@ def measure_front(
     behind: Behind = Behind.FREE,
     tolerance: float = 1e-8,
     filled: int = 24,
-    most_sites: int = 1000,
+    most_sites: int = LONGEST,
     patience: float = 60.0,
     accuracy: float = 1e-3,
     progress: Callable[[float], None] | None = None,

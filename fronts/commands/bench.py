@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = """examples:
   fronts bench --list                     the quantities, their scenes and default methods
-  fronts bench roots velocity --quick     two of them, within half a minute, nothing written
+  fronts bench roots velocity --quick     two of them, within half a minute
   fronts bench growth                     time and memory against sites, digits, 1/v, points
   fronts bench --defaults                 is each default the fastest? from the stored records
   fronts bench                            everything, into benchmarks/results
@@ -33,7 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "quantities", nargs="*", metavar="QUANTITY", help="only these; growth is one of them"
     )
-    parser.add_argument("--quick", action="store_true", help="fewer settings, nothing written")
+    parser.add_argument(
+        "--quick", action="store_true", help="fewer settings; nothing written unless --out is given"
+    )
     parser.add_argument("--list", action="store_true", help="list the quantities, measure none")
     parser.add_argument(
         "--defaults", action="store_true", help="judge the default methods by the stored records"

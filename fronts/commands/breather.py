@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import given, real, refuse_other_methods
+from fronts.arguments import given, real, refuse_other_methods, whole
 
 if TYPE_CHECKING:
     from theory.vdp_chain import VdpChain
@@ -29,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--c", type=real, default=0.1, help="coupling c > 0 (default 0.1, Fig. 7)")
     add_chain_options(parser)
     parser.add_argument(
-        "--n", type=int, help="number of sites; by default 7 on each side of the nucleus"
+        "--n", type=whole, help="number of sites; by default 7 on each side of the nucleus"
     )
     add_nucleus_options(parser)
     parser.add_argument(
@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=["centre", "neighbour", "tail"],
         help="closed-form: site n at which (37) is taken: 0, 1, or far out (neighbour)",
     )
-    parser.add_argument("--seed", type=int, help="simulation: seed of the noise (0)")
+    parser.add_argument("--seed", type=whole, help="simulation: seed of the noise (0)")
 
 
 def add_chain_options(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +57,9 @@ def add_chain_options(parser: argparse.ArgumentParser) -> None:
 
 def add_nucleus_options(parser: argparse.ArgumentParser) -> None:
     """Declare the nucleus: its size, pattern and place."""
-    parser.add_argument("--nucleus", type=int, default=1, metavar="SIZE", help="excited sites (1)")
+    parser.add_argument(
+        "--nucleus", type=whole, default=1, metavar="SIZE", help="excited sites (1)"
+    )
     parser.add_argument(
         "--pattern",
         help="one sign a link, left to right: + leads by pi/2, - lags, 0 in phase, x opposite "

@@ -7,14 +7,13 @@ import json
 import logging
 import os
 import shutil
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from fronts.answer import Answer, UsageError
-from fronts.progress import Progress
+from fronts.progress import Progress, kept
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.following import resolved, with_followed
@@ -98,25 +97,26 @@ def run(options: argparse.Namespace) -> Answer:
     shipped = Shipped(FOLDER, discover.PACKAGE, _sources())
 
     start = time.perf_counter()
-    with Progress(len(entries)) as shown:
-        try:
-            outcomes = judge_all(
-                entries,
-                jobs=options.jobs,
-                package=discover.PACKAGE,
-                store=store,
-                resume=options.resume,
-                shipped=None if options.full else shipped,
-                progress=_Reporter(shown),
-            )
-        except KeyboardInterrupt:
-            if folder:
-                print(
-                    f"\n{shown.finished} of {len(entries)} claims are judged and kept; "
-                    f"'fronts check --out {folder} --resume' goes on from there.",
-                    file=sys.stderr,
-                )
-            raise
+    shown = Progress(len(entries))
+
+    def said() -> str:
+        if folder is None:
+            return ""
+        return (
+            f"{shown.finished} of {len(entries)} claims are judged and kept; "
+            f"'fronts check --out {folder} --resume' goes on from there"
+        )
+
+    with kept(said), shown:
+        outcomes = judge_all(
+            entries,
+            jobs=options.jobs,
+            package=discover.PACKAGE,
+            store=store,
+            resume=options.resume,
+            shipped=None if options.full else shipped,
+            progress=_Reporter(shown),
+        )
     seconds = time.perf_counter() - start
 
     measurements = stored_sections() if len(entries) == len(every) else ()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from derivations import catalogue
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, write_whole
+from fronts.arguments import check_writable, whole, write_whole
 
 if TYPE_CHECKING:
     from derivations.derivation import Derivation
@@ -33,8 +33,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("name", nargs="?", metavar="NAME",
                         help=f"{', '.join(catalogue.LISTING)}, all, or cell")  # fmt: skip
-    parser.add_argument("--order", type=int, default=1, help="1 or 2, the power of eps")
-    parser.add_argument("--equation", type=int, metavar="N", help="only this equation")
+    parser.add_argument("--order", type=whole, default=1, help="1 or 2, the power of eps")
+    parser.add_argument("--equation", type=whole, metavar="N", help="only this equation")
     parser.add_argument("--format", choices=FORMATS, default="text")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write there instead")
     parser.add_argument("--damping", metavar="POLYNOMIAL", help="h(y) of a new cell")
@@ -42,13 +42,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--coupling", metavar="C", help="coupling of a new cell (default c)")
     parser.add_argument("--value", action="append", metavar="NAME=NUMBER", default=[],
                         help="a number for a letter of the new cell; repeat for more")  # fmt: skip
+    parser.add_argument("--no-front", action="store_true",
+                        help="of a new cell only the averaged equation and its cycles")  # fmt: skip
 
 
 def run(args: argparse.Namespace) -> Answer:
     """Carry out the command."""
-    cell_options = args.damping or args.stiffness or args.coupling or args.value
+    cell_options = args.damping or args.stiffness or args.coupling or args.value or args.no_front
     if args.name != "cell" and cell_options:
-        raise UsageError("--damping, --stiffness, --coupling and --value belong to 'cell'.")
+        raise UsageError(
+            "--damping, --stiffness, --coupling, --value and --no-front belong to 'cell'."
+        )
     if args.out is not None:
         check_writable(args.out)
     if args.name is None and args.equation is None:
@@ -167,14 +171,17 @@ def _cell(args: argparse.Namespace) -> Answer:
              "stability": cycle.stability, "multiplicity": cycle.multiplicity}
             for cycle in envelope.cycles
         ]  # fmt: skip
-        relation = envelope.kinetic_relation()
-        payload["ratio"] = {"expression": str(relation.ratio), "value": _number(relation.ratio)}
-        remark = ""
+        if not args.no_front:
+            relation = envelope.kinetic_relation()
+            payload["ratio"] = {"expression": str(relation.ratio), "value": _number(relation.ratio)}
     except DerivationInputError as error:
-        payload["remark"] = remark = str(error)
-    if args.format == "json":
-        return Answer(payload, json.dumps(payload), answer.exit_code)
-    text = answer.text if args.format != "text" or not remark else f"{answer.text}\n\n{remark}"
+        if not args.no_front:
+            remedy = f"{error.remedy}; for its averaged equation alone add --no-front"
+            raise DerivationInputError(
+                error.quantity, error.value, error.allowed, remedy
+            ) from None  # fmt: skip
+        payload["cycles"] = None  # no closed form
+    text = json.dumps(payload) if args.format == "json" else answer.text
     return Answer(payload, text, answer.exit_code)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import add_eta_options, eta_of, given, real, refuse
+from fronts.arguments import add_eta_options, eta_of, given, real, refuse, whole
 from fronts.friction_options import (
     CELL,
     START,
@@ -61,7 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--eps", type=real, help="vdp: small parameter (default 0.01)")
     parser.add_argument(
         "--n",
-        type=int,
+        type=whole,
         help="vdp, envelope: sites beyond the start tried first (default 32); friction: sites of "
         "the chain tried first (default 101)",
     )
@@ -76,7 +76,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="relative error of v at which the run ends (vdp, envelope: 1e-3; friction: 1e-2)",
     )
     parser.add_argument(
-        "--nucleus", type=int, metavar="SIZE", help="friction: sites excited at the edge (1)"
+        "--nucleus", type=whole, metavar="SIZE", help="friction: sites excited at the edge (1)"
     )
     add_cell_options(parser)
     add_start_option(parser)
@@ -158,8 +158,9 @@ def _envelope(options: argparse.Namespace) -> Answer:
 
 def _chain(options: argparse.Namespace, model: Model) -> Answer:
     """Measure a front of (8) or (43); with --eta alone a = 1 and b = η, the same up to a scale."""
+    from theory.parameters import count_within
     from theory.vdp_chain import VdpChain
-    from verification.vdp_front import Behind, measure_front
+    from verification.vdp_front import LONGEST, Behind, measure_front
 
     refuse(options, ("start_v", *_FRICTION), options.model)
     _moving_only(options)
@@ -170,7 +171,7 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
         b,
         options.c,
         eps=0.01 if options.eps is None else options.eps,
-        sites=32 if options.n is None else options.n,
+        sites=count_within("number of sites n", given(options.n, 32), 2, LONGEST),
     )
     with Fraction(f"front at c = {options.c:g}") as shown:
         result = measure_front(
@@ -186,15 +187,18 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.friction_chain import FrictionChain
-    from verification.friction_front import measure_friction_front
+    from verification.friction_front import checked_sites, measure_friction_front
 
     refuse(options, ("eta", "a", "b", "eps", "behind", "start_v"), options.model)
     _moving_only(options)
-    chain = FrictionChain(options.c, cell_of(options), given(options.n, 101))
+    size = given(options.nucleus, 1)
+    # Before the chain, which allows more sites than a front.
+    sites = checked_sites(given(options.n, 101), size)
+    chain = FrictionChain(options.c, cell_of(options), sites)
     with Fraction(f"front at c = {options.c:g}") as shown:
         result = measure_friction_front(
             chain,
-            size=given(options.nucleus, 1),
+            size=size,
             point=start_point_of(options),
             accuracy=given(options.accuracy, 1e-2),
             progress=shown.show,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import add_eta_options, check_writable, eta_of, real_or_range, write_whole
+from fronts.progress import Fraction
 
 if TYPE_CHECKING:
     from theory.kinetic_relation import Branch, KineticRelation
@@ -50,7 +51,8 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--out needs a curve: give a range, as in --c 0.3:3:200.")
     c_values = np.linspace(*options.c) if ranges[0] else np.array([options.c])
     eta_values = np.linspace(*eta) if ranges[1] else np.array([eta])
-    answers = trace_kinetic_relation(c_values, eta_values)
+    with Fraction("kinetic relation") as live:
+        answers = trace_kinetic_relation(c_values, eta_values, progress=live.show)
     if not any(ranges):
         return Answer(_payload(answers[0]), _in_words(answers[0]))
     along = "c" if ranges[0] else "eta"
@@ -74,6 +76,9 @@ def _payload(answer: KineticRelation) -> dict[str, object]:
         "c_pin": answer.c_pin,
         "c_fold": answer.c_fold,
         "c_retreat": answer.c_retreat,
+        "c_pin_error": answer.c_pin_error,
+        "c_fold_error": answer.c_fold_error,
+        "c_retreat_error": answer.c_retreat_error,
         "method": answer.method,
         "terms": answer.terms,
         "seconds": answer.seconds,
@@ -107,15 +112,33 @@ def _in_words(answer: KineticRelation) -> str:
         for branch in answer.branches
     ]
     thresholds = (
-        ("c_fold", answer.c_fold),
-        ("c_pin", answer.c_pin),
-        ("c_retreat", answer.c_retreat),
+        ("c_fold", answer.c_fold, answer.c_fold_error),
+        ("c_pin", answer.c_pin, answer.c_pin_error),
+        ("c_retreat", answer.c_retreat, answer.c_retreat_error),
     )
-    known = [f"{name} = {value:.12g}" for name, value in thresholds if value is not None]
+    known = [
+        f"{name} = {_digits_that_hold(value, error)}"
+        for name, value, error in thresholds
+        if value is not None and error is not None
+    ]
     if known:
         lines.append("  " + ", ".join(known))
     lines.append(f"  {answer.terms} values of Sigma, {answer.seconds:.3g} s")
     return "\n".join(lines)
+
+
+def _digits_that_hold(value: float, error: float) -> str:
+    """Write at most twelve digits, and none that the error may change by more than one.
+
+    Examples
+    --------
+    >>> _digits_that_hold(1151998399.931, 0.016), _digits_that_hold(0.25, 1e-17)
+    ('1151998399.9', '0.25')
+    """
+    digits = 1
+    while digits < 12 and error * 10.0**digits < value:
+        digits += 1
+    return f"{value:.{digits}g}"
 
 
 def _verdict(branch: Branch) -> str:
@@ -166,7 +189,7 @@ def _write_table(path: Path, answers: list[KineticRelation]) -> None:
 
 
 def _draw(path: Path, answers: list[KineticRelation], along: str) -> None:
-    from paper_checks.pictures import COLOURS, new_axes
+    from paper_checks.pictures import COLOURS, new_axes, save
 
     label = "coupling c" if along == "c" else "η = b/a²"
     figure, axes = new_axes("page", height=3.2, xlabel=label, ylabel="front velocity v")
@@ -190,7 +213,7 @@ def _draw(path: Path, answers: list[KineticRelation], along: str) -> None:
         _mark_thresholds(axes, answers[0])
     if kinds:
         axes.legend()
-    figure.savefig(path, dpi=200)
+    save(path, figure)
 
 
 def _mark_thresholds(axes: Any, answer: KineticRelation) -> None:

@@ -17,6 +17,7 @@ from fronts.arguments import (
     real,
     real_or_range,
     refuse,
+    whole,
 )
 from fronts.friction_options import (
     CELL,
@@ -74,13 +75,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     held = parser.add_mutually_exclusive_group()
     held.add_argument("--a", type=real, help="vdp: hold a at this value; b = eta a^2")
     held.add_argument("--b", type=real, help="vdp: hold b at this value (default 0.5)")
-    parser.add_argument("--n", type=int, help="number of oscillators (vdp: 16, friction: 31)")
+    parser.add_argument("--n", type=whole, help="number of oscillators (vdp: 16, friction: 31)")
     parser.add_argument("--eps", type=real, help="vdp: small parameter (default 0.01)")
     parser.add_argument("--displacement", type=real, help="vdp: of the last site (default 6)")
     add_cell_options(parser, v_d=False)
     add_start_option(parser)
     parser.add_argument(
-        "--nucleus", type=int, metavar="SIZE", help="friction: excited sites (default 1)"
+        "--nucleus", type=whole, metavar="SIZE", help="friction: excited sites (default 1)"
     )
     parser.add_argument(
         "--place", choices=("bulk", "edge"), help="friction: middle (default) or end of the chain"
@@ -107,7 +108,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, help="write the map to a .csv file")
     parser.add_argument("--picture", type=Path, help="draw the map")
     parser.add_argument(
-        "--workers", type=int, help="processes (default: 1 for the envelope, else one a core)"
+        "--workers", type=whole, help="processes (default: 1 for the envelope, else one a core)"
     )
     parser.add_argument(
         "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
@@ -119,12 +120,10 @@ def run(options: argparse.Namespace) -> Answer:
     return MODELS[options.chain](options)
 
 
-def _values(option: str, given: float | tuple[float, float, int]) -> list[float]:
+def _values(given: float | tuple[float, float, int]) -> list[float]:
     if not isinstance(given, tuple):
         return [given]
     low, high, count = given
-    if not low < high:
-        raise UsageError(f"{option} {low:g}:{high:g}:{count} must rise: give low:high:count.")
     # Rounded, so that 0.01:0.14:14 has 0.03 and not 0.030000000000000002.
     return [float(f"{value:.15g}") for value in np.linspace(low, high, count)]
 
@@ -152,9 +151,8 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
     """Return the values on both axes, as many as may be."""
     both = []
     for name in (first, second):
-        flag = f"--{name.replace('_', '-')}"
-        chosen = getattr(options, name) or _PAPER[options.chain][name]
-        both.append(_values(flag, chosen))
+        chosen = getattr(options, name)
+        both.append(_values(_PAPER[options.chain][name] if chosen is None else chosen))
     if len(both[0]) * len(both[1]) > MOST_POINTS:
         raise UsageError(f"{len(both[0]) * len(both[1])} points are more than {MOST_POINTS}.")
     return both[0], both[1]

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import add_eta_options, check_writable, eta_of, real, write_whole
+from fronts.arguments import (
+    add_eta_options,
+    check_writable,
+    eta_of,
+    real,
+    whole,
+    write_whole,
+)
 
 if TYPE_CHECKING:
     from theory.front_profile import FrontProfile
@@ -18,17 +25,21 @@ EXAMPLE = """examples:
   fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png
   fronts profile --c 0.45 --eta 0.03125 --branch 1 --from -5 --to 5 --out profile.csv"""
 
+_FARTHEST = 1e6
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts profile``."""
     parser.add_argument("--c", type=real, required=True, help="coupling c > 0")
     add_eta_options(parser, real)
     parser.add_argument(
-        "--branch", type=int, help="which solution, 1 the slowest (default: the fastest admissible)"
+        "--branch",
+        type=whole,
+        help="which solution, 1 the slowest (default: the fastest admissible)",
     )
     parser.add_argument("--from", dest="low", type=real, default=-8.0, help="first position")
     parser.add_argument("--to", dest="high", type=real, default=8.0, help="last position")
-    parser.add_argument("--points", type=int, default=321, help="number of positions")
+    parser.add_argument("--points", type=whole, default=321, help="number of positions")
     parser.add_argument("--out", type=Path, help="a file ending in .csv, .png, .svg or .pdf")
 
 
@@ -40,12 +51,16 @@ def run(options: argparse.Namespace) -> Answer:
 
     from theory.front_profile import front_profile
     from theory.kinetic_relation import kinetic_relation
-    from theory.parameters import count_within, within
+    from theory.parameters import ParameterError, count_within, within
     from theory.unit_cell import threshold_ratio
 
     points = count_within("number of points", options.points, 2, 1_000_000)
-    low = within("first position", options.low, -1e6, 1e6)
-    high = within("last position", options.high, low, 1e6, "give --to larger than --from")
+    low = within("first position --from", options.low, -_FARTHEST, _FARTHEST)
+    high = within("last position --to", options.high, -_FARTHEST, _FARTHEST)
+    if not low < high:
+        raise ParameterError(
+            "last position --to", high, f"above the first, {low:g}", "give --to larger than --from"
+        )
     answer = kinetic_relation(options.c, eta_of(options))
     if not answer.branches:
         raise UsageError(f"there is no travelling front to draw: {answer.reason}")
@@ -84,8 +99,13 @@ def run(options: argparse.Namespace) -> Answer:
 def _chosen(branches: tuple[Branch, ...], wanted: int | None) -> Branch:
     if wanted is not None:
         if not 1 <= wanted <= len(branches):
+            last = len(branches)
             raise UsageError(
-                f"--branch {wanted} does not exist: choose from 1 to {len(branches)} (ascending v)."
+                f"--branch {wanted} does not exist: choose from 1 to {last} (ascending v).",
+                quantity="--branch",
+                value=wanted,
+                allowed=f"from 1 to {last}",
+                remedy="choose one of these, in ascending v",
             )
         return branches[wanted - 1]
     admissible = [branch for branch in branches if branch.admissible]
@@ -120,7 +140,7 @@ def _write_table(path: Path, zeta: Any, phi: Any, branch: Branch, r: float) -> N
 def _draw(path: Path, zeta: Any, phi: Any, branch: Branch, r: float) -> None:
     import numpy as np
 
-    from paper_checks.pictures import COLOURS, new_axes
+    from paper_checks.pictures import COLOURS, new_axes, save
 
     figure, axes = new_axes("page", height=3.0, xlabel="ζ (sites)", ylabel=r"$\varphi/\varphi_s$")
     axes.plot(zeta, np.abs(phi), color=COLOURS["blue"], label=r"$|\varphi|$")
@@ -129,4 +149,4 @@ def _draw(path: Path, zeta: Any, phi: Any, branch: Branch, r: float) -> None:
     axes.axhline(r, color="0.5", lw=0.8)
     axes.annotate("threshold", (zeta[-1], r), ha="right", va="bottom", fontsize=8, color="0.35")
     axes.legend(title=f"v = {branch.v:.6g}")
-    figure.savefig(path, dpi=200)
+    save(path, figure)

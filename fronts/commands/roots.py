@@ -6,7 +6,8 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import decimal, real
+from fronts.arguments import decimal, real, whole
+from fronts.progress import Fraction
 
 if TYPE_CHECKING:
     from theory.roots import RootSet
@@ -18,6 +19,8 @@ EXAMPLE = """examples:
 
 _DOUBLE = 15
 _MOST_SHOWN = 100_000
+_MOST_DIGITS = 10_000_000
+"""Roots times digits in one half-plane, beyond double precision: some minutes."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -25,9 +28,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--v", type=decimal, required=True, help="front velocity v > 0")
     parser.add_argument("--c", type=decimal, required=True, help="coupling c > 0")
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--count", type=int, help="the roots nearest 0, in each half-plane")
+    which.add_argument("--count", type=whole, help="the roots nearest 0, in each half-plane")
     which.add_argument("--extent", type=real, help="every root with |Re k| up to this")
-    parser.add_argument("--digits", type=int, default=_DOUBLE, help="digits wanted (default 15)")
+    parser.add_argument("--digits", type=whole, default=_DOUBLE, help="digits wanted (default 15)")
     parser.add_argument(
         "--certify", action="store_true", help="enclose and count in ball arithmetic"
     )
@@ -49,6 +52,10 @@ def run(options: argparse.Namespace) -> Answer:
             if options.count == 0:
                 count_within("root count", 0, 1, _MOST_SHOWN)
             halves[half] = nearest_roots(v, c, count, upper)
+    if digits > _DOUBLE:
+        most = max(roots.labels.size for roots in halves.values())
+        remedy = "ask for fewer roots or digits"
+        count_within("roots times digits", most * digits, 0, _MOST_DIGITS, remedy)
     counted = sum(_counted(v, c, roots, half == "upper") for half, roots in halves.items())
     if options.certify:
         halves = {half: _certified(v, c, roots, half == "upper") for half, roots in halves.items()}
@@ -102,11 +109,12 @@ def _rows(v: str, c: str, roots: RootSet, upper: bool, digits: int) -> list[dict
     from theory.precise_roots import exact, precise_roots
 
     rows = []
-    with mp.workdps(digits + 10):
+    half = "upper" if upper else "lower"
+    with mp.workdps(digits + 10), Fraction(f"digits of the {half} roots") as live:
         v_, c_ = exact(v), exact(c)
-        for label, k in zip(
-            roots.labels.tolist(), precise_roots(v, c, roots.labels, upper, digits), strict=True
-        ):
+        for done, label in enumerate(roots.labels.tolist()):
+            live.show(done / roots.labels.size)
+            (k,) = precise_roots(v, c, roots.labels[done : done + 1], upper, digits)
             residual = abs(mp.mpf(0.5) - 2j * c_ * mp.sin(k / 2) ** 2 - 1j * v_ * k)
             printed = abs(k) * mp.mpf(10) ** (1 - digits)  # what printing so many digits costs
             radius = 2 * residual / abs(v_ + c_ * mp.sin(k)) + printed

@@ -11,9 +11,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, given, real, refuse, same_file, write_whole
+from fronts.arguments import (
+    BadText,
+    check_seed,
+    check_writable,
+    given,
+    real,
+    refuse,
+    same_file,
+    whole,
+    write_whole,
+)
 from fronts.friction_options import CELL, START, add_cell_options, add_start_option
-from fronts.progress import Fraction
+from fronts.progress import Fraction, kept_by_checkpoint
 
 if TYPE_CHECKING:
     from verification.vdp_run import VdpRun
@@ -26,12 +36,13 @@ EXAMPLE = """examples:
   fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png"""
 
 _VDP = ("a", "b", "eps", "model")
+_MOST_EXCITED = 1_000_000
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts simulate``."""
     parser.add_argument("chain", choices=sorted(MODELS), help="the chain to run")
-    parser.add_argument("--n", type=int, default=31, help="number of oscillators (default 31)")
+    parser.add_argument("--n", type=whole, default=31, help="number of oscillators (default 31)")
     parser.add_argument("--a", type=real, help="vdp: damping coefficient a (2.5)")
     parser.add_argument("--b", type=real, help="vdp: damping coefficient b (0.5)")
     parser.add_argument("--c", type=real, help="coupling c (vdp: 0.1, friction: 0.02)")
@@ -60,15 +71,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--perturb",
         dest="perturb",
         type=real,
-        default=0.0,
         help="size of noise on every site (0)",
     )
-    parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
+    parser.add_argument("--seed", type=whole, help="seed of the noise (default 1)")
     parser.add_argument(
         "--t-end", type=real, help="end time t; slow time is eps t (vdp: 2000, friction: 1000)"
     )
     parser.add_argument("--tolerance", type=real, help="local error (vdp: 1e-9, friction: 1e-10)")
-    parser.add_argument("--samples", type=int, default=201, help="states kept (default 201)")
+    parser.add_argument("--samples", type=whole, default=201, help="states kept (default 201)")
     parser.add_argument("--out", type=Path, help="write times, states, arrivals to a .npz file")
     parser.add_argument("--picture", type=Path, help="draw the envelope in space and time")
     parser.add_argument(
@@ -101,15 +111,20 @@ def sites(text: str) -> tuple[int, ...]:
     try:
         if ":" in text:
             first, last = (int(part) for part in text.split(":"))
-            return tuple(range(first, last + 1))
-        return tuple(int(part) for part in text.split(","))
+            if last - first < _MOST_EXCITED:
+                return tuple(range(first, last + 1))
+        else:
+            return tuple(int(part) for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"'{text}' is not a site, a list as in 14,15,16 or a range as in 14:16"
-        ) from None
+        pass
+    raise BadText(
+        text,
+        f"a site, a list as in 14,15,16 or a range of at most {_MOST_EXCITED} as in 14:16",
+        "give one of these",
+    )
 
 
-def _check_files(options: argparse.Namespace) -> None:
+def _check(options: argparse.Namespace) -> None:
     for path, kinds, option in (
         (options.out, (".npz",), "--out"),
         (options.picture, (".png", ".svg", ".pdf"), "--picture"),
@@ -119,13 +134,21 @@ def _check_files(options: argparse.Namespace) -> None:
             check_writable(path, kinds, option)
     if None not in (options.out, options.checkpoint) and same_file(options.out, options.checkpoint):
         raise UsageError(f"--out and --checkpoint are both {options.out}: name two files.")
-    if options.seed < 0:
-        raise UsageError(f"--seed {options.seed} must not be negative.")
+    if options.seed is not None and options.perturb is None:
+        raise UsageError(
+            f"--seed {options.seed} is of the noise, and there is none: give --perturbation too.",
+            quantity="--seed",
+            value=options.seed,
+            allowed="absent without --perturbation",
+            remedy="give --perturbation too",
+        )
+    check_seed(options.seed)
+    options.seed, options.perturb = given(options.seed, 1), given(options.perturb, 0.0)
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
     refuse(options, (*CELL, *START), options.chain)
-    _check_files(options)
+    _check(options)
     if options.ends == "literal":
         raise UsageError("--ends literal is for the model friction: take free or periodic.")
     from theory.parameters import within
@@ -140,7 +163,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
     if options.perturb > 0:
         start = perturbed(start, options.perturb, options.seed)
     level = None if chain.bistable else max(1e-3, 0.5 * float(np.abs(start).max()))
-    with Fraction(f"run to t = {options.t_end:g}") as shown:
+    with kept_by_checkpoint(options.checkpoint), Fraction(f"run to t = {options.t_end:g}") as shown:
         result = run_vdp(
             chain,
             start,
@@ -226,7 +249,7 @@ def _draw(path: Path, run: VdpRun) -> None:
 
 def _friction(options: argparse.Namespace) -> Answer:
     refuse(options, _VDP, options.chain)
-    _check_files(options)
+    _check(options)
     from fronts.friction_simulation import simulate_friction
 
     return simulate_friction(options)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable
-from fronts.progress import Fraction
+from fronts.arguments import check_seed, check_writable, given, whole
+from fronts.progress import Fraction, kept_by_journal
 
 if TYPE_CHECKING:
     from verification.extremes.table import Stability
@@ -29,10 +29,10 @@ _MOST_SHOWN = 20
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts stress``."""
     parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
-    parser.add_argument("--points", type=int, default=1000, help="in all (default 1000)")
-    parser.add_argument("--seed", type=int, default=0, help="of the points at random (default 0)")
+    parser.add_argument("--points", type=whole, help="in all (default 1000)")
+    parser.add_argument("--seed", type=whole, help="of the points at random (default 0)")
     parser.add_argument("--out", type=Path, help="write every point to a .csv file")
-    parser.add_argument("--workers", type=int, help="processes (default: one a core)")
+    parser.add_argument("--workers", type=whole, help="processes (default: one a core)")
     parser.add_argument(
         "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
     )
@@ -45,10 +45,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Try the points, list the quantities, or measure the savings."""
-    if options.savings:
-        return _savings(options.record)
-    if options.list:
-        return _list()
+    if options.savings or options.list:
+        _alone("--savings" if options.savings else "--list", options)
+        return _savings(options.record) if options.savings else _list()
+    check_seed(options.seed)
+    points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
     from verification.extremes.table import stability
 
@@ -58,11 +59,11 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--resume needs --out: the journal is beside it.")
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
-    with Fraction("stress") as live:
+    with kept_by_journal(options.out), Fraction("stress") as live:
         found = stability(
             options.quantity or (),
-            options.points,
-            options.seed,
+            points,
+            seed,
             out=options.out,
             resume=options.resume,
             workers=options.workers,
@@ -70,7 +71,7 @@ def run(options: argparse.Namespace) -> Answer:
         )
     payload: dict[str, object] = {
         "points": len(found.table),
-        "seed": options.seed,
+        "seed": seed,
         "counts": found.counts,
         "quantities": [vars(line) for line in found.lines],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
@@ -78,8 +79,25 @@ def run(options: argparse.Namespace) -> Answer:
         "out": None if options.out is None else str(options.out),
     }
     if options.record:
-        _keep("stability", payload, f"fronts stress --points {options.points}")
+        _keep("stability", payload, f"fronts stress --points {points}")
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
+
+
+def _alone(question: str, options: argparse.Namespace) -> None:
+    """Refuse beside a question that tries no point what has no meaning for it."""
+    others = ["out", "resume", "quantity", "workers", "points", "seed", "list"]
+    if question == "--list":
+        others[-1] = "record"
+    for name in others:
+        value = getattr(options, name)
+        if value not in (None, False):
+            raise UsageError(
+                f"{question} tries no points: leave out --{name}.",
+                quantity=f"--{name}",
+                value=value,
+                allowed=f"absent beside {question}",
+                remedy="leave it out",
+            )
 
 
 def _keep(name: str, payload: dict[str, object], command: str) -> None:

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import decimal
+from fronts.arguments import decimal, whole
 
 if TYPE_CHECKING:
     from theory.kinetic_sum import KineticSum
@@ -35,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="; ".join(f"{name}: {text}" for name, text in _METHODS.items()),
     )
     parser.add_argument(
-        "--digits", type=int, default=12, help="digits after the point wanted (default 12)"
+        "--digits", type=whole, default=12, help="digits after the point wanted (default 12)"
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import given, real, refuse, refuse_other_methods
+from fronts.arguments import given, real, refuse, refuse_other_methods, whole
 from fronts.commands.breather import add_chain_options, add_nucleus_options, nucleus_of
 from fronts.friction_options import (
     CELL,
@@ -59,10 +59,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=real,
         help="vdp: seeded noise on the start of a sweep (0)",
     )
-    parser.add_argument("--seed", type=int, help="vdp: seed of the noise (0)")
+    parser.add_argument("--seed", type=whole, help="vdp: seed of the noise (0)")
     add_cell_options(parser)
     add_start_option(parser)
-    parser.add_argument("--n", type=int, help="friction: number of oscillators (31)")
+    parser.add_argument("--n", type=whole, help="friction: number of oscillators (31)")
     parser.add_argument(
         "--definition",
         choices=("first", "several", "whole"),

@@ -1,0 +1,322 @@
+"""Edges of the command line: negative values, conflicts, one range a quantity, what is kept."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import shlex
+
+import mpmath as mp
+import pytest
+
+from fronts.arguments import with_values_joined
+from fronts.cli import main
+from fronts.progress import PERIOD, Fraction
+from theory.admissibility import check_admissible
+from theory.kinetic_relation import kinetic_relation
+from theory.limits import pinning_coupling, pinning_error, retreat_coupling
+from theory.unit_cell import threshold_ratio
+
+
+def _refused(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, str]:
+    """Return the error object of a line that must be refused in one sentence."""
+    assert main(shlex.split(line)) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert len(shown.err.strip().splitlines()) == 1
+    assert main([*shlex.split(line), "--json"]) == 2
+    error: dict[str, str] = json.loads(capsys.readouterr().err)["error"]
+    assert shown.err == f"fronts: {error['message']}\n"
+    return error
+
+
+_FIELDS = {"message", "quantity", "value", "allowed", "remedy"}
+
+
+@pytest.mark.parametrize(
+    ("line", "quantity", "value"),
+    [
+        ("kinetic --c -1e-3 --eta 0.03", "coupling c", "-0.001"),
+        ("kinetic --c -inf --eta 0.03", "coupling c", "-inf"),
+        ("kinetic --c -1:1:5 --eta 0.03", "coupling c", "-1.0"),
+        ("cell friction --v-d -1:1:5", "belt velocity v_d", "-1.0"),
+        ("kinetic --c -x --eta 0.03", "--c", "-x"),
+    ],
+)
+def test_a_negative_value_is_no_option(capsys, line, quantity, value):
+    error = _refused(capsys, line)
+    assert set(error) == _FIELDS
+    assert (error["quantity"], error["value"]) == (quantity, value)
+
+
+def test_a_profile_from_a_negative_position_in_powers_of_ten(capsys):
+    line = "profile --c 0.5 --eta 0.03125 --from -1e-1 --to 1e-1 --points 3 --json"
+    assert main(line.split()) == 0
+    assert json.loads(capsys.readouterr().out)["zeta"] == [-0.1, 0.0, 0.1]
+
+
+def test_only_values_are_joined():
+    words = ["--json", "-h", "--c=1", "-2", "--v", "--c", "-", "--", "-3"]
+    assert with_values_joined(words) == words
+
+
+@pytest.mark.parametrize(
+    ("line", "option", "value"),
+    [
+        ("sum --v 0.3 --c 0.5 --digits 1e9", "--digits", "1e9"),
+        ("front friction --c 0.02 --n 1.5", "--n", "1.5"),
+        ("roots --v 0.3 --c 0.5 --count nan", "--count", "nan"),
+        ("profile --c 0.5 --eta 0.03 --points 1e9", "--points", "1e9"),
+        ("kinetic --c 0.1:1:2.5 --eta 0.03", "--c", "2.5"),
+    ],
+)
+def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
+    error = _refused(capsys, line)
+    assert set(error) == _FIELDS
+    assert (error["quantity"], error["value"]) == (option, value)
+    assert error["allowed"] == "a whole number"
+
+
+@pytest.mark.parametrize(
+    ("line", "quantity"),
+    [
+        ("simulate friction --start-point minimum --displacement 3", "--start-point"),
+        ("simulate vdp --seed 3", "--seed"),
+        ("simulate vdp --perturbation 0.1 --seed -3", "--seed"),
+        ("simulate vdp --excite 1:99999999999", "--excite"),
+        ("stress --list --savings", "--list"),
+        ("stress --list --record", "--record"),
+        ("stress --savings --points 5", "--points"),
+        ("profile --c 0.5 --eta 0.03 --from 5 --to 5", "last position --to"),
+        ("kinetic --c 0.1:0.1:5 --eta 0.03", "--c"),
+        ("kinetic --c 0.5 --eta 0.1:0.01:5", "--eta"),
+        ("kinetic --c 0.1:inf:5 --eta 0.03", "--c"),
+        ("map vdp --c 0.3:0.1:4", "--c"),
+        ("simulate vdp --mu-d 0.3", "--mu-d"),
+        ("breather --c 0.1 --seed 3", "--seed"),
+        ("kinetic --c 0.3:3:4 --eta 0.03 --out /nowhere/curve.csv", "--out"),
+        ("profile --c 0.5 --eta 0.03125 --branch 7", "--branch"),
+        ("roots --v 0.3 --c 0.5 --count 100000 --digits 2000", "roots times digits"),
+        ("roots --v 0.3 --c 0.5 --extent 100000 --digits 2000", "roots times digits"),
+        ('derive cell --damping "1-y**40"', "damping"),
+        ("nosuchcommand", "command"),
+    ],
+)  # fmt: skip
+def test_what_contradicts_or_has_no_end_is_refused_with_every_field(capsys, line, quantity):
+    error = _refused(capsys, line)
+    assert set(error) == _FIELDS
+    assert error["quantity"] == quantity
+
+
+def test_an_option_without_its_value_is_named(capsys):
+    assert _refused(capsys, "kinetic --eta 0.03 --c")["quantity"] == "--c"
+
+
+@pytest.mark.parametrize(
+    ("lines", "allowed"),
+    [
+        (("front friction --c 0.02 --n 1000000000", "front friction --c 0.02 --n 900",
+          "front friction --c 0.02 --n 3"), "a whole number from 25 to 800"),
+        (("front vdp --c 0.6 --eta 0.03 --n 1000000000", "front vdp --c 0.6 --eta 0.03 --n 1001"),
+         "a whole number from 2 to 1000"),
+        (("kinetic --c 0 --eta 0.03", "kinetic --c 1e-300 --eta 0.03", "kinetic --c nan --eta 0.1",
+          "kinetic --c 1e9 --eta 0.1"), "from 1e-08 to 1e+08"),
+        (("kinetic --c 0.5 --eta 0", "kinetic --c 0.5 --eta 1e-30", "kinetic --c 0.5 --eta inf"),
+         "finite and at least 1e-24"),
+        (("kinetic --c 0.5 --a 0 --b 1", "kinetic --c 0.5 --a 1e300 --b 1"),
+         "from 1e-100 to 1e+100"),
+        (("roots --v 0 --c 0.5", "roots --v 1e-13 --c 0.5"), "from 1e-12 to 1e+12"),
+        (("simulate vdp --t-end 0", "simulate vdp --t-end 1e10"), "positive and at most 1e+09"),
+        (("profile --c 0.5 --eta 0.03 --to 1e300", "profile --c 0.5 --eta 0.03 --to -1e300"),
+         "from -1e+06 to 1e+06"),
+    ],
+)  # fmt: skip
+def test_a_quantity_has_one_range_whatever_is_wrong_with_it(capsys, lines, allowed):
+    assert [_refused(capsys, line)["allowed"] for line in lines] == [allowed] * len(lines)
+
+
+def test_a_coupling_of_zero_is_not_taken_for_none_given(capsys):
+    assert main(shlex.split("map friction --c 0 --v-d 1.5 --t-end 400 --refine 0 --json")) == 0
+    assert json.loads(capsys.readouterr().out)["points"] == 1
+
+
+def test_a_cell_without_a_front_still_gives_its_averaged_equation(capsys):
+    assert main(shlex.split('derive cell --damping "1-y**40" --no-front --json')) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert len(answer["cycles"]) == 1
+    assert "ratio" not in answer
+
+
+@pytest.mark.parametrize("eta", [1e-20, 0.03125, 0.079, 0.079999, 0.0799999999])
+def test_c_pin_is_as_near_as_it_says(eta):
+    """Against the same root in 50 digits, at this double and at half a unit beside it."""
+    found, error = pinning_coupling(eta), pinning_error(eta)
+    assert found is not None
+    assert error is not None
+    half = mp.mpf(math.ulp(eta)) / 2
+    with mp.workdps(50):
+        assert abs(found - _pinning(eta)) <= 4e-15 * found
+        for beside in (eta - half, eta + half):
+            assert abs(found - _pinning(beside)) <= error * (1 + 1e-3)  # the slope changes too
+
+
+@pytest.mark.parametrize("eta", [0.0800001, 0.09, 0.124, 0.1249999999, 0.125])
+def test_c_retreat_is_as_near_as_it_says(eta):
+    found, error = retreat_coupling(eta), pinning_error(eta)
+    assert found is not None
+    assert error is not None
+    with mp.workdps(50):
+        assert abs(found - _pinning(eta)) <= error
+
+
+def _pinning(eta: mp.mpf | float) -> mp.mpf:
+    """Bisect | |Σ(0⁺)| - 2r | or | |2 + Σ(0⁺)| - 2r | in c, from the definition of each."""
+    s = mp.sqrt(1 - 8 * mp.mpf(eta))
+    r = mp.sqrt((1 - s) / (1 + s))
+
+    def above(c: mp.mpf) -> bool:
+        limit = 1 / mp.sqrt(1 - 4j * c)
+        return bool(abs(limit - 1) > 2 * r if r < 0.5 else abs(limit + 1) < 2 * r)
+
+    low, high = mp.mpf(10) ** -30, mp.mpf(10) ** 30
+    if above(low):
+        return low
+    for _ in range(300):
+        middle = mp.sqrt(low * high)
+        low, high = (low, middle) if above(middle) else (middle, high)
+    return low
+
+
+def test_no_digit_of_c_pin_is_printed_that_does_not_hold(capsys):
+    assert main(["kinetic", "--c", "0.5", "--eta", "0.079999"]) == 0
+    shown = capsys.readouterr().out.split(", c_pin = ")[1].split()[0]
+    with mp.workdps(50):
+        true = _pinning(mp.mpf("0.079999"))  # the decimal, not the double
+        assert abs(mp.mpf(shown) - true) < mp.mpf("0.1")
+    assert len(shown.partition(".")[2]) == 1
+
+
+def test_a_front_at_rest_on_the_threshold_is_judged_at_once():
+    """At v = 0.0188 |φ| is r to rounding over half a site; dividing it took two million values."""
+    verdict = check_admissible(0.018788303312689936, 0.455301391482, threshold_ratio(0.03125))
+    assert verdict.admissible is False
+    assert verdict.points < 5000
+
+
+def test_the_progress_of_a_curve_rises_to_its_end():
+    from theory.kinetic_relation import trace_kinetic_relation
+
+    told: list[float] = []
+    many = trace_kinetic_relation([0.5] * 201, [0.03125], progress=told.append)
+    assert told[0] == 0.0
+    assert told == sorted(told)
+    assert 0.5 <= told[-1] <= 1.0  # two blocks of scenes
+    assert {answer.branches for answer in many} == {kinetic_relation(0.5, 0.03125).branches}
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_nothing_is_said_of_the_time_left_before_anything_is_done(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr("fronts.progress.time.perf_counter", lambda: clock[0])
+    terminal = _Terminal()
+    with Fraction("run", terminal) as shown:
+        for fraction in (0.0, 0.25):
+            clock[0] += 2 * PERIOD
+            shown.show(fraction)
+    assert "... run: 0 %\r" in terminal.getvalue()
+    assert f"25 %, about {3 * 4 * PERIOD:.0f} s left" in terminal.getvalue()
+
+
+def _stopped(capsys: pytest.CaptureFixture[str], line: str) -> str:
+    assert main(shlex.split(line)) == 130
+    message: str = json.loads(capsys.readouterr().err.splitlines()[-1])["error"]["message"]
+    return message
+
+
+@pytest.mark.parametrize("chain", ["vdp", "friction"])
+def test_an_interrupted_run_names_its_checkpoint(chain, tmp_path, capsys, monkeypatch):
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fronts.progress.Fraction.show", stop)
+    file = tmp_path / "kept.npz"
+    line = f"simulate {chain} --excite 1 --t-end 50 --json"
+    assert _stopped(capsys, line) == "interrupted; nothing half-written is left behind."
+    said = _stopped(capsys, f"{line} --checkpoint {shlex.quote(str(file))}")
+    assert file.exists()
+    assert str(file) in said
+    assert "--checkpoint" in said
+    assert "nothing half-written" not in said
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "map vdp --eta 0.03:0.06:2 --c 0.1:0.2:2 --model envelope --t-end 50",
+        "stress --quantity c-pin --points 60 --workers 1",
+    ],
+)
+def test_an_interrupted_sweep_names_its_journal(line, tmp_path, capsys, monkeypatch):
+    def stop(_: object, fraction: float) -> None:
+        if fraction > 0:
+            raise KeyboardInterrupt
+
+    out = tmp_path / "table.csv"
+    with monkeypatch.context() as patch:
+        patch.setattr("fronts.progress.Fraction.show", stop)
+        said = _stopped(capsys, f"{line} --out {shlex.quote(str(out))} --json")
+    journal = tmp_path / "table.csv.part"
+    assert journal.exists()
+    assert f"{journal} is kept" in said
+    assert "--resume" in said
+    assert main(shlex.split(f"{line} --out {shlex.quote(str(out))} --resume")) == 0
+    assert out.exists()
+    assert not journal.exists()
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "kinetic --c 0.4:0.6:3 --eta 0.03125 --out",
+        "profile --c 0.5 --eta 0.03125 --out",
+        "simulate vdp --n 5 --t-end 20 --picture",
+        "cell friction --v-d 1.2:1.3:3 --out",
+        "map vdp --eta 0.03:0.06:2 --c 0.1:0.2:2 --model envelope --t-end 50 --picture",
+    ],
+)
+def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys, monkeypatch):
+    files = [tmp_path / f"{n}.{suffix}" for n in (1, 2)]
+    for day, file in enumerate(files):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", str(86_400 * day))  # the day Matplotlib would write
+        assert main([*shlex.split(line), str(file)]) == 0
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_a_map_ends_where_its_grid_ends():
+    from paper_checks.pictures import new_axes
+    from paper_checks.state_picture import draw_states
+    from verification.table import table_of
+
+    states = table_of(
+        [{"c": c, "v_d": v, "label": "front" if c else "breather"}
+         for c in (0.0, 0.1) for v in (1.0, 2.0)]
+    )  # fmt: skip
+    rows = [{"along": along, "c": 0.0, "v_d": 1.0, "at": at, "low": at, "high": at}
+            for along, at in (("c", 0.05), ("v_d", 1.5))]  # fmt: skip
+    _, axes = new_axes()
+    draw_states(axes, states, "c", "v_d", table_of(rows))
+    assert axes.get_xlim() == pytest.approx((0.0, 0.103))
+    assert axes.get_ylim() == pytest.approx((0.97, 2.03))
+
+
+def test_the_quick_benchmark_says_when_it_writes(capsys):
+    with pytest.raises(SystemExit):
+        main(["bench", "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "nothing written unless --out is given" in shown

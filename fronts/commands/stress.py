@@ -45,6 +45,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Try the points, list the quantities, or measure the savings."""
+    if options.record:
+        from fronts.commands.bench import ROOT, need_source_tree
+
+        need_source_tree(ROOT)
     if options.savings or options.list:
         _alone("--savings" if options.savings else "--list", options)
         return _savings(options.record) if options.savings else _list()
@@ -102,9 +106,6 @@ def _alone(question: str, options: argparse.Namespace) -> None:
 
 def _keep(name: str, payload: dict[str, object], command: str) -> None:
     """Store a result where the report finds it."""
-    from fronts.commands.bench import ROOT, need_source_tree
-
-    need_source_tree(ROOT)
     from benchmarks.quantity import RESULTS
     from benchmarks.record import now, these_versions, this_machine, write_json
 

@@ -83,7 +83,8 @@ def run(options: argparse.Namespace) -> Answer:
         "out": None if options.out is None else str(options.out),
     }
     if options.record:
-        _keep("stability", payload, f"fronts stress --points {points}")
+        kept = {name: value for name, value in payload.items() if name != "out"}
+        _keep("stability", kept, f"fronts stress --points {points}")
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 

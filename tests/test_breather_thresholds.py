@@ -153,6 +153,16 @@ def test_a_run_of_the_chain_settles_on_the_orbit() -> None:
     assert run.frequency == pytest.approx(orbit.frequency, abs=1e-8)
 
 
+@pytest.mark.parametrize("eps", [0.1, 0.15, 0.2])
+def test_a_run_of_the_chain_settles_where_damping_is_strong(eps: float) -> None:
+    """With one step for every ε the drift stays at the truncation error of that step."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=eps, sites=9)
+    run, orbit = run_breather(chain, Nucleus(1)), solve_orbit(chain, Nucleus(1))
+    assert run.status is RunStatus.SETTLED
+    assert np.abs(run.amplitudes - orbit.amplitudes).max() <= run.error < 1e-5
+    assert run.frequency == pytest.approx(orbit.frequency, abs=1e-8)
+
+
 def test_beyond_the_fold_a_run_of_the_chain_escapes() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.21, eps=0.05, sites=7)
     assert run_breather(chain, Nucleus(1)).status is RunStatus.ESCAPED

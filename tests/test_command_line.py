@@ -290,6 +290,48 @@ def test_all_methods_for_a_breather_stand_side_by_side(capsys):
     assert "unknown" in rows[0]
 
 
+def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(capsys):
+    line = "breather --c 0.19 --nucleus 3"
+    orbit = _json(capsys, line)
+    assert orbit["status"] == "exists"
+    assert not orbit["stable"]
+    run = _json(capsys, f"{line} --method simulation")
+    assert run["status"] == "escaped"
+    assert run["stable"] is None
+    assert "fold" not in run
+    assert main(shlex.split(f"{line} --method all")) == 0
+    statuses = [row.split()[:2] for row in capsys.readouterr().out.splitlines()]
+    assert ["simulation", "escaped"] in statuses
+    assert main(shlex.split(f"{line} --method simulation")) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("escaped")
+    assert "no such breather" not in shown
+
+
+def test_a_run_that_escapes_beyond_the_fold_names_the_fold_of_the_orbits(capsys):
+    line = "breather --c 0.21"
+    run, orbit = _json(capsys, f"{line} --method simulation"), _json(capsys, line)
+    assert run["status"] == orbit["status"] == "none"
+    assert abs(run["fold"] - orbit["fold"]) <= run["fold_error"] + orbit["fold_error"]
+
+
+def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
+    from verification import breather_run
+
+    right = breather_run.run_breather
+
+    def short(*arguments, **options):
+        found = right(*arguments, slow_time=10.0, **options)
+        assert found.status == "unsettled"
+        return found
+
+    monkeypatch.setattr(breather_run, "run_breather", short)
+    line = "breather --c 0.1 --method simulation"
+    assert _json(capsys, line)["stable"] is None
+    assert main(shlex.split(line)) == 0
+    assert "unsettled: stability not decided" in capsys.readouterr().out
+
+
 def test_the_version_is_that_of_the_project(capsys):
     assert main(["--version"]) == 0
     said = capsys.readouterr().out.removeprefix("fronts ").strip()

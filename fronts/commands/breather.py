@@ -194,23 +194,38 @@ def _simulation(
 
     found = run_breather(chain, nucleus, seed=given(options.seed, 0))
     if found.status == "escaped":
-        from verification.breather_threshold import breather_threshold
-
-        # A run has no fold of its own: name that of the averaged chain.
-        fold = breather_threshold(chain, nucleus)
-        return _none(found.seconds, {"fold": fold.c, "fold_error": fold.error, "time": found.time})
+        beyond = _beyond_fold(chain, nucleus)
+        if beyond:
+            return {**_none(found.seconds, beyond), "time": found.time}
+        return {**_none(found.seconds, {"time": found.time}), "status": "escaped"}
     return {
         "status": found.status.value,
         **_sites(found.harmonics, found.amplitudes, nucleus),
         "frequency": found.frequency,
-        # A run that settled has forgotten its noise.
-        "stable": found.status == "settled",
+        # A run that settled has forgotten its noise; one that has not settled decides nothing.
+        "stable": True if found.status == "settled" else None,
         "growth": None,
         "error": found.error if math.isfinite(found.error) else None,
         "seconds": found.seconds,
         "drift": found.drift,
         "time": found.time,
     }
+
+
+def _beyond_fold(chain: VdpChain, nucleus: Nucleus) -> dict[str, object]:
+    """Return the fold of the periodic orbits of (8), or nothing if it is not known to be below c.
+
+    A run has no fold of its own. The chain of the orbits is short: a breather needs a few sites.
+    """
+    from theory.parameters import ParameterError
+    from verification.breather_threshold import Method, breather_threshold
+    from verification.newton import NotConvergedError
+
+    try:
+        fold = breather_threshold(chain, nucleus, Method.ORBIT)
+    except (ParameterError, NotConvergedError):
+        return {}
+    return {"fold": fold.c, "fold_error": fold.error} if chain.c > fold.c + fold.error else {}
 
 
 def _trust(
@@ -269,10 +284,16 @@ def _in_words(found: dict[str, Any]) -> str:
         fold = found.get("fold")
         where = "" if fold is None else f" The branch folds at c = {fold:.10g}."
         return f"none: there is no such breather at c = {found['c']:g}.{where}"
+    if found["status"] == "escaped":
+        return (
+            f"escaped: by t = {found['time']:.6g} a site at rest passed the unstable cycle.\n"
+            "  The run does not tell whether there is an unstable breather at "
+            f"c = {found['c']:g}; --method orbit does.\n  {found['seconds']:.3f} s"
+        )
     shown = "  ".join(f"{value:.6g}" for value in found["amplitudes"][:8])
     error = found["error"]
     lines = [
-        f"{found['status']}: {'stable' if found['stable'] else 'not stable'}"
+        f"{found['status']}: {_STABILITY[found['stable']]}"
         + (f", pattern {found['pattern']}" if found["pattern"] else ""),
         f"  amplitudes, centre outwards: {shown}",
         f"  frequency {found['frequency']:.12g}, outward phase step {found['phase_step']:.6f}",
@@ -294,6 +315,9 @@ def _in_words(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+_STABILITY = {True: "stable", False: "not stable", None: "stability not decided"}
+
+
 def _table(methods: dict[str, dict[str, Any]]) -> str:
     """Show the methods side by side."""
     lines = [
@@ -304,6 +328,8 @@ def _table(methods: dict[str, dict[str, Any]]) -> str:
         cells = [f"{name:12} {found['status']:9}"]
         if found["status"] == "none":
             cells.append("" if found.get("fold") is None else f"folds at c = {found['fold']:.8g}")
+        elif found["status"] == "escaped":
+            cells.append(f"by t = {found['time']:.6g}")
         else:
             centre, neighbour = [*found["amplitudes"], math.nan][:2]
             growth, error = found["growth"], found["error"]

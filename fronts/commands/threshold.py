@@ -50,16 +50,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=["envelope", "orbit", "sweep", "closed-form"],
         help="vdp: envelope: continuation as eps tends to 0; orbit: continuation in (8); sweep: "
-        "slow growth of c from an in-phase start, extrapolated to rate zero; closed-form: (29), "
-        "(37) (envelope)",
+        "slow growth of c from an in-phase start, extrapolated to rate zero, or c held and "
+        "bisected where that has no limit; closed-form: (29), (37) (envelope)",
     )
     parser.add_argument(
         "--perturbation",
         "--perturb",
         type=real,
-        help="vdp: seeded noise on the start of a sweep (0)",
+        help="vdp, sweep: seeded noise on the start; c is then held, not swept (0)",
     )
-    parser.add_argument("--seed", type=int, help="vdp: seed of the noise (0)")
+    parser.add_argument("--seed", type=int, help="vdp: first of three seeds of the noise (0)")
     add_cell_options(parser)
     add_start_option(parser)
     parser.add_argument("--n", type=int, help="friction: number of oscillators (31)")
@@ -152,8 +152,9 @@ _STABILITY = {
 
 def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     from theory.parameters import within
-    from verification.nucleation import Preparation, measure_delay
+    from verification.nucleation import Preparation
     from verification.nucleus import Nucleus, Place
+    from verification.slow_sweep import measure_delay
 
     if options.pattern is not None:
         raise UsageError("--pattern is not for --method sweep: a sweep starts in phase.")
@@ -162,6 +163,8 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     preparation = Preparation(
         options.nucleus, Place(options.place), options.perturbation, options.seed
     )
+    if options.perturbation > 0.0:
+        return _held(chain, preparation)
     found = measure_delay(chain, preparation)
     law = found.exponent if math.isfinite(found.exponent) else None
     payload: dict[str, object] = {
@@ -174,14 +177,64 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
         "delay_exponent": law,
         "method": "sweep",
     }
-    lines = [f"escape at c = {found.c_0:.8g}, uncertain by {found.error:.1e}, at rate zero"]
-    lines += [
+    table = [
         f"  dc/dT = {rate:<8.3g} escapes at c = {c:.6f}"
         for rate, c in zip(found.rates, found.escapes, strict=True)
     ]
-    if law is not None:
-        lines.append(f"  the delay grows like rate^{law:.3f}; 2/3 at a fold")
-    lines.append(f"  {found.seconds:.3f} s")
+    if law is None:
+        table.append("  the escapes do not fall with the rate")
+    else:
+        table.append(f"  the delay grows like rate^{law:.3f}; 2/3 at a fold")
+    if found.c_0 is None:
+        # What does not escape at a fold has no limit of rate zero that these sweeps could show.
+        held = _held(chain, preparation)
+        payload |= {**held.payload, "seconds": found.seconds + float(str(held.payload["seconds"]))}
+        return Answer(
+            payload,
+            "\n".join([held.text, "the sweeps do not follow the law of a fold:", *table]),
+        )
+    lines = [f"escape at c = {found.c_0:.8g}, uncertain by {found.error:.1e}, at rate zero"]
+    return Answer(payload, "\n".join([*lines, *table, f"  {found.seconds:.3f} s"]))
+
+
+def _held(chain: Any, preparation: Any) -> Answer:
+    """Find the range of escape with the coupling held."""
+    from verification.escape_range import escape_range
+
+    found = escape_range(chain, preparation)
+    noisy = preparation.perturbation > 0.0
+    payload: dict[str, object] = {
+        "c_crit": found.c,
+        "error": found.error,
+        "mechanism": "escape while c is held",
+        "seconds": found.seconds,
+        "range": [found.low, found.high],
+        "range_by_seed": {str(seed): list(ends) for seed, ends in found.by_seed.items()},
+        "waiting_time": found.duration,
+        "monotone": found.monotone,
+        "perturbation": preparation.perturbation,
+        "runs": found.runs,
+        "method": "hold",
+    }
+    lines = [
+        f"escape at c = {found.c:.6g}, uncertain by {found.error:.1e}, with c held: "
+        f"from {found.low:.6f} to {found.high:.6f}",
+        f"  below it every run held for {found.duration:g} of slow time; above it every run "
+        f"escaped within {0.5 * found.duration:g}",
+    ]
+    if noisy:
+        lines += [
+            f"  seed {seed}: from {low:.6f} to {high:.6f}"
+            for seed, (low, high) in found.by_seed.items()
+        ]
+    if not found.monotone:
+        lines.append("  escape is not monotone in c: the range is twice as wide as what was found")
+    lines += [
+        "  this is for "
+        + (f"noise of {preparation.perturbation:g}, these seeds and " if noisy else "")
+        + "this waiting time: others may escape lower",
+        f"  {found.runs} runs, {found.seconds:.3f} s",
+    ]
     return Answer(payload, "\n".join(lines))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from fronts.answer import Answer, UsageError
 from fronts.arguments import given, real, refuse, refuse_other_methods
 from fronts.commands.breather import add_chain_options, add_nucleus_options, nucleus_of
+from fronts.escape_answer import held_answer
 from fronts.friction_options import (
     CELL,
     START,
@@ -164,7 +165,7 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
         options.nucleus, Place(options.place), options.perturbation, options.seed
     )
     if options.perturbation > 0.0:
-        return _held(chain, preparation)
+        return held_answer(chain, preparation)
     found = measure_delay(chain, preparation)
     law = found.exponent if math.isfinite(found.exponent) else None
     payload: dict[str, object] = {
@@ -187,7 +188,7 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
         table.append(f"  the delay grows like rate^{law:.3f}; 2/3 at a fold")
     if found.c_0 is None:
         # What does not escape at a fold has no limit of rate zero that these sweeps could show.
-        held = _held(chain, preparation)
+        held = held_answer(chain, preparation)
         payload |= {**held.payload, "seconds": found.seconds + float(str(held.payload["seconds"]))}
         return Answer(
             payload,
@@ -195,47 +196,6 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
         )
     lines = [f"escape at c = {found.c_0:.8g}, uncertain by {found.error:.1e}, at rate zero"]
     return Answer(payload, "\n".join([*lines, *table, f"  {found.seconds:.3f} s"]))
-
-
-def _held(chain: Any, preparation: Any) -> Answer:
-    """Find the range of escape with the coupling held."""
-    from verification.escape_range import escape_range
-
-    found = escape_range(chain, preparation)
-    noisy = preparation.perturbation > 0.0
-    payload: dict[str, object] = {
-        "c_crit": found.c,
-        "error": found.error,
-        "mechanism": "escape while c is held",
-        "seconds": found.seconds,
-        "range": [found.low, found.high],
-        "range_by_seed": {str(seed): list(ends) for seed, ends in found.by_seed.items()},
-        "waiting_time": found.duration,
-        "monotone": found.monotone,
-        "perturbation": preparation.perturbation,
-        "runs": found.runs,
-        "method": "hold",
-    }
-    lines = [
-        f"escape at c = {found.c:.6g}, uncertain by {found.error:.1e}, with c held: "
-        f"from {found.low:.6f} to {found.high:.6f}",
-        f"  below it every run held for {found.duration:g} of slow time; above it every run "
-        f"escaped within {0.5 * found.duration:g}",
-    ]
-    if noisy:
-        lines += [
-            f"  seed {seed}: from {low:.6f} to {high:.6f}"
-            for seed, (low, high) in found.by_seed.items()
-        ]
-    if not found.monotone:
-        lines.append("  escape is not monotone in c: the range is twice as wide as what was found")
-    lines += [
-        "  this is for "
-        + (f"noise of {preparation.perturbation:g}, these seeds and " if noisy else "")
-        + "this waiting time: others may escape lower",
-        f"  {found.runs} runs, {found.seconds:.3f} s",
-    ]
-    return Answer(payload, "\n".join(lines))
 
 
 def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,11 +17,13 @@ from verification import exponents
 from verification.breather_run import RunStatus, run_breather
 from verification.breather_threshold import Mechanism, Method, breather_threshold
 from verification.continuation import trace
+from verification.escape_range import escape_range
 from verification.integrators.envelope_run import run_envelope
 from verification.newton import solve_at
-from verification.nucleation import Preparation, escape_threshold, hold, measure_delay, phase_steps
+from verification.nucleation import Preparation, escape_threshold, hold, phase_steps
 from verification.nucleus import Nucleus, outward_pattern, right_angle_patterns
 from verification.orbits import solve_orbit
+from verification.slow_sweep import measure_delay
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
@@ -60,6 +63,8 @@ def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(
     runs = escape_threshold(CHAIN, Preparation(size), start, 0.21, tolerance=1e-5)
     assert abs(runs.c - fold) <= runs.error
     delay = measure_delay(CHAIN, Preparation(size))
+    assert delay.c_0 is not None
+    assert delay.error is not None
     assert abs(delay.c_0 - fold) <= delay.error
     # 2/3 with a correction of order rate^{1/3} = 0.03.
     assert delay.exponent == pytest.approx(2 / 3, abs=0.03)
@@ -82,8 +87,6 @@ def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
 
 def test_an_odd_push_beyond_that_coupling_grows_in_a_run() -> None:
     """Between loss of stability and fold, a run leaves the breather; below, it returns."""
-    from dataclasses import replace
-
     from verification.envelope_breather import solve_envelope_breather
 
     growth = []
@@ -117,8 +120,6 @@ def test_no_pattern_of_three_or_five_is_stable() -> None:
 
 def test_opposed_patterns_grow_at_half_the_coupling_as_it_vanishes() -> None:
     """Phases alone, to leading order: D_1' = (c/2) D_2 and D_2' = (c/2) D_1 for size 3."""
-    from dataclasses import replace
-
     from verification.envelope_breather import solve_envelope_breather
 
     for c in (1e-3, 1e-4):
@@ -145,8 +146,50 @@ def test_perturbed_nuclei_of_three_escape_below_the_threshold_of_one() -> None:
     assert single > 0.19
 
 
+@pytest.mark.parametrize("size", [3, 5, 9])
+def test_sweeps_of_what_leaves_its_breather_are_not_extrapolated(size: int) -> None:
+    """A perturbed nucleus escapes away from the fold: its delay has another exponent."""
+    delay = measure_delay(CHAIN, Preparation(size, perturbation=1e-6))
+    assert delay.c_0 is None
+    assert delay.error is None
+
+
+@pytest.mark.parametrize(
+    ("size", "lowest", "highest"),
+    [(3, 0.178, 0.192), (5, 0.18, 0.19), (7, 0.182, 0.19), (9, 0.182, 0.187)],
+)
+def test_the_range_of_escape_holds_every_run_that_contradicts_one_threshold(
+    size: int, lowest: float, highest: float
+) -> None:
+    """Other couplings than those of the search; sizes 7, 9 escape, hold and escape again."""
+    noisy = Preparation(size, perturbation=1e-6)
+    found = escape_range(CHAIN, noisy)
+    assert found.low < found.high
+    assert found.monotone is (size < 7)
+    for seed in range(3):
+        for c in np.linspace(lowest, highest, 41):
+            escaped = hold(CHAIN, replace(noisy, seed=seed), c, 2000.0).escaped
+            assert escaped or c <= found.high
+            assert not escaped or c >= found.low
+
+
+def test_a_range_of_escape_needs_a_coupling_at_which_the_nucleus_holds() -> None:
+    with pytest.raises(ParameterError, match="holds at some c"):
+        escape_range(CHAIN, Preparation(3, perturbation=1.0), seeds=1)
+
+
 def test_a_run_of_the_chain_settles_on_the_orbit() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.05, sites=7)
+    run, orbit = run_breather(chain, Nucleus(1)), solve_orbit(chain, Nucleus(1))
+    assert run.status is RunStatus.SETTLED
+    assert np.abs(run.amplitudes - orbit.amplitudes).max() <= run.error < 1e-5
+    assert run.frequency == pytest.approx(orbit.frequency, abs=1e-8)
+
+
+@pytest.mark.parametrize("eps", [0.1, 0.15, 0.2])
+def test_a_run_of_the_chain_settles_where_damping_is_strong(eps: float) -> None:
+    """With one step for every ε the drift stays at the truncation error of that step."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=eps, sites=9)
     run, orbit = run_breather(chain, Nucleus(1)), solve_orbit(chain, Nucleus(1))
     assert run.status is RunStatus.SETTLED
     assert np.abs(run.amplitudes - orbit.amplitudes).max() <= run.error < 1e-5
@@ -178,8 +221,6 @@ def test_verdicts_on_figures_7_to_11_are_as_recorded(module: object) -> None:
 
 
 def test_a_wrong_exponent_fails_the_claim_on_stability(monkeypatch: pytest.MonkeyPatch) -> None:
-    from dataclasses import replace
-
     right = exponents.exponents
 
     def wrong(*arguments: object) -> exponents.Exponents:
@@ -193,8 +234,6 @@ def test_a_wrong_exponent_fails_the_claim_on_stability(monkeypatch: pytest.Monke
 
 
 def test_a_wrong_fold_fails_the_claim_on_values(monkeypatch: pytest.MonkeyPatch) -> None:
-    from dataclasses import replace
-
     wrong = {
         method: [replace(fold, c=1.002 * fold.c) for fold in folds]
         for method, folds in fig11._folds().items()

@@ -290,6 +290,83 @@ def test_all_methods_for_a_breather_stand_side_by_side(capsys):
     assert "unknown" in rows[0]
 
 
+def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(capsys):
+    line = "breather --c 0.19 --nucleus 3"
+    orbit = _json(capsys, line)
+    assert orbit["status"] == "exists"
+    assert not orbit["stable"]
+    run = _json(capsys, f"{line} --method simulation")
+    assert run["status"] == "escaped"
+    assert run["stable"] is None
+    assert "fold" not in run
+    assert main(shlex.split(f"{line} --method all")) == 0
+    statuses = [row.split()[:2] for row in capsys.readouterr().out.splitlines()]
+    assert ["simulation", "escaped"] in statuses
+    assert main(shlex.split(f"{line} --method simulation")) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("escaped")
+    assert "no such breather" not in shown
+
+
+def test_a_run_that_escapes_beyond_the_fold_names_the_fold_of_the_orbits(capsys):
+    line = "breather --c 0.21"
+    run, orbit = _json(capsys, f"{line} --method simulation"), _json(capsys, line)
+    assert run["status"] == orbit["status"] == "none"
+    assert abs(run["fold"] - orbit["fold"]) <= run["fold_error"] + orbit["fold_error"]
+
+
+def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
+    from verification import breather_run
+
+    right = breather_run.run_breather
+
+    def short(*arguments, **options):
+        found = right(*arguments, slow_time=10.0, **options)
+        assert found.status == "unsettled"
+        return found
+
+    monkeypatch.setattr(breather_run, "run_breather", short)
+    line = "breather --c 0.1 --method simulation"
+    assert _json(capsys, line)["stable"] is None
+    assert main(shlex.split(line)) == 0
+    assert "unsettled: stability not decided" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("size", "held", "escaped"), [(3, 0.184, 0.186), (5, 0.183, 0.184)])
+def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(size, held, escaped, capsys):
+    from theory.vdp_chain import VdpChain
+    from verification.nucleation import Preparation, hold
+
+    found = _json(capsys, f"threshold vdp --nucleus {size} --method sweep --perturbation 1e-6")
+    for c, wanted in ((held, False), (escaped, True)):
+        for seed in range(3):
+            noisy = Preparation(size, perturbation=1e-6, seed=seed)
+            assert hold(VdpChain(2.5, 0.5, 0), noisy, c, 2000.0).escaped is wanted
+    assert held < found["c_crit"] - found["error"]
+    assert escaped > found["c_crit"] + found["error"]
+
+
+def test_the_command_of_the_claim_on_order_prints_the_number_of_its_finding(capsys):
+    from paper_checks.claims import fig11
+
+    claim = next(claim for claim in fig11.CLAIMS if claim.key == "fig11-order")
+    folder = Path(__file__).parents[1] / "paper_checks" / "findings"
+    stored = (folder / "fig11-order.json").read_text()
+    low, high = _json(capsys, claim.command.removeprefix("fronts "))["range"]
+    assert f"size 3: {low:.6f}-{high:.6f}" in stored
+
+
+def test_sweeps_that_follow_no_law_are_replaced_by_held_runs(capsys):
+    """Four sites in phase have no breather: they escape away from any fold."""
+    line = "threshold vdp --nucleus 4 --method sweep"
+    found = _json(capsys, line)
+    assert found["method"] == "hold"
+    assert abs(found["delay_exponent"] - 2 / 3) > 1
+    assert found["range"][0] <= found["c_crit"] <= found["range"][1]
+    assert main(shlex.split(line)) == 0
+    assert "do not follow the law of a fold" in capsys.readouterr().out
+
+
 def test_the_version_is_that_of_the_project(capsys):
     assert main(["--version"]) == 0
     said = capsys.readouterr().out.removeprefix("fronts ").strip()

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
+from theory.vdp_chain import VdpChain, effective_epsilon
 from verification.integrators.variational import integrate_chain
 from verification.nucleus import Nucleus
 from verification.orbits import chain_rate
@@ -25,7 +25,9 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 STEPS, ORDER = 20, 18
-"""Taylor steps a period and their order."""
+"""Taylor steps a period where damping is weak, and their order."""
+STIFFEST = 6.0
+"""Largest ε max|damping| to which the number of steps is adapted."""
 NOISE = 1e-6
 """Standard deviation of the noise on every displacement and velocity at the start."""
 LARGEST_EPS = 0.2
@@ -130,33 +132,43 @@ def run_breather(
     state = state + noise * np.random.default_rng(seed).normal(size=2 * sites)
     # A block is a few units of slow time, and a whole number of rounds.
     rounds = max(1, round(5.0 / (2.0 * math.pi * chain.eps)))
+    steps = _steps(chain)
     period, elapsed = 2.0 * math.pi, 0.0
     drifts: list[float] = []
     while elapsed * chain.eps < slow_time:
-        state = integrate_chain(chain, state, rounds * period, rounds * STEPS, ORDER).state
+        state = integrate_chain(chain, state, rounds * period, rounds * steps, ORDER).state
         elapsed += rounds * period
         if np.hypot(state[:sites], state[sites:])[outside].max(initial=0.0) > (
             chain.unstable_amplitude
         ):
             return _measured(chain, state, period, RunStatus.ESCAPED, drifts, elapsed, started)
-        period, drift = _period(chain, state, period)
+        period, drift = _period(chain, state, period, 2 * steps)
         drifts.append(drift)
         if drift < tolerance:
             return _measured(chain, state, period, RunStatus.SETTLED, drifts, elapsed, started)
     return _measured(chain, state, period, RunStatus.UNSETTLED, drifts, elapsed, started)
 
 
-def _period(chain: VdpChain, state: Real, guess: float) -> tuple[float, float]:
+def _steps(chain: VdpChain) -> int:
+    """Return Taylor steps a period: more where damping is strong.
+
+    The drift is measured with half the step of the run. What the run settles on is periodic for
+    its own step only, so their truncation errors must differ by less than the tolerance.
+    """
+    return STEPS + math.ceil(STEPS * min(effective_epsilon(chain), STIFFEST))
+
+
+def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[float, float]:
     """Return the time after which the state comes nearest to itself, and the drift left."""
     period = guess
     for _ in range(6):
-        after = integrate_chain(chain, state, period, 2 * STEPS, ORDER).state
+        after = integrate_chain(chain, state, period, steps, ORDER).state
         along = chain_rate(after, chain)
         change = float(along @ (after - state)) / float(along @ along)
         period -= change
         if abs(change) < 1e-13:
             break
-    after = integrate_chain(chain, state, period, 2 * STEPS, ORDER).state
+    after = integrate_chain(chain, state, period, steps, ORDER).state
     return period, float(np.abs(after - state).max()) / (chain.eps * period)
 
 

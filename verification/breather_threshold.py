@@ -11,7 +11,6 @@ import time
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from theory.breather import Reading, closed_form_fold
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
 from verification import envelope_breather, exponents, orbits
@@ -149,14 +148,6 @@ def breather_threshold(
         here.sites,
         time.perf_counter() - started,
     )
-
-
-def closed_form_threshold(
-    chain: VdpChain, reading: Reading = Reading.NEIGHBOUR
-) -> tuple[float | None, float]:
-    """Return the fold of the closed form (29) + (37), nucleus 1, and its error."""
-    fold = closed_form_fold(chain, reading)
-    return fold.c, fold.error
 
 
 def _sized(chain: VdpChain, nucleus: Nucleus, margin: int) -> VdpChain:

@@ -19,7 +19,6 @@ from theory.breather import BreatherStatus
 from theory.envelope import (
     coupling_matrix,
     envelope_rate,
-    staggered_defect,
     staggered_jacobian,
     staggered_phase,
     staggered_rate,
@@ -230,11 +229,6 @@ def staggered_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> B
     turned = nucleus.envelope(chain) / staggered_phase(chain.sites)
     r = (turned / staggered_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
     return trace(system, solve_at(system, r, START), c_end)
-
-
-def staggered_error(r: Real, chain: VdpChain) -> float:
-    """Return what the reduction leaves out at the ends, relative to the largest amplitude."""
-    return staggered_defect(r, chain) / float(np.abs(r).max())
 
 
 def _left_pattern(u: Real, guess: Complex, excited: NDArray[np.intp], chain: VdpChain) -> bool:

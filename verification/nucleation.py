@@ -1,32 +1,24 @@
 """What nuclei do when prepared as in section 2.2: in phase, near the cycle, at rest around.
 
-Runs are of the averaged chain (43), in slow time; `sweep_chain` runs (8) itself. A nucleus *holds*
-while every site outside it stays below the unstable cycle |φ_us|, and *escapes* when one passes.
+Runs are of the averaged chain (43), in slow time, the coupling held. A nucleus *holds* while every
+site outside it stays below the unstable cycle |φ_us|, and *escapes* when one passes.
 A perturbation is seeded noise, the same relative size in both parts of every φ_n.
 """
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.parameters import ParameterError, positive
+from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
 from verification.integrators.envelope_run import EnvelopeRun, run_envelope
-from verification.integrators.variational import integrate_chain
 from verification.nucleus import MARGIN, Nucleus, Place, sites_for
 
 Complex = NDArray[np.complex128]
-
-SETTLING = 300.0
-"""Slow time at the starting coupling before a sweep begins."""
-CHAIN_STEPS, CHAIN_ORDER = 14, 16
-"""Taylor steps a period and order for runs of (8): 1e-8 a period at ε = 0.01."""
 
 
 @dataclass(frozen=True)
@@ -93,34 +85,6 @@ class EscapeThreshold:
     error: float
     duration: float
     runs: int
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Delay:
-    """Couplings of escape in slow sweeps, and the law of delay fitted to them.
-
-    Attributes
-    ----------
-    rates : tuple of float
-        dc/dT, falling.
-    escapes : tuple of float
-        c at which the nucleus escaped, for each rate.
-    c_0 : float
-        Extrapolation to rate zero by c_0 + K rate^{2/3} + K' rate through the three slowest.
-    error : float
-        How far it is from the extrapolation without K' through the two slowest.
-    exponent : float
-        ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest: 2/3 at a fold.
-    seconds : float
-        Wall-clock time.
-    """
-
-    rates: tuple[float, ...]
-    escapes: tuple[float, ...]
-    c_0: float
-    error: float
-    exponent: float
     seconds: float
 
 
@@ -193,100 +157,3 @@ def escape_threshold(
     short, c = bisect(0.5 * duration), bisect(duration)
     error = 0.5 * tolerance + abs(short - c)
     return EscapeThreshold(c, error, duration, runs, time.perf_counter() - started)
-
-
-def sweep_envelope(
-    chain: VdpChain,
-    preparation: Preparation,
-    rate: float,
-    start: float = 0.15,
-    end: float = 0.3,
-) -> float | None:
-    """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None."""
-    positive("sweep rate", rate)
-    here = preparation.chain(chain, start)
-    watch, limit = preparation.outside(here), here.unstable_amplitude
-    settled = run_envelope(here, preparation.start(here), SETTLING, watched=watch, limit=limit)
-    if settled.escaped:
-        return start
-    run = run_envelope(
-        here, settled.phi, (end - start) / rate, rate=rate, watched=watch, limit=limit
-    )
-    return run.coupling if run.escaped else None
-
-
-def sweep_chain(
-    chain: VdpChain,
-    preparation: Preparation,
-    rate: float,
-    start: float = 0.18,
-    end: float = 0.3,
-) -> float | None:
-    """Do the same in the chain (8), as the paper does: rate is dc/d(εt), one step of c a period."""
-    positive("sweep rate", rate)
-    here = preparation.chain(chain, start)
-    outside, limit = preparation.outside(here), here.unstable_amplitude
-    phi = preparation.start(here)
-    state = np.concatenate([phi.imag, phi.real])
-    period, c = 2.0 * math.pi, start
-    periods = math.ceil(SETTLING / (chain.eps * period))
-    flow = integrate_chain(here, state, periods * period, periods * CHAIN_STEPS, CHAIN_ORDER)
-    state = flow.state
-    while c < end:
-        state = integrate_chain(replace(here, c=c), state, period, CHAIN_STEPS, CHAIN_ORDER).state
-        amplitude = np.hypot(state[: here.sites], state[here.sites :])
-        if float(amplitude[outside].max()) > limit:
-            return c
-        c += rate * chain.eps * period
-    return None
-
-
-def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float = 0.0) -> Delay:
-    """Fit c = c_0 + K rate^{2/3} + K' rate, the delay at a fold, to rates in one ratio.
-
-    Parameters
-    ----------
-    rates, escapes : sequence of float
-        At least three, rates falling by a constant factor.
-    seconds : float, optional
-        Time the sweeps took, passed on.
-
-    Examples
-    --------
-    >>> rates = [8e-3, 1e-3, 1.25e-4]
-    >>> delay = fit_delay(rates, [0.2 + 0.5 * rate ** (2 / 3) for rate in rates])
-    >>> round(delay.c_0, 12), round(delay.exponent, 9)
-    (0.2, 0.666666667)
-    """
-    speed = np.asarray(rates, dtype=float)
-    c = np.asarray(escapes, dtype=float)
-    # At a fold the delay is K rate^{2/3}; the next term is of first order in the rate.
-    terms = np.column_stack([np.ones_like(speed), speed ** (2.0 / 3.0), speed])
-    c_0 = float(np.linalg.solve(terms[-3:], c[-3:])[0])
-    error = abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
-    ratio = (c[-3] - c[-2]) / (c[-2] - c[-1])
-    exponent = math.log(ratio) / math.log(speed[-2] / speed[-1]) if ratio > 0 else math.nan
-    return Delay(tuple(rates), tuple(escapes), c_0, error, exponent, seconds)
-
-
-def measure_delay(
-    chain: VdpChain,
-    preparation: Preparation,
-    rates: Sequence[float] = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5),
-    start: float = 0.15,
-) -> Delay:
-    """Sweep the averaged chain at several rates and fit the delay.
-
-    Raises
-    ------
-    ParameterError
-        If a sweep does not escape.
-    """
-    started = time.perf_counter()
-    escapes = []
-    for rate in rates:
-        found = sweep_envelope(chain, preparation, rate, start)
-        if found is None:
-            raise ParameterError("sweep rate", rate, "one at which the nucleus escapes", "go on")
-        escapes.append(found)
-    return fit_delay(rates, escapes, time.perf_counter() - started)

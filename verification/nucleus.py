@@ -139,11 +139,6 @@ def outward_pattern(size: int) -> str:
     return "-" * half + "+" * half
 
 
-def travelling_pattern(size: int) -> str:
-    """Return the pattern whose phase advances by π/2 a site, all one way."""
-    return "+" * (size - 1)
-
-
 def right_angle_patterns(size: int) -> tuple[str, ...]:
     """Return the 2^{size-1} patterns of steps ±π/2.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import given, real, refuse_other_methods, whole
+from fronts.breather_words import breather_in_words, breather_table
 
 if TYPE_CHECKING:
     from theory.vdp_chain import VdpChain
@@ -105,10 +106,10 @@ def run(options: argparse.Namespace) -> Answer:
     }
     if options.method != "all":
         payload |= METHODS[options.method](chain, nucleus, options)
-        return Answer(payload, _in_words(payload))
+        return Answer(payload, breather_in_words(payload))
     names = [name for name in METHODS if name != "closed-form" or has_closed_form(nucleus)]
     payload["methods"] = {name: METHODS[name](chain, nucleus, options) for name in names}
-    return Answer(payload, _table(payload["methods"]))
+    return Answer(payload, breather_table(payload["methods"]))
 
 
 def has_closed_form(nucleus: Nucleus) -> bool:
@@ -196,23 +197,38 @@ def _simulation(
 
     found = run_breather(chain, nucleus, seed=given(options.seed, 0))
     if found.status == "escaped":
-        from verification.breather_threshold import breather_threshold
-
-        # A run has no fold of its own: name that of the averaged chain.
-        fold = breather_threshold(chain, nucleus)
-        return _none(found.seconds, {"fold": fold.c, "fold_error": fold.error, "time": found.time})
+        beyond = _beyond_fold(chain, nucleus)
+        if beyond:
+            return {**_none(found.seconds, beyond), "time": found.time}
+        return {**_none(found.seconds, {"time": found.time}), "status": "escaped"}
     return {
         "status": found.status.value,
         **_sites(found.harmonics, found.amplitudes, nucleus),
         "frequency": found.frequency,
-        # A run that settled has forgotten its noise.
-        "stable": found.status == "settled",
+        # A run that settled has forgotten its noise; one that has not settled decides nothing.
+        "stable": True if found.status == "settled" else None,
         "growth": None,
         "error": found.error if math.isfinite(found.error) else None,
         "seconds": found.seconds,
         "drift": found.drift,
         "time": found.time,
     }
+
+
+def _beyond_fold(chain: VdpChain, nucleus: Nucleus) -> dict[str, object]:
+    """Return the fold of the periodic orbits of (8), or nothing if it is not known to be below c.
+
+    A run has no fold of its own. The chain of the orbits is short: a breather needs a few sites.
+    """
+    from theory.parameters import ParameterError
+    from verification.breather_threshold import Method, breather_threshold
+    from verification.newton import NotConvergedError
+
+    try:
+        fold = breather_threshold(chain, nucleus, Method.ORBIT)
+    except (ParameterError, NotConvergedError):
+        return {}
+    return {"fold": fold.c, "fold_error": fold.error} if chain.c > fold.c + fold.error else {}
 
 
 def _trust(
@@ -264,60 +280,6 @@ def _none(seconds: float, fold: dict[str, object]) -> dict[str, object]:
         "seconds": seconds,
         **fold,
     }
-
-
-def _in_words(found: dict[str, Any]) -> str:
-    if found["status"] == "none":
-        fold = found.get("fold")
-        where = "" if fold is None else f" The branch folds at c = {fold:.10g}."
-        return f"none: there is no such breather at c = {found['c']:g}.{where}"
-    shown = "  ".join(f"{value:.6g}" for value in found["amplitudes"][:8])
-    error = found["error"]
-    lines = [
-        f"{found['status']}: {'stable' if found['stable'] else 'not stable'}"
-        + (f", pattern {found['pattern']}" if found["pattern"] else ""),
-        f"  amplitudes, centre outwards: {shown}",
-        f"  frequency {found['frequency']:.12g}, outward phase step {found['phase_step']:.6f}",
-    ]
-    if found.get("growth") is not None:
-        lines.append(f"  largest growth rate per unit of slow time: {found['growth']:.6g}")
-    if found.get("trivial") is not None:
-        lines.append(f"  trivial exponent or multiplier off by {found['trivial']:.1e}")
-    if found.get("error_unknown"):
-        lines.append(f"  error against the periodic orbit of (8) unknown: {found['error_unknown']}")
-    elif "frequency_error" in found:
-        lines.append(
-            f"  error against the periodic orbit of (8): {error:.1e} of the amplitudes, "
-            f"{found['frequency_error']:.1e} of the frequency"
-        )
-    elif error is not None:
-        lines.append(f"  error {error:.1e}")
-    lines.append(f"  {found['seconds']:.3f} s")
-    return "\n".join(lines)
-
-
-def _table(methods: dict[str, dict[str, Any]]) -> str:
-    """Show the methods side by side."""
-    lines = [
-        f"{'method':12} {'status':9} {'centre':>10} {'neighbour':>10} {'frequency':>12} "
-        f"{'phase step':>10} {'growth':>10} {'error':>8} {'seconds':>8}"
-    ]
-    for name, found in methods.items():
-        cells = [f"{name:12} {found['status']:9}"]
-        if found["status"] == "none":
-            cells.append("" if found.get("fold") is None else f"folds at c = {found['fold']:.8g}")
-        else:
-            centre, neighbour = [*found["amplitudes"], math.nan][:2]
-            growth, error = found["growth"], found["error"]
-            cells += [
-                f"{centre:10.6f} {neighbour:10.6f} {found['frequency']:12.9f}",
-                f"{found['phase_step']:10.6f}",
-                f"{'-' if growth is None else f'{growth:.6f}':>10}",
-                f"{'unknown' if error is None else f'{error:.1e}':>8}",
-                f"{found['seconds']:8.3f}",
-            ]
-        lines.append(" ".join(cells))
-    return "\n".join([*lines, "errors are those of the amplitudes, as a solution of (8)"])
 
 
 METHODS: dict[str, Callable[[VdpChain, Nucleus, argparse.Namespace], dict[str, object]]] = {

@@ -10,6 +10,7 @@ from typing import Any
 from fronts.answer import Answer, UsageError
 from fronts.arguments import given, real, refuse, refuse_other_methods, whole
 from fronts.commands.breather import add_chain_options, add_nucleus_options, nucleus_of
+from fronts.escape_answer import held_answer
 from fronts.friction_options import (
     CELL,
     START,
@@ -50,16 +51,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=["envelope", "orbit", "sweep", "closed-form"],
         help="vdp: envelope: continuation as eps tends to 0; orbit: continuation in (8); sweep: "
-        "slow growth of c from an in-phase start, extrapolated to rate zero; closed-form: (29), "
-        "(37) (envelope)",
+        "slow growth of c from an in-phase start, extrapolated to rate zero, or c held and "
+        "bisected where that has no limit; closed-form: (29), (37) (envelope)",
     )
     parser.add_argument(
         "--perturbation",
         "--perturb",
         type=real,
-        help="vdp: seeded noise on the start of a sweep (0)",
+        help="vdp, sweep: seeded noise on the start; c is then held, not swept (0)",
     )
-    parser.add_argument("--seed", type=whole, help="vdp: seed of the noise (0)")
+    parser.add_argument("--seed", type=whole, help="vdp: first of three seeds of the noise (0)")
     add_cell_options(parser)
     add_start_option(parser)
     parser.add_argument("--n", type=whole, help="friction: number of oscillators (31)")
@@ -152,8 +153,9 @@ _STABILITY = {
 
 def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     from theory.parameters import within
-    from verification.nucleation import Preparation, measure_delay
+    from verification.nucleation import Preparation
     from verification.nucleus import Nucleus, Place
+    from verification.slow_sweep import measure_delay
 
     if options.pattern is not None:
         raise UsageError("--pattern is not for --method sweep: a sweep starts in phase.")
@@ -162,6 +164,8 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     preparation = Preparation(
         options.nucleus, Place(options.place), options.perturbation, options.seed
     )
+    if options.perturbation > 0.0:
+        return held_answer(chain, preparation)
     found = measure_delay(chain, preparation)
     law = found.exponent if math.isfinite(found.exponent) else None
     payload: dict[str, object] = {
@@ -174,15 +178,24 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
         "delay_exponent": law,
         "method": "sweep",
     }
-    lines = [f"escape at c = {found.c_0:.8g}, uncertain by {found.error:.1e}, at rate zero"]
-    lines += [
+    table = [
         f"  dc/dT = {rate:<8.3g} escapes at c = {c:.6f}"
         for rate, c in zip(found.rates, found.escapes, strict=True)
     ]
-    if law is not None:
-        lines.append(f"  the delay grows like rate^{law:.3f}; 2/3 at a fold")
-    lines.append(f"  {found.seconds:.3f} s")
-    return Answer(payload, "\n".join(lines))
+    if law is None:
+        table.append("  the escapes do not fall with the rate")
+    else:
+        table.append(f"  the delay grows like rate^{law:.3f}; 2/3 at a fold")
+    if found.c_0 is None:
+        # What does not escape at a fold has no limit of rate zero that these sweeps could show.
+        held = held_answer(chain, preparation)
+        payload |= {**held.payload, "seconds": found.seconds + float(str(held.payload["seconds"]))}
+        return Answer(
+            payload,
+            "\n".join([held.text, "the sweeps do not follow the law of a fold:", *table]),
+        )
+    lines = [f"escape at c = {found.c_0:.8g}, uncertain by {found.error:.1e}, at rate zero"]
+    return Answer(payload, "\n".join([*lines, *table, f"  {found.seconds:.3f} s"]))
 
 
 def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:

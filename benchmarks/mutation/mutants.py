@@ -11,7 +11,7 @@ from __future__ import annotations
 import ast
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub,
@@ -79,6 +79,15 @@ SETTINGS = frozenset(
 
 SMALLEST, LARGEST = 1e-5, 1e4
 
+STATEMENTS = (ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Return, ast.Expr)
+"""Statements that may hold a formula."""
+
+EQUATIONS = frozenset({"equation", "Eq", "Printed"})
+"""Calls each of which is a formula by itself, within the list that holds it."""
+
+RATIONALS = frozenset({"Rational", "Integer", "mpf", "mpc"})
+"""Calls whose arguments are numbers of a formula."""
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -98,6 +107,11 @@ class Mutant:
         ``before -> after``, with ``#2`` for the second equal change in the function.
     source : str
         The whole module with the change.
+    formula : int
+        Number of the formula in the module: a simple statement, or an equation within one; 0
+        outside any, as in a condition.
+    kind : str
+        ``sign``, ``factor`` or ``index`` (of a subscript, or an exponent); empty for the rest.
     """
 
     module: str
@@ -106,6 +120,8 @@ class Mutant:
     first_line: int
     change: str
     source: str
+    formula: int = 0
+    kind: str = ""
 
     @property
     def name(self) -> str:
@@ -125,56 +141,110 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     tree = ast.parse(source)
     found = []
     seen: Counter[tuple[str, str]] = Counter()
-    for parent, field, index, node, function, first_line in _places(tree):
+    for place in _places(tree, Scope()):
+        node, scope = place.node, place.scope
         changed = _change(node)
         if changed is None:
             continue
         text = f"{_short(node)} -> {_short(changed)}"
-        seen[function, text] += 1
-        if seen[function, text] > 1:
-            text += f" #{seen[function, text]}"
-        _put(parent, field, index, changed)
-        found.append(Mutant(module, function, node.lineno, first_line, text, ast.unparse(tree)))
-        _put(parent, field, index, node)
+        seen[scope.function, text] += 1
+        if seen[scope.function, text] > 1:
+            text += f" #{seen[scope.function, text]}"
+        _put(place, changed)
+        source = ast.unparse(tree)
+        _put(place, node)
+        kind = _kind(place) if scope.formula else ""
+        where = (scope.function, node.lineno, scope.first_line)
+        found.append(Mutant(module, *where, text, source, scope.formula, kind))
     return found
 
 
-def _short(node: ast.expr) -> str:
+@dataclass(frozen=True)
+class Scope:
+    """What surrounds a place: the function, the classes and functions, the formula, an index."""
+
+    function: str = "<module>"
+    first_line: int = 0
+    within: str = ""
+    formula: int = 0
+    index: bool = False
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an expression, or a statement like ``x += 1``, hangs."""
+
+    parent: ast.AST
+    field: str
+    position: int | None
+    node: ast.expr | ast.AugAssign
+    scope: Scope
+
+
+def _short(node: ast.AST) -> str:
     text = " ".join(ast.unparse(node).split())
     return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"
 
 
-def _put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
-    if index is None:
-        setattr(parent, field, node)
+def _put(place: Place, node: ast.AST) -> None:
+    if place.position is None:
+        setattr(place.parent, place.field, node)
     else:
-        getattr(parent, field)[index] = node
+        getattr(place.parent, place.field)[place.position] = node
 
 
-def _places(
-    tree: ast.AST, function: str = "<module>", first_line: int = 0, within: str = ""
-) -> Iterator[tuple[ast.AST, str, int | None, ast.expr, str, int]]:
+def _places(tree: ast.AST, scope: Scope) -> Iterator[Place]:
     """Yield each expression that may be changed, with where it hangs, outermost first."""
     for field, value in ast.iter_fields(tree):
         if _left_alone(tree, field):
             continue
         entries = list(enumerate(value)) if isinstance(value, list) else [(None, value)]
-        for index, node in entries:
+        for position, node in entries:
             if not isinstance(node, ast.AST):
                 continue
-            if isinstance(node, ast.FunctionDef | ast.ClassDef):
-                inner = f"{within}{node.name}"
-                if isinstance(node, ast.ClassDef):
-                    yield from _places(node, function, first_line, f"{inner}.")
-                else:
-                    start = first_line or min(
-                        [node.lineno, *(d.lineno for d in node.decorator_list)]
-                    )
-                    yield from _places(node, inner, start, f"{inner}.")
-                continue
-            if isinstance(node, ast.expr):
-                yield tree, field, index, node, function, first_line
-            yield from _places(node, function, first_line, within)
+            inner = _inner(tree, field, node, scope)
+            if isinstance(node, ast.expr | ast.AugAssign):
+                yield Place(tree, field, position, node, inner)
+            yield from _places(node, inner)
+
+
+def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
+    """Return what surrounds a node and all below it."""
+    if isinstance(node, ast.ClassDef):
+        return replace(scope, within=f"{scope.within}{node.name}.")
+    if isinstance(node, ast.FunctionDef):
+        name = f"{scope.within}{node.name}"
+        start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+        return Scope(name, scope.first_line or start, f"{name}.")
+    if isinstance(node, STATEMENTS) or (
+        isinstance(node, ast.Call) and scope.formula and _called(node) in EQUATIONS
+    ):
+        return replace(scope, formula=10_000 * node.lineno + node.col_offset)
+    if (isinstance(tree, ast.Subscript) and field == "slice") or (
+        isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Pow) and field == "right"
+    ):
+        return replace(scope, index=True)
+    return scope
+
+
+def _kind(place: Place) -> str:
+    node = place.node
+    if place.scope.index and isinstance(node, ast.BinOp | ast.UnaryOp | ast.Constant):
+        return "index"
+    if isinstance(node, ast.BinOp | ast.AugAssign):
+        return "sign" if isinstance(node.op, ast.Add | ast.Sub) else "factor"
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return "sign"
+    if isinstance(node, ast.Call) and _called(node) in NEGATED:
+        return "sign"
+    if isinstance(node, ast.Constant):
+        if isinstance(node.value, complex):
+            return "sign"
+        if isinstance(place.parent, ast.BinOp) or (
+            isinstance(place.parent, ast.Call) and _called(place.parent) in RATIONALS
+        ):
+            return "factor"
+    return ""
 
 
 def _left_alone(tree: ast.AST, field: str) -> bool:
@@ -199,13 +269,15 @@ def _called(node: ast.Call) -> str:
     return node.func.id if isinstance(node.func, ast.Name) else ""
 
 
-def _change(node: ast.expr) -> ast.expr | None:
-    """Return the expression that takes the place of this one."""
-    new: ast.expr | None = None
+def _change(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
+    """Return what takes the place of this expression or statement."""
+    new: ast.expr | ast.AugAssign | None = None
     if "perf_counter()" in ast.unparse(node):
         return None
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS and not _holds_text(node):
         new = ast.BinOp(node.left, OPERATORS[type(node.op)](), node.right)
+    elif isinstance(node, ast.AugAssign) and type(node.op) in OPERATORS:
+        new = ast.AugAssign(node.target, OPERATORS[type(node.op)](), node.value)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not | ast.Invert):
         new = node.operand
     elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in COMPARISONS:

@@ -25,6 +25,8 @@ from typing import Any
 
 ENTERED = "entered_by_a_test"
 LIBRARIES = (
+    "hypothesis.internal.conjecture.engine",
+    "hypothesis.strategies",
     "matplotlib",
     "mpmath",
     "numba",
@@ -127,7 +129,15 @@ def run_tests(request: dict[str, Any], root: str) -> dict[str, Any]:
 
     picked = Picked(request.get("tests"))
     plugins: list[Any] = [picked]
-    options = ["-q", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler"]
+    options = [
+        "-q",
+        "--no-header",
+        "--assert=plain",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:faulthandler",
+    ]
     recorder = None
     if request.get("record"):
         recorder = Recorder(root)

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+
+from benchmarks.mutation.places import Place, Scope, called, places_of
 
 OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub,
@@ -55,35 +56,7 @@ NEGATED = frozenset({"exp", "expm1", "expj"})
 DROPPED = frozenset({"conj", "conjugate", "abs", "sqrt", "log", "log1p", "arcsinh", "asinh"})
 """Functions that are replaced by their argument."""
 
-UNCHANGED_CALLS = frozenset(
-    {
-        "within",
-        "count_within",
-        "positive",
-        "checked_eta",
-        "ParameterError",
-        "PrecisionError",
-        "range",
-        "lru_cache",
-        "dataclass",
-        "errstate",
-        "catch_warnings",
-    }
-)
-"""Calls that hold checks, messages and limits of loops."""
-
-SETTINGS = frozenset(
-    {"rtol", "atol", "xtol", "tol", "limit", "maxsize", "order", "digits", "maxiter", "options"}
-)
-"""Keyword arguments that tune a method."""
-
 SMALLEST, LARGEST = 1e-5, 1e4
-
-STATEMENTS = (ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Return, ast.Expr)
-"""Statements that may hold a formula."""
-
-EQUATIONS = frozenset({"equation", "Eq", "Printed"})
-"""Calls each of which is a formula by itself, within the list that holds it."""
 
 RATIONALS = frozenset({"Rational", "Integer", "mpf", "mpc"})
 """Calls whose arguments are numbers of a formula."""
@@ -141,7 +114,7 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     tree = ast.parse(source)
     found = []
     seen: Counter[tuple[str, str]] = Counter()
-    for place in _places(tree, Scope()):
+    for place in places_of(tree, Scope()):
         node, scope = place.node, place.scope
         changed = _change(node)
         if changed is None:
@@ -159,28 +132,6 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     return found
 
 
-@dataclass(frozen=True)
-class Scope:
-    """What surrounds a place: the function, the classes and functions, the formula, an index."""
-
-    function: str = "<module>"
-    first_line: int = 0
-    within: str = ""
-    formula: int = 0
-    index: bool = False
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where an expression, or a statement like ``x += 1``, hangs."""
-
-    parent: ast.AST
-    field: str
-    position: int | None
-    node: ast.expr | ast.AugAssign
-    scope: Scope
-
-
 def _short(node: ast.AST) -> str:
     text = " ".join(ast.unparse(node).split())
     return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"
@@ -193,40 +144,6 @@ def _put(place: Place, node: ast.AST) -> None:
         getattr(place.parent, place.field)[place.position] = node
 
 
-def _places(tree: ast.AST, scope: Scope) -> Iterator[Place]:
-    """Yield each expression that may be changed, with where it hangs, outermost first."""
-    for field, value in ast.iter_fields(tree):
-        if _left_alone(tree, field):
-            continue
-        entries = list(enumerate(value)) if isinstance(value, list) else [(None, value)]
-        for position, node in entries:
-            if not isinstance(node, ast.AST):
-                continue
-            inner = _inner(tree, field, node, scope)
-            if isinstance(node, ast.expr | ast.AugAssign):
-                yield Place(tree, field, position, node, inner)
-            yield from _places(node, inner)
-
-
-def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
-    """Return what surrounds a node and all below it."""
-    if isinstance(node, ast.ClassDef):
-        return replace(scope, within=f"{scope.within}{node.name}.")
-    if isinstance(node, ast.FunctionDef):
-        name = f"{scope.within}{node.name}"
-        start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-        return Scope(name, scope.first_line or start, f"{name}.")
-    if isinstance(node, STATEMENTS) or (
-        isinstance(node, ast.Call) and scope.formula and _called(node) in EQUATIONS
-    ):
-        return replace(scope, formula=10_000 * node.lineno + node.col_offset)
-    if (isinstance(tree, ast.Subscript) and field == "slice") or (
-        isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Pow) and field == "right"
-    ):
-        return replace(scope, index=True)
-    return scope
-
-
 def _kind(place: Place) -> str:
     node = place.node
     if place.scope.index and isinstance(node, ast.BinOp | ast.UnaryOp | ast.Constant):
@@ -235,38 +152,16 @@ def _kind(place: Place) -> str:
         return "sign" if isinstance(node.op, ast.Add | ast.Sub) else "factor"
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         return "sign"
-    if isinstance(node, ast.Call) and _called(node) in NEGATED:
+    if isinstance(node, ast.Call) and called(node) in NEGATED:
         return "sign"
     if isinstance(node, ast.Constant):
         if isinstance(node.value, complex):
             return "sign"
         if isinstance(place.parent, ast.BinOp) or (
-            isinstance(place.parent, ast.Call) and _called(place.parent) in RATIONALS
+            isinstance(place.parent, ast.Call) and called(place.parent) in RATIONALS
         ):
             return "factor"
     return ""
-
-
-def _left_alone(tree: ast.AST, field: str) -> bool:
-    if isinstance(tree, ast.Raise | ast.Assert | ast.JoinedStr | ast.Import | ast.ImportFrom):
-        return True
-    if isinstance(tree, ast.FunctionDef):
-        return field != "body"
-    if isinstance(tree, ast.AnnAssign):
-        return field != "value"
-    if isinstance(tree, ast.ClassDef):
-        return field != "body"
-    if isinstance(tree, ast.keyword):
-        return tree.arg in SETTINGS
-    if isinstance(tree, ast.Call):
-        return _called(tree) in UNCHANGED_CALLS
-    return False
-
-
-def _called(node: ast.Call) -> str:
-    if isinstance(node.func, ast.Attribute):
-        return node.func.attr
-    return node.func.id if isinstance(node.func, ast.Name) else ""
 
 
 def _change(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
@@ -307,7 +202,7 @@ def _other_number(value: object) -> ast.expr | None:
 
 
 def _other_call(node: ast.Call) -> ast.expr | None:
-    name = _called(node)
+    name = called(node)
     if name in FUNCTIONS:
         if isinstance(node.func, ast.Attribute):
             func: ast.expr = ast.Attribute(node.func.value, FUNCTIONS[name], ast.Load())

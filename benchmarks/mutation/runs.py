@@ -190,7 +190,9 @@ class Runs:
         found: dict[str, str] = {}
         for mutant in mutants:
             row = self._kept.get(mutant.name)
-            if row is not None and row["key"] == self._key(mutant, row["status"], row["by"]):
+            if row is None or (row["left_out"] and row.get("asked", 0.0) < self._seconds):
+                continue  # with more time there are more tests to ask
+            if row["key"] == self._key(mutant, row["status"], row["by"]):
                 found[mutant.name] = row["status"]
         rest = [mutant for mutant in mutants if mutant.name not in found]
         self._tell(f"{len(mutants)} changes, {len(found)} of them known")
@@ -282,7 +284,8 @@ class Runs:
             "status": status,
             "by": by,
             "tests": len(picked),
-            "left_out": len(tests) - len(picked),
+            "left_out": 0 if status == "killed" else len(tests) - len(picked),
+            "asked": self._seconds,
             "seconds": round(seconds, 3),
             "key": self._key(mutant, status, by),
         }

@@ -34,7 +34,10 @@ COPIED = (
     "Makefile",
 )
 QUICK_FILE = 0.8
-"""Seconds to import a test file, up to which it is tried in the first round."""
+"""Seconds to import a test file and set it up, up to which it is tried in the first round."""
+
+MOST_KNOWN = 3
+"""Tests that noticed the last changes of a function or its module, asked before all others."""
 
 
 class Workers:
@@ -248,17 +251,15 @@ class Runs:
         tests = self._tests(mutant)
         place = f"{mutant.module}:{mutant.first_line}"
         with self._lock:
-            first = [test for test in self._killers[place] if test in tests]
-        order = first + [test for test in tests if test not in first]
-        spent = 0.0
-        picked: list[str] = []
-        for test in order:
-            spent += self._survey.seconds[test]
-            if spent <= self._seconds or not picked:
-                picked.append(test)
-        quick = [t for t in picked if self._collecting(t) <= QUICK_FILE]
+            known = [test for test in self._killers[place] if test in tests]
+            known += [test for test in self._killers[mutant.module] if test in tests]
+        first = list(dict.fromkeys(known))[:MOST_KNOWN]
+        picked = self._within_time(first, tests)
+        rounds = [first, [], []]
+        for test in picked[len(first) :]:
+            rounds[1 if self._collecting(test) <= QUICK_FILE else 2].append(test)
         status, by, seconds = "survived", None, 0.0
-        for round_ in (quick, [test for test in picked if test not in set(quick)]):
+        for round_ in rounds:
             if not round_ or status == "killed":
                 continue
             files = list(dict.fromkeys(test.split("::", maxsplit=1)[0] for test in round_))
@@ -277,8 +278,8 @@ class Runs:
             seconds += answer["seconds"]
         if status == "killed" and by in self._survey.seconds:
             with self._lock:
-                known = self._killers[place]
-                known[:] = [by, *(test for test in known if test != by)][:5]
+                for at in (place, mutant.module):
+                    self._killers[at] = [by, *(t for t in self._killers[at] if t != by)][:5]
         return {
             "name": mutant.name,
             "status": status,
@@ -289,6 +290,23 @@ class Runs:
             "seconds": round(seconds, 3),
             "key": self._key(mutant, status, by),
         }
+
+    def _within_time(self, first: list[str], tests: list[str]) -> list[str]:
+        """Return the tests that noticed other changes here, then more as the time allows."""
+        spent = 0.0
+        picked: list[str] = list(first)
+        files = {test.split("::", maxsplit=1)[0] for test in first}
+        for test in sorted(
+            tests, key=lambda test: self._survey.seconds[test] + self._collecting(test)
+        ):
+            file = test.split("::", maxsplit=1)[0]
+            more = took[test]
+            more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)
+            if test not in first and spent + more <= self._seconds:
+                spent += more
+                files.add(file)
+                picked.append(test)
+        return picked or tests[:1]
 
     def _collecting(self, test: str) -> float:
         return self._survey.collecting[test.split("::", maxsplit=1)[0]]

@@ -73,7 +73,6 @@ class Recorder:
         self.entered: dict[str, list[str]] = {}
         self.shared: set[str] = set()
         self._now: set[str] = set()
-        self._spent: dict[str, float] = {}
         builtins.__dict__[ENTERED] = self._now.add
         compiled = SourceFileLoader.source_to_code
         SourceFileLoader.source_to_code = self._named(compiled)  # type: ignore[method-assign]
@@ -93,14 +92,12 @@ class Recorder:
         return source_to_code
 
     def pytest_runtest_logreport(self, report: Any) -> None:
-        spent = self._spent.get(report.nodeid, 0.0) + report.duration
-        self._spent[report.nodeid] = spent
         if report.when == "setup":  # and everything since: what fixtures compute is for all
             self.shared |= self._now
         elif report.when == "call":
             self.entered[report.nodeid] = sorted(self._now)
-            if report.passed:
-                self.passed[report.nodeid] = spent
+            if report.passed:  # what a fixture takes counts as time of the file
+                self.passed[report.nodeid] = report.duration
         self._now.clear()
 
     def pytest_runtest_setup(self) -> None:

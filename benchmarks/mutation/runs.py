@@ -296,9 +296,8 @@ class Runs:
         spent = 0.0
         picked: list[str] = list(first)
         files = {test.split("::", maxsplit=1)[0] for test in first}
-        for test in sorted(
-            tests, key=lambda test: self._survey.seconds[test] + self._collecting(test)
-        ):
+        took = self._survey.seconds
+        for test in sorted(tests, key=lambda test: took[test] + self._collecting(test)):
             file = test.split("::", maxsplit=1)[0]
             more = took[test]
             more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)

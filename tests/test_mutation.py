@@ -59,13 +59,14 @@ def f(x, y):
         return x[0]
     total = 2 * x[1] - y**3
     total -= np.exp(x / 4)
+    y = rng.uniform(-1 + x, 2 * x)
     return max(x, y)
 """
 
 
 def test_of_each_formula_one_sign_one_factor_one_index() -> None:
     # By hand: -3; y[2], +, *, 2; then 2 * x[1] - y**3; then -= or exp(-), /, 4. The condition, the
-    # bare index and the bare function are no formulas.
+    # bare index, the random range and the bare function are no formulas.
     chosen = one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
     kinds: dict[int, list[str]] = {}
     for mutant in chosen:

@@ -1,8 +1,8 @@
 """A selection that is complete by formula: one sign, one factor and one index of each.
 
 A formula is a simple statement that adds, subtracts, multiplies, divides or raises to a power, or
-an equation in a list of them. Conditions, comparisons, functions and indices that stand alone are
-left to the whole list.
+an equation in a list of them. Conditions, comparisons, functions, indices that stand alone and
+the ranges of random points are left to the whole list.
 """
 
 from __future__ import annotations

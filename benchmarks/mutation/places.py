@@ -35,6 +35,10 @@ EQUATIONS = frozenset({"equation", "Eq", "Printed"})
 """Calls each of which is a formula by itself, within the list that holds it."""
 
 
+DRAWS = frozenset({"uniform", "choice", "randint", "sample", "gauss"})
+"""Calls that choose where something is tried: no formula, whatever the numbers."""
+
+
 @dataclass(frozen=True)
 class Scope:
     """What surrounds a place: the function, the classes and functions, the formula, an index."""
@@ -84,6 +88,8 @@ def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
         isinstance(node, ast.Call) and scope.formula and called(node) in EQUATIONS
     ):
         return replace(scope, formula=10_000 * node.lineno + node.col_offset)
+    if isinstance(tree, ast.Call) and called(tree) in DRAWS:
+        return replace(scope, formula=0)
     if (isinstance(tree, ast.Subscript) and field == "slice") or (
         isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Pow) and field == "right"
     ):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mutation.explained import Explained, matches, read_explained, stale_entries
-from benchmarks.mutation.formulas import one_of_each_kind
+from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import mutants_of
 from benchmarks.mutation.outcome import write_record
 from benchmarks.mutation.survey import closure
@@ -81,6 +81,13 @@ def test_of_each_formula_one_sign_one_factor_one_index() -> None:
         for seed in range(8)
     }
     assert len(seeds) > 1
+
+
+def test_of_each_formula_one_change() -> None:
+    of_each_kind = one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
+    chosen = one_of_each(mutants_of("m.py", FORMULAS), 0)
+    assert [m.formula for m in chosen] == list(dict.fromkeys(m.formula for m in of_each_kind))
+    assert {m.name for m in chosen} < {m.name for m in of_each_kind}
 
 
 def test_the_record_counts_what_was_run(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.mutation.explained import read_explained, stale_entries
-from benchmarks.mutation.formulas import one_of_each_kind
+from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import Mutant, mutants_of
 from benchmarks.mutation.outcome import write_record
 from benchmarks.mutation.runs import Runs, Workers
@@ -20,7 +20,7 @@ from benchmarks.mutation.runs import Runs, Workers
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
-  python -m benchmarks.mutation theory derivations --formulas  a sign, a factor, an index of each
+  python -m benchmarks.mutation theory --formulas one          a sign, factor or index of each formula
   python -m benchmarks.mutation theory --part 0.2 --seed 3     one in five, chosen at random
   python -m benchmarks.mutation theory/limits.py --list        the changes, nothing run
 
@@ -47,8 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument(
         "--formulas",
-        action="store_true",
-        help="of each formula one sign, one factor and one index, where it has them",
+        choices=("one", "kinds"),
+        help="of each formula one sign, factor or index; or one of each kind that it has",
     )
     parser.add_argument("--seed", type=int, default=0, help="chooses the part, and within formulas")
     parser.add_argument("--function", help="only functions whose qualified name begins so")
@@ -71,7 +71,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
         return 2
     if options.formulas:
-        mutants = one_of_each_kind(mutants, options.seed)
+        select = one_of_each if options.formulas == "one" else one_of_each_kind
+        mutants = select(mutants, options.seed)
     if options.list:
         print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
         return 0

@@ -1,4 +1,4 @@
-"""A selection that is complete by formula: one sign, one factor and one index of each.
+"""A selection that is complete by formula: a sign, a factor or an index of each, or all three.
 
 A formula is a simple statement that adds, subtracts, multiplies, divides or raises to a power, or
 an equation in a list of them. Conditions, comparisons, functions, indices that stand alone and
@@ -44,4 +44,16 @@ def one_of_each_kind(mutants: Iterable[Mutant], seed: int) -> list[Mutant]:
             possible = [mutant for mutant in changes if mutant.kind == kind]
             if possible:
                 picked.append(chance.choice(possible))
+    return picked
+
+
+def one_of_each(mutants: Iterable[Mutant], seed: int) -> list[Mutant]:
+    """Return for each formula one change: of a sign, of a factor or of an index."""
+    by_formula: dict[tuple[str, int], list[Mutant]] = {}
+    for mutant in one_of_each_kind(mutants, seed):
+        by_formula.setdefault((mutant.module, mutant.formula), []).append(mutant)
+    picked = []
+    for changes in by_formula.values():
+        names = "\n".join(mutant.name for mutant in changes)
+        picked.append(random.Random(f"{seed}:{names}").choice(changes))
     return picked

@@ -297,7 +297,12 @@ class Runs:
         picked: list[str] = list(first)
         files = {test.split("::", maxsplit=1)[0] for test in first}
         took = self._survey.seconds
-        for test in sorted(tests, key=lambda test: took[test] + self._collecting(test)):
+
+        def remoteness(test: str) -> float:
+            # A test that enters few functions is about them.
+            return (took[test] + self._collecting(test)) * self._survey.breadth[test]
+
+        for test in sorted(tests, key=remoteness):
             file = test.split("::", maxsplit=1)[0]
             more = took[test]
             more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)

@@ -20,7 +20,7 @@ from benchmarks.mutation.runs import Runs, Workers
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
-  python -m benchmarks.mutation theory --formulas one          a sign, factor or index of each formula
+  python -m benchmarks.mutation theory --formulas one    a sign, factor or index of each formula
   python -m benchmarks.mutation theory --part 0.2 --seed 3     one in five, chosen at random
   python -m benchmarks.mutation theory/limits.py --list        the changes, nothing run
 

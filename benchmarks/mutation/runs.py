@@ -271,7 +271,7 @@ class Runs:
                     "tests": round_,
                     "module": mutant.module,
                     "source": mutant.source,
-                    "timeout": 10.0 + 4.0 * usual,
+                    "timeout": 6.0 + 4.0 * usual,
                 }
             )
             status, by = answer["status"], answer["by"]

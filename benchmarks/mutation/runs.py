@@ -198,6 +198,11 @@ class Runs:
             if row["key"] == self._key(mutant, row["status"], row["by"]):
                 found[mutant.name] = row["status"]
         rest = [mutant for mutant in mutants if mutant.name not in found]
+        first_lines = {(mutant.module, mutant.function): mutant.first_line for mutant in mutants}
+        for row in self._kept.values():
+            module, function = row["name"].split(":")[:2]
+            if row["by"] in self._survey.seconds and (module, function) in first_lines:
+                self._learn(module, first_lines[module, function], row["by"])
         self._tell(f"{len(mutants)} changes, {len(found)} of them known")
         left = iter(rest)
         begin = time.monotonic()
@@ -276,10 +281,9 @@ class Runs:
             )
             status, by = answer["status"], answer["by"]
             seconds += answer["seconds"]
-        if status == "killed" and by in self._survey.seconds:
+        if by in self._survey.seconds:
             with self._lock:
-                for at in (place, mutant.module):
-                    self._killers[at] = [by, *(t for t in self._killers[at] if t != by)][:5]
+                self._learn(mutant.module, mutant.first_line, str(by))
         return {
             "name": mutant.name,
             "status": status,
@@ -291,18 +295,17 @@ class Runs:
             "key": self._key(mutant, status, by),
         }
 
+    def _learn(self, module: str, first_line: int, test: str) -> None:
+        for place in (f"{module}:{first_line}", module):
+            self._killers[place] = [test, *(t for t in self._killers[place] if t != test)][:5]
+
     def _within_time(self, first: list[str], tests: list[str]) -> list[str]:
         """Return the tests that noticed other changes here, then more as the time allows."""
         spent = 0.0
         picked: list[str] = list(first)
         files = {test.split("::", maxsplit=1)[0] for test in first}
         took = self._survey.seconds
-
-        def remoteness(test: str) -> float:
-            # A test that enters few functions is about them.
-            return (took[test] + self._collecting(test)) * self._survey.breadth[test]
-
-        for test in sorted(tests, key=remoteness):
+        for test in sorted(tests, key=lambda test: took[test] + self._collecting(test)):
             file = test.split("::", maxsplit=1)[0]
             more = took[test]
             more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)

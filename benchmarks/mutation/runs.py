@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -162,6 +162,7 @@ class Runs:
                     continue  # the last line of a run that was killed
         self._survey = survey(root, work, modules, self._ask_all, self._tell)
         self._killers: dict[str, list[str]] = defaultdict(list)
+        self._noticed: Counter[str] = Counter()
         self._importing = {file: closure(root, file) for file in test_files(root)}
 
     def _tell(self, text: str) -> None:
@@ -296,6 +297,7 @@ class Runs:
         }
 
     def _learn(self, module: str, first_line: int, test: str) -> None:
+        self._noticed[test] += 1
         for place in (f"{module}:{first_line}", module):
             self._killers[place] = [test, *(t for t in self._killers[place] if t != test)][:5]
 
@@ -305,7 +307,11 @@ class Runs:
         picked: list[str] = list(first)
         files = {test.split("::", maxsplit=1)[0] for test in first}
         took = self._survey.seconds
-        for test in sorted(tests, key=lambda test: took[test] + self._collecting(test)):
+
+        def dearness(test: str) -> float:
+            return (took[test] + self._collecting(test)) / (1.0 + self._noticed[test])
+
+        for test in sorted(tests, key=dearness):
             file = test.split("::", maxsplit=1)[0]
             more = took[test]
             more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)

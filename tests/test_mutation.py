@@ -83,6 +83,29 @@ def test_of_each_formula_one_sign_one_factor_one_index() -> None:
     assert len(seeds) > 1
 
 
+def test_functions_that_state_an_equation_are_known() -> None:
+    source = '''
+def named(x):
+    """Return L(k) of (50)."""
+    return 2 * x
+def written(x):
+    """Return v = c + s of the front."""
+    def inner(y):
+        return y + x
+    return inner
+def plain(x):
+    """Return the points.
+
+    Examples
+    --------
+    >>> y = plain(3)
+    """
+    return 3 * x
+'''
+    stated = {m.function for m in mutants_of("m.py", source) if m.stated}
+    assert stated == {"named", "written.inner"}
+
+
 def test_of_each_formula_one_change() -> None:
     of_each_kind = one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
     chosen = one_of_each(mutants_of("m.py", FORMULAS), 0)

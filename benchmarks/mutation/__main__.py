@@ -50,6 +50,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         choices=("one", "kinds"),
         help="of each formula one sign, factor or index; or one of each kind that it has",
     )
+    parser.add_argument(
+        "--stated",
+        action="store_true",
+        help="only in functions whose docstring states an equation or its number",
+    )
     parser.add_argument("--seed", type=int, default=0, help="chooses the part, and within formulas")
     parser.add_argument("--function", help="only functions whose qualified name begins so")
     parser.add_argument("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
@@ -70,6 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
         return 2
+    if options.stated:
+        mutants = [mutant for mutant in mutants if mutant.stated]
     if options.formulas:
         select = one_of_each if options.formulas == "one" else one_of_each_kind
         mutants = select(mutants, options.seed)
@@ -94,6 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         write_record(options.record, ROOT, command_line(arguments), mutants, found, reasons)
     # Of a selection only those explanations can be judged that are about its changes.
     whole = options.part == 1.0 and not options.function and not options.formulas
+    whole = whole and not options.stated
     stale = stale_entries(explained, mutants, found) if whole and len(found) == len(mutants) else []
     for entry in stale:
         print(f"NO LONGER NEEDED {entry}")

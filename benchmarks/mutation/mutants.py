@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 
 from benchmarks.mutation.places import Place, Scope, called, places_of
 
@@ -78,13 +80,16 @@ class Mutant:
         Line of the outermost ``def`` or decorator of the function; 0 outside any.
     change : str
         ``before -> after``, with ``#2`` for the second equal change in the function.
-    source : str
-        The whole module with the change.
+    render : callable
+        Writes ``source``, the whole module with the change.
     formula : int
         Number of the formula in the module: a simple statement, or an equation within one; 0
         outside any, as in a condition.
     kind : str
         ``sign``, ``factor`` or ``index`` (of a subscript, or an exponent); empty for the rest.
+    stated : bool
+        Whether the docstring of the function or its class states an equation, or names one by its
+        number.
     """
 
     module: str
@@ -92,9 +97,15 @@ class Mutant:
     line: int
     first_line: int
     change: str
-    source: str
+    render: Callable[[], str] = field(repr=False, compare=False)
     formula: int = 0
     kind: str = ""
+    stated: bool = False
+
+    @cached_property
+    def source(self) -> str:
+        """The whole module with the change."""
+        return self.render()
 
     @property
     def name(self) -> str:
@@ -123,13 +134,18 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
         seen[scope.function, text] += 1
         if seen[scope.function, text] > 1:
             text += f" #{seen[scope.function, text]}"
-        _put(place, changed)
-        source = ast.unparse(tree)
-        _put(place, node)
         kind = _kind(place) if scope.formula else ""
         where = (scope.function, node.lineno, scope.first_line)
-        found.append(Mutant(module, *where, text, source, scope.formula, kind))
+        write = partial(_rendered, tree, place, changed)
+        found.append(Mutant(module, *where, text, write, scope.formula, kind, scope.stated))
     return found
+
+
+def _rendered(tree: ast.AST, place: Place, changed: ast.AST) -> str:
+    _put(place, changed)
+    source = ast.unparse(tree)
+    _put(place, place.node)
+    return source
 
 
 def _short(node: ast.AST) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -41,13 +42,17 @@ DRAWS = frozenset({"uniform", "choice", "randint", "sample", "gauss"})
 
 @dataclass(frozen=True)
 class Scope:
-    """What surrounds a place: the function, the classes and functions, the formula, an index."""
+    """What surrounds a place: the function, the classes and functions, the formula, an index.
+
+    ``stated``: a docstring around it states an equation.
+    """
 
     function: str = "<module>"
     first_line: int = 0
     within: str = ""
     formula: int = 0
     index: bool = False
+    stated: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,11 +84,13 @@ def places_of(tree: ast.AST, scope: Scope) -> Iterator[Place]:
 def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
     """Return what surrounds a node and all below it."""
     if isinstance(node, ast.ClassDef):
-        return replace(scope, within=f"{scope.within}{node.name}.")
+        stated = scope.stated or _states(node)
+        return replace(scope, within=f"{scope.within}{node.name}.", stated=stated)
     if isinstance(node, ast.FunctionDef):
         name = f"{scope.within}{node.name}"
         start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-        return Scope(name, scope.first_line or start, f"{name}.")
+        stated = scope.stated or _states(node)
+        return Scope(name, scope.first_line or start, f"{name}.", stated=stated)
     if isinstance(node, STATEMENTS) or (
         isinstance(node, ast.Call) and scope.formula and called(node) in EQUATIONS
     ):
@@ -95,6 +102,13 @@ def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
     ):
         return replace(scope, index=True)
     return scope
+
+
+def _states(node: ast.FunctionDef | ast.ClassDef) -> bool:
+    """Tell whether the docstring states an equation before its sections, or names one."""
+    words = (ast.get_docstring(node) or "").split("Examples\n")[0]
+    prose = words.split("Parameters\n")[0].split("Attributes\n")[0]
+    return bool(re.search(r"\(\d\d?\)|Eqs?\. ?\(?\d", words) or re.search(r"\S = \S", prose))
 
 
 def _left_alone(tree: ast.AST, field: str) -> bool:

@@ -36,7 +36,7 @@ EQUATIONS = frozenset({"equation", "Eq", "Printed"})
 """Calls each of which is a formula by itself, within the list that holds it."""
 
 
-DRAWS = frozenset({"uniform", "choice", "randint", "sample", "gauss"})
+DRAWS = frozenset({"uniform", "choice", "randint", "randrange", "sample", "gauss"})
 """Calls that choose where something is tried: no formula, whatever the numbers."""
 
 

@@ -1,14 +1,16 @@
 """Checks that accept a range, or that no printed formula exercises whole, at their edges."""
 
 import math
+import re
 
 import pytest
 import sympy as sp
 
-from derivations import friction
+from derivations import friction, linearisation
 from derivations.cell import derive
 from derivations.derivation import equation
 from derivations.envelope import derive_envelope
+from derivations.errors import DerivationInputError
 
 
 @pytest.mark.parametrize(("share", "holds"), [(1.01, True), (0.99, False)])
@@ -32,3 +34,21 @@ def test_a_cell_with_letters_and_another_damping_at_rest():
     given = {"a": 11, "b": 1}
     found = ratio.subs({symbol: given[symbol.name] for symbol in ratio.free_symbols})
     assert float(found) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("columns", [1, 2])
+def test_the_first_wrong_entry_of_a_matrix_is_named(columns):
+    make = linearisation.vector_field if columns == 1 else linearisation.jacobian
+    name = linearisation.field_name if columns == 1 else linearisation.jacobian_name
+    right = sp.Matrix(make(3))
+    check = linearisation.matrix_check("ring", columns)
+    assert check(equation(name, sp.ImmutableMatrix(right))).holds
+    right[4, columns - 1] += 1
+    found = check(equation(name, sp.ImmutableMatrix(right)))
+    assert not found.holds
+    assert found.statement == f"1 entries differ, the first at (5, {columns})"
+
+
+def test_a_refusal_shows_the_damping_as_it_was_read():
+    with pytest.raises(DerivationInputError, match=re.escape("2*y**3 + 1")):
+        derive_envelope("1 + 2*y**3")

@@ -309,7 +309,9 @@ class Runs:
         took = self._survey.seconds
 
         def dearness(test: str) -> float:
-            return (took[test] + self._collecting(test)) / (1.0 + self._noticed[test])
+            # A test that enters few functions is about them.
+            spent = (took[test] + self._collecting(test)) * self._survey.breadth[test]
+            return spent / (1.0 + self._noticed[test])
 
         for test in sorted(tests, key=dearness):
             file = test.split("::", maxsplit=1)[0]

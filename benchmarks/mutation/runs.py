@@ -36,6 +36,9 @@ COPIED = (
 QUICK_FILE = 0.8
 """Seconds to import a test file and set it up, up to which it is tried in the first round."""
 
+FEW = 4
+"""Functions that a test enters, up to which it is asked before those that enter more."""
+
 MOST_KNOWN = 3
 """Tests that noticed the last changes of a function or its module, asked before all others."""
 
@@ -308,10 +311,11 @@ class Runs:
         files = {test.split("::", maxsplit=1)[0] for test in first}
         took = self._survey.seconds
 
-        def dearness(test: str) -> float:
+        def dearness(test: str) -> tuple[bool, float]:
             # A test that enters few functions is about them.
-            spent = (took[test] + self._collecting(test)) * self._survey.breadth[test]
-            return spent / (1.0 + self._noticed[test])
+            breadth = self._survey.breadth[test]
+            spent = (took[test] + self._collecting(test)) * breadth
+            return breadth > FEW, spent / (1.0 + self._noticed[test])
 
         for test in sorted(tests, key=dearness):
             file = test.split("::", maxsplit=1)[0]

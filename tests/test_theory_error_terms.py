@@ -39,14 +39,14 @@ def test_rounding_grows_with_the_phase_that_is_lost() -> None:
     v, c = np.array([0.01, 4.0]), np.array([1.0, 60.0])
     small, large = rounding_bound(np.array([1.0, 1.0]), v, c)
     unit = 16 * np.finfo(float).eps
-    assert small == pytest.approx(unit, rel=1e-12)
-    assert large == pytest.approx(unit * (1 + math.exp(-1 / 8) * 4), rel=1e-12)
+    assert small == pytest.approx(unit, rel=1e-12, abs=0)
+    assert large == pytest.approx(unit * (1 + math.exp(-1 / 8) * 4), rel=1e-12, abs=0)
 
 
 def test_near_the_static_limit_the_distance_to_it_is_an_error() -> None:
     found = precise_sum_by_integral("0.012", "0.5", 12)
     assert found.method == "static limit"
-    assert found.error == pytest.approx(static_sum_distance(0.012, 0.5) + 1e-14, rel=1e-12)
+    assert found.error == pytest.approx(static_sum_distance(0.012, 0.5) + 1e-14, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize(("v", "c", "few"), [("0.3", "0.5", True), ("6", "40", False)])
@@ -74,7 +74,7 @@ def test_the_series_adds_the_rounding_and_what_both_tails_leave(monkeypatch) -> 
     monkeypatch.setattr(sum_series, "tail_sum", lambda *_: (mp.mpc(0), next(missed)))
     monkeypatch.setattr(sum_series, "_kept_labels", lambda *_: (-3, 8))
     found = sum_by_roots(0.3, 0.5)
-    assert found.error == pytest.approx(1.7e-16, rel=1e-12)
+    assert found.error == pytest.approx(1.7e-16, rel=1e-12, abs=0)
     assert found.terms == 12
 
 

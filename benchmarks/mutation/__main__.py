@@ -109,11 +109,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def command_line(arguments: Sequence[str] | None) -> str:
-    """Return the command as typed, without the folder for copies."""
+    """Return the command as typed, without the places of copies and record."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    while "--work" in words:
-        place = words.index("--work")
-        del words[place : place + 2]
+    for option in ("--work", "--record"):
+        if option in words:
+            place = words.index(option)
+            del words[place : place + 2]
     return " ".join(["python -m benchmarks.mutation", *words])
 
 

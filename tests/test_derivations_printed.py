@@ -1,6 +1,7 @@
 """The verdict on each printed equation is what its check finds."""
 
 import json
+from functools import lru_cache
 
 import pytest
 import sympy as sp
@@ -19,9 +20,36 @@ ASSUMPTIONS = {9, 12, 17, 27, 47}
 DEFINITIONS = {1, 3, 7, 8, 13, 22, 31, 39, 46, 52}
 
 
+@lru_cache(maxsize=8)
+def report_of(key):
+    return printed.report((key,))
+
+
 @pytest.fixture(scope="module")
 def report():
-    return printed.report()
+    parts = [report_of(key) for key in catalogue.NUMBERED]
+    judgements = sorted((j for part in parts for j in part.judgements), key=number_of)
+    failures = tuple(text for part in parts for text in part.failures)
+    return printed.Report(tuple(judgements), failures, sum(part.seconds for part in parts))
+
+
+def number_of(judgement):
+    return judgement.printed.number
+
+
+@pytest.mark.parametrize("key", catalogue.NUMBERED)
+def test_every_step_and_every_verdict_of_a_derivation_is_confirmed(key):
+    report = report_of(key)
+    assert report.failures == ()
+    first, last = map(int, catalogue.LISTING[key][2].split("-"))
+    assert [number_of(found) for found in report.judgements] == list(range(first, last + 1))
+
+
+@pytest.mark.parametrize(("key", "order"), [("averaging", 2), ("second-order", 1)])
+def test_every_step_beyond_the_first_order_holds(key, order):
+    derivation = catalogue.load(key, order)
+    assert len(derivation.verify()) == len(derivation.steps)
+    assert order == 1 or len(derivation.steps) > len(catalogue.load(key).steps)
 
 
 def test_every_number_has_one_confirmed_verdict(report):

@@ -12,19 +12,23 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.mutation.explained import read_explained, stale_entries
+from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import Mutant, mutants_of
+from benchmarks.mutation.outcome import write_record
 from benchmarks.mutation.runs import Runs, Workers
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
+  python -m benchmarks.mutation theory --formulas one    a sign, factor or index of each formula
   python -m benchmarks.mutation theory --part 0.2 --seed 3     one in five, chosen at random
   python -m benchmarks.mutation theory/limits.py --list        the changes, nothing run
 
 Nothing in the working tree is touched: tests run in copies of it in --work. Results are kept there
-by the text of what was changed, so that a run that was stopped goes on where it was. Exit code 1:
-a change that no test notices is not explained in benchmarks/mutation/explained.toml, or an
-explanation there is no longer needed."""
+by the text of what was changed, so that a run that was stopped goes on where it was. --record
+writes the counts and every change that went unnoticed to a file. Exit code 1: a change that no test
+notices is not explained in benchmarks/mutation/explained.toml, or an explanation there is no longer
+needed; the latter is judged when every change of a module was run."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,7 +45,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--part", type=float, default=1.0, help="of each module's changes (default 1)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="chooses the part")
+    parser.add_argument(
+        "--formulas",
+        choices=("one", "kinds"),
+        help="of each formula one sign, factor or index; or one of each kind that it has",
+    )
+    parser.add_argument(
+        "--stated",
+        action="store_true",
+        help="only in functions whose docstring states an equation or its number",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="chooses the part, and within formulas")
     parser.add_argument("--function", help="only functions whose qualified name begins so")
     parser.add_argument("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
     parser.add_argument(
@@ -54,12 +68,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--list", action="store_true", help="list the changes, run nothing")
     parser.add_argument("--again", action="store_true", help="forget kept results")
     parser.add_argument("--work", type=Path, help="folder of the copies and results")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="write the outcome as JSON")
     options = parser.parse_args(arguments)
     try:
         mutants = chosen(ROOT, options.where, options.part, options.seed, options.function or "")
     except OSError as error:
         print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
         return 2
+    if options.stated:
+        mutants = [mutant for mutant in mutants if mutant.stated]
+    if options.formulas:
+        select = one_of_each if options.formulas == "one" else one_of_each_kind
+        mutants = select(mutants, options.seed)
     if options.list:
         print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
         return 0
@@ -77,11 +97,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     open_ = [mutant for mutant in survivors if reasons[mutant.name] is None]
     for mutant in open_:
         print(f"NOT NOTICED {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}")
-    whole = options.part == 1.0 and not options.function and len(found) == len(mutants)
-    stale = stale_entries(explained, mutants, found) if whole else []
+    if options.record:
+        write_record(options.record, ROOT, command_line(arguments), mutants, found, reasons)
+    # Of a selection only those explanations can be judged that are about its changes.
+    whole = options.part == 1.0 and not options.function and not options.formulas
+    whole = whole and not options.stated
+    stale = stale_entries(explained, mutants, found) if whole and len(found) == len(mutants) else []
     for entry in stale:
         print(f"NO LONGER NEEDED {entry}")
     return 1 if open_ or stale else 0
+
+
+def command_line(arguments: Sequence[str] | None) -> str:
+    """Return the command as typed, without the places of copies and record."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    for option in ("--work", "--record"):
+        if option in words:
+            place = words.index(option)
+            del words[place : place + 2]
+    return " ".join(["python -m benchmarks.mutation", *words])
 
 
 def default_work(root: Path) -> Path:

@@ -10,8 +10,11 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+
+from benchmarks.mutation.places import Place, Scope, called, places_of
 
 OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub,
@@ -55,29 +58,10 @@ NEGATED = frozenset({"exp", "expm1", "expj"})
 DROPPED = frozenset({"conj", "conjugate", "abs", "sqrt", "log", "log1p", "arcsinh", "asinh"})
 """Functions that are replaced by their argument."""
 
-UNCHANGED_CALLS = frozenset(
-    {
-        "within",
-        "count_within",
-        "positive",
-        "checked_eta",
-        "ParameterError",
-        "PrecisionError",
-        "range",
-        "lru_cache",
-        "dataclass",
-        "errstate",
-        "catch_warnings",
-    }
-)
-"""Calls that hold checks, messages and limits of loops."""
-
-SETTINGS = frozenset(
-    {"rtol", "atol", "xtol", "tol", "limit", "maxsize", "order", "digits", "maxiter", "options"}
-)
-"""Keyword arguments that tune a method."""
-
 SMALLEST, LARGEST = 1e-5, 1e4
+
+RATIONALS = frozenset({"Rational", "Integer", "mpf", "mpc"})
+"""Calls whose arguments are numbers of a formula."""
 
 
 @dataclass(frozen=True)
@@ -96,8 +80,16 @@ class Mutant:
         Line of the outermost ``def`` or decorator of the function; 0 outside any.
     change : str
         ``before -> after``, with ``#2`` for the second equal change in the function.
-    source : str
-        The whole module with the change.
+    render : callable
+        Writes ``source``, the whole module with the change.
+    formula : int
+        Number of the formula in the module: a simple statement, or an equation within one; 0
+        outside any, as in a condition.
+    kind : str
+        ``sign``, ``factor`` or ``index`` (of a subscript, or an exponent); empty for the rest.
+    stated : bool
+        Whether the docstring of the function or its class states an equation, or names one by its
+        number.
     """
 
     module: str
@@ -105,7 +97,15 @@ class Mutant:
     line: int
     first_line: int
     change: str
-    source: str
+    render: Callable[[], str] = field(repr=False, compare=False)
+    formula: int = 0
+    kind: str = ""
+    stated: bool = False
+
+    @cached_property
+    def source(self) -> str:
+        """The whole module with the change."""
+        return self.render()
 
     @property
     def name(self) -> str:
@@ -125,87 +125,70 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     tree = ast.parse(source)
     found = []
     seen: Counter[tuple[str, str]] = Counter()
-    for parent, field, index, node, function, first_line in _places(tree):
+    for place in places_of(tree, Scope()):
+        node, scope = place.node, place.scope
         changed = _change(node)
         if changed is None:
             continue
         text = f"{_short(node)} -> {_short(changed)}"
-        seen[function, text] += 1
-        if seen[function, text] > 1:
-            text += f" #{seen[function, text]}"
-        _put(parent, field, index, changed)
-        found.append(Mutant(module, function, node.lineno, first_line, text, ast.unparse(tree)))
-        _put(parent, field, index, node)
+        seen[scope.function, text] += 1
+        if seen[scope.function, text] > 1:
+            text += f" #{seen[scope.function, text]}"
+        kind = _kind(place) if scope.formula else ""
+        where = (scope.function, node.lineno, scope.first_line)
+        write = partial(_rendered, tree, place, changed)
+        found.append(Mutant(module, *where, text, write, scope.formula, kind, scope.stated))
     return found
 
 
-def _short(node: ast.expr) -> str:
+def _rendered(tree: ast.AST, place: Place, changed: ast.AST) -> str:
+    _put(place, changed)
+    source = ast.unparse(tree)
+    _put(place, place.node)
+    return source
+
+
+def _short(node: ast.AST) -> str:
     text = " ".join(ast.unparse(node).split())
     return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"
 
 
-def _put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
-    if index is None:
-        setattr(parent, field, node)
+def _put(place: Place, node: ast.AST) -> None:
+    if place.position is None:
+        setattr(place.parent, place.field, node)
     else:
-        getattr(parent, field)[index] = node
+        getattr(place.parent, place.field)[place.position] = node
 
 
-def _places(
-    tree: ast.AST, function: str = "<module>", first_line: int = 0, within: str = ""
-) -> Iterator[tuple[ast.AST, str, int | None, ast.expr, str, int]]:
-    """Yield each expression that may be changed, with where it hangs, outermost first."""
-    for field, value in ast.iter_fields(tree):
-        if _left_alone(tree, field):
-            continue
-        entries = list(enumerate(value)) if isinstance(value, list) else [(None, value)]
-        for index, node in entries:
-            if not isinstance(node, ast.AST):
-                continue
-            if isinstance(node, ast.FunctionDef | ast.ClassDef):
-                inner = f"{within}{node.name}"
-                if isinstance(node, ast.ClassDef):
-                    yield from _places(node, function, first_line, f"{inner}.")
-                else:
-                    start = first_line or min(
-                        [node.lineno, *(d.lineno for d in node.decorator_list)]
-                    )
-                    yield from _places(node, inner, start, f"{inner}.")
-                continue
-            if isinstance(node, ast.expr):
-                yield tree, field, index, node, function, first_line
-            yield from _places(node, function, first_line, within)
+def _kind(place: Place) -> str:
+    node = place.node
+    if place.scope.index and isinstance(node, ast.BinOp | ast.UnaryOp | ast.Constant):
+        return "index"
+    if isinstance(node, ast.BinOp | ast.AugAssign):
+        return "sign" if isinstance(node.op, ast.Add | ast.Sub) else "factor"
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return "sign"
+    if isinstance(node, ast.Call) and called(node) in NEGATED:
+        return "sign"
+    if isinstance(node, ast.Constant):
+        if isinstance(node.value, complex):
+            return "sign"
+        if isinstance(place.parent, ast.BinOp) or (
+            isinstance(place.parent, ast.Call) and called(place.parent) in RATIONALS
+        ):
+            return "factor"
+    return ""
 
 
-def _left_alone(tree: ast.AST, field: str) -> bool:
-    if isinstance(tree, ast.Raise | ast.Assert | ast.JoinedStr | ast.Import | ast.ImportFrom):
-        return True
-    if isinstance(tree, ast.FunctionDef):
-        return field != "body"
-    if isinstance(tree, ast.AnnAssign):
-        return field != "value"
-    if isinstance(tree, ast.ClassDef):
-        return field != "body"
-    if isinstance(tree, ast.keyword):
-        return tree.arg in SETTINGS
-    if isinstance(tree, ast.Call):
-        return _called(tree) in UNCHANGED_CALLS
-    return False
-
-
-def _called(node: ast.Call) -> str:
-    if isinstance(node.func, ast.Attribute):
-        return node.func.attr
-    return node.func.id if isinstance(node.func, ast.Name) else ""
-
-
-def _change(node: ast.expr) -> ast.expr | None:
-    """Return the expression that takes the place of this one."""
-    new: ast.expr | None = None
+def _change(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
+    """Return what takes the place of this expression or statement."""
+    new: ast.expr | ast.AugAssign | None = None
     if "perf_counter()" in ast.unparse(node):
         return None
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS and not _holds_text(node):
         new = ast.BinOp(node.left, OPERATORS[type(node.op)](), node.right)
+    elif isinstance(node, ast.AugAssign) and type(node.op) in OPERATORS:
+        new = ast.AugAssign(node.target, OPERATORS[type(node.op)](), node.value)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not | ast.Invert):
         new = node.operand
     elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in COMPARISONS:
@@ -235,7 +218,7 @@ def _other_number(value: object) -> ast.expr | None:
 
 
 def _other_call(node: ast.Call) -> ast.expr | None:
-    name = _called(node)
+    name = called(node)
     if name in FUNCTIONS:
         if isinstance(node.func, ast.Attribute):
             func: ast.expr = ast.Attribute(node.func.value, FUNCTIONS[name], ast.Load())

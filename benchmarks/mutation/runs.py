@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -34,7 +34,13 @@ COPIED = (
     "Makefile",
 )
 QUICK_FILE = 0.8
-"""Seconds to import a test file, up to which it is tried in the first round."""
+"""Seconds to import a test file and set it up, up to which it is tried in the first round."""
+
+FEW = 4
+"""Functions that a test enters, up to which it is asked before those that enter more."""
+
+MOST_KNOWN = 3
+"""Tests that noticed the last changes of a function or its module, asked before all others."""
 
 
 class Workers:
@@ -159,6 +165,7 @@ class Runs:
                     continue  # the last line of a run that was killed
         self._survey = survey(root, work, modules, self._ask_all, self._tell)
         self._killers: dict[str, list[str]] = defaultdict(list)
+        self._noticed: Counter[str] = Counter()
         self._importing = {file: closure(root, file) for file in test_files(root)}
 
     def _tell(self, text: str) -> None:
@@ -190,9 +197,16 @@ class Runs:
         found: dict[str, str] = {}
         for mutant in mutants:
             row = self._kept.get(mutant.name)
-            if row is not None and row["key"] == self._key(mutant, row["status"], row["by"]):
+            if row is None or (row["left_out"] and row.get("asked", 0.0) < self._seconds):
+                continue  # with more time there are more tests to ask
+            if row["key"] == self._key(mutant, row["status"], row["by"]):
                 found[mutant.name] = row["status"]
         rest = [mutant for mutant in mutants if mutant.name not in found]
+        first_lines = {(mutant.module, mutant.function): mutant.first_line for mutant in mutants}
+        for row in self._kept.values():
+            module, function = row["name"].split(":")[:2]
+            if row["by"] in self._survey.seconds and (module, function) in first_lines:
+                self._learn(module, first_lines[module, function], row["by"])
         self._tell(f"{len(mutants)} changes, {len(found)} of them known")
         left = iter(rest)
         begin = time.monotonic()
@@ -246,17 +260,15 @@ class Runs:
         tests = self._tests(mutant)
         place = f"{mutant.module}:{mutant.first_line}"
         with self._lock:
-            first = [test for test in self._killers[place] if test in tests]
-        order = first + [test for test in tests if test not in first]
-        spent = 0.0
-        picked: list[str] = []
-        for test in order:
-            spent += self._survey.seconds[test]
-            if spent <= self._seconds or not picked:
-                picked.append(test)
-        quick = [t for t in picked if self._collecting(t) <= QUICK_FILE]
+            known = [test for test in self._killers[place] if test in tests]
+            known += [test for test in self._killers[mutant.module] if test in tests]
+        first = list(dict.fromkeys(known))[:MOST_KNOWN]
+        picked = self._within_time(first, tests)
+        rounds = [first, [], []]
+        for test in picked[len(first) :]:
+            rounds[1 if self._collecting(test) <= QUICK_FILE else 2].append(test)
         status, by, seconds = "survived", None, 0.0
-        for round_ in (quick, [test for test in picked if test not in set(quick)]):
+        for round_ in rounds:
             if not round_ or status == "killed":
                 continue
             files = list(dict.fromkeys(test.split("::", maxsplit=1)[0] for test in round_))
@@ -268,24 +280,52 @@ class Runs:
                     "tests": round_,
                     "module": mutant.module,
                     "source": mutant.source,
-                    "timeout": 10.0 + 4.0 * usual,
+                    "timeout": 6.0 + 4.0 * usual,
                 }
             )
             status, by = answer["status"], answer["by"]
             seconds += answer["seconds"]
-        if status == "killed" and by in self._survey.seconds:
+        if by in self._survey.seconds:
             with self._lock:
-                known = self._killers[place]
-                known[:] = [by, *(test for test in known if test != by)][:5]
+                self._learn(mutant.module, mutant.first_line, str(by))
         return {
             "name": mutant.name,
             "status": status,
             "by": by,
             "tests": len(picked),
-            "left_out": len(tests) - len(picked),
+            "left_out": 0 if status == "killed" else len(tests) - len(picked),
+            "asked": self._seconds,
             "seconds": round(seconds, 3),
             "key": self._key(mutant, status, by),
         }
+
+    def _learn(self, module: str, first_line: int, test: str) -> None:
+        self._noticed[test] += 1
+        for place in (f"{module}:{first_line}", module):
+            self._killers[place] = [test, *(t for t in self._killers[place] if t != test)][:5]
+
+    def _within_time(self, first: list[str], tests: list[str]) -> list[str]:
+        """Return the tests that noticed other changes here, then more as the time allows."""
+        spent = 0.0
+        picked: list[str] = list(first)
+        files = {test.split("::", maxsplit=1)[0] for test in first}
+        took = self._survey.seconds
+
+        def dearness(test: str) -> tuple[bool, float]:
+            # A test that enters few functions is about them.
+            breadth = self._survey.breadth[test]
+            spent = (took[test] + self._collecting(test)) * breadth
+            return breadth > FEW, spent / (1.0 + self._noticed[test])
+
+        for test in sorted(tests, key=dearness):
+            file = test.split("::", maxsplit=1)[0]
+            more = took[test]
+            more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)
+            if test not in first and spent + more <= self._seconds:
+                spent += more
+                files.add(file)
+                picked.append(test)
+        return picked or tests[:1]
 
     def _collecting(self, test: str) -> float:
         return self._survey.collecting[test.split("::", maxsplit=1)[0]]

@@ -37,11 +37,14 @@ class Survey:
         ``path:first line`` of a function to the tests that enter it.
     collecting : dict
         File to the seconds that a run of it takes beside its tests.
+    breadth : dict
+        Test to the number of functions it enters.
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
     tests_of: dict[str, set[str]] = field(default_factory=dict)
     collecting: dict[str, float] = field(default_factory=dict)
+    breadth: dict[str, int] = field(default_factory=dict)
 
     def add(self, file: str, answer: dict[str, Any]) -> None:
         """Take in the answer of a recorded run."""
@@ -50,6 +53,7 @@ class Survey:
         self.collecting[file] = max(0.0, answer["seconds"] - sum(passed.values()))
         for test, places in answer.get("entered", {}).items():
             if test in passed:
+                self.breadth[test] = len(places)
                 for place in places:
                     self.tests_of.setdefault(place, set()).add(test)
         for place in answer.get("shared", ()):

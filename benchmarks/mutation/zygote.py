@@ -23,8 +23,10 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-ENTERED = "entered_by_a_test"
+ENTERED, IMPORTING = "entered_by_a_test", "importing_a_module"
 LIBRARIES = (
+    "hypothesis.internal.conjecture.engine",
+    "hypothesis.strategies",
     "matplotlib",
     "mpmath",
     "numba",
@@ -62,7 +64,10 @@ class Recorder:
     """Note which functions of the project each test enters, and how long it takes.
 
     Each function is compiled with one more line, that names it; a tracer would make the many small
-    calls of mpmath and SymPy several times slower. Functions for numba are left as they are.
+    calls of mpmath and SymPy several times slower. What a function holds, other functions and
+    lambdas, counts as the function. What is entered while a module of the project is imported
+    counts for all tests of the file, whichever of them imported it. Functions for numba are left
+    as they are.
     """
 
     def __init__(self, root: str) -> None:
@@ -71,8 +76,9 @@ class Recorder:
         self.entered: dict[str, list[str]] = {}
         self.shared: set[str] = set()
         self._now: set[str] = set()
-        self._spent: dict[str, float] = {}
-        builtins.__dict__[ENTERED] = self._now.add
+        self._importing = 0
+        builtins.__dict__[ENTERED] = self._enter
+        builtins.__dict__[IMPORTING] = self._import
         compiled = SourceFileLoader.source_to_code
         SourceFileLoader.source_to_code = self._named(compiled)  # type: ignore[method-assign]
 
@@ -82,23 +88,25 @@ class Recorder:
                 relative = str(path)[len(self.root) :]
                 if relative.split(os.sep)[0] in PACKAGES:
                     tree = ast.parse(data)
-                    for node in ast.walk(tree):
-                        if isinstance(node, ast.FunctionDef):
-                            _name(node, relative)
+                    _name_all(tree, relative)
                     data = ast.fix_missing_locations(tree)
             return compiled(loader, data, path, **options)
 
         return source_to_code
 
+    def _enter(self, place: str) -> None:
+        (self.shared if self._importing else self._now).add(place)
+
+    def _import(self, change: int) -> None:
+        self._importing += change
+
     def pytest_runtest_logreport(self, report: Any) -> None:
-        spent = self._spent.get(report.nodeid, 0.0) + report.duration
-        self._spent[report.nodeid] = spent
         if report.when == "setup":  # and everything since: what fixtures compute is for all
             self.shared |= self._now
         elif report.when == "call":
             self.entered[report.nodeid] = sorted(self._now)
-            if report.passed:
-                self.passed[report.nodeid] = spent
+            if report.passed:  # what a fixture takes counts as time of the file
+                self.passed[report.nodeid] = report.duration
         self._now.clear()
 
     def pytest_runtest_setup(self) -> None:
@@ -112,13 +120,33 @@ class Recorder:
                         value.cache_clear()
 
 
-def _name(node: ast.FunctionDef, relative: str) -> None:
-    """Begin a function with a call that names it, after its docstring."""
-    if any("jit" in ast.unparse(decorator) for decorator in node.decorator_list):
-        return
-    first = min([node.lineno, *(each.lineno for each in node.decorator_list)])
-    line = ast.parse(f"{ENTERED}({f'{relative}:{first}'!r})").body[0]
-    node.body.insert(1 if ast.get_docstring(node) is not None else 0, line)
+def _name_all(tree: ast.Module, relative: str) -> None:
+    """Begin each function, and each lambda in one, with a call that names the outermost."""
+    outermost = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            outermost += [each for each in node.body if isinstance(each, ast.FunctionDef)]
+    for top in outermost:
+        first = min([top.lineno, *(each.lineno for each in top.decorator_list)])
+        call = f"{ENTERED}({f'{relative}:{first}'!r})"
+        compiled: set[ast.AST] = set()
+        for node in ast.walk(top):
+            if node in compiled:
+                continue
+            if isinstance(node, ast.FunctionDef):
+                if any("jit" in ast.unparse(decorator) for decorator in node.decorator_list):
+                    compiled.update(ast.walk(node))
+                    continue
+                place = 1 if ast.get_docstring(node) is not None else 0
+                node.body.insert(place, ast.parse(call).body[0])
+            elif isinstance(node, ast.Lambda):
+                both = ast.Tuple([ast.parse(call, mode="eval").body, node.body], ast.Load())
+                node.body = ast.Subscript(both, ast.Constant(1), ast.Load())
+    future = sum(isinstance(node, ast.ImportFrom) and node.module == "__future__"
+                 for node in tree.body)  # fmt: skip
+    start = future + (1 if ast.get_docstring(tree) is not None else 0)
+    tree.body.insert(start, ast.parse(f"{IMPORTING}(1)").body[0])
+    tree.body.append(ast.parse(f"{IMPORTING}(-1)").body[0])
 
 
 def run_tests(request: dict[str, Any], root: str) -> dict[str, Any]:
@@ -127,7 +155,15 @@ def run_tests(request: dict[str, Any], root: str) -> dict[str, Any]:
 
     picked = Picked(request.get("tests"))
     plugins: list[Any] = [picked]
-    options = ["-q", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler"]
+    options = [
+        "-q",
+        "--no-header",
+        "--assert=plain",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:faulthandler",
+    ]
     recorder = None
     if request.get("record"):
         recorder = Recorder(root)

@@ -1,0 +1,38 @@
+"""Each step of a derived cell holds, with letters and with numbers for the coefficients."""
+
+import math
+
+import pytest
+
+from derivations.cell import derive
+from derivations.envelope import derive_envelope
+
+CELLS = {
+    "letters": ("1 - a*y**2 + b*y**4", None, "c"),
+    "numbers": ("1 - 4*y**2 + y**4/2", None, "c"),
+    "other rest": ("3 - 11*y**2 + y**4", None, 0.7),
+    "one cycle": ("y**2 - 1", "k2*y**2 + k3*y**3", "c"),
+}
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_every_step_of_the_cell_holds(name):
+    damping, stiffness, coupling = CELLS[name]
+    derivation = derive(derive_envelope(damping, stiffness, coupling))
+    assert len(derivation.verify()) == (6 if name == "one cycle" else 8)
+
+
+def test_the_title_shows_the_damping():
+    assert derive(derive_envelope("2 - 3*y**2 + 5*y**4")).title.endswith("5*y**4 - 3*y**2 + 2")
+
+
+@pytest.mark.parametrize(("rest", "linear", "quintic"), [(1, 4, 0.5), (3, 11, 1)])
+def test_the_ratio_is_that_of_54_for_the_cell_divided_by_its_rest_damping(rest, linear, quintic):
+    cell = derive_envelope(f"{rest} - {linear}*y**2 + {quintic}*y**4")
+    root = math.sqrt(1 - 8 * quintic * rest / linear**2)  # eta of the cell divided by rest
+    assert float(cell.ratio) == pytest.approx(math.sqrt((1 - root) / (1 + root)), rel=1e-14)
+    # The zeros of rest - a s / 4 + b s^2 / 8, s = r^2.
+    inner, outer = (float(cycle.amplitude) for cycle in cell.cycles)
+    for size in (inner, outer):
+        assert rest - linear * size**2 / 4 + quintic * size**4 / 8 == pytest.approx(0, abs=1e-12)
+    assert inner < outer

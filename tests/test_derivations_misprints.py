@@ -1,0 +1,106 @@
+"""What is printed wrongly differs from what is derived by the stated term and by nothing else.
+
+The check of a misprint must fail on print, so it cannot notice a second slip in the transcription:
+these tests do. The terms were read off the paper by hand.
+"""
+
+import random
+
+import pytest
+import sympy as sp
+
+from derivations import catalogue, linearisation, printed
+from derivations.averaging_symbols import phi, phi_rate
+from derivations.evidence import value
+from derivations.friction import d, k, m, mu_d, mu_st, v_0, v_tilde_0, xi
+from derivations.front_symbols import c as coupling
+from derivations.front_symbols import phi_s, phi_us
+from derivations.symbols import a, epsilon, i, omega, t
+
+CLOSE = 1e-12
+"""Rounding of numbers of order one."""
+
+
+def derived(number):
+    return catalogue.load(catalogue.owner(number)).numbered(number).equation
+
+
+def at_random(expression, seed):
+    """The value where each symbol or function is a number, complex if it may be."""
+    rng = random.Random(seed)
+    found = expression.atoms(sp.Symbol) | expression.atoms(sp.Derivative)
+    functions = expression.atoms(sp.core.function.AppliedUndef)
+    point = {}
+    for atom in sorted(found | functions, key=str):
+        point[atom] = rng.uniform(0.5, 1.5)
+        if not atom.is_real and not atom.is_positive:
+            point[atom] += 1j * rng.uniform(-1.0, 1.0)
+    return value(expression, point)
+
+
+def same(one, other):
+    assert one.free_symbols | other.free_symbols
+    for seed in range(3):
+        difference = at_random(one - other, seed)
+        assert abs(difference) < CLOSE, (one, other)
+
+
+def test_2_has_one_mu_st_in_the_place_of_mu_d():
+    same(printed.printed(2).equation.rhs - derived(2).rhs, mu_st - mu_d)
+
+
+def test_4_has_a_d_in_the_place_of_k_and_nothing_else():
+    for ours, theirs in zip(derived(4).args, printed.printed(4).equation.args, strict=True):
+        assert ours.lhs == theirs.lhs
+        if ours.lhs == xi:
+            same(theirs.rhs, d / (2 * sp.sqrt(d * m)))
+            same(ours.rhs, d / (2 * sp.sqrt(k * m)))
+        else:
+            same(ours.rhs, theirs.rhs)
+
+
+def test_6_read_literally_has_the_dimensional_speed_and_nothing_else():
+    literal, meant = (reading.equation for reading in printed.printed(6).readings)
+    for one, other in zip(literal.args, meant.args, strict=True):
+        assert one.xreplace({v_0: v_tilde_0}) == other
+        assert (one == other) == (v_0 not in one.free_symbols)
+
+
+def test_32_has_no_zero_on_the_right_and_every_term_is_right():
+    same(printed.printed(32).equation, derived(32).lhs)
+
+
+def test_33_has_the_other_sign_of_one_term():
+    bar = sp.conjugate(phi[0]) * sp.exp(-2 * i * omega * t)
+    velocity = (phi[0] + bar) / 2
+    square = sp.conjugate(phi[0]) ** 2 * sp.exp(-2 * i * omega * t)
+    wrong = -2 * epsilon * velocity * a * square / (4 * omega**2)
+    same(printed.printed(33).equation.lhs - derived(33).lhs, wrong)
+
+
+def test_42_has_a_one_too_many_in_each_entry_below_the_zero_block():
+    given, found = printed.printed(42).equation.rhs, derived(42).rhs
+    sites = linearisation.SITES
+    x = linearisation.states(sites)
+    assert given.shape == found.shape == (2 * sites, 2 * sites)
+    for row in range(2 * sites):
+        for column in range(2 * sites):
+            extra = -epsilon * x[row] if (row, column) == (row, row - sites) else 0
+            assert sp.expand(given[row, column] - found[row, column] - extra) == 0
+
+
+@pytest.mark.parametrize("number", [44, 45])
+@pytest.mark.parametrize("own", [0.3 + 0.1j, 1.4 - 0.2j])
+def test_both_readings_of_44_and_45_pull_to_the_same_cycle_on_either_side(number, own):
+    # |phi_us| = 0.9 and Re phi_us = 0.85 lie between the two values of phi_n by either reading.
+    cycle, threshold, small = 2.0 - 0.5j, 0.85 + 0.3j, 0.2
+    pull = -small / 2 * (own if abs(own) < 0.9 else own - cycle)
+    neighbours = {phi[-1]: 0.4 + 0.7j, phi[1]: -0.2 + 0.5j}
+    springs = 1j * small * 0.7 / 2 * (2 * own - neighbours[phi[-1]] - neighbours[phi[1]])
+    point = {phi[0]: own, phi_s: cycle, phi_us: threshold, epsilon: small, coupling: 0.7}
+    for reading in printed.printed(number).readings:
+        left, right = reading.equation.args
+        assert abs(value(right, point) - pull) < CLOSE
+        if number == 44:
+            rate = {**point, **neighbours, phi_rate: 0.6 - 0.3j}
+            assert abs(value(left, rate) - (0.6 - 0.3j - springs)) < CLOSE

@@ -1,0 +1,98 @@
+"""Each term of a stated error is there, with its sign and its factor."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from theory import sum_series, thresholds
+from theory.limits import static_sum_distance
+from theory.sum_integral import equispaced_points, rounding_bound
+from theory.sum_integral_precise import precise_sum_by_integral
+from theory.sum_quadrature import sum_by_quadrature
+from theory.sum_series import sum_by_roots
+from theory.unit_cell import eta_from_ratio
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 0.2), (2.0, 1.5)])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
+def test_equispaced_points_are_near_the_fewest_that_the_strip_allows(
+    v: float, c: float, tolerance: float
+) -> None:
+    # The error is below 2M/(e^{N s} - 1), M = coth(d/2v)/(1 - 2c sinh s), d = 1/2 - c sinh s - v s.
+    def needed(s: float) -> float:
+        d = 0.5 - c * math.sinh(s) - v * s
+        if d <= 0:
+            return math.inf
+        size = 1 / math.tanh(d / (2 * v)) / (1 - 2 * c * math.sinh(s))
+        return math.log1p(2 * size / tolerance) / s
+
+    fewest = min(needed(s) for s in np.linspace(1e-3, math.asinh(0.5 / c), 2000))
+    points, bound = equispaced_points(np.array([v]), np.array([c]), tolerance)
+    assert fewest <= points[0] <= 1.35 * fewest + 8  # rounded up, and few widths are tried
+    assert 0 < bound[0] <= tolerance
+
+
+def test_rounding_grows_with_the_phase_that_is_lost() -> None:
+    # a is known to a rounding of |a|, at most about sqrt(1 + c/v) where e^{-1/2v} is left of it.
+    v, c = np.array([0.01, 4.0]), np.array([1.0, 60.0])
+    small, large = rounding_bound(np.array([1.0, 1.0]), v, c)
+    unit = 16 * np.finfo(float).eps
+    assert small == pytest.approx(unit, rel=1e-12, abs=0)
+    assert large == pytest.approx(unit * (1 + math.exp(-1 / 8) * 4), rel=1e-12, abs=0)
+
+
+def test_near_the_static_limit_the_distance_to_it_is_an_error() -> None:
+    found = precise_sum_by_integral("0.012", "0.5", 12)
+    assert found.method == "static limit"
+    assert found.error == pytest.approx(static_sum_distance(0.012, 0.5) + 1e-14, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize(("v", "c", "few"), [("0.3", "0.5", True), ("6", "40", False)])
+def test_many_digits_by_either_rule_agree_with_the_series(v: str, c: str, few: bool) -> None:
+    found = precise_sum_by_integral(v, c, 25)
+    exact = sum_by_roots(v, c, 30)
+    assert abs(found.value - exact.value) <= found.error + exact.error
+    assert 1e-27 <= found.error <= 1e-24
+    assert (found.terms < 150) == few
+
+
+def test_the_error_of_quadrature_is_twice_its_estimate_and_the_rest() -> None:
+    v, c, tolerance = 0.7, 1.2, 1e-6
+    found = sum_by_quadrature(v, c, tolerance)
+    # The rest beyond X is max|A|^2 / 2X^3 over pi; of the pieces a tenth of the tolerance is asked.
+    largest = 0.25 + 4 * c * c
+    end = (2 * largest / tolerance) ** (1 / 3)
+    rest = largest / (2 * end**3) / math.pi
+    assert rest <= found.error <= rest + 0.2 * tolerance / math.pi + 2e-15
+
+
+def test_the_series_adds_the_rounding_and_what_both_tails_leave(monkeypatch) -> None:
+    missed = iter([mp.mpf("2e-17"), mp.mpf("5e-17")])
+    monkeypatch.setattr(sum_series, "_kept_terms", lambda *_: (mp.mpc(0), 1e-16))
+    monkeypatch.setattr(sum_series, "tail_sum", lambda *_: (mp.mpc(0), next(missed)))
+    monkeypatch.setattr(sum_series, "_kept_labels", lambda *_: (-3, 8))
+    found = sum_by_roots(0.3, 0.5)
+    assert found.error == pytest.approx(1.7e-16, rel=1e-12, abs=0)
+    assert found.terms == 12
+
+
+def test_the_error_of_the_fold_in_eta_is_that_of_the_sum_times_the_slope(monkeypatch) -> None:
+    height = thresholds._height
+    inflated = 1e-4
+
+    def uncertain(t, c):
+        value, slope, by_c, _ = height(t, c)
+        return value, slope, by_c, np.full(value.shape, inflated)
+
+    c = 0.45
+    exact = thresholds.fold_eta(c)
+    monkeypatch.setattr(thresholds, "_height", uncertain)
+    found = thresholds.fold_eta(c)
+    assert found.value == exact.value
+    # eta = r^2 / 2(1 + r^2)^2, so that r is the smaller root; its slope by differences.
+    root = math.sqrt(1 - 8 * found.value)
+    r, h = math.sqrt((1 - root) / (1 + root)), 1e-5
+    slope = (eta_from_ratio(r + h) - eta_from_ratio(r - h)) / (2 * h)
+    assert found.error == pytest.approx(slope * inflated, rel=1e-6)

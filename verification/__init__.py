@@ -19,7 +19,8 @@ Breathers of Model II (Figs. 7-11)
     ``nucleus`` says which sites and phases. ``envelope_breather`` solves (43), ``orbits`` (8), with
     ``newton`` and ``continuation``; ``breather_run`` integrates; ``orbit_distance`` compares;
     ``periodic_motion`` measures one period. Stability: ``exponents`` and ``floquet``. Thresholds:
-    ``breather_threshold`` by continuation, ``nucleation`` as the paper prepared it.
+    ``breather_threshold`` by continuation; ``nucleation``, ``slow_sweep`` and ``escape_range`` as
+    the paper prepared it.
 
 The piecewise-linear chain (44) (Figs. 16-18)
     ``piecewise_simulation`` measures a front; it moves ``piecewise_chain`` within

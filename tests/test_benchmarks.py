@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import json
 import math
+import re
 import time
 
 import numpy
@@ -414,3 +415,37 @@ def test_without_the_source_tree_bench_says_where_the_benchmarks_are(capsys, tmp
     told = capsys.readouterr().err
     assert "source tree" in told
     assert len(told.strip().splitlines()) == 1
+
+
+README_NUMBERS = [
+    ("chain", "against scipy, at equal error", "126 times", 1.0),
+    ("chain", "against jitcode, at equal error", "5.8 times", 1.0),
+    ("chain", "against heyoka, at equal error", "; 2.6 |", 1.0),
+    ("chain", "map of Fig. 15, full", "| 10 s;", 1.0),
+    ("chain", "map of Fig. 15, envelope", "; 1.5 s |", 1.0),
+    ("chain", "all thresholds of Fig. 11", "| 0.33 s |", 1.0),
+    ("friction", "against scipy's best, at equal error", "99 times", 1.0),
+    ("sum", "sum, vectorised, v and c from 0.3 to 3", "2.4e5 a second", 1.0),
+    ("sum", "in a batch, against scipy.integrate.quad, ordinary", "1600 times", 1.0),
+    ("sum", "in a batch, against cxroots, cut off, ordinary", "1.5e5 times", 1.0),
+    ("sum", "in a batch, against scipy.integrate.quad, large-c", "158 times: **not met**", 1.0),
+    ("sum", "in a batch, against cxroots, cut off, large-c", "1.1e4 times", 1.0),
+    ("sum", "curve of 1000 couplings", "| 1.4 s |", 1.0),
+    ("sum", "fronts kinetic", "| 0.17 s |", 1.0),
+    ("sum", "2000 labelled roots", "| 2.6 ms;", 1e3),
+    ("sum", "2000 certified roots", "; 0.41 s |", 1.0),
+]
+
+
+@pytest.mark.parametrize(("record", "claim", "shown", "unit"), README_NUMBERS)
+def test_the_readme_shows_the_numbers_of_the_records(
+    record: str, claim: str, shown: str, unit: float
+) -> None:
+    stored = json.loads((RESULTS / f"{record}.json").read_text(encoding="utf-8"))
+    (target,) = [one for one in stored["targets"] if claim in one["claim"]]
+    number = re.search(r"[\d.]+(e\d+)?", shown)
+    assert number is not None
+    assert float(number.group()) == pytest.approx(unit * target["measured"], rel=0.06)
+    assert ("not met" in shown) == (target["verdict"] == "not met")
+    table = (RESULTS.parents[1] / "README.md").read_text(encoding="utf-8").replace("\n", " ")
+    assert shown in table

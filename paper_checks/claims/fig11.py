@@ -157,7 +157,7 @@ def _order() -> Finding:
         label="printed",
     )
     axes.set(xticks=SIZES, ylim=(0.18, 0.204))
-    axes.legend(loc="center", bbox_to_anchor=(0.62, 0.42))
+    axes.legend(loc="center", bbox_to_anchor=(0.62, 0.58))
     drawn = picture(
         "fig11-thresholds",
         "Critical coupling against nucleus size: folds of the mirror-symmetric breathers, escape "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -231,3 +232,20 @@ def _bad(**changes: object) -> VdpRun:
 def test_bad_input_is_named(changes: dict[str, object], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
         _bad(**changes)
+
+
+@pytest.mark.parametrize("c", [1e-3, 5.0])
+def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> None:
+    """The same as with all sites stepped, and the cost does not follow the length."""
+    chain = VdpChain(4.0, 0.5, c, 0.01, 60)
+    start = displaced(chain, [30], 200.0)
+    part = run_vdp(chain, start, 10.0, samples=3, tolerance=1e-9)
+    whole = run_vdp(chain, start, 10.0, samples=3, tolerance=1e-9, window=False)
+    assert part.stiff_steps > 0
+    assert part.mean_active < 0.9 * chain.sites
+    assert part.error is not None
+    assert np.abs(part.psi - whole.psi).max() < 1e-6
+    long = replace(chain, sites=100_000)
+    far = run_vdp(long, displaced(long, [30], 200.0), 10.0, samples=3, tolerance=1e-9)
+    assert far.mean_active < 1.5 * part.mean_active + 60.0
+    assert np.abs(far.psi[:, :40] - whole.psi[:, :40]).max() < 1e-6

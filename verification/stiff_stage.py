@@ -1,12 +1,13 @@
 """Where (8) is stiff: εb y⁴ ≫ 1 makes ẏ follow y on a slow manifold. Radau IIA from scipy.
 
-A stage is passed in pieces. It ends when the largest damping rate ε|1 - a y² + b y⁴| has fallen to
+Only the part of the chain that moves is solved for, with sites at rest on either side. A stage is
+passed in pieces. It ends when the largest damping rate ε|1 - a y² + b y⁴| has fallen to
 a level at which the explicit stepper has steps of ordinary length again.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,10 +23,13 @@ FloatArray = npt.NDArray[np.float64]
 GENTLE = 2e3
 """Damping rate at which the stage ends."""
 
-_PIECE = 20.0
-"""Longest time passed in one call, so that a run can be watched, stopped and resumed."""
+_PIECE = 2.0
+"""Longest time passed in one call, so that a run can be watched, stopped and resumed, and so that
+the part that moves is small for as long as it can be."""
 
 _MOST_DENSE = 100
+_PAD = 4
+"""Margins of sites at rest that are solved for at first, on either side."""
 
 _TIGHTEST = 1e-12
 
@@ -88,42 +92,67 @@ def pass_stiff_stage(chain: VdpChain, lane: Lane) -> None:
     ArithmeticError
         If scipy's Radau gives up.
     """
-    from scipy.integrate import solve_ivp
-
     arrays = lane.kept
     clock, counters = arrays["clock"], arrays["counters"]
     samples, arrivals = arrays["samples"], arrays["arrivals"]
-    begin = float(clock[0])
-    state = arrays["state"].ravel()
-    tolerance = max(_TIGHTEST, lane.tolerance)
-    solved = solve_ivp(
-        lambda _, x: full_right_side(chain, x),
-        (begin, min(begin + _PIECE, lane.end)),
-        state,
-        method="Radau",
-        jac=lambda _, x: full_jacobian(chain, x),
-        rtol=tolerance,
-        atol=tolerance * float(np.abs(state).max()) * 1e-3,
-        events=_Gentle(chain),
-        dense_output=True,
-    )
-    if not solved.success or not np.all(np.isfinite(solved.y[:, -1])):
-        raise ArithmeticError(f"the stiff stage ended at t = {solved.t[-1]:.6g}: {solved.message}")
+    lo, hi, solved = _solve_moving_part(chain, lane)
     path: Any = solved.sol
     end = float(solved.t[-1])
     times = lane.sample_times
     while counters[2] < times.size and times[counters[2]] <= end:
-        samples[counters[2]] = path(times[counters[2]]).reshape(2, -1)
+        samples[counters[2]] = arrays["state"]
+        samples[counters[2], :, lo:hi] = path(times[counters[2]]).reshape(2, -1)
         counters[2] += 1
     sizes = np.hypot(*np.split(solved.y, 2))
-    for n in np.flatnonzero(np.isnan(arrivals)).tolist():
+    for n in np.flatnonzero(np.isnan(arrivals[lo:hi])).tolist():
         above = np.flatnonzero(sizes[n] >= lane.level)
         if above.size:
-            arrivals[n] = _crossing(path, chain.sites, n, lane.level, solved.t, int(above[0]))
-    arrays["state"][...] = solved.y[:, -1].reshape(2, -1)
+            arrivals[lo + n] = _crossing(path, hi - lo, n, lane.level, solved.t, int(above[0]))
+    arrays["state"][:, lo:hi] = solved.y[:, -1].reshape(2, -1)
     clock[0], clock[4] = end, 0.0
-    counters[:2] = 0, chain.sites
+    moving = lo + np.flatnonzero(sizes[:, -1] > lane.rest)
+    if moving.size:
+        counters[0] = min(counters[0], max(0, moving[0] - lane.margin))
+        counters[1] = max(counters[1], min(chain.sites, moving[-1] + lane.margin + 1))
     counters[5] += solved.t.size - 1
+
+
+def _solve_moving_part(chain: VdpChain, lane: Lane) -> tuple[int, int, Any]:
+    """Return the first site, the last + 1, and scipy's solution between them.
+
+    The part is widened until a margin at either end of it stays at rest throughout.
+    """
+    from scipy.integrate import solve_ivp
+
+    arrays = lane.kept
+    begin, tolerance = float(arrays["clock"][0]), max(_TIGHTEST, lane.tolerance)
+    first, last = (int(site) for site in arrays["counters"][:2])
+    size = float(np.abs(arrays["state"]).max())
+    pad = _PAD * lane.margin
+    while True:
+        lo, hi = max(0, first - pad), min(chain.sites, last + pad)
+        part = replace(chain, sites=hi - lo)
+        solved = solve_ivp(
+            lambda _, x, part=part: full_right_side(part, x),
+            (begin, min(begin + _PIECE, lane.end)),
+            arrays["state"][:, lo:hi].ravel(),
+            method="Radau",
+            jac=lambda _, x, part=part: full_jacobian(part, x),
+            rtol=tolerance,
+            atol=tolerance * size * 1e-3,
+            events=_Gentle(part),
+            dense_output=True,
+        )
+        if not solved.success or not np.all(np.isfinite(solved.y[:, -1])):
+            raise ArithmeticError(
+                f"the stiff stage ended at t = {solved.t[-1]:.6g}: {solved.message}"
+            )
+        sizes = np.hypot(*np.split(solved.y, 2)).max(axis=1)
+        left = sizes[: lane.margin].max() if lo > 0 else 0.0
+        right = sizes[-lane.margin :].max() if hi < chain.sites else 0.0
+        if max(left, right) <= max(lane.rest, 0.0):
+            return lo, hi, solved
+        pad *= 4
 
 
 def _crossing(path: Any, sites: int, n: int, level: float, times: FloatArray, index: int) -> float:

@@ -78,15 +78,15 @@ class Lane:
         self._arrivals = np.full(chain.sites, np.nan)
         size = np.abs(start)
         self._arrivals[size >= level] = 0.0
-        self._rest = -1.0
-        self._margin = _MARGIN if chain.c <= _WEAK else 2 * _MARGIN
+        self.rest = -1.0
+        self.margin = _MARGIN if chain.c <= _WEAK else 2 * _MARGIN
         self.counters[:2] = 0, chain.sites
         if window and chain.ends is Ends.FREE:
-            self._rest = _REST * tolerance * float(size.max())
-            moving = np.flatnonzero(size > self._rest)
+            self.rest = _REST * tolerance * float(size.max())
+            moving = np.flatnonzero(size > self.rest)
             if moving.size:
-                self.counters[0] = max(0, moving[0] - self._margin)
-                self.counters[1] = min(chain.sites, moving[-1] + self._margin + 1)
+                self.counters[0] = max(0, moving[0] - self.margin)
+                self.counters[1] = min(chain.sites, moving[-1] + self.margin + 1)
                 self.state[:, : self.counters[0]] = 0.0
                 self.state[:, self.counters[1] :] = 0.0
 
@@ -117,7 +117,7 @@ class Lane:
             "level": self.level,
             "first": self._first,
             "behind": self._behind,
-            "rest": self._rest,
+            "rest": self.rest,
             "t_end": self.end,
             "samples": int(self.sample_times.size),
             "start": self._start,
@@ -174,8 +174,8 @@ class Lane:
             self.counters,
             self.end,
             self.tolerance,
-            self._rest,
-            self._margin,
+            self.rest,
+            self.margin,
             self.level,
             self._behind,
             self._arrivals,

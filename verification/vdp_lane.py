@@ -188,7 +188,13 @@ class Lane:
             from verification.stiff_stage import pass_stiff_stage
 
             pass_stiff_stage(chain, self)
-        elif ended in (stepping.TOO_SHORT, stepping.NOT_FINITE):
+        elif ended == stepping.TOO_SHORT:
+            raise NotFiniteError(
+                f"a displacement of {np.abs(self.state).max():.3g} makes the averaged chain (43) "
+                f"need steps below {SHORTEST_SLOW:g} of slow time: start from a smaller one, or "
+                "run (8), which has a stiff method."
+            )
+        elif ended == stepping.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at t = {self.time:.6g}; "
                 "start from a smaller displacement, or lower the coupling."

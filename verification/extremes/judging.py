@@ -15,7 +15,7 @@ from types import FrameType
 import numpy as np
 
 from theory.kinetic_sum import PrecisionError
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, RunError
 from verification.extremes.discover import quantity_named
 from verification.extremes.quantity import Check, Claim, NoReferenceError, Quantity
 from verification.table import Point, Scalar
@@ -86,7 +86,7 @@ def judge(quantity: Quantity, values: Mapping[str, float]) -> dict[str, Scalar]:
             claim = quantity.compute(values)
     except TimeIsUpError:
         return _row(Outcome.SLOW, "given up", seconds=time.perf_counter() - begin)
-    except (ParameterError, PrecisionError) as error:
+    except (ParameterError, PrecisionError, RunError) as error:
         seconds = time.perf_counter() - begin
         clear = is_clear(str(error))
         return _row(Outcome.REFUSED if clear else Outcome.CRASH, str(error), seconds=seconds)

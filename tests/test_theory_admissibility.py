@@ -86,3 +86,21 @@ def test_every_value_of_the_profile_is_counted(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(ProfileGrid, "on_lattice", counting_on_lattice)
     verdict = check_admissible(v, 0.5, threshold_ratio(0.03125))
     assert verdict.points == counted > 0
+
+
+def test_the_quadrature_reaches_every_point_that_is_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    make, reach = ProfileGrid.make.__func__, []
+
+    def noted(cls, v, c, extent, tolerance):
+        reach.append(extent)
+        return make(cls, v, c, extent, tolerance)
+
+    monkeypatch.setattr(ProfileGrid, "make", classmethod(noted))
+    for c, eta in ((0.5, 0.03125), (1.5, 0.05)):
+        branch = kinetic_relation(c, eta).branches[-1]
+        reach.clear()
+        verdict = check_admissible(branch.v, c, threshold_ratio(eta))
+        # slopes are taken up to the last site, from values a site farther on
+        assert reach[0] >= max(verdict.proven_beyond) + 1.0

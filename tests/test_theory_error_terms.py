@@ -6,7 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory import sum_series, thresholds
+from theory import sum_integral_precise, sum_series, thresholds
+from theory.dispersion import root_free_strip
 from theory.limits import static_sum_distance
 from theory.sum_integral import equispaced_points, rounding_bound
 from theory.sum_integral_precise import precise_sum_by_integral
@@ -34,6 +35,21 @@ def test_equispaced_points_are_near_the_fewest_that_the_strip_allows(
     assert 0 < bound[0] <= tolerance
 
 
+@pytest.mark.parametrize("v", [0.2, 3.0])
+def test_the_bound_of_equispaced_points_is_the_sharpest_of_its_kind(v: float) -> None:
+    c = 0.5
+    count, bound = equispaced_points(np.array([v]), np.array([c]), 1e-9)
+
+    def bounds(s: float) -> float:
+        d = 0.5 - c * math.sinh(s) - v * s
+        size = 1 / math.tanh(d / (2 * v)) / (1 - 2 * c * math.sinh(s))
+        return 2 * size / math.expm1(count[0] * s)
+
+    strip = root_free_strip(v, c)
+    sharpest = min(bounds(s) for s in np.linspace(0.5, 0.999, 500) * strip)
+    assert sharpest <= bound[0] <= 1.2 * sharpest  # three widths are tried
+
+
 def test_rounding_grows_with_the_phase_that_is_lost() -> None:
     # a is known to a rounding of |a|, at most about sqrt(1 + c/v) where e^{-1/2v} is left of it.
     v, c = np.array([0.01, 4.0]), np.array([1.0, 60.0])
@@ -56,6 +72,56 @@ def test_many_digits_by_either_rule_agree_with_the_series(v: str, c: str, few: b
     assert abs(found.value - exact.value) <= found.error + exact.error
     assert 1e-27 <= found.error <= 1e-24
     assert (found.terms < 150) == few
+
+
+def test_beside_the_contour_the_roots_are_taken_away() -> None:
+    # a root lies between contour and axis; without it Sigma would be off by 0.02
+    found, exact = precise_sum_by_integral("20", "30", 20), sum_by_roots("20", "30", 25)
+    assert abs(found.value - exact.value) <= found.error + exact.error
+    assert found.error <= 1e-20
+
+
+@pytest.mark.parametrize(("v", "c"), [("0.3", "0.5"), ("3", "2")])
+def test_many_equispaced_points_err_by_no_more_than_their_bound(v: str, c: str) -> None:
+    digits = 20
+    found = precise_sum_by_integral(v, c, digits)
+    count, s = 2 * found.terms, 0.9 * root_free_strip(float(v), float(c))
+    shift = float(c) * math.sinh(s)
+    d = 0.5 - shift - float(v) * s
+    size = 1 / math.tanh(d / (2 * float(v))) / (1 - 2 * shift)
+    bound = 2 * size * math.exp(-count * s)
+    assert found.error == pytest.approx(bound + 10.0 ** (-digits - 2), rel=1e-9, abs=0)
+    # as many as 10^(-digits - 1) asks for, no more
+    assert bound <= 10.0 ** (-digits - 1) <= bound * math.exp(2 * s)
+
+
+@pytest.mark.parametrize(("v", "c"), [("0.3", "0.5"), ("6", "40")])
+def test_the_points_stated_are_those_computed(v: str, c: str, monkeypatch) -> None:
+    plain, computed = sum_integral_precise._integrand, 0
+
+    def counted(*arguments):
+        nonlocal computed
+        computed += 1
+        return plain(*arguments)
+
+    monkeypatch.setattr(sum_integral_precise, "_integrand", counted)
+    # an even number of steps has one point more
+    assert precise_sum_by_integral(v, c, 20).terms + 1 == computed
+
+
+def test_without_a_far_end_the_rest_of_quadrature_is_charged_as_it_is() -> None:
+    # X is at least 2; the pieces cost next to nothing, so the rest max|A|^2 / 2X^3 is the error.
+    found = sum_by_quadrature(0.7, 1e-3, 0.1)
+    rest = (0.25 + 4e-6) / (2 * 2.0**3) / math.pi
+    assert found.error == pytest.approx(rest, rel=1e-3)
+
+
+def test_a_fold_at_pinning_is_known_to_the_rounding_of_pinning() -> None:
+    fold = thresholds.fold_couplings([0.079])[0]
+    assert fold is not None
+    assert fold.velocity == 0.0
+    assert fold.value > 30
+    assert math.ulp(fold.value) / 2 <= fold.error <= 8 * math.ulp(fold.value)
 
 
 def test_the_error_of_quadrature_is_twice_its_estimate_and_the_rest() -> None:

@@ -57,3 +57,24 @@ def test_the_ends_that_are_left_out_are_bounded_by_what_is_stated(v: float) -> N
         total += 2 / math.pi * reach / (math.tanh((0.5 - v * y) / (2 * v)) * size)
     bound = rule.ends(np.array([v]), np.array([c]))[0]
     assert total <= bound <= 1.01 * total
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.8, 3.0), (20.0, 30.0), (159.8, 214.9)])
+def test_what_the_rounding_of_a_root_does_is_charged(v: float, c: float) -> None:
+    step = 0.1
+    poles = _departing_poles(np.array([v]), np.array([c]))
+    points = step * np.arange(-20_000, 20_001)
+    charged = 0.0
+    for k in poles.k[0]:
+        slope = -1j * (v + c * np.sin(k))
+        sigma = np.log(np.tan(-k / 2)) - 0.25j * math.pi
+        weight = abs(1 / np.expm1(-2j * math.pi * sigma / step))
+        # rounding of v k over the slope of L moves the root; the integrand has a pole
+        # t/(sigma - sigma_p), the correction t times the weight
+        moved = 16 * np.finfo(float).eps * abs(k) * (1 + v / abs(slope))
+        integrand = np.sum(step / abs(points - sigma) ** 2)
+        correction = 2 * math.pi / step * weight * (1 + weight)
+        through_sigma = (integrand + correction) / abs(np.sin(k))
+        charged += moved / abs(k * slope) * (through_sigma + weight * c / abs(slope))
+    ours = poles.uncertainty(step)[0]
+    assert ours == pytest.approx(charged, rel=0.02)

@@ -1,0 +1,215 @@
+"""The steps of the search for front velocities, and of the verdict on (47), on made-up curves."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from theory import admissibility, branch_search
+
+EPS = np.finfo(float).eps
+
+
+class Curve:
+    """g(t), its slope, and the error of g that it states, in place of a kinetic relation."""
+
+    def __init__(self, g: Callable, slope: Callable, error: float = 0.0, by_c: float = 1.0) -> None:
+        self.g, self.slope, self.error, self.by_c = g, slope, error, by_c
+        self.evaluations = self.calls = 0
+        self.asked: list[float] = []
+
+    def __call__(self, scene: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, ...]:
+        self.asked += t.tolist()
+        self.evaluations += t.size
+        self.calls += 1
+        full = np.full(t.shape, 1.0)
+        return self.g(t) * full, self.slope(t) * full, self.error * full, self.by_c * full
+
+    def cells(self, points: list[float]) -> np.ndarray:
+        t = np.array(points)
+        g, d, e, _ = self(np.zeros(t.size, dtype=int), t)
+        self.evaluations = self.calls = 0
+        ends = np.stack([t, g, d, e])
+        return np.concatenate([ends[:, :-1], ends[:, 1:]])
+
+
+def line(root: float, slope: float = 1.0, error: float = 0.0) -> Curve:
+    return Curve(lambda t: slope * (t - root), lambda t: slope + 0.0 * t, error)
+
+
+def owners(cells: np.ndarray) -> np.ndarray:
+    return np.zeros(cells.shape[1], dtype=int)
+
+
+@pytest.mark.parametrize("root", [2.25, 2.75])
+@pytest.mark.parametrize("slope", [1.0, -3.0])
+def test_a_straight_crossing_is_bracketed_at_once(root: float, slope: float) -> None:
+    curve = line(root, slope)
+    cells = curve.cells([2.0, 3.0])
+    owner, found = branch_search._brackets(curve, owners(cells), cells)
+    assert owner.tolist() == [0]
+    assert (found[0, 0], found[4, 0]) == (2.0, 3.0)
+    assert curve.evaluations == 0
+
+
+def test_a_fold_touched_to_within_rounding_is_found_and_one_missed_by_more_is_not() -> None:
+    for gap, count in ((0.0, 1), (1e-6, 0)):
+        curve = Curve(
+            lambda t, gap=gap: (t - 2.3) ** 2 + gap, lambda t: 2.0 * (t - 2.3), error=1e-12
+        )
+        cells = curve.cells([2.0, 3.0])
+        owner, found = branch_search._brackets(curve, owners(cells), cells)
+        assert owner.size == count
+        assert np.all(np.abs(found[0] - 2.3) < 1e-6)
+
+
+@pytest.mark.parametrize("error", [(1e-12, 0.0), (0.0, 1e-12)])
+def test_a_short_cell_is_a_fold_if_either_end_is_zero_to_within_rounding(error) -> None:
+    curve = line(0.0)
+    rows = [2.0, 1e-13, 1.0, error[0], 2.0 + 5e-11, 1e-13, -1.0, error[1]]
+    owner, _ = branch_search._brackets(curve, np.array([0]), np.array([rows]).T)
+    assert owner.tolist() == [0]
+
+
+def bracket(left: float, right: float, below: float, above: float) -> list[float]:
+    return [left, below, 1.0, 0.0, right, above, 1.0, 0.0]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("pair", [False, True])
+def test_a_run_of_changes_of_sign_by_rounding_is_one_solution_or_a_pair(
+    pair: bool, first: int
+) -> None:
+    # g is said to be known to 1e-12 only. The brackets of the run change sign by 1e-13; the one
+    # far off rises to 1 and belongs to no run; the last is of another scene, after or before.
+    small = 1e-13
+    cells = np.array(
+        [
+            bracket(5.0, 6.0, -1.0, 1.0),
+            bracket(1.0, 1.1, -1.0, small),
+            bracket(1.4, 1.5, -small, -1.0 if pair else 1.0),
+            bracket(1.2, 1.3, small, -small),
+            bracket(1.6, 1.7, -small, small),
+        ]
+    ).T
+    owner = np.array([first, first, first, first, 1 - first])
+    flat = Curve(lambda t: 0.0 * t, lambda t: 1.0 + 0.0 * t, error=1e-12)
+    kept, found = branch_search._told_apart(flat, owner, cells)
+    run, lone = ([1.0, 1.4, 5.0] if pair else [1.2, 5.0]), [1.6]
+    assert kept.tolist() == sorted([first] * len(run) + [1 - first])
+    assert found[0].tolist() == (run + lone if first == 0 else lone + run)
+    # g is looked at midway between neighbours; between two scenes that means nothing
+    within = flat.asked[:3] if first == 0 else flat.asked[1:]
+    assert within == pytest.approx([1.15, 1.35, 3.25])
+
+
+@pytest.mark.parametrize("which", ["before", "after", "between"])
+def test_brackets_that_rise_above_rounding_are_told_apart(which: str) -> None:
+    small, large = 1e-13, 1e-3
+    cells = np.array(
+        [
+            bracket(0.8, 0.9, small, -small),
+            bracket(1.0, 1.1, -small, large if which == "before" else small),
+            bracket(1.2, 1.3, large if which == "after" else small, -small),
+        ]
+    ).T
+    value = large if which == "between" else 0.0
+    curve = Curve(lambda t: value + 0.0 * t, lambda t: 1.0 + 0.0 * t, error=1e-12)
+    _, found = branch_search._told_apart(curve, np.array([0, 0, 0]), cells)
+    # three solutions; were the last joined to the run, one would be left
+    assert found[0].tolist() == [0.8, 1.0, 1.2]
+
+
+def test_a_root_is_polished_to_rounding_in_a_few_steps() -> None:
+    root = 2.0 + 1.0 / 3.0
+    curve = Curve(lambda t: np.expm1(t - root), lambda t: np.exp(t - root), by_c=0.7)
+    cells = curve.cells([2.0, 3.0])
+    found = branch_search._polish(curve, owners(cells), cells)
+    v = math.exp(root)
+    assert found.v[0] == pytest.approx(v, rel=4 * EPS)
+    # the error is v times a spread of some roundings of t
+    assert 4 * EPS * v <= found.error[0] <= 100 * EPS * v
+    assert found.slope[0] == pytest.approx(1.0 / v, rel=1e-12)
+    assert found.by_coupling[0] == 0.7
+    assert curve.calls <= 10
+
+
+def test_where_newton_leaves_the_bracket_it_is_halved() -> None:
+    root, steep = 2.9, 400.0
+    curve = Curve(
+        lambda t: np.arctan(steep * (t - root)),
+        lambda t: steep / (1.0 + (steep * (t - root)) ** 2),
+    )
+    cells = curve.cells([2.0, 3.0])
+    found = branch_search._polish(curve, owners(cells), cells)
+    assert found.v[0] == pytest.approx(math.exp(root), rel=1e-13)
+    assert curve.calls <= 25
+
+
+@pytest.mark.parametrize("t", [-3.7, 0.4, 5.2])
+def test_the_spread_is_the_least_that_shows_a_change_of_sign(t: float) -> None:
+    curve = line(t)
+    place, nothing = np.array([t]), np.zeros(1)
+    exact = branch_search._confirmed_spread(
+        curve, np.zeros(1, dtype=int), place, nothing, np.ones(1), nothing
+    )
+    assert exact[0] == pytest.approx(4 * EPS * max(1.0, abs(t)), rel=1e-12)
+    # a value that is off by 1e-9, with slope 4, moves the root by a quarter of that
+    off = line(t, 4.0)
+    wide = branch_search._confirmed_spread(
+        off, np.zeros(1, dtype=int), place, np.array([1e-9]), np.array([4.0]), nothing
+    )
+    assert wide[0] == pytest.approx(2.5e-9 / 4, rel=1e-5)
+
+
+R = 0.5
+
+
+class Shape:
+    """φ² = r² + side h(ζ), h positive where (47) holds; h dips at ζ = 1.3 to ``depth``."""
+
+    velocity = 1.0
+
+    def __init__(self, depth: float, curvature: float) -> None:
+        self.depth, self.curvature = depth, curvature
+
+    def h(self, zeta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        far = np.abs(zeta - 1.3)
+        ahead = self.depth + self.curvature * far**2
+        # from the threshold, at zeta = 0, up to the parabola about the dip
+        rise = ahead * (1.0 - np.exp(-zeta / 0.2))
+        slope = 2.0 * self.curvature * (zeta - 1.3) * (1.0 - np.exp(-zeta / 0.2))
+        slope += ahead * np.exp(-zeta / 0.2) / 0.2
+        behind = -0.1 * zeta
+        return np.where(zeta > 0, rise, behind), np.where(zeta > 0, slope, -0.1)
+
+    def at(self, zeta: np.ndarray) -> np.ndarray:
+        h, _ = self.h(zeta)
+        return np.sqrt(R * R + np.where(zeta > 0, -h, h)) + 0j
+
+    def slope(self, zeta: np.ndarray, phi: np.ndarray, _: np.ndarray) -> np.ndarray:
+        _, slope = self.h(zeta)
+        return np.where(zeta > 0, -slope, slope) / (2.0 * phi)
+
+    def judged(self) -> float | None:
+        zeta = np.arange(-16, 25) / 8
+        phi = self.at(zeta)
+        return admissibility._first_violation(self, zeta, phi, self.slope(zeta, phi, phi), R)[0]
+
+
+def test_a_curve_that_rests_at_the_threshold_to_within_the_tolerance_is_no_violation() -> None:
+    assert Shape(depth=-5e-12, curvature=0.05).judged() is None
+
+
+def test_a_violation_beside_a_point_at_the_threshold_is_found() -> None:
+    # h = 4e-7 (zeta - 1.3)^2 - 1e-9 is zero at the point 1.25, and below it up to 1.35
+    fails_at = Shape(depth=-1e-9, curvature=4e-7).judged()
+    assert fails_at is not None
+    assert 1.25 < fails_at < 1.35
+
+
+def test_a_dip_far_narrower_than_the_spacing_of_points_is_found() -> None:
+    # it is sqrt(1e-9/0.05) = 1.4e-4 wide, between points 0.125 apart
+    fails_at = Shape(depth=-1e-9, curvature=0.05).judged()
+    assert fails_at == pytest.approx(1.3, abs=2e-4)

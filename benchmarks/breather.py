@@ -26,10 +26,10 @@ from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
 from theory.vdp_chain import VdpChain
-from verification.breather_run import RunStatus, run_breather
-from verification.envelope_breather import solve_envelope_breather
-from verification.nucleus import Nucleus
-from verification.orbits import orbit_guess, solve_orbit, steps_for
+from verification.breathers.envelope import solve_envelope_breather
+from verification.breathers.nucleus import Nucleus
+from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
+from verification.breathers.run import RunStatus, run_breather
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -67,9 +67,9 @@ def measure(quick: bool, tell: Tell) -> Record:
     from benchmarks import record
     from benchmarks.runner import Effort, measure_side_by_side
     from theory.friction_chain import FrictionChain
-    from verification.friction_events import run_events
-    from verification.friction_run import run_friction
-    from verification.friction_start import nucleus
+    from verification.friction.events import run_events
+    from verification.friction.run import run_friction
+    from verification.friction.start import nucleus
 
     chain = FrictionChain(COUPLING, sites=SITES)
     start = nucleus(chain, [1])
@@ -100,7 +100,7 @@ def contenders(
 ) -> list[Contender]:
     """Return every method at every setting."""
     from benchmarks.runner import Contender
-    from verification.friction_regularised import Solver
+    from verification.friction.regularised import Solver
 
     rows = [
         Contender(EXACT, f"tolerance {each:g}", partial(_exact, chain, start, true, each), 0.0)
@@ -139,7 +139,7 @@ def contenders(
 
 
 def _exact(chain: FrictionChain, start: FloatArray, true: FloatArray, tolerance: float) -> Answer:
-    from verification.friction_run import run_friction
+    from verification.friction.run import run_friction
 
     run = run_friction(chain, start, T_END, tolerance=tolerance, samples=SAMPLES, companion=False)
     return _answer(run.y, true)
@@ -148,7 +148,7 @@ def _exact(chain: FrictionChain, start: FloatArray, true: FloatArray, tolerance:
 def _switch(
     chain: FrictionChain, start: FloatArray, true: FloatArray, options: dict[str, float]
 ) -> Answer:
-    from verification.friction_switch import run_switch
+    from verification.friction.switch import run_switch
 
     run = run_switch(chain, start, T_END, samples=SAMPLES, **options)
     if run.reached < T_END:
@@ -164,7 +164,7 @@ def _regularised(
     delta: float,
     tolerance: float,
 ) -> Answer:
-    from verification.friction_regularised import Solver, run_regularised
+    from verification.friction.regularised import Solver, run_regularised
 
     run = run_regularised(
         chain, start, T_END, solver=Solver(solver), delta=delta, tolerance=tolerance,

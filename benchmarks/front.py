@@ -25,9 +25,9 @@ from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
 from theory.vdp_chain import VdpChain
-from verification.vdp_front import measure_front
-from verification.vdp_run import Model, run_vdp
-from verification.vdp_start import staggered_front
+from verification.vdp.front import measure_front
+from verification.vdp.run import Model, run_vdp
+from verification.vdp.start import staggered_front
 
 if TYPE_CHECKING:
     from scipy.integrate import DOP853

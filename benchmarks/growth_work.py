@@ -108,8 +108,8 @@ def whole_front(sites: float) -> object:
 
 def _front(sites: int, behind: int) -> object:
     from theory.vdp_chain import VdpChain
-    from verification.vdp_run import Model, run_vdp
-    from verification.vdp_start import staggered_front
+    from verification.vdp.run import Model, run_vdp
+    from verification.vdp.start import staggered_front
 
     chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
     filled = min(24, sites // 2)
@@ -121,8 +121,8 @@ def _front(sites: int, behind: int) -> object:
 
 def friction_front(sites: float) -> object:
     from theory.friction_chain import FrictionChain
-    from verification.friction_run import run_friction
-    from verification.friction_start import nucleus
+    from verification.friction.run import run_friction
+    from verification.friction.start import nucleus
 
     chain = FrictionChain(0.05, sites=int(sites))
     return run_friction(
@@ -170,9 +170,9 @@ def full_workers(count: float) -> object:
 
 
 def _map(points: int, count: int, full: bool = False) -> object:
-    from verification.state_map import StateTask, state_points
-    from verification.sweep import sweep
-    from verification.vdp_run import Model
+    from verification.sweeps.sweep import sweep
+    from verification.vdp.map import StateTask, state_points
+    from verification.vdp.run import Model
 
     side = math.isqrt(points)
     etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)

@@ -21,11 +21,11 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Record, Target, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from verification.state_label import Label
-from verification.state_map import StateTask
-from verification.sweep import sweep
-from verification.table import Point, grid
-from verification.vdp_run import Model
+from verification.label import Label
+from verification.sweeps.sweep import sweep
+from verification.sweeps.table import Point, grid
+from verification.vdp.map import StateTask
+from verification.vdp.run import Model
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

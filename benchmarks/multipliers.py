@@ -23,9 +23,9 @@ from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
 from theory.vdp_chain import VdpChain
+from verification.breathers.nucleus import Nucleus
+from verification.breathers.orbits import solve_orbit, steps_for
 from verification.integrators.variational import integrate_variations
-from verification.nucleus import Nucleus
-from verification.orbits import solve_orbit, steps_for
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -18,7 +18,7 @@ from benchmarks.runner import distance
 from theory.kinetic_relation import KineticRelation, trace_kinetic_relation
 from theory.roots import labelled_roots
 from theory.sum_integral import sums
-from verification.piecewise_simulation import simulate_front
+from verification.piecewise.simulation import simulate_front
 
 Relation = Literal["at least", "below", "no target"]
 

@@ -107,8 +107,8 @@ def ours(chain: VdpChain, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) of our default stepper."""
     import numpy as np
 
-    from verification.vdp_lane import Lane
-    from verification.vdp_start import displaced
+    from verification.vdp.lane import Lane
+    from verification.vdp.start import displaced
 
     lane = Lane(chain, True, displaced(chain, [1]), np.array([0.0, T_END]), tolerance, 1.0, True, 0)
     while not lane.finished:
@@ -301,8 +301,8 @@ def _front_cost(lengths: Sequence[int]) -> Target:
 
     from benchmarks.record import Target
     from theory.vdp_chain import VdpChain
-    from verification.vdp_run import Model, run_vdp
-    from verification.vdp_start import staggered_front
+    from verification.vdp.run import Model, run_vdp
+    from verification.vdp.start import staggered_front
 
     seconds = []
     for sites in lengths:
@@ -324,9 +324,9 @@ def _map(model: str, limit: float) -> Target:
     import numpy as np
 
     from benchmarks.record import Target
-    from verification.state_map import StateTask, state_points
-    from verification.sweep import sweep
-    from verification.vdp_run import Model
+    from verification.sweeps.sweep import sweep
+    from verification.vdp.map import StateTask, state_points
+    from verification.vdp.run import Model
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()
     begin = perf_counter()
@@ -339,8 +339,8 @@ def _map(model: str, limit: float) -> Target:
 def _thresholds() -> Target:
     from benchmarks.record import Target
     from theory.vdp_chain import VdpChain
-    from verification.breather_threshold import Method, breather_threshold
-    from verification.nucleus import Nucleus, outward_pattern
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.breathers.threshold import Method, breather_threshold
 
     chain = VdpChain(2.5, 0.5, 0.0, 0.01)
     sizes = (1, 2, 3, 5, 7, 9)

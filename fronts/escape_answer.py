@@ -8,12 +8,12 @@ from fronts.answer import Answer
 
 if TYPE_CHECKING:
     from theory.vdp_chain import VdpChain
-    from verification.nucleation import Preparation
+    from verification.breathers.nucleation import Preparation
 
 
 def held_answer(chain: VdpChain, preparation: Preparation) -> Answer:
     """Find the range of escape with the coupling held."""
-    from verification.escape_range import escape_range
+    from verification.breathers.escape_range import escape_range
 
     found = escape_range(chain, preparation)
     noisy = preparation.perturbation > 0.0

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from theory.friction_cell import FrictionCell
-    from verification.friction_cell_continuation import Continuation
+    from verification.friction.cell_continuation import Continuation
 
 
 def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: Continuation) -> None:

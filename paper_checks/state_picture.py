@@ -12,7 +12,7 @@ from paper_checks.pictures import COLOURS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from verification.table import Table
+    from verification.sweeps.table import Table
 
 MARKS: Mapping[str, tuple[str, str]] = {
     "front": ("^", COLOURS["blue"]),
@@ -37,7 +37,7 @@ def draw_states(
     across, up : str
         Names of the columns on the two axes.
     boundary : Table, optional
-        Of ``verification.boundary.Bisection`` over the same map.
+        Of ``verification.sweeps.boundary.Bisection`` over the same map.
     """
     labels = states["label"]
     for label, (mark, colour) in MARKS.items():

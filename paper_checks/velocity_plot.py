@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from theory.kinetic_relation import KineticRelation
-    from verification.piecewise_run import FrontRun
+    from verification.piecewise.run import FrontRun
 
 
 @dataclass(frozen=True)

@@ -37,8 +37,8 @@ from fronts.cli import main
 from fronts.commands import bench
 from theory.envelope import envelope_rate
 from theory.friction_chain import FrictionChain
-from verification.friction_run import run_friction
-from verification.friction_start import nucleus
+from verification.friction.run import run_friction
+from verification.friction.start import nucleus
 from verification.scenes import scene_named
 
 

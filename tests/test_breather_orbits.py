@@ -12,15 +12,15 @@ from scipy.optimize import fsolve, root
 
 from theory.breather import BreatherStatus, solve_breather
 from theory.vdp_chain import Ends, VdpChain
-from verification.envelope_breather import (
+from verification.breathers.envelope import (
     envelope_branch,
     solve_envelope_breather,
     staggered_branch,
 )
-from verification.floquet import approximate_multipliers, floquet_multipliers
+from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
+from verification.breathers.nucleus import Nucleus
+from verification.breathers.orbits import orbit_branch, solve_orbit
 from verification.integrators.variational import integrate_chain, integrate_variations
-from verification.nucleus import Nucleus
-from verification.orbits import orbit_branch, solve_orbit
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
 SEED = 20261121
@@ -224,7 +224,7 @@ def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: 
 def test_at_the_fold_an_exponent_of_the_breathers_own_parity_vanishes() -> None:
     branch = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1))
     assert branch.fold is not None
-    from verification.exponents import exponents, unpack
+    from verification.breathers.exponents import exponents, unpack
 
     chain = VdpChain(a=2.5, b=0.5, c=branch.fold.c, sites=15)
     found = exponents(*unpack(branch.fold.u), chain, mirrored=True)

@@ -13,17 +13,17 @@ from paper_checks.claims import fig07, fig08, fig09, fig10, fig11
 from theory.envelope import envelope_rate
 from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
-from verification import exponents
-from verification.breather_run import RunStatus, run_breather
-from verification.breather_threshold import Mechanism, Method, breather_threshold
-from verification.continuation import trace
-from verification.escape_range import escape_range
+from verification.breathers import exponents
+from verification.breathers.continuation import trace
+from verification.breathers.escape_range import escape_range
+from verification.breathers.newton import solve_at
+from verification.breathers.nucleation import Preparation, escape_threshold, hold, phase_steps
+from verification.breathers.nucleus import Nucleus, outward_pattern, right_angle_patterns
+from verification.breathers.orbits import solve_orbit
+from verification.breathers.run import RunStatus, run_breather
+from verification.breathers.slow_sweep import measure_delay
+from verification.breathers.threshold import Mechanism, Method, breather_threshold
 from verification.integrators.envelope_run import run_envelope
-from verification.newton import solve_at
-from verification.nucleation import Preparation, escape_threshold, hold, phase_steps
-from verification.nucleus import Nucleus, outward_pattern, right_angle_patterns
-from verification.orbits import solve_orbit
-from verification.slow_sweep import measure_delay
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
@@ -87,7 +87,7 @@ def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
 
 def test_an_odd_push_beyond_that_coupling_grows_in_a_run() -> None:
     """Between loss of stability and fold, a run leaves the breather; below, it returns."""
-    from verification.envelope_breather import solve_envelope_breather
+    from verification.breathers.envelope import solve_envelope_breather
 
     growth = []
     for c in (0.19076, 0.19078):
@@ -120,7 +120,7 @@ def test_no_pattern_of_three_or_five_is_stable() -> None:
 
 def test_opposed_patterns_grow_at_half_the_coupling_as_it_vanishes() -> None:
     """Phases alone, to leading order: D_1' = (c/2) D_2 and D_2' = (c/2) D_1 for size 3."""
-    from verification.envelope_breather import solve_envelope_breather
+    from verification.breathers.envelope import solve_envelope_breather
 
     for c in (1e-3, 1e-4):
         chain = replace(CHAIN, c=c, sites=9)
@@ -227,7 +227,7 @@ def test_a_wrong_exponent_fails_the_claim_on_stability(monkeypatch: pytest.Monke
         found = right(*arguments)  # type: ignore[arg-type]
         return replace(found, growth=1.2 * found.growth)
 
-    monkeypatch.setattr("verification.envelope_breather.exponents", wrong)
+    monkeypatch.setattr("verification.breathers.envelope.exponents", wrong)
     claim = next(claim for claim in fig10.CLAIMS if claim.key == "fig10-stable")
     with pytest.raises(ArithmeticError, match="exponent"):
         claim.judge()

@@ -316,7 +316,7 @@ def test_a_run_that_escapes_beyond_the_fold_names_the_fold_of_the_orbits(capsys)
 
 
 def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
-    from verification import breather_run
+    from verification.breathers import run as breather_run
 
     right = breather_run.run_breather
 
@@ -335,7 +335,7 @@ def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
 @pytest.mark.parametrize(("size", "held", "escaped"), [(3, 0.184, 0.186), (5, 0.183, 0.184)])
 def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(size, held, escaped, capsys):
     from theory.vdp_chain import VdpChain
-    from verification.nucleation import Preparation, hold
+    from verification.breathers.nucleation import Preparation, hold
 
     found = _json(capsys, f"threshold vdp --nucleus {size} --method sweep --perturbation 1e-6")
     for c, wanted in ((held, False), (escaped, True)):

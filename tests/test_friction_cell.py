@@ -19,16 +19,16 @@ from theory.friction_cell import FrictionCell, friction_coefficient, friction_fo
 from theory.friction_chain import FrictionChain
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
-from verification.friction_cell_continuation import continue_cycles
-from verification.friction_cell_cycles import unstable_once
-from verification.friction_cell_orbits import (
+from verification.friction.cell_continuation import continue_cycles
+from verification.friction.cell_cycles import unstable_once
+from verification.friction.cell_orbits import (
     cell_orbits,
     cycle_end_velocity,
     stick_slip_cycle,
     unstable_cycle,
 )
-from verification.friction_events import run_events
-from verification.vdp_cell import vdp_cell
+from verification.friction.events import run_events
+from verification.vdp.cell import vdp_cell
 
 CELL = FrictionCell()
 DIGITS = 20

@@ -20,10 +20,10 @@ from verification.arrival_fit import (
     settle,
     velocity_of_arrivals,
 )
-from verification.friction_front import measure_friction_front
-from verification.friction_lane import FrictionLane
-from verification.friction_start import Place, StartPoint, nucleus, nucleus_sites
-from verification.friction_threshold import (
+from verification.friction.front import measure_friction_front
+from verification.friction.lane import FrictionLane
+from verification.friction.start import Place, StartPoint, nucleus, nucleus_sites
+from verification.friction.threshold import (
     Definition,
     Spreading,
     friction_threshold,

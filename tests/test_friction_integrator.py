@@ -14,11 +14,11 @@ from scipy.integrate import simpson
 from theory.friction_cell import FrictionCell
 from theory.friction_chain import FrictionChain, FrictionEnds
 from theory.parameters import ParameterError
-from verification.friction_cell_orbits import cycle_end_velocity
-from verification.friction_events import run_events
-from verification.friction_lane import FrictionLane, FrictionRunError
-from verification.friction_run import FrictionRun, RunStatus, run_friction
-from verification.friction_start import nucleus
+from verification.friction.cell_orbits import cycle_end_velocity
+from verification.friction.events import run_events
+from verification.friction.lane import FrictionLane, FrictionRunError
+from verification.friction.run import FrictionRun, RunStatus, run_friction
+from verification.friction.start import nucleus
 from verification.integrators import friction
 
 CELL = FrictionCell()

@@ -14,15 +14,15 @@ from fronts.cli import main
 from theory.friction_cell import FrictionCell
 from theory.friction_chain import FrictionChain
 from theory.parameters import ParameterError
-from verification.boundary import Bisection, boundary_lines
-from verification.friction_events import run_events
-from verification.friction_label import HOLD, WINDOW, label_friction
-from verification.friction_lane import FrictionLane
-from verification.friction_map import FrictionStateTask, friction_points
-from verification.friction_start import Place, nucleus
-from verification.state_label import Label
-from verification.sweep import sweep
-from verification.table import Point
+from verification.friction.events import run_events
+from verification.friction.label import HOLD, WINDOW, label_friction
+from verification.friction.lane import FrictionLane
+from verification.friction.map import FrictionStateTask, friction_points
+from verification.friction.start import Place, nucleus
+from verification.label import Label
+from verification.sweeps.boundary import Bisection, boundary_lines
+from verification.sweeps.sweep import sweep
+from verification.sweeps.table import Point
 
 SHORT = FrictionStateTask(sites=7)
 

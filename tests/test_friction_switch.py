@@ -8,11 +8,11 @@ import pytest
 from theory.friction_cell import FrictionCell
 from theory.friction_chain import FrictionChain
 from theory.parameters import ParameterError
-from verification.friction_cell_orbits import stick_slip_cycle
-from verification.friction_regularised import Solver, run_regularised
-from verification.friction_run import run_friction
-from verification.friction_start import nucleus
-from verification.friction_switch import run_switch
+from verification.friction.cell_orbits import stick_slip_cycle
+from verification.friction.regularised import Solver, run_regularised
+from verification.friction.run import run_friction
+from verification.friction.start import nucleus
+from verification.friction.switch import run_switch
 
 CHAIN = FrictionChain(0.02, sites=3)
 START = nucleus(CHAIN, [1])

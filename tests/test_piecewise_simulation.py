@@ -12,12 +12,13 @@ from scipy.optimize import brentq, minimize_scalar
 
 from fronts.cli import main
 from theory.parameters import ParameterError
-from verification import piecewise_chain, piecewise_window
-from verification.piecewise_chain import PiecewiseChain, Switching
-from verification.piecewise_crossing import first_zero
-from verification.piecewise_run import FrontStatus
-from verification.piecewise_simulation import hysteresis, simulate_front
-from verification.piecewise_window import (
+from verification.piecewise import chain as piecewise_chain
+from verification.piecewise import window as piecewise_window
+from verification.piecewise.chain import PiecewiseChain, Switching
+from verification.piecewise.crossing import first_zero
+from verification.piecewise.run import FrontStatus
+from verification.piecewise.simulation import hysteresis, simulate_front
+from verification.piecewise.window import (
     ChainState,
     static_state,
     step_state,

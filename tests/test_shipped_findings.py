@@ -232,7 +232,7 @@ def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):
         )
     )
     assert loaded <= held
-    assert "verification.piecewise_simulation" in loaded
+    assert "verification.piecewise.simulation" in loaded
 
 
 def test_the_shipped_findings_are_of_expensive_claims(monkeypatch):

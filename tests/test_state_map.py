@@ -17,25 +17,25 @@ from paper_checks.claim import Verdict
 from paper_checks.claims import fig15
 from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
-from verification.boundary import NOTHING, Bisection, boundary_lines
 from verification.integrators import label_run
 from verification.integrators.active import FREE
 from verification.integrators.runge_kutta import fixed_steps
 from verification.integrators.slopes import ENVELOPE as ENVELOPE_CODE
 from verification.integrators.slopes import FULL as FULL_CODE
-from verification.journal import journal_path
-from verification.state_label import (
+from verification.label import Label
+from verification.sweeps.boundary import NOTHING, Bisection, boundary_lines
+from verification.sweeps.journal import journal_path
+from verification.sweeps.sweep import sweep
+from verification.sweeps.table import Point, grid
+from verification.vdp.label import (
     HOLD,
-    Label,
     label_state,
     level_of,
     positive_damping_square,
 )
-from verification.state_map import StateTask, compare, state_points
-from verification.sweep import sweep
-from verification.table import Point, grid
-from verification.vdp_run import Model, run_vdp
-from verification.vdp_start import displaced
+from verification.vdp.map import StateTask, compare, state_points
+from verification.vdp.run import Model, run_vdp
+from verification.vdp.start import displaced
 
 FULL, ENVELOPE = StateTask(Model.FULL), StateTask(Model.ENVELOPE)
 

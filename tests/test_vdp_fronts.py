@@ -16,8 +16,8 @@ from theory.envelope_front import strong_coupling_front
 from theory.parameters import ParameterError
 from theory.vdp_chain import VdpChain
 from verification.arrival_fit import velocity_of_arrivals
-from verification.vdp_front import Behind, FrontStatus, measure_front
-from verification.vdp_run import Model
+from verification.vdp.front import Behind, FrontStatus, measure_front
+from verification.vdp.run import Model
 
 
 @pytest.mark.parametrize(("eta", "c"), [(0.002, 0.3), (0.03125, 0.15), (0.05, 1.0), (0.09, 0.3)])
@@ -60,8 +60,8 @@ def test_a_front_slower_than_the_waves_does() -> None:
 
 def test_all_sites_kept_give_the_front_measured_with_few() -> None:
     """Sites behind are left out for a fast front: nothing of its arrivals changes."""
-    from verification.vdp_run import run_vdp
-    from verification.vdp_start import staggered_front
+    from verification.vdp.run import run_vdp
+    from verification.vdp.start import staggered_front
 
     chain = VdpChain(4.0, 0.5, 0.6, sites=60)
     runs = [

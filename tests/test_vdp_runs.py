@@ -13,9 +13,9 @@ from scipy.integrate import simpson, solve_ivp
 from tests.test_vdp_steppers import reference
 from theory.parameters import ParameterError
 from theory.vdp_chain import Ends, VdpChain
-from verification.stiff_stage import full_jacobian, full_right_side
-from verification.vdp_run import Model, VdpRun, run_vdp
-from verification.vdp_start import displaced, perturbed, staggered_front
+from verification.vdp.run import Model, VdpRun, run_vdp
+from verification.vdp.start import displaced, perturbed, staggered_front
+from verification.vdp.stiff_stage import full_jacobian, full_right_side
 
 FRONT = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
 

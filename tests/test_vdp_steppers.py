@@ -21,8 +21,8 @@ from verification.integrators.runge_kutta import (
 from verification.integrators.slopes import ENVELOPE, FULL, slope
 from verification.integrators.splitting import saba, split_steps
 from verification.integrators.taylor import taylor_order, taylor_steps
-from verification.vdp_lane import Lane
-from verification.vdp_start import displaced
+from verification.vdp.lane import Lane
+from verification.vdp.start import displaced
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]

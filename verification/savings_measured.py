@@ -77,7 +77,7 @@ def search() -> tuple[float, float]:
 
 def sites() -> tuple[float, float]:
     """Count sites in the window and sites passed."""
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     found = simulate_front(0.5, 0.03125)
     return float(found.window), float(found.crossing_times.size + found.window)
@@ -86,8 +86,8 @@ def sites() -> tuple[float, float]:
 def sites_at_rest() -> tuple[float, float]:
     """Count sites stepped and all sites, on the chain of the benchmark."""
     from theory.vdp_chain import VdpChain
-    from verification.vdp_run import run_vdp
-    from verification.vdp_start import displaced
+    from verification.vdp.run import run_vdp
+    from verification.vdp.start import displaced
 
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=31)
     run = run_vdp(chain, displaced(chain, [1]), 1000.0, samples=2, companion=False)
@@ -97,8 +97,8 @@ def sites_at_rest() -> tuple[float, float]:
 def sites_behind() -> tuple[float, float]:
     """Count sites stepped with few and with all sites kept behind a front."""
     from theory.vdp_chain import VdpChain
-    from verification.vdp_run import Model, run_vdp
-    from verification.vdp_start import staggered_front
+    from verification.vdp.run import Model, run_vdp
+    from verification.vdp.start import staggered_front
 
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=300)
     few, whole = (
@@ -113,7 +113,7 @@ def sites_behind() -> tuple[float, float]:
 
 def events() -> tuple[float, float]:
     """Count events, and the fixed second-order steps for the same error."""
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     found = simulate_front(0.5, 0.03125)
     # A fixed step as exact: the error of an event is second order in the step, 1e-12 wants 1e-6.
@@ -125,9 +125,9 @@ def harmonics() -> tuple[float, float]:
     import numpy as np
 
     from theory.vdp_chain import VdpChain
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.orbits import solve_orbit
     from verification.integrators.variational import integrate_variations
-    from verification.nucleus import Nucleus
-    from verification.orbits import solve_orbit
 
     chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=11)
     orbit = solve_orbit(chain, Nucleus(1))
@@ -140,7 +140,7 @@ def harmonics() -> tuple[float, float]:
 def time_steps() -> tuple[float, float]:
     """Count steps of a gentle and of a steep cycle."""
     from theory.vdp_chain import VdpChain
-    from verification.orbits import steps_for
+    from verification.breathers.orbits import steps_for
 
     gentle, steep = VdpChain(a=2.5, b=0.5, c=0.1), VdpChain(a=2.5, b=0.02, c=0.1)
     return float(steps_for(gentle)), float(steps_for(steep))
@@ -150,7 +150,7 @@ def workers() -> tuple[float, float]:
     """Time a short sweep in this process and in two others."""
     from verification.extremes.judging import StressTask
     from verification.extremes.table import stress_points
-    from verification.sweep import sweep
+    from verification.sweeps.sweep import sweep
 
     times = []
     for workers in (1, 2):
@@ -181,7 +181,7 @@ def seconds_of(statement: str) -> float:
 
 def saved_output() -> tuple[float, float]:
     """Count numbers kept and numbers computed."""
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     found = simulate_front(0.5, 0.03125)
     kept = found.crossing_times.size

@@ -13,7 +13,7 @@ from fronts.breather_words import breather_in_words, breather_table
 
 if TYPE_CHECKING:
     from theory.vdp_chain import VdpChain
-    from verification.nucleus import Nucleus
+    from verification.breathers.nucleus import Nucleus
 
 EXAMPLE = """examples:
   fronts breather --c 0.1
@@ -73,7 +73,7 @@ def add_nucleus_options(parser: argparse.ArgumentParser) -> None:
 
 def nucleus_of(options: argparse.Namespace) -> Nucleus:
     """Return the nucleus that the options describe."""
-    from verification.nucleus import Nucleus, outward_pattern
+    from verification.breathers.nucleus import Nucleus, outward_pattern
 
     pattern = options.pattern
     if pattern is None:
@@ -123,7 +123,7 @@ def _closed_form(
     from dataclasses import replace
 
     from theory.breather import Reading, solve_breather
-    from verification.floquet import approximate_multipliers
+    from verification.breathers.floquet import approximate_multipliers
 
     if not has_closed_form(nucleus):
         raise UsageError("--method closed-form is for --nucleus 1 in the bulk: (9) has one centre.")
@@ -151,7 +151,7 @@ def _closed_form(
 
 
 def _envelope(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) -> dict[str, object]:
-    from verification.envelope_breather import solve_envelope_breather
+    from verification.breathers.envelope import solve_envelope_breather
 
     found = solve_envelope_breather(chain, nucleus)
     if found.exponents is None:
@@ -172,7 +172,7 @@ def _envelope(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) ->
 
 
 def _orbit(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) -> dict[str, object]:
-    from verification.orbits import solve_orbit
+    from verification.breathers.orbits import solve_orbit
 
     found = solve_orbit(chain, nucleus)
     if found.multipliers is None:
@@ -193,7 +193,7 @@ def _orbit(chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace) -> di
 def _simulation(
     chain: VdpChain, nucleus: Nucleus, options: argparse.Namespace
 ) -> dict[str, object]:
-    from verification.breather_run import run_breather
+    from verification.breathers.run import run_breather
 
     found = run_breather(chain, nucleus, seed=given(options.seed, 0))
     if found.status == "escaped":
@@ -221,8 +221,8 @@ def _beyond_fold(chain: VdpChain, nucleus: Nucleus) -> dict[str, object]:
     A run has no fold of its own. The chain of the orbits is short: a breather needs a few sites.
     """
     from theory.parameters import ParameterError
-    from verification.breather_threshold import Method, breather_threshold
-    from verification.newton import NotConvergedError
+    from verification.breathers.newton import NotConvergedError
+    from verification.breathers.threshold import Method, breather_threshold
 
     try:
         fold = breather_threshold(chain, nucleus, Method.ORBIT)
@@ -236,8 +236,8 @@ def _trust(
 ) -> dict[str, object]:
     """Return how far a theory of small ε is from the periodic orbit of (8)."""
     from theory.parameters import ParameterError
-    from verification.newton import NotConvergedError
-    from verification.orbit_distance import distance_from_orbit
+    from verification.breathers.newton import NotConvergedError
+    from verification.breathers.orbit_distance import distance_from_orbit
 
     unknown: dict[str, object] = {"error": None, "frequency_error": None}
     try:

@@ -19,10 +19,10 @@ from fronts.friction_options import (
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
-    from verification.friction_front import FrictionFront
-    from verification.piecewise_run import FrontRun
-    from verification.vdp_front import FrontMeasurement
-    from verification.vdp_run import Model
+    from verification.friction.front import FrictionFront
+    from verification.piecewise.run import FrontRun
+    from verification.vdp.front import FrontMeasurement
+    from verification.vdp.run import Model
 
 EXAMPLE = """examples:
   fronts front piecewise --c 0.5 --eta 0.03125
@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _piecewise(options: argparse.Namespace) -> Answer:
     refuse(options, ("eps", "n", "accuracy", "behind", *_FRICTION), options.model)
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     result = simulate_front(
         options.c, eta_of(options), options.start, start_velocity=options.start_v
@@ -144,13 +144,13 @@ _MEANING = {
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    from verification.vdp_run import Model
+    from verification.vdp.run import Model
 
     return _chain(options, Model.FULL)
 
 
 def _envelope(options: argparse.Namespace) -> Answer:
-    from verification.vdp_run import Model
+    from verification.vdp.run import Model
 
     refuse(options, ("eps",), options.model)
     return _chain(options, Model.ENVELOPE)
@@ -160,7 +160,7 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
     """Measure a front of (8) or (43); with --eta alone a = 1 and b = η, the same up to a scale."""
     from theory.parameters import count_within
     from theory.vdp_chain import VdpChain
-    from verification.vdp_front import LONGEST, Behind, measure_front
+    from verification.vdp.front import LONGEST, Behind, measure_front
 
     refuse(options, ("start_v", *_FRICTION), options.model)
     _moving_only(options)
@@ -187,7 +187,7 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.friction_chain import FrictionChain
-    from verification.friction_front import checked_sites, measure_friction_front
+    from verification.friction.front import checked_sites, measure_friction_front
 
     refuse(options, ("eta", "a", "b", "eps", "behind", "start_v"), options.model)
     _moving_only(options)

@@ -130,7 +130,7 @@ def _values(given: float | tuple[float, float, int]) -> list[float]:
 
 def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
-    from verification.journal import journal_path
+    from verification.sweeps.journal import journal_path
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -159,8 +159,8 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    from verification.state_map import StateTask, compare, state_points
-    from verification.vdp_run import Model
+    from verification.vdp.map import StateTask, compare, state_points
+    from verification.vdp.run import Model
 
     refuse(options, _FRICTION, options.chain)
     _check(options)
@@ -203,8 +203,8 @@ def _vdp(options: argparse.Namespace) -> Answer:
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.friction_cell import FrictionCell
     from theory.friction_chain import FrictionEnds
-    from verification.friction_map import FrictionStateTask, friction_points
-    from verification.friction_start import Place
+    from verification.friction.map import FrictionStateTask, friction_points
+    from verification.friction.start import Place
 
     refuse(options, _VDP, options.chain)
     _check(options)

@@ -26,7 +26,7 @@ from fronts.friction_options import CELL, START, add_cell_options, add_start_opt
 from fronts.progress import Fraction, kept_by_checkpoint
 
 if TYPE_CHECKING:
-    from verification.vdp_run import VdpRun
+    from verification.vdp.run import VdpRun
 
 EXAMPLE = """examples:
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
@@ -153,8 +153,8 @@ def _vdp(options: argparse.Namespace) -> Answer:
         raise UsageError("--ends literal is for the model friction: take free or periodic.")
     from theory.parameters import within
     from theory.vdp_chain import Ends, VdpChain
-    from verification.vdp_run import Model, run_vdp
-    from verification.vdp_start import displaced, perturbed
+    from verification.vdp.run import Model, run_vdp
+    from verification.vdp.start import displaced, perturbed
 
     a, b, eps = given(options.a, 2.5), given(options.b, 0.5), given(options.eps, 0.01)
     chain = VdpChain(a, b, options.c, eps, options.n, Ends(options.ends))

@@ -113,7 +113,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 
 def _continuation(chain: Any, options: argparse.Namespace) -> Answer:
-    from verification.breather_threshold import Method, breather_threshold
+    from verification.breathers.threshold import Method, breather_threshold
 
     found = breather_threshold(chain, nucleus_of(options), Method(options.method))
     payload: dict[str, object] = {
@@ -153,9 +153,9 @@ _STABILITY = {
 
 def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     from theory.parameters import within
-    from verification.nucleation import Preparation
-    from verification.nucleus import Nucleus, Place
-    from verification.slow_sweep import measure_delay
+    from verification.breathers.nucleation import Preparation
+    from verification.breathers.nucleus import Nucleus, Place
+    from verification.breathers.slow_sweep import measure_delay
 
     if options.pattern is not None:
         raise UsageError("--pattern is not for --method sweep: a sweep starts in phase.")
@@ -227,7 +227,7 @@ def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:
 def _friction(options: argparse.Namespace) -> Answer:
     refuse(options, _VDP, options.model)
     from theory.friction_chain import FrictionChain, FrictionEnds
-    from verification.friction_threshold import Definition, Spreading, friction_threshold
+    from verification.friction.threshold import Definition, Spreading, friction_threshold
 
     ends = FrictionEnds(options.ends or "free")
     chain = FrictionChain(0.0, cell_of(options), given(options.n, 31), ends)

@@ -27,8 +27,8 @@ def arrivals_by_scipy(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
-    from verification.friction_events import run_events
-    from verification.friction_start import nucleus
+    from verification.friction.events import run_events
+    from verification.friction.start import nucleus
 
     run = run_events(chain, nucleus(chain, excited), end, tolerance=1e-9, longest_step=0.5)
     arrivals = np.full(chain.sites, np.nan)
@@ -42,8 +42,8 @@ def arrivals_compiled(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return the same by the event-exact Taylor stepper."""
-    from verification.friction_lane import FrictionLane
-    from verification.friction_start import nucleus
+    from verification.friction.lane import FrictionLane
+    from verification.friction.start import nucleus
 
     lane = FrictionLane(chain, nucleus(chain, excited), 1e-10)
     lane.go_to(end)
@@ -58,7 +58,7 @@ def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> 
     ArithmeticError
         If by more than 1e-3, or if one saw an arrival that the other did not.
     """
-    from verification.friction_run import difference
+    from verification.friction.run import difference
 
     gap = difference(arrivals_by_scipy(chain, excited, end), arrivals_compiled(chain, excited, end))
     if not gap < 1e-3:

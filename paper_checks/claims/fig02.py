@@ -18,8 +18,8 @@ from paper_checks.pictures import COLOURS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell
-    from verification.friction_cell_orbits import CellOrbits
-    from verification.friction_events import EventRun
+    from verification.friction.cell_orbits import CellOrbits
+    from verification.friction.events import EventRun
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -35,7 +35,7 @@ AGREE = 1e-8
 @lru_cache(maxsize=1)
 def _orbits() -> CellOrbits:
     from theory.friction_cell import FrictionCell
-    from verification.friction_cell_orbits import cell_orbits
+    from verification.friction.cell_orbits import cell_orbits
 
     return cell_orbits(FrictionCell(V_D))
 
@@ -46,7 +46,7 @@ def _scipy(
 ) -> EventRun:
     """Run from rest; ``rough`` where only the state at the end is wanted."""
     from theory.friction_chain import FrictionChain
-    from verification.friction_events import run_events
+    from verification.friction.events import run_events
 
     chain = FrictionChain(0.0, cell, 1)
     times = np.linspace(0.0, t_end, samples)
@@ -151,7 +151,7 @@ def _figure(cycle: EventRun, rest: EventRun) -> Picture:
 def _three_regions() -> Finding:
     """Find both ends of bistability by shooting, and run from both starts at eight velocities."""
     from theory.friction_cell import FrictionCell
-    from verification.friction_cell_continuation import continue_cycles
+    from verification.friction.cell_continuation import continue_cycles
 
     cell = FrictionCell(V_D)
     end = _orbits().cycle_end_velocity
@@ -168,7 +168,7 @@ def _three_regions() -> Finding:
         raise ArithmeticError(f"runs say {seen}, shooting {wanted}")
     diagram = continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist())
     close = replace(cell, v_d=end * (1.0 - 1e-6))
-    from verification.friction_cell_orbits import stick_slip_cycle
+    from verification.friction.cell_orbits import stick_slip_cycle
 
     last = stick_slip_cycle(close)
     if last is None:
@@ -216,7 +216,7 @@ def _three_regions() -> Finding:
 def _subcritical() -> Finding:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
     from theory.friction_cell import FrictionCell, friction_slope
-    from verification.friction_cell_orbits import unstable_cycle
+    from verification.friction.cell_orbits import unstable_cycle
 
     hopf = FrictionCell(V_D).hopf_velocity
     ratios, tested = [], 0
@@ -296,7 +296,7 @@ def _friction_law() -> Finding:
 def _stick_interval() -> Finding:
     """Take the force that holds the cell over every stick interval of two runs."""
     from theory.friction_chain import FrictionChain
-    from verification.friction_run import run_friction
+    from verification.friction.run import run_friction
 
     cell = _orbits().cell
     largest, begins = [], []
@@ -332,7 +332,7 @@ def _stick_interval() -> Finding:
 def _switch_model() -> Finding:
     """Run the cell by the paper's method, and measure how far its cycle is from the exact one."""
     from theory.friction_chain import FrictionChain
-    from verification.friction_switch import PAPER_BAND, run_switch
+    from verification.friction.switch import PAPER_BAND, run_switch
 
     orbits = _orbits()
     stable = orbits.stable

@@ -10,7 +10,7 @@ from paper_checks.claims._friction import chain_of, disagreement
 from paper_checks.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
-    from verification.friction_threshold import FrictionThreshold
+    from verification.friction.threshold import FrictionThreshold
 
 SIZES = (1, 3, 5, 7, 9)
 ACCURACY, COARSE = 2e-5, 1e-4
@@ -38,8 +38,8 @@ def _threshold(
     from dataclasses import replace
 
     from theory.friction_chain import FrictionEnds
-    from verification.friction_start import Place
-    from verification.friction_threshold import Spreading, friction_threshold
+    from verification.friction.start import Place
+    from verification.friction.threshold import Spreading, friction_threshold
 
     chain = replace(chain_of(0.0), ends=FrictionEnds(ends))
     spreading = Spreading(size, Place(place), **options)

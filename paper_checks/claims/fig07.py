@@ -16,8 +16,8 @@ C, SITES = 0.1, 11
 def _localised() -> Finding:
     """Prepare one site near the cycle, run (8) with scipy, and compare with the periodic orbit."""
     from theory.vdp_chain import VdpChain
-    from verification.nucleus import Nucleus
-    from verification.orbits import solve_orbit
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.orbits import solve_orbit
 
     chain = VdpChain(A, B, C, EPS, SITES)
     orbit = solve_orbit(chain, Nucleus(1))
@@ -81,9 +81,9 @@ def _localised() -> Finding:
 def _constant_decay() -> Finding:
     """Compare the first ratio of amplitudes with the tail's, from orbit and averaged chain."""
     from theory.vdp_chain import VdpChain
-    from verification.envelope_breather import staggered_branch
-    from verification.nucleus import Nucleus
-    from verification.orbits import solve_orbit
+    from verification.breathers.envelope import staggered_branch
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.orbits import solve_orbit
 
     centre = SITES // 2
     rows = []

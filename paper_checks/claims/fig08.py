@@ -19,8 +19,8 @@ def _amplitudes() -> Finding:
     """Compare (29) + (37), each reading, with the periodic orbit; check orbits with scipy."""
     from theory.breather import Reading, solve_breather
     from theory.vdp_chain import VdpChain
-    from verification.nucleus import Nucleus
-    from verification.orbits import solve_orbit
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.orbits import solve_orbit
 
     couplings = np.array([0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.175, 0.185, 0.19])
     orbits = [solve_orbit(VdpChain(A, B, float(c), EPS, SITES), Nucleus(1)) for c in couplings]
@@ -95,9 +95,9 @@ def _amplitudes() -> Finding:
 def _frequency() -> Finding:
     """Measure δ of (27) and the phase step of (37) on orbits, at several ε."""
     from theory.vdp_chain import VdpChain
-    from verification.envelope_breather import solve_envelope_breather
-    from verification.nucleus import Nucleus
-    from verification.orbits import solve_orbit
+    from verification.breathers.envelope import solve_envelope_breather
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.orbits import solve_orbit
 
     c = 0.1
     small = (0.04, 0.02, 0.01, 0.005)

@@ -14,8 +14,8 @@ C = 0.1
 def _in_phase() -> Finding:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
     from theory.vdp_chain import VdpChain
+    from verification.breathers.nucleation import Preparation, hold, phase_steps
     from verification.integrators.envelope_run import run_envelope
-    from verification.nucleation import Preparation, hold, phase_steps
 
     chain = VdpChain(A, B, C, EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, 801.0, 5.0)])
@@ -112,9 +112,9 @@ def _growth() -> Finding:
     from dataclasses import replace
 
     from theory.vdp_chain import VdpChain
-    from verification.envelope_breather import solve_envelope_breather
+    from verification.breathers.envelope import solve_envelope_breather
+    from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
     from verification.integrators.envelope_run import run_envelope
-    from verification.nucleus import Nucleus, outward_pattern, sites_for
 
     rows = []
     for size in (1, 3, 5, 7, 9):

@@ -10,9 +10,9 @@ from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
-    from verification.breather_threshold import BreatherThreshold
-    from verification.escape_range import EscapeRange
-    from verification.nucleation import EscapeThreshold
+    from verification.breathers.escape_range import EscapeRange
+    from verification.breathers.nucleation import EscapeThreshold
+    from verification.breathers.threshold import BreatherThreshold
 
 SIZES = (1, 2, 3, 5, 7, 9)
 PRINTED = {1: 0.1916, 3: 0.2011}
@@ -21,8 +21,8 @@ PRINTED = {1: 0.1916, 3: 0.2011}
 @lru_cache(maxsize=1)
 def _folds() -> dict[str, list[BreatherThreshold]]:
     from theory.vdp_chain import VdpChain
-    from verification.breather_threshold import Method, breather_threshold
-    from verification.nucleus import Nucleus, outward_pattern
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.breathers.threshold import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     return {
@@ -38,7 +38,7 @@ def _folds() -> dict[str, list[BreatherThreshold]]:
 def _runs() -> dict[int, EscapeThreshold]:
     """Return thresholds of escape by bisection, with exact mirror symmetry."""
     from theory.vdp_chain import VdpChain
-    from verification.nucleation import Preparation, escape_threshold
+    from verification.breathers.nucleation import Preparation, escape_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     return {size: escape_threshold(chain, Preparation(size), tolerance=1e-5) for size in SIZES}
@@ -48,8 +48,8 @@ def _runs() -> dict[int, EscapeThreshold]:
 def _perturbed() -> dict[int, EscapeRange]:
     """Return where perturbed nuclei escape, over three seeds."""
     from theory.vdp_chain import VdpChain
-    from verification.escape_range import escape_range
-    from verification.nucleation import Preparation
+    from verification.breathers.escape_range import escape_range
+    from verification.breathers.nucleation import Preparation
 
     chain = VdpChain(A, B, 0.0, EPS)
     return {size: escape_range(chain, Preparation(size, perturbation=1e-6)) for size in SIZES}
@@ -72,8 +72,8 @@ def _agree() -> float:
 def _values() -> Finding:
     """Compare the printed couplings with the folds, and see what a sweep would have found."""
     from theory.vdp_chain import VdpChain
-    from verification.nucleation import Preparation
-    from verification.slow_sweep import measure_delay
+    from verification.breathers.nucleation import Preparation
+    from verification.breathers.slow_sweep import measure_delay
 
     gap = _agree()
     folds = _folds()
@@ -231,9 +231,9 @@ def _converged() -> Finding:
 def _patterns() -> Finding:
     """Follow every pattern of steps ±π/2 of sizes 3, 5, 7 and look for a stable one."""
     from theory.vdp_chain import VdpChain
-    from verification.breather_threshold import breather_threshold
-    from verification.envelope_breather import staggered_branch
-    from verification.nucleus import Nucleus, right_angle_patterns, sites_for
+    from verification.breathers.envelope import staggered_branch
+    from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
+    from verification.breathers.threshold import breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     rows, gaps = [], []

@@ -25,9 +25,9 @@ _STEADY = 1e-3
 def _steady() -> Finding:
     """Run the chain from one displaced site, and time the front at every site."""
     from theory.vdp_chain import VdpChain
-    from verification.vdp_front import measure_front
-    from verification.vdp_run import Model, run_vdp
-    from verification.vdp_start import displaced
+    from verification.vdp.front import measure_front
+    from verification.vdp.run import Model, run_vdp
+    from verification.vdp.start import displaced
 
     chain = VdpChain(A, B, C, eps=EPS, sites=SITES)
     start = displaced(chain, [1])

@@ -29,8 +29,8 @@ def _scaling() -> Finding:
     from theory.envelope_front import strong_coupling_front
     from theory.vdp_chain import VdpChain
     from verification.arrival_fit import FrontStatus
-    from verification.vdp_front import Behind, measure_front
-    from verification.vdp_run import Model
+    from verification.vdp.front import Behind, measure_front
+    from verification.vdp.run import Model
 
     law = strong_coupling_front(B / A**2)
     fronts = [

@@ -21,10 +21,10 @@ boundary."""
 def _regions() -> Finding:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
     from theory.vdp_chain import effective_epsilon
-    from verification.boundary import Bisection, boundary_lines
-    from verification.state_map import StateTask, compare, state_points
-    from verification.sweep import sweep
-    from verification.vdp_run import Model
+    from verification.sweeps.boundary import Bisection, boundary_lines
+    from verification.sweeps.sweep import sweep
+    from verification.vdp.map import StateTask, compare, state_points
+    from verification.vdp.run import Model
 
     points = state_points(ETAS, COUPLINGS)
     full = StateTask(Model.FULL)

@@ -17,7 +17,7 @@ def _profile() -> Finding:
     from theory.front_profile import front_profile, front_profile_by_roots
     from theory.kinetic_relation import kinetic_relation
     from theory.unit_cell import eta_from_damping, threshold_ratio
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
     r = threshold_ratio(eta)
@@ -100,7 +100,7 @@ def _limits() -> Finding:
     from theory.front_profile import front_profile, tail_bound
     from theory.kinetic_relation import kinetic_relation
     from theory.unit_cell import eta_from_damping
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
     (branch,) = kinetic_relation(C, eta).branches

@@ -17,7 +17,7 @@ from paper_checks.velocity_plot import (
 )
 
 if TYPE_CHECKING:
-    from verification.piecewise_run import FrontRun
+    from verification.piecewise.run import FrontRun
 
 A, B = 4.0, 0.5
 """Parameters of Fig. 17; the range of its axis cannot be read."""
@@ -28,7 +28,7 @@ def _scaling() -> Finding:
     from theory.kinetic_relation import trace_kinetic_relation
     from theory.limits import strong_coupling_velocity
     from theory.unit_cell import eta_from_damping
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
     wide = trace_kinetic_relation(np.geomspace(0.46, 1e4, 90), eta, admissibility=False)
@@ -90,7 +90,7 @@ def _picture(
 ) -> Picture:
     """Draw the range of the figure, the fold, large c, and the local exponent."""
     from theory.kinetic_relation import trace_kinetic_relation
-    from verification.piecewise_simulation import hysteresis
+    from verification.piecewise.simulation import hysteresis
 
     near = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), eta)
     thresholds = {"fold": near[0].c_fold, "pin": near[0].c_pin}
@@ -170,7 +170,7 @@ def _single_valued() -> Finding:
     """Count branches near pinning, and start the chain from rest and moving."""
     from theory.kinetic_relation import kinetic_relation, trace_kinetic_relation
     from theory.unit_cell import eta_from_damping
-    from verification.piecewise_simulation import hysteresis
+    from verification.piecewise.simulation import hysteresis
 
     eta = eta_from_damping(A, B)
     answer = kinetic_relation(0.445, eta)
@@ -219,7 +219,7 @@ def _stable() -> Finding:
     """Look for couplings where the wave is admissible and the chain leaves it."""
     from theory.kinetic_relation import kinetic_relation
     from theory.unit_cell import eta_from_damping
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
     rows = []

@@ -23,7 +23,7 @@ def _velocity() -> Finding:
     from theory.kinetic_relation import trace_kinetic_relation
     from theory.limits import pinning_eta, weak_threshold_velocity
     from theory.thresholds import fold_eta
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     fold = fold_eta(C)
     pin = pinning_eta(C)
@@ -101,7 +101,7 @@ def _velocity() -> Finding:
 def _forward() -> Finding:
     """Look for fronts that move backwards, in theory and in the chain."""
     from theory.kinetic_relation import kinetic_relation
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     rows = []
     for c, eta in ((2.0, 0.11), (0.5, 0.11), (5.0, 0.1)):

@@ -20,7 +20,7 @@ def _cells() -> Finding:
     """Compare the bistable ranges and how the two cycles meet at their end."""
     from theory.friction_cell import FrictionCell
     from theory.vdp_chain import VdpChain
-    from verification.friction_cell_orbits import cell_orbits
+    from verification.friction.cell_orbits import cell_orbits
 
     cell = FrictionCell()
     orbits = cell_orbits(cell)
@@ -74,12 +74,12 @@ def _cells() -> Finding:
 def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
     from theory.vdp_chain import VdpChain
-    from verification.breather_threshold import breather_threshold
-    from verification.friction_start import Place
-    from verification.friction_threshold import Spreading, friction_threshold
-    from verification.nucleation import Preparation, escape_threshold
-    from verification.nucleus import Nucleus, outward_pattern
-    from verification.nucleus import Place as Where
+    from verification.breathers.nucleation import Preparation, escape_threshold
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.breathers.nucleus import Place as Where
+    from verification.breathers.threshold import breather_threshold
+    from verification.friction.start import Place
+    from verification.friction.threshold import Spreading, friction_threshold
 
     def friction(size: int, place: Place) -> float:
         return friction_threshold(
@@ -135,8 +135,8 @@ def _thresholds() -> Finding:
 def _velocities() -> Finding:
     """Compare velocities in units of the largest group velocity of waves about rest."""
     from theory.vdp_chain import VdpChain
-    from verification.friction_front import measure_friction_front
-    from verification.vdp_front import measure_front
+    from verification.friction.front import measure_friction_front
+    from verification.vdp.front import measure_front
 
     friction = {}
     for c in (0.012, 0.02, 0.04, 0.1, 0.3, 1.0):

@@ -61,8 +61,8 @@ def _unknowns() -> Finding:
     from derivations.printed import printed
     from derivations.symbols import c, k_2, omega_1, theta
     from theory.vdp_chain import VdpChain
-    from verification.envelope_breather import solve_envelope_breather
-    from verification.nucleus import Nucleus
+    from verification.breathers.envelope import solve_envelope_breather
+    from verification.breathers.nucleus import Nucleus
 
     second = printed(25).equation.args[1].args[0]
     at = second.subs({theta: -sp.pi / 2, k_2: -sp.pi / 2})

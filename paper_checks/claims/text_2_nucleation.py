@@ -54,9 +54,9 @@ def _lone() -> Finding:
 def _limit_of_sizes() -> Finding:
     """Compare the threshold of size 3 with those that no longer change with size."""
     from theory.vdp_chain import VdpChain
-    from verification.breather_threshold import Method, breather_threshold
-    from verification.nucleation import Preparation, escape_threshold
-    from verification.nucleus import Nucleus, outward_pattern
+    from verification.breathers.nucleation import Preparation, escape_threshold
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.breathers.threshold import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     folds = {
@@ -93,9 +93,9 @@ def _limit_of_sizes() -> Finding:
 def _two_values() -> Finding:
     """Find the one threshold of the single nucleus that two sections give differently."""
     from theory.vdp_chain import VdpChain
-    from verification.breather_threshold import Method, breather_threshold
-    from verification.nucleation import Preparation, escape_threshold
-    from verification.nucleus import Nucleus
+    from verification.breathers.nucleation import Preparation, escape_threshold
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.threshold import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     orbit = breather_threshold(chain, Nucleus(1), Method.ORBIT)

@@ -19,8 +19,8 @@ def _velocities() -> tuple[float, float, float, float]:
     """Velocity and error at c = 0.6: of (43) by a run, and of (54) with a run of (44)."""
     from theory.kinetic_relation import kinetic_relation
     from theory.vdp_chain import VdpChain
-    from verification.piecewise_simulation import simulate_front
-    from verification.vdp_front import measure_front
+    from verification.piecewise.simulation import simulate_front
+    from verification.vdp.front import measure_front
 
     front = measure_front(VdpChain(A, B, 0.6))
     branch = kinetic_relation(0.6, B / A**2).branches[-1]
@@ -73,7 +73,7 @@ def _captions() -> Finding:
 def _any_set() -> Finding:
     """Count the solutions of (54) over a few (c, η), with runs of the chain beside them."""
     from theory.kinetic_relation import kinetic_relation
-    from verification.piecewise_simulation import simulate_front
+    from verification.piecewise.simulation import simulate_front
 
     rows, seen = [], []
     for c, eta in ((0.3, 0.03125), (0.445, 0.03125), (0.5, 0.03125), (0.5, 0.1)):

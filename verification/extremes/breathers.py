@@ -13,11 +13,11 @@ import numpy as np
 from theory.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
 from theory.unit_cell import ETA_END
 from theory.vdp_chain import VdpChain
-from verification.breather_threshold import Method, breather_threshold
-from verification.envelope_breather import solve_envelope_breather, staggered_branch
+from verification.breathers.envelope import solve_envelope_breather, staggered_branch
+from verification.breathers.nucleus import Nucleus
+from verification.breathers.orbits import solve_orbit
+from verification.breathers.threshold import Method, breather_threshold
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
-from verification.nucleus import Nucleus
-from verification.orbits import solve_orbit
 
 ETA = Axis("eta", 1e-12, ETA_END, near=(ETA_END,))
 A, C, EPSILON = Axis("a", 1e-6, 1e6), Axis("c", 1e-8, 1e6), Axis("eps", 1e-6, 1.0)

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 
 from theory.kinetic_relation import kinetic_relation
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
-from verification.piecewise_run import FrontStatus
-from verification.piecewise_simulation import simulate_front
+from verification.piecewise.run import FrontStatus
+from verification.piecewise.simulation import simulate_front
 
 
 def _front(at: Mapping[str, float]) -> Claim:

@@ -30,8 +30,8 @@ def _chain(at: Mapping[str, float]) -> VdpChain:
 
 
 def _run(at: Mapping[str, float], full: bool) -> Claim:
-    from verification.vdp_run import Model, run_vdp
-    from verification.vdp_start import displaced
+    from verification.vdp.run import Model, run_vdp
+    from verification.vdp.start import displaced
 
     chain = _chain(at)
     start = displaced(chain, [1], at["displacement"])
@@ -60,7 +60,7 @@ def full_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     """(8) by Radau where the damping is stiff, else by DOP853."""
     from scipy.integrate import solve_ivp
 
-    from verification.stiff_stage import full_jacobian, full_right_side
+    from verification.vdp.stiff_stage import full_jacobian, full_right_side
 
     kept = min(int(at["sites"]), _MOST_COMPARED)
     chain = replace(_chain(at), sites=kept)
@@ -133,8 +133,8 @@ def _friction(at: Mapping[str, float]) -> FrictionChain:
 
 def friction_state(at: Mapping[str, float]) -> Claim:
     """State of the friction chain at τ = 40, the first site displaced."""
-    from verification.friction_run import RunStatus, run_friction
-    from verification.friction_start import nucleus
+    from verification.friction.run import RunStatus, run_friction
+    from verification.friction.start import nucleus
 
     chain = _friction(at)
     start = nucleus(chain, [1], at["displacement"])
@@ -147,7 +147,7 @@ def friction_state(at: Mapping[str, float]) -> Claim:
 
 def friction_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     """Locate every event on scipy's DOP853."""
-    from verification.friction_events import run_events
+    from verification.friction.events import run_events
 
     kept = min(int(at["sites"]), 6)
     if int(at["sites"]) > kept and at["c"] > 1e-3:

@@ -20,7 +20,7 @@ def _cell(at: Mapping[str, float]) -> FrictionCell:
 
 def stable_cycle(at: Mapping[str, float]) -> Claim:
     """Period and stick time; both zero where there is no cycle."""
-    from verification.friction_cell_orbits import stick_slip_cycle
+    from verification.friction.cell_orbits import stick_slip_cycle
 
     found = stick_slip_cycle(_cell(at))
     if found is None:
@@ -31,7 +31,7 @@ def stable_cycle(at: Mapping[str, float]) -> Claim:
 
 def cycle_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     """Let the belt carry the cell to its release, and locate every event on scipy's DOP853."""
-    from verification.friction_events import run_events
+    from verification.friction.events import run_events
     from verification.integrators.friction import STICK_BEGINS, STICK_ENDS
 
     cell = _cell(at)

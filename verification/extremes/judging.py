@@ -18,7 +18,7 @@ from theory.kinetic_sum import PrecisionError
 from theory.parameters import ParameterError, RunError
 from verification.extremes.discover import quantity_named
 from verification.extremes.quantity import Check, Claim, NoReferenceError, Quantity
-from verification.table import Point, Scalar
+from verification.sweeps.table import Point, Scalar
 
 PATIENCE = 5.0
 """A value is given up after so many times its limit."""

@@ -13,8 +13,8 @@ from theory.parameters import count_within
 from verification.extremes.discover import chosen
 from verification.extremes.judging import BAD, Outcome, StressTask
 from verification.extremes.quantity import Quantity
-from verification.sweep import ProgressCallback, sweep
-from verification.table import Point, Table
+from verification.sweeps.sweep import ProgressCallback, sweep
+from verification.sweeps.table import Point, Table
 
 POINTS = 1000
 """Of all quantities together, by default."""
@@ -116,7 +116,7 @@ def stability(
     seed : int
         Of the points at random.
     out, resume, workers, progress
-        As of `verification.sweep.sweep`.
+        As of `verification.sweeps.sweep.sweep`.
 
     Raises
     ------

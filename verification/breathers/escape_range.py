@@ -1,0 +1,204 @@
+"""Between which couplings a prepared nucleus escapes while c is held, over several seeds.
+
+Escape need not be monotone in c, and it depends on the noise and on the time waited. So no single
+coupling is found but a range: below it every run that was made held, above it every run escaped.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field, replace
+
+from theory.parameters import ParameterError, count_within, positive
+from theory.vdp_chain import VdpChain
+from verification.breathers.nucleation import Preparation, hold
+
+FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0
+"""First coupling tried, and the limits of the search."""
+REACH, PROBES = 0.01, 8
+"""How far beyond the range more runs are made, relative to it, and how many on that way."""
+PAD = 0.5
+"""What is added on each side, relative to the width, where escape is not monotone: isolated
+couplings of escape lie between those that were tried."""
+SEEDS = 3
+"""Seeds that are tried if there is noise, from that of the preparation on."""
+
+
+@dataclass(frozen=True)
+class EscapeRange:
+    """Where a prepared nucleus escapes.
+
+    Attributes
+    ----------
+    low, high : float
+        Every run below ``low`` held for ``duration``; every run above ``high`` escaped within half
+        of it. Where escape is not monotone, both are moved outwards by `PAD` of the width.
+    by_seed : dict of int to (float, float)
+        The same for each seed, as found.
+    duration : float
+        Slow time.
+    monotone : bool
+        Whether for each seed all escapes lie above all runs that held.
+    runs : int
+        Runs made.
+    seconds : float
+        Wall-clock time.
+    """
+
+    low: float
+    high: float
+    by_seed: dict[int, tuple[float, float]]
+    duration: float
+    monotone: bool
+    runs: int
+    seconds: float
+
+    @property
+    def c(self) -> float:
+        """Middle of the range."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def error(self) -> float:
+        """Half the width of the range: it bounds what was run, not longer times or other seeds."""
+        return 0.5 * (self.high - self.low)
+
+
+@dataclass
+class _Runs:
+    """The runs with one seed: c and the slow time of escape, infinite if it held."""
+
+    chain: VdpChain
+    preparation: Preparation
+    duration: float
+    escapes: dict[float, float] = field(default_factory=dict)
+
+    def escape(self, c: float) -> float:
+        """Return the slow time of escape."""
+        if c not in self.escapes:
+            run = hold(self.chain, self.preparation, c, self.duration)
+            self.escapes[c] = run.time if run.escaped else math.inf
+        return self.escapes[c]
+
+    def bracket(self) -> None:
+        """Look for a coupling that holds and one that escapes soon."""
+        c = FIRST
+        while self.escape(c) < math.inf and c > LOWEST:
+            c *= 0.8
+        c = FIRST
+        while not self.soon(c) and c < HIGHEST:
+            c *= 1.25
+        if math.inf not in self.escapes.values() or not any(map(self.soon, list(self.escapes))):
+            raise ParameterError(
+                "nucleus",
+                self.preparation.size,
+                f"one that holds at some c from {LOWEST:g} and escapes at some up to {HIGHEST:g}",
+                "take another size, a smaller perturbation, or change a or b",
+            )
+
+    def soon(self, c: float) -> bool:
+        """Whether it escapes within half the time."""
+        return self.escape(c) <= 0.5 * self.duration
+
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the gaps that hold the ends of the range, each between two runs."""
+        known = sorted(self.escapes)
+        escaped = min(c for c in known if self.escapes[c] < math.inf)
+        held = max(c for c in known if not self.soon(c))
+        below = max((c for c in known if c < escaped), default=escaped)
+        above = min((c for c in known if c > held), default=held)
+        return (below, escaped), (held, above)
+
+    def refine(self, tolerance: float) -> None:
+        """Bisect both gaps."""
+        for place in (0, 1):
+            low, high = self.ends()[place]
+            while high - low > tolerance:
+                self.escape(0.5 * (low + high))
+                low, high = self.ends()[place]
+
+    def monotone(self) -> bool:
+        """Whether all escapes lie above all runs that held."""
+        held = [c for c, time in self.escapes.items() if time == math.inf]
+        return max(held) < self.ends()[0][1]
+
+    def range(self) -> tuple[float, float]:
+        """Return the outer ends of the two gaps."""
+        (low, _), (_, high) = self.ends()
+        return low, high
+
+
+def escape_range(
+    chain: VdpChain,
+    preparation: Preparation,
+    duration: float = 2000.0,
+    tolerance: float = 1e-5,
+    seeds: int = SEEDS,
+) -> EscapeRange:
+    """Bisect for the range of escape, then make runs around it, until it no longer grows.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        a, b and the ends; its c and N are not used.
+    preparation : Preparation
+        The start, with its first seed.
+    duration : float, optional
+        Slow time of a run.
+    tolerance : float, optional
+        Width of the last brackets.
+    seeds : int, optional
+        Number of seeds, from 1 to 100; one is enough without noise.
+
+    Raises
+    ------
+    ParameterError
+        If it holds or escapes at every coupling tried.
+
+    Examples
+    --------
+    >>> found = escape_range(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 500.0, 1e-3)
+    >>> found.low < 0.19079 < found.high, found.monotone
+    (True, True)
+    """
+    started = time.perf_counter()
+    positive("duration", duration)
+    positive("tolerance", tolerance)
+    count_within("number of seeds", seeds, 1, 100)
+    if preparation.perturbation == 0.0:
+        seeds = 1
+    every = [
+        _Runs(chain, replace(preparation, seed=preparation.seed + number), duration)
+        for number in range(seeds)
+    ]
+    for runs in every:
+        runs.bracket()
+        runs.refine(tolerance)
+    middle = sum(sum(runs.range()) for runs in every) / (2 * seeds)
+    spacing = middle * REACH / PROBES
+    seen: set[int] = set()
+    while True:
+        low = min(runs.range()[0] for runs in every)
+        high = max(runs.range()[1] for runs in every)
+        first = max(1, math.ceil((low - REACH * middle) / spacing))
+        last = math.floor((high + REACH * middle) / spacing)
+        fresh = set(range(first, last + 1)) - seen
+        if not fresh:
+            break
+        for runs in every:
+            for number in fresh:
+                runs.escape(number * spacing)
+            runs.refine(tolerance)
+        seen |= fresh
+    monotone = all(runs.monotone() for runs in every)
+    pad = 0.0 if monotone else PAD * (high - low)
+    return EscapeRange(
+        low - pad,
+        high + pad,
+        {runs.preparation.seed: runs.range() for runs in every},
+        duration,
+        monotone,
+        sum(len(runs.escapes) for runs in every),
+        time.perf_counter() - started,
+    )

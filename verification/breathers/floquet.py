@@ -1,0 +1,162 @@
+"""Floquet multipliers of breathers of (8): along the true orbit, and along the sinusoids of (9).
+
+The monodromy matrix is the derivative of the flow over one period (Eqs. 39-42). Along the true
+orbit one multiplier is exactly 1 (a shift of time). Along an approximate orbit none need be, so
+its distance from 1 stands beside every verdict.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from theory.breather import ClosedFormBreather
+from theory.parameters import ParameterError
+from theory.vdp_chain import VdpChain
+from verification.breathers.exponents import parity_basis, split_eigenvalues
+from verification.integrators.variational import STEPS, integrate_along_sinusoids
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+MARGINAL = 1e-8
+"""Growth per unit T below which a multiplier counts as on the circle (round-off over ε)."""
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Eigenvalues of the monodromy matrix.
+
+    Attributes
+    ----------
+    values : complex array, shape (2N,)
+        All multipliers, by falling modulus.
+    trivial : float
+        |μ - 1| of the multiplier that belongs to a shift of time.
+    leader : complex
+        The one of largest modulus among the others.
+    growth : float
+        ln|leader|/(ε period): rate per unit of slow time T, comparable with `Exponents.growth`.
+    symmetric, antisymmetric : float or None
+        The same for modes of the breather's own parity under reflection, and of the other one;
+        None if the breather is not mirror-symmetric.
+    error : float
+        Largest change of the monodromy matrix when the step is halved.
+    """
+
+    values: Complex
+    trivial: float
+    leader: complex
+    growth: float
+    symmetric: float | None
+    antisymmetric: float | None
+    error: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether no multiplier but the trivial one is on or outside the unit circle."""
+        return self.growth <= MARGINAL
+
+
+def floquet_multipliers(
+    monodromy: Real,
+    period: float,
+    eps: float,
+    parity: int = 0,
+    error: float = 0.0,
+    direction: Real | None = None,
+) -> Multipliers:
+    """Sort and split the eigenvalues of a monodromy matrix.
+
+    Parameters
+    ----------
+    monodromy : float array, shape (2N, 2N)
+        Displacements first, then velocities.
+    period : float
+        Period in t.
+    eps : float
+        ε, for the rate per unit of T.
+    parity : int, optional
+        Parity of the breather under reflection; 0 if it has none.
+    error : float, optional
+        Error of the matrix, passed on.
+    direction : float array, shape (2N,), optional
+        Rate of the orbit at its start. If given, the trivial multiplier is the one whose vector
+        is most nearly along it; otherwise the one nearest to 1, as fits a true orbit.
+
+    Examples
+    --------
+    >>> found = floquet_multipliers(np.diag([1.0, 0.5]), 1.0, 0.1)
+    >>> found.trivial, round(found.growth, 3), found.stable
+    (0.0, -6.931, True)
+    """
+
+    def rate(values: Complex) -> float:
+        return math.log(max(float(np.abs(values).max()), 1e-300)) / (eps * period)
+
+    sites = monodromy.shape[0] // 2
+    basis = parity_basis(sites, parity) if parity else np.eye(2 * sites)
+    own, vectors = np.linalg.eig(basis @ monodromy @ basis.T)
+    own = np.asarray(own, dtype=complex)
+    if direction is None:
+        place = int(np.abs(own - 1.0).argmin())
+    else:
+        place = int(np.abs((basis @ direction) @ vectors).argmax())
+    trivial = float(abs(own[place] - 1.0))
+    rest = np.delete(own, place)
+    values = own
+    symmetric = antisymmetric = None
+    if parity:
+        other = split_eigenvalues(monodromy, -parity)
+        symmetric, antisymmetric = rate(rest), rate(other)
+        values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
+    values = values[np.argsort(-np.abs(values), kind="stable")]
+    leader = complex(rest[int(np.abs(rest).argmax())])
+    return Multipliers(values, trivial, leader, rate(rest), symmetric, antisymmetric, error)
+
+
+def approximate_multipliers(
+    chain: VdpChain,
+    breather: ClosedFormBreather,
+    *,
+    misprinted: bool = False,
+    steps: int = STEPS,
+) -> Multipliers:
+    """Return the multipliers along y_n = α_0 e^{k_1|n|} sin(ωt + k_2|n|), as the paper does.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        An odd number of sites; the breather is in the middle. The paper's ends are periodic.
+    breather : ClosedFormBreather
+        Amplitude, decay, frequency and phase step of (9).
+    misprinted : bool, optional
+        Use the Jacobian exactly as printed in (42).
+    steps : int, optional
+        Taylor steps a period.
+
+    Raises
+    ------
+    ParameterError
+        If the number of sites is even, or there is no breather at this coupling.
+    """
+    if chain.sites % 2 == 0:
+        raise ParameterError("number of sites n", chain.sites, "odd here", "add a site")
+    if breather.alpha_0 is None:
+        raise ParameterError(
+            "coupling c", chain.c, "below the fold of the closed form", "take a smaller coupling"
+        )
+    distance = np.abs(np.arange(chain.sites) - chain.sites // 2)
+    amplitudes = breather.amplitudes(chain.sites)[distance]
+    phases = breather.phase_step * distance
+    matrices = [
+        integrate_along_sinusoids(
+            chain, amplitudes, phases, breather.frequency, misprinted=misprinted, steps=count
+        ).monodromy
+        for count in (steps, 2 * steps)
+    ]
+    error = float(np.abs(matrices[1] - matrices[0]).max())
+    return floquet_multipliers(matrices[1], 2.0 * math.pi / breather.frequency, chain.eps, 1, error)

@@ -1,0 +1,199 @@
+"""Direct simulation of the piecewise-linear front (Eq. 44), and what its motion amounts to.
+
+The chain is moved exactly from switching to switching (``chain``), so that a period of
+the front is known to round-off.  Nothing here uses the travelling-wave theory (48)-(54), except
+that a moving start may borrow the shape of a wave.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from theory.parameters import ParameterError, count_within, positive, within
+from theory.unit_cell import threshold_ratio
+from verification.piecewise.chain import PiecewiseChain, Rest
+from verification.piecewise.run import FrontRun
+from verification.piecewise.verdict import BLOCK, History
+from verification.piecewise.window import (
+    ChainState,
+    starting_velocity,
+    static_state,
+    step_state,
+    travelling_state,
+    window_length,
+)
+
+SMALLEST_ETA = 1e-8
+"""Below it the threshold is so low that round-off in phi moves the front."""
+
+
+class Start(StrEnum):
+    """Where a run starts from."""
+
+    RESTING = "resting"
+    MOVING = "moving"
+    STEP = "step"
+
+
+@dataclass(frozen=True)
+class Hysteresis:
+    """Runs at descending couplings from a moving front, and at each one from rest.
+
+    Attributes
+    ----------
+    couplings : tuple of float
+        Descending.
+    moving, resting : tuple of FrontRun
+        One run a coupling; each moving run goes on from the one before.
+    """
+
+    couplings: tuple[float, ...]
+    moving: tuple[FrontRun, ...]
+    resting: tuple[FrontRun, ...]
+
+
+def simulate_front(
+    coupling: float,
+    eta: float,
+    start: Start | str | ChainState = Start.MOVING,
+    *,
+    start_velocity: float | None = None,
+    tolerance: float = 1e-12,
+    most_periods: int = 1000,
+) -> FrontRun:
+    """Run the chain (44) until its front is steady, pinned, or clearly neither.
+
+    Parameters
+    ----------
+    coupling : float
+        c > 0.
+    eta : float
+        ``b/a^2`` between 0 and 1/8.
+    start : Start, str or ChainState
+        ``resting`` is the static front; ``step`` is phi = 1 up to site 0 and 0 beyond, whose
+        own relaxation can launch a front below ``c_pin``; ``moving`` is the wave of
+        ``start_velocity`` (by default five per cent off the fastest that fits the threshold);
+        a state continues from there.
+    start_velocity : float, optional
+        Velocity of a moving start; negative to retreat.
+    tolerance : float
+        Relative spread of the period at which the motion counts as steady.
+    most_periods : int
+        Give up settling after so many sites.
+
+    Returns
+    -------
+    FrontRun
+
+    Raises
+    ------
+    ParameterError
+        If a quantity is outside its range.
+
+    Examples
+    --------
+    >>> run = simulate_front(0.5, 0.03125)
+    >>> run.status.value, round(run.v, 10)
+    ('steady', 0.3009923508)
+    >>> simulate_front(0.3, 0.03125, "resting").status.value
+    'pinned'
+    """
+    c, r = positive("coupling c", coupling), _threshold(eta)
+    within("tolerance", tolerance, 1e-13, 1e-2)
+    periods = count_within("most_periods", most_periods, 4 * BLOCK, 1_000_000)
+    began = time.perf_counter()
+    state = _start_state(c, r, start, start_velocity)
+    history = History(PiecewiseChain(c, r, state), c)
+    outcome: Rest | None = None
+    while outcome is None:
+        outcome = history.extend(BLOCK)
+        if outcome is None and history.decided(tolerance, periods):
+            break
+    return history.verdict(outcome, tolerance, began)
+
+
+def hysteresis(
+    eta: float, couplings: Sequence[float], *, tolerance: float = 1e-12, most_periods: int = 1000
+) -> Hysteresis:
+    """Lower the coupling under a moving front, and compare with starts from rest.
+
+    Between the fold and ``c_pin`` both a moving and a pinned front exist, and the start decides.
+
+    Raises
+    ------
+    ParameterError
+        If a quantity is outside its range.
+
+    Examples
+    --------
+    >>> runs = hysteresis(0.03125, [0.5, 0.3])
+    >>> [run.status.value for run in runs.moving]
+    ['steady', 'pinned']
+    """
+    descending = tuple(sorted((positive("coupling c", c) for c in couplings), reverse=True))
+    options = {"tolerance": tolerance}
+    moving: list[FrontRun] = []
+    for c in descending:
+        start = moving[-1].final if moving else Start.MOVING
+        moving.append(simulate_front(c, eta, start, most_periods=most_periods, **options))
+    resting = tuple(
+        simulate_front(c, eta, Start.RESTING, most_periods=most_periods, **options)
+        for c in descending
+    )
+    return Hysteresis(descending, tuple(moving), resting)
+
+
+def _threshold(eta: float) -> float:
+    remedy = "take b/a^2 below 1/8, where the unit cell is bistable"
+    if positive("eta = b/a^2", eta, remedy) >= 0.125:
+        raise ParameterError("eta = b/a^2", eta, "below 1/8", remedy)
+    if eta < SMALLEST_ETA:
+        raise ParameterError(
+            "eta = b/a^2", eta, f"at least {SMALLEST_ETA:g} in a simulation",
+            "use the kinetic relation",
+        )  # fmt: skip
+    return threshold_ratio(float(eta))
+
+
+def _start_state(
+    c: float, r: float, start: Start | str | ChainState, velocity: float | None
+) -> ChainState:
+    if isinstance(start, ChainState):
+        if len(start.phi) < 32 or not np.all(np.isfinite(start.phi)):
+            raise ParameterError(
+                "start", f"{len(start.phi)} sites", "finite and at least 32 sites long",
+                "pad it with ones behind and zeros ahead",
+            )  # fmt: skip
+        worst = max(abs(start.phi[0] - 1), abs(start.phi[-1]))
+        if worst > 1e-3:
+            raise ParameterError(
+                "start", f"with an end {worst:.2g} off", "1 at the left end and 0 at the right",
+                "pad it with ones behind and zeros ahead",
+            )  # fmt: skip
+        return start
+    try:
+        kind = Start(start)
+    except ValueError:
+        raise ParameterError("start", start, "moving, resting or step", "choose one") from None
+    if kind is not Start.MOVING:
+        if velocity is not None:
+            raise ParameterError(
+                "start velocity", velocity, "left out unless the start is moving",
+                "leave it out or start moving",
+            )  # fmt: skip
+        sites = window_length(c, 1.2 * c / (1 + 0.15 * c), 1e-15 * r)
+        return step_state(sites) if kind is Start.STEP else static_state(c, sites)
+    if velocity is None:
+        velocity = starting_velocity(c, r)
+    elif not math.isfinite(velocity) or not 1e-4 * c <= abs(velocity) <= 1e3 * (1 + c):
+        raise ParameterError(
+            "start velocity", velocity, "between c/10000 and 1000 (1 + c) in size",
+            "give a velocity near a branch of the kinetic relation",
+        )  # fmt: skip
+    return travelling_state(c, velocity, window_length(c, velocity, 1e-15 * r))

@@ -5,7 +5,6 @@ Runs are compared at one short time, before chaos or a marginal event makes ever
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -13,9 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain
-from theory.vdp_chain import VdpChain
+from verification.extremes.chains import friction_chain, vdp_chain
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -36,20 +33,11 @@ _ROUNDED, _DECIDED = 4e-15, 1e-3
 """By how much a start is moved to see what rounding does; above which rounding decides."""
 
 
-def _whole(number: float) -> Any:
-    """Return a whole number as int; what is none as it is, for the toolkit to refuse."""
-    return int(number) if math.isfinite(number) else number
-
-
-def _chain(at: Mapping[str, float]) -> VdpChain:
-    return VdpChain(at["a"], at["eta"] * at["a"] ** 2, at["c"], at["eps"], _whole(at["sites"]))
-
-
 def _run(at: Mapping[str, float], full: bool) -> Claim:
     from verification.vdp.run import Model, run_vdp
     from verification.vdp.start import displaced
 
-    chain = _chain(at)
+    chain = vdp_chain(at)
     start = displaced(chain, [1], at["displacement"])
     end = _END if full else _END / chain.eps
     level = max(1e-9, 0.5 * at["displacement"])
@@ -79,7 +67,7 @@ def full_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     from verification.vdp.stiff_stage import full_jacobian, full_right_side
 
     square = at["displacement"] ** 2
-    chain = _chain(at)
+    chain = vdp_chain(at)
     rate = chain.eps * max(1.0, chain.a * square, chain.b * square**2, chain.c)
     stiff = rate > 30.0
     if stiff and rate * _END > 1e12:
@@ -111,7 +99,7 @@ def averaged_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     """(43) in complex form by DOP853."""
     from scipy.integrate import solve_ivp
 
-    chain = _chain(at)
+    chain = vdp_chain(at)
     a, b, c = chain.a, chain.b, chain.c
     if max(a * at["displacement"] ** 2, b * at["displacement"] ** 4, c) > 1e4:
         raise NoReferenceError("too stiff for DOP853")
@@ -157,17 +145,12 @@ def _compared(
     return Check(distance, uncertainty + 1e-14, by)
 
 
-def _friction(at: Mapping[str, float]) -> FrictionChain:
-    cell = FrictionCell(at["v_d"], at["mu_st"], 0.5, at["v0"], at["xi"])
-    return FrictionChain(at["c"], cell, _whole(at["sites"]))
-
-
 def friction_state(at: Mapping[str, float]) -> Claim:
     """State of the friction chain at τ = 40, the first site displaced."""
     from verification.friction.run import RunStatus, run_friction
     from verification.friction.start import nucleus
 
-    chain = _friction(at)
+    chain = friction_chain(at)
     start = nucleus(chain, [1], at["displacement"])
     run = run_friction(chain, start, _TAU, samples=2, tolerance=1e-10)
     assert run.error is not None
@@ -180,7 +163,7 @@ def friction_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     """Locate every event on scipy's DOP853."""
     from verification.friction.events import run_events
 
-    chain, rest = _friction(at), _friction(at).cell.steady_sliding
+    chain, rest = friction_chain(at), friction_chain(at).cell.steady_sliding
     if at["v0"] < 1e-3 or at["v_d"] < 1e-2:
         raise NoReferenceError("too many steps for scipy")
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from theory.parameters import RunError
 from verification.extremes.chains import friction_chain, vdp_chain
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
@@ -155,7 +156,7 @@ def friction_state(at: Mapping[str, float]) -> Claim:
     run = run_friction(chain, start, _TAU, samples=2, tolerance=1e-10)
     assert run.error is not None
     if run.status is not RunStatus.RESOLVED:
-        raise ArithmeticError("the run says that its events differ from those of its companion.")
+        raise RunError("the run says that its companions see other events: rounding decides.")
     return Claim(run.y[-1], run.error + 1e-12, extra=start)
 
 

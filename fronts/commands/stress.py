@@ -169,7 +169,7 @@ def _list() -> Answer:
 
 
 def _savings(record: bool) -> Answer:
-    from verification.savings import measured_savings
+    from verification.savings.table import measured_savings
 
     rows = measured_savings()
     lines = []
@@ -177,8 +177,10 @@ def _savings(record: bool) -> Answer:
         lines.append(f"{row.saving.what}: {row.saving.decided}")
         lines.append(f"    bound: {row.saving.bound}")
         lines.append(f"    measured: {row.text}")
+        lines.append(f"    changed: {row.changed}")
         lines.append(f"    test: {row.saving.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
         _keep("savings", payload, "fronts stress --savings")
-    return Answer(payload, "\n".join(lines))
+    exceeded = not all(row.found.holds for row in rows)
+    return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

@@ -7,6 +7,7 @@ and keeps the bound itself from being made so wide that it would hold for anythi
 from __future__ import annotations
 
 import ast
+import os
 from pathlib import Path
 
 import mpmath as mp
@@ -22,6 +23,8 @@ from verification.piecewise.window import travelling_state, truncation_bound
 from verification.savings import orbits, process, runs, sums, table
 from verification.savings.comparison import Comparison
 from verification.savings.table import SAVINGS, MeasuredSaving, Saving
+from verification.sweeps.sweep import sweep
+from verification.sweeps.table import Point, grid
 from verification.vdp.run import Model
 
 ROOT = Path(__file__).parents[1]
@@ -69,9 +72,10 @@ def test_digits_left_out_change_less_than_the_error_returned(v: float, c: float)
 
 @pytest.mark.parametrize(
     ("c", "eta", "branch"),
-    [(0.5, 0.03125, 0), (0.435, 0.03125, 0), (0.435, 0.03125, 1), (1.5, 0.05, 0)],
+    [(0.5, 0.03125, 0), (0.435, 0.03125, 0), (0.435, 0.03125, 1), (10.0, 0.03125, 0)],
 )
 def test_values_left_out_hide_no_violation_of_1e_11(c: float, eta: float, branch: int) -> None:
+    """The second scene fails at the crossing itself, the last a third of a site ahead of it."""
     held(sums.few_values_of_the_shape(c, eta, branch), 2e-11)
 
 
@@ -177,6 +181,14 @@ def test_states_not_saved_change_nothing(model: Model) -> None:
 @pytest.mark.parametrize("points", [1, 3])
 def test_workers_not_started_change_nothing(points: int) -> None:
     held(process.no_more_workers_than_points(points), 0.0)
+
+
+def process_of(_: Point) -> dict[str, int]:
+    return {"process": os.getpid()}
+
+
+def test_two_workers_allowed_start_no_process_for_one_point() -> None:
+    assert sweep(process_of, grid(x=[1.0]), workers=2)["process"][0] == os.getpid()
 
 
 def test_libraries_not_imported_change_nothing() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -177,6 +178,18 @@ def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
     assert {*BAD, Outcome.RIGHT, Outcome.REFUSED, Outcome.UNCHECKED} == set(Outcome)
     assert not is_clear("two sentences.\nhere.")
     assert judging.CHECK_SECONDS > 0
+
+
+def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = []
+    for line in ("c-pin", "c-pin --quantity c-pin", "c-pin --quantity eta-pin --quantity c-pin"):
+        line = f"stress --json --points 20 --workers 1 --quantity {line}"
+        assert main(line.split()) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert sum(found["counts"].values()) == found["points"]
+        counts.append([(one["quantity"], one["points"]) for one in found["quantities"]])
+    assert counts[0] == counts[1]
+    assert [name for name, _ in counts[2]] == ["c-pin", "eta-pin"]
 
 
 def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,7 +28,9 @@ _MOST_SHOWN = 20
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts stress``."""
-    parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
+    parser.add_argument(
+        "--quantity", action="append", help="only this one; may be repeated for others"
+    )
     parser.add_argument("--points", type=whole, help="in all (default 1000)")
     parser.add_argument("--seed", type=whole, help="of the points at random (default 0)")
     parser.add_argument("--out", type=Path, help="write every point to a .csv file")
@@ -52,6 +54,14 @@ def run(options: argparse.Namespace) -> Answer:
     if options.savings or options.list:
         _alone("--savings" if options.savings else "--list", options)
         return _savings(options.record) if options.savings else _list()
+    if options.record and options.quantity:
+        raise UsageError(
+            "--record keeps the table of all quantities: leave out --quantity.",
+            quantity="--quantity",
+            value=options.quantity[0],
+            allowed="absent beside --record",
+            remedy="leave it out",
+        )
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
@@ -65,7 +75,7 @@ def run(options: argparse.Namespace) -> Answer:
         count_within("workers", options.workers, 1, 1024)
     with kept_by_journal(options.out), Fraction("stress") as live:
         found = stability(
-            options.quantity or (),
+            tuple(dict.fromkeys(options.quantity or ())),  # named twice is tried once
             points,
             seed,
             out=options.out,
@@ -84,13 +94,13 @@ def run(options: argparse.Namespace) -> Answer:
     }
     if options.record:
         kept = {name: value for name, value in payload.items() if name != "out"}
-        _keep("stability", kept, f"fronts stress --points {points}")
+        _keep("stability", kept, f"fronts stress --points {points} --seed {seed}")
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 
 def _alone(question: str, options: argparse.Namespace) -> None:
     """Refuse beside a question that tries no point what has no meaning for it."""
-    others = ["out", "resume", "quantity", "workers", "points", "seed", "list"]
+    others = ["out", "resume", "quantity", "workers", "points", "seed", "resume", "list"]
     if question == "--list":
         others[-1] = "record"
     for name in others:

@@ -182,9 +182,9 @@ def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
 
 def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]) -> None:
     counts = []
-    for line in ("c-pin", "c-pin --quantity c-pin", "c-pin --quantity eta-pin --quantity c-pin"):
-        line = f"stress --json --points 20 --workers 1 --quantity {line}"
-        assert main(line.split()) == 0
+    for names in (["c-pin"], ["c-pin", "c-pin"], ["c-pin", "eta-pin", "c-pin"]):
+        options = [word for name in names for word in ("--quantity", name)]
+        assert main(["stress", "--json", "--points", "20", "--workers", "1", *options]) == 0
         found = json.loads(capsys.readouterr().out)
         assert sum(found["counts"].values()) == found["points"]
         counts.append([(one["quantity"], one["points"]) for one in found["quantities"]])

@@ -28,9 +28,7 @@ _MOST_SHOWN = 20
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``fronts stress``."""
-    parser.add_argument(
-        "--quantity", action="append", help="only this one; may be repeated for others"
-    )
+    parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
     parser.add_argument("--points", type=whole, help="in all (default 1000)")
     parser.add_argument("--seed", type=whole, help="of the points at random (default 0)")
     parser.add_argument("--out", type=Path, help="write every point to a .csv file")

@@ -68,6 +68,39 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("run-friction", {**SLIDING, "v_d": 1.1513}),
         ("run-friction", {**SLIDING, "c": 1.0}),
         ("run-friction", {**SLIDING, "xi": 1e-6, "sites": 1.0}),
+        # steady sliding is unstable: roundings grow a thousandfold and more
+        (
+            "run-friction",
+            {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0},
+        ),
+        ("run-friction", {**SLIDING, "v_d": 0.11, "v0": 2.9, "mu_st": 4.4, "displacement": 1e-5}),
+        # a companion at a hundred times the tolerance is right by accident
+        (
+            "run-friction",
+            {
+                "c": 0.012352770094605076,
+                "v_d": 0.21199667225721808,
+                "v0": 0.003649774025879142,
+                "xi": 9.045611641016546e-05,
+                "mu_st": 4.821828551660506,
+                "sites": 1.0,
+                "displacement": 0.04205416947900084,
+            },
+        ),
+        (
+            "run-vdp",
+            {
+                "a": 35.96484628969489,
+                "eta": 0.12452837424194366,
+                "c": 7.083398328862791e-06,
+                "eps": 0.7167950895289498,
+                "sites": 3520.0,
+                "displacement": 1.1597375615635013,
+                "tolerance": 1.0586491191425466e-06,
+            },
+        ),
+        # waves reach farther than a reference of thirty sites
+        ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 200.0}),
     ],
 )
 def test_dear_quantities_are_right_at_single_points(name: str, values: Mapping[str, float]) -> None:

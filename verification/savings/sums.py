@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import mpmath as mp
 import numpy as np
@@ -25,6 +26,7 @@ ComplexArray = npt.NDArray[np.complex128]
 
 _TAIL_DIGITS = 15
 _EPS = float(np.finfo(float).eps)
+_PIECE = 4096
 _VIOLATION = 1e-11
 """What ``theory.admissibility`` allows a front to violate (47) by, in |φ/φ_s|²."""
 
@@ -104,10 +106,13 @@ def double_precision(v: float = 0.3, c: float = 1000.0) -> Comparison:
     return Comparison(1e3 * spent, 1e3 * whole, changed, double.error + precise.error)
 
 
-def few_values_of_the_shape(c: float = 0.5, eta: float = 0.03125, branch: int = 0) -> Comparison:
-    """Decide (47) by slopes, and by values so dense that no violation of 1e-11 hides between.
+def few_values_of_the_shape(
+    c: float = 0.5, eta: float = 0.03125, branch: int = 0, hidden: float = _VIOLATION
+) -> Comparison:
+    """Decide (47) by slopes, and by values so dense that no violation can hide between them.
 
-    Between samples h apart a minimum is missed by at most h² max|g''|/8, g = |φ|² - r².
+    Between samples h apart a minimum is missed by at most h² max|g''|/8, g = |φ|² - r²; ``hidden``
+    is the largest that may be missed.
     """
     r = threshold_ratio(eta)
     v = float(all_velocities(np.array([c]), np.array([2.0 * r])).v[branch])
@@ -117,25 +122,30 @@ def few_values_of_the_shape(c: float = 0.5, eta: float = 0.03125, branch: int = 
     zeta, phi = grid.on_lattice(64)
     inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 0.05)  # not over the kink at 0
     bend = float(np.abs(np.diff(np.abs(phi) ** 2, 2))[inside[1:-1]].max()) * 64.0**2
-    per_site = math.ceil(1.0 / math.sqrt(8.0 * _VIOLATION / bend))
+    pieces = math.ceil(1.0 / math.sqrt(8.0 * hidden / bend) / _PIECE)
     m = np.arange(-left, right)
     worst = math.inf
-    for f in np.array_split(np.arange(per_site) / per_site, 1 + per_site // 4096):
-        g = np.abs(_shape(grid, m, f)) ** 2 - r * r
+    for phi in _shape(grid, m, pieces):
+        g = np.abs(phi) ** 2 - r * r
         worst = min(worst, float(np.min(np.where(m[:, None] < 0, g, -g))))
     violation = max(0.0, -worst)
     agreed = verdict.admissible is (violation <= _VIOLATION)
     changed = (violation if verdict.admissible else 0.0) if agreed else math.inf
-    return Comparison(verdict.points, per_site * m.size, changed, _VIOLATION + grid.error)
+    values = pieces * _PIECE * m.size
+    return Comparison(verdict.points, values, changed, _VIOLATION + grid.error)
 
 
-def _shape(grid: ProfileGrid, m: FloatArray, f: FloatArray) -> ComplexArray:
-    """Return φ/φ_s at m + f, shape (len(m), len(f)): e^{af} does not depend on m."""
+def _shape(grid: ProfileGrid, m: FloatArray, pieces: int) -> Iterator[ComplexArray]:
+    """Yield φ/φ_s at every site m and a piece of the way to the next, shape (len(m), _PIECE).
+
+    The bracket of ``ProfileGrid`` grows like e^{af}, the same from one piece to the next.
+    """
     turn = np.exp(1j * np.outer(m, grid.k)) * grid.inverse_onsite / (2.0 * grid.points)
     late = turn * grid.wave / -np.expm1(1j * grid.k - grid.a)
-    total = (turn @ grid.pole)[:, None] + late @ np.exp(-np.outer(grid.a, 1.0 - f))
-    phi: ComplexArray = 0.5 - total
-    return phi
+    pole = 0.5 - (turn @ grid.pole)[:, None]
+    within = np.exp(np.outer(grid.a, np.arange(_PIECE) / (_PIECE * pieces)))
+    for piece in range(pieces):
+        yield pole - (late * np.exp(-grid.a * (1.0 - piece / pieces))) @ within
 
 
 def few_values_in_a_search(eta: float = 0.03125, above: float = 1e-8) -> Comparison:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._breathers import A, B
 from paper_checks.claims._friction import chain_of, disagreement
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.pictures import COLOURS, long_table, new_axes, picture
 
 STEEP = 4.0
 """a of Figs. 13 and 16 to 18, beside that of Figs. 7 to 11."""
@@ -175,19 +175,23 @@ def _velocities() -> Finding:
         axes.plot(
             ratio, list(other[a].values()), mark, color=COLOURS[colour], label=f"II, a = {a:g}"
         )
-    axes.axhline(1.0, color="0.5", lw=0.8)
+    axes.axhline(1.0, color="0.5", lw=0.8, label="as fast as waves")
     axes.set_xscale("log")
     axes.legend()
     drawn = picture(
         "models-velocity",
-        "Front velocity in units of the largest group velocity of linear waves about rest.",
+        "Front velocity in units of the largest group velocity of linear waves about rest. The "
+        "paper gives no numbers to compare.",
         figure,
-        {
-            "c_friction": list(friction),
-            "share_friction": list(share.values()),
-            "c_vdp": list(other[A]),
-            **{f"share_vdp_a{a:g}": list(row.values()) for a, row in other.items()},
-        },
+        long_table(
+            {
+                "I": {"c": list(friction), "share": list(share.values())},
+                **{
+                    f"II, a = {a:g}": {"c": list(row), "share": list(row.values())}
+                    for a, row in other.items()
+                },
+            }
+        ),
     )
     return Finding(
         verdict=Verdict.REPRODUCED if alike else Verdict.PARTIAL,

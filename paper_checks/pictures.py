@@ -10,7 +10,7 @@ import io
 import logging
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
+
+    Column = ArrayLike | Sequence[float | None]
 
 Width = Literal["column", "page"]
 
@@ -165,7 +167,7 @@ def new_panels(
     return figure, tuple(grid.ravel())
 
 
-def picture(name: str, caption: str, figure: Figure, data: Mapping[str, ArrayLike]) -> Picture:
+def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column]) -> Picture:
     """Render a figure and put the numbers behind it into CSV; the figure is emptied.
 
     The same figure gives the same bytes, at any time and in any process.
@@ -223,7 +225,7 @@ def save(path: Path, figure: Figure, dpi: int = 200) -> None:
 
 
 def long_table(
-    series: Mapping[str, Mapping[str, ArrayLike]],
+    series: Mapping[str, Mapping[str, Column]],
 ) -> dict[str, NDArray[np.object_]]:
     r"""Put curves below each other: a column ``series`` with their names, then their columns.
 
@@ -262,7 +264,7 @@ def long_table(
     return {name: np.array(column, dtype=object) for name, column in table.items()}
 
 
-def columns_as_csv(data: Mapping[str, ArrayLike]) -> str:
+def columns_as_csv(data: Mapping[str, Column]) -> str:
     r"""Write named columns as CSV.
 
     Floats have the digits that give back the same float; nothing is an empty cell.
@@ -290,7 +292,7 @@ def columns_as_csv(data: Mapping[str, ArrayLike]) -> str:
     return text.getvalue()
 
 
-def _plain(name: str, values: ArrayLike) -> NDArray[Any]:
+def _plain(name: str, values: Column) -> NDArray[Any]:
     """Return numbers or texts of at most one dimension."""
     column = np.asarray(values)
     if column.ndim > 1:

@@ -118,14 +118,13 @@ def _two_states() -> Finding:
 
 def _figure(cycle: EventRun, rest: EventRun) -> Picture:
     orbits = _orbits()
-    figure, (above, below) = new_panels(1, 2, width="column", height=5.4)
+    figure, (above, below) = new_panels(1, 2, width="column", height=5.6)
     blue, black = COLOURS["blue"], COLOURS["black"]
     y, v = cycle.y[:, 0], cycle.velocity[:, 0]
-    above.plot(cycle.times, y, color=blue, label="limit cycle, from y = 2")
-    above.plot(rest.times, rest.y[:, 0], color=black, label="steady sliding, from y = 1")
-    above.set(xlabel=r"time $\tau$", ylabel=r"$\tilde{y}$", ylim=(-1.2, 3.6))
-    above.legend(loc="upper left", ncols=2, columnspacing=0.8)
-    below.plot(y[600:], v[600:], color=blue, label="limit cycle")
+    above.plot(cycle.times, y, color=blue, label="limit cycle, start y = 2")
+    above.plot(rest.times, rest.y[:, 0], color=black, label="to steady sliding, start y = 1")
+    above.set(xlabel=r"time $\tau$", ylabel=r"$\tilde{y}$", ylim=(-1.2, 2.4))
+    below.plot(y[600:], v[600:], color=blue)
     below.plot(rest.y[:, 0], rest.velocity[:, 0], color=black, lw=0.5)
     below.plot([orbits.cell.steady_sliding], [0.0], "o", color=black, label="steady sliding")
     series: dict[str, dict[str, Any]] = {
@@ -142,9 +141,9 @@ def _figure(cycle: EventRun, rest: EventRun) -> Picture:
         across, up = run.y[:, 0], run.velocity[:, 0]
         below.plot(across, up, "--", color=COLOURS["vermilion"], label="unstable cycle")
         series["unstable cycle"] = {"tau": run.times, "y": across, "velocity": up}
-    below.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"stick at $v_d$ = 1.25, the paper's")
-    below.set(xlabel=r"$\tilde{y}$", ylabel=r"velocity of $\tilde{y}$", ylim=(-1.6, 3.0))
-    below.legend(loc="upper left", ncols=2, columnspacing=0.8)
+    below.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"paper, $\tilde{v}_d$ = 1.25: stick")
+    below.set(xlabel=r"$\tilde{y}$", ylabel=r"velocity of $\tilde{y}$", ylim=(-1.6, 1.6))
+    figure.legend(loc="outside lower center", ncols=2, columnspacing=0.8)
     return picture(
         "fig02-cell",
         "Fig. 2 at v_d = 1.25: both states in time (above) and in the plane of states (below), "

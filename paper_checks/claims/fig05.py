@@ -60,7 +60,8 @@ def _regions() -> Finding:
     figure, axes = new_axes(
         "column", height=4.4, xlabel="coupling c", ylabel=r"belt velocity $\tilde{v}_d$"
     )
-    draw_states(axes, states, "c", "v_d", boundary)
+    draw_states(axes, states, "c", "v_d", boundary, {"fixed point": "steady sliding"})
+    axes.set(xlim=(0.0, 0.1), ylim=(1.0, 2.0))
     hopf = chain_of(0.0).cell.hopf_velocity
     for value, line, name in ((hopf, ":", "Hopf"), (end_of_cycle, "--", "end of the cycle")):
         axes.axhline(value, color="0.5", lw=0.8, ls=line, label=f"{name}, one cell")

@@ -73,7 +73,7 @@ def _linear() -> Finding:
     if fine:
         verdict = Verdict.PARTIAL if worst_line > 0.1 else Verdict.REPRODUCED
     figure, panels = new_panels(1, 2, width="column", height=5.2)
-    on_line = f"line through c = {LINEAR_FROM:g} to 0.1"
+    on_line = f"paper: linear; fitted to c = {LINEAR_FROM:g} to 0.1"
     series: dict[str, dict[str, Any]] = {
         "measured": {
             "c": list(fronts),
@@ -101,7 +101,7 @@ def _linear() -> Finding:
         axes.set(xlabel="coupling c", ylabel=r"$\tilde{v}_\mathrm{front}$, sites per unit $\tau$")
         axes.set(ylim=(0.0, None))
     panels[0].legend()
-    panels[0].set_title("the couplings of Fig. 5")
+    panels[0].set_title("up to c = 0.1")
     panels[1].set_title("beyond, with the same line drawn on")
     drawn = picture(
         "fig06-velocity",

@@ -52,7 +52,7 @@ def _localised() -> Finding:
     right.semilogy(
         place, constant, "--", color=COLOURS["vermilion"], label="paper, (9): the same rate from 0"
     )
-    right.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(1e-6, 300))
+    right.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(1e-6, 1e5))
     right.legend(loc="upper center")
     drawn = picture(
         "fig07-breather",

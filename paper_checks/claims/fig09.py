@@ -91,7 +91,7 @@ def _multipliers() -> Finding:
         axes.axhline(1.0, color="0.5", lw=0.8, label="unit circle")
         axes.axvline(0.195, color="0", lw=0.9, ls=":", label="paper, about 0.195")
         axes.set(xlabel="coupling c", ylabel="largest |multiplier|")
-    left.set(xlim=(0, 0.2), ylim=(0.966, 1.006))
+    left.set(xlim=(0, 0.2), ylim=(0.966, 1.006), xticks=(0, 0.05, 0.1, 0.15, 0.2))
     left.legend(loc="center left", bbox_to_anchor=(0.02, 0.62))
     right.set(xlim=(0.185, 0.198), ylim=(0.989, 1.003))
     drawn = picture(

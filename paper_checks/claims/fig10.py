@@ -69,7 +69,7 @@ def _in_phase() -> Finding:
                 )
         axes.axhline(0.0, color=COLOURS["black"], lw=1.0, ls="--", label="paper: in phase")
         axes.set(xlabel="slow time εt", title=f"nucleus of {size}", ylim=(-1.05, 1.05))
-        axes.set(ylabel="phase step / π")
+        axes.set(ylabel="phase step / π", yticks=(-1, -0.5, 0, 0.5, 1))
     panels[0].legend(loc="lower center", ncols=2, markerscale=4, columnspacing=1.0)
     panels[0].set_ylim(-1.75, 1.05)
     drawn = picture(

@@ -327,6 +327,7 @@ CLAIMS = (
         "Nuclei of size 1 and 3 lose stability at c = 0.1916 and 0.2011.",
         "0.1916, 0.2011",
         Verdict.CORRECTED,
+        "fronts threshold vdp --nucleus 1 --method orbit; "
         "fronts threshold vdp --nucleus 3 --method orbit",
         _values,
         weight=2,

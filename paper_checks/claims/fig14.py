@@ -94,7 +94,7 @@ def _velocity() -> Finding:
     axes.plot(ETAS, v, "o-", color=COLOURS["blue"], label="averaged (43), free end")
     axes.plot(ETAS, v_wave, "--", color=COLOURS["sky"], label="averaged (43), wave behind")
     axes.plot(FULL, v_full, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
-    axes.axhline(C, color="0.3", lw=0.9, ls=":", label=r"waves of the wake, $\hat v = c$")
+    axes.axhline(C, color="0.3", lw=0.9, ls=":", label=r"velocity of waves, $\hat v = c$")
     axes.axvline(low, color="0.3", lw=0.9, ls="-.", label=f"fronts end, η = {low:.4f}")
     axes.legend()
     drawn = picture(

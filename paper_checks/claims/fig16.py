@@ -50,11 +50,9 @@ def _profile() -> Finding:
     )
     black = COLOURS["black"]
     axes.axhline(amplitude * r, color=black, lw=0.8, label=r"paper, $|\varphi_{us}|$")
-    axes.axhline(
-        amplitude, color=black, lw=0.8, ls="--", label=r"paper, $|\varphi_s|$ behind, 0 ahead"
-    )
+    axes.axhline(amplitude, color=black, lw=0.8, ls="--", label=r"paper, $|\varphi_s|$ and 0")
     axes.axhline(0.0, color=black, lw=0.8, ls="--")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.05))
+    axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
     drawn = picture(
         "fig16-profile",
         f"Envelope of the front at a = 4, b = 0.5, c = 0.5, v = {branch.v:.9f}: closed integral, "

@@ -101,7 +101,7 @@ def _velocities(eta: float, runs: list[FrontRun]) -> Picture:
     draw_runs(second, both.couplings, both.resting, "x", "chain, resting start")
     for axes, title in ((first, "up to c = 3"), (second, "near the thresholds")):
         axes.set(title=title, xlabel="coupling c", ylabel=r"front velocity $\hat v$")
-    first.legend(loc="upper left")
+    first.legend(loc="lower right")
     second.legend(loc="lower right")
     return picture(
         "fig17-velocity",

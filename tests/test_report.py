@@ -278,7 +278,7 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
     data = [link for link in others if link.startswith("data:text/csv")]
     assert sorted(others) == sorted(choices + data)
     assert len(choices) == 5
-    assert len(data) == 2
+    assert len(data) == 3  # two figures, one diagram
     assert "url(http" not in text
     assert "@import" not in text
 

@@ -70,6 +70,7 @@ def _multipliers() -> Finding:
                 "c": at,
                 "modulus": np.exp(EPS * period * growth[:, entry]),
             }
+    series["true orbit, loss of stability"] = {"c": true.c_stable, "modulus": 1.0}
     series["paper, loss of stability"] = {"c": 0.195, "modulus": 1.0}
     for axes in (left, right):
         for entry, colour, name in ((0, COLOURS["blue"], "even"), (1, COLOURS["vermilion"], "odd")):
@@ -90,6 +91,9 @@ def _multipliers() -> Finding:
             )
         axes.axhline(1.0, color="0.5", lw=0.8, label="unit circle")
         axes.axvline(0.195, color="0", lw=0.9, ls=":", label="paper, about 0.195")
+        axes.axvline(
+            true.c_stable, color=COLOURS["green"], lw=0.9, label=f"true orbit, {true.c_stable:.5f}"
+        )
         axes.set(xlabel="coupling c", ylabel="largest |multiplier|")
     left.set(xlim=(0, 0.2), ylim=(0.966, 1.006), xticks=(0, 0.05, 0.1, 0.15, 0.2))
     left.legend(loc="center left", bbox_to_anchor=(0.02, 0.62))

@@ -192,7 +192,7 @@ CLAIMS = (
         "Beyond the vicinity of c_crit the velocity of the front is linear in c.",
         None,
         Verdict.PARTIAL,
-        "fronts front friction --c 0.02 --n 101",
+        "fronts front friction --c 0.1 --n 61; fronts front friction --c 1 --n 101",
         _linear,
         weight=2,
     ),

@@ -350,7 +350,8 @@ CLAIMS = (
         "The critical coupling is constant from nucleus size 5 on.",
         None,
         Verdict.REPRODUCED,
-        "fronts threshold vdp --nucleus 5 --method orbit",
+        "fronts threshold vdp --nucleus 5 --method orbit; "
+        "fronts threshold vdp --nucleus 9 --method orbit",
         _converged,
         expensive=True,
     ),

@@ -149,6 +149,7 @@ CLAIMS = (
         "The scaled front velocity is asymptotically linear in the coupling.",
         None,
         Verdict.REPRODUCED,
+        "fronts front envelope --a 4 --b 0.5 --c 70 --accuracy 2e-4; "
         "fronts front envelope --a 4 --b 0.5 --c 100 --accuracy 2e-4",
         _scaling,
         2,

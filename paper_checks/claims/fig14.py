@@ -187,7 +187,7 @@ CLAIMS = (
         "The scaled front velocity depends on η; the front slows as η grows.",
         None,
         Verdict.REPRODUCED,
-        "fronts front envelope --eta 0.05 --c 0.3",
+        "fronts front envelope --eta 0.002 --c 0.3; fronts front envelope --eta 0.09 --c 0.3",
         _velocity,
     ),
     Claim(
@@ -196,7 +196,8 @@ CLAIMS = (
         "Velocities for different a and b depend on η = b/a² only.",
         None,
         Verdict.REPRODUCED,
-        "fronts front envelope --a 4 --b 0.16 --c 0.3",
+        "fronts front envelope --a 4 --b 0.16 --c 0.3; "
+        "fronts front envelope --a 1 --b 0.01 --c 0.3",
         _collapse,
     ),
     Claim(
@@ -205,7 +206,8 @@ CLAIMS = (
         "Front velocity scales with ε: v̂ = v/ε.",
         None,
         Verdict.REPRODUCED,
-        "fronts front vdp --a 4 --b 0.5 --c 0.3 --eps 0.01 --accuracy 1e-4",
+        "fronts front vdp --a 4 --b 0.5 --c 0.3 --eps 0.01 --accuracy 1e-4; "
+        "fronts front envelope --a 4 --b 0.5 --c 0.3 --accuracy 1e-5",
         _epsilon,
         0,
     ),

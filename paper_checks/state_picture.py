@@ -82,7 +82,7 @@ def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Ta
             axes.plot([at, at], [y - half[up], y + half[up]], color="0.1", lw=0.8)
             axes.plot([low, high], [y, y], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
     axes.plot([], [], color="0.1", lw=0.8, label="change of label, bisected")
-    axes.plot([], [], color="0.6", lw=2.5, label="where it lies at most")
+    axes.plot([], [], color="0.6", lw=2.5, label="another label between")
     # A dash at the rim reaches half a cell beyond the grid, where nothing was run.
     axes.set_xlim(*_rim(states, across))
     axes.set_ylim(*_rim(states, up))

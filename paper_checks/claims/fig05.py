@@ -203,7 +203,8 @@ CLAIMS = (
         "coupling only, which become fewer as c grows.",
         None,
         Verdict.REPRODUCED,
-        "fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png",
+        "fronts map friction --c 0.005:0.095:10 --v-d 1.05:1.95:10 --refine 0.125 "
+        "--picture map.png",
         _regions,
         weight=2,
     ),

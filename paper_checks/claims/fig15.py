@@ -120,7 +120,7 @@ CLAIMS = (
         "fixed point.",
         None,
         Verdict.REPRODUCED,
-        "fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png",
+        "fronts map vdp --eta 0.01:0.13:7 --c 0.05:0.95:10 --refine 0 --picture map.png",
         _regions,
         expensive=True,
     ),

@@ -52,6 +52,7 @@ def _profile() -> Finding:
     axes.axhline(amplitude * r, color=black, lw=0.8, label=r"paper, $|\varphi_{us}|$")
     axes.axhline(amplitude, color=black, lw=0.8, ls="--", label=r"paper, $|\varphi_s|$ and 0")
     axes.axhline(0.0, color=black, lw=0.8, ls="--")
+    axes.set_xticks((-10, -5, 0, 5, 10))
     axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
     drawn = picture(
         "fig16-profile",

@@ -234,7 +234,7 @@ CLAIMS = (
         "The cells of the two models have the same topology.",
         None,
         Verdict.PARTIAL,
-        "fronts cell friction --v-d 1.25",
+        "fronts cell friction --v-d 1.25; fronts cell vdp --a 2.5 --b 0.5",
         _cells,
     ),
     Claim(
@@ -243,7 +243,8 @@ CLAIMS = (
         "In both models localised states give way to fronts by nucleation, in the same manner.",
         None,
         Verdict.PARTIAL,
-        "fronts threshold friction --place bulk --nucleus 3",
+        "fronts threshold friction --place bulk --nucleus 3 --accuracy 2e-5; "
+        "fronts threshold vdp --nucleus 3",
         _thresholds,
     ),
     Claim(
@@ -252,7 +253,7 @@ CLAIMS = (
         "In both models the velocity of propagation scales nearly linearly with the coupling.",
         None,
         Verdict.PARTIAL,
-        "fronts front vdp --c 0.3 --a 2.5 --b 0.5",
+        "fronts front vdp --c 0.3 --a 2.5 --b 0.5; fronts front vdp --c 0.3 --a 4 --b 0.5",
         _velocities,
         weight=2,
     ),

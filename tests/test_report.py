@@ -17,7 +17,7 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
-from paper_checks.pictures import new_axes, picture
+from paper_checks.pictures import columns_as_csv, long_table, new_axes, picture
 from paper_checks.store import Store
 
 HERE = Path(__file__).parent
@@ -454,6 +454,13 @@ def test_unusable_pictures_are_refused(name, data, message):
     figure, _ = new_axes()
     with pytest.raises(ValueError, match=message):
         picture(name, "c", figure, data)
+
+
+def test_curves_of_one_table_stand_below_each_other():
+    table = long_table({"a": {"x": [1.0, 2.0], "kind": "p"}, "b": {"x": 3, "error": [None]}})
+    assert columns_as_csv(table) == "series,x,kind,error\na,1.0,p,\na,2.0,p,\nb,3,,\n"
+    with pytest.raises(ValueError, match="'a' have"):
+        long_table({"a": {"x": [1.0, 2.0], "y": [1.0, 2.0, 3.0]}})
 
 
 def test_claim_records_and_pictures_do_not_import_matplotlib():

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from paper_checks.pictures import Column
+    from paper_checks.data_table import Column
 
 _FLOOR = 1e-17
 _PALE = 0.35

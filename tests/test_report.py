@@ -17,7 +17,8 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
-from paper_checks.pictures import columns_as_csv, long_table, new_axes, picture
+from paper_checks.data_table import columns_as_csv, long_table
+from paper_checks.pictures import new_axes, picture
 from paper_checks.store import Store
 
 HERE = Path(__file__).parent

@@ -14,14 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.pictures import (
-    COLOURS,
-    NO_NUMBERS,
-    long_table,
-    new_axes,
-    new_panels,
-    picture,
-)
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell

@@ -6,7 +6,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.pictures import COLOURS, long_table, new_axes, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, new_axes, picture
 
 TIMES_A = (200.0, 400.0, 600.0)
 TIMES_B = (400.0, 700.0, 1000.0)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
 from paper_checks.claims._friction import chain_of, disagreement
-from paper_checks.pictures import COLOURS, long_table, new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from verification.friction.threshold import FrictionThreshold

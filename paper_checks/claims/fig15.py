@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.pictures import NO_NUMBERS, long_table, new_axes, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import NO_NUMBERS, new_axes, picture
 from paper_checks.state_picture import draw_states
 
 ETAS = (0.01, 0.03, 0.05, 0.07, 0.09, 0.11, 0.13)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.pictures import COLOURS, NO_NUMBERS, long_table, new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 from paper_checks.velocity_plot import (
     curve_of,
     draw_curve,

@@ -31,11 +31,12 @@ class Stamp:
 
 @dataclass(frozen=True)
 class Diagram:
-    """A picture of a section, with what could not be measured for it."""
+    """A picture of a section, its numbers as CSV, and what could not be measured for it."""
 
     name: str
     svg: str
     failures: tuple[str, ...]
+    data: str = ""
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,9 @@ def _diagram(name: str, record: Json, folder: Path) -> Diagram | None:
         f"{one['method']}, {one['scene']}, {one['knob']}: {one['reason']}"
         for one in record.get("failures", ())
     )
-    return Diagram(name, picture.read_text(encoding="utf-8"), failures)
+    numbers = folder / f"{name}.csv"
+    data = numbers.read_text(encoding="utf-8") if numbers.is_file() else ""
+    return Diagram(name, picture.read_text(encoding="utf-8"), failures, data)
 
 
 def _speed(records: Mapping[str, Json], folder: Path) -> Section | None:

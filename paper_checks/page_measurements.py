@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Sequence
 from html import escape
 
@@ -61,6 +62,17 @@ def _diagram(diagram: Diagram) -> str:
     failed = f"<p>No value:</p><ul>{failures}</ul>" if failures else ""
     return (
         f"<details><summary>{name}</summary>"
-        f'<figure><div class="card wide" tabindex="0">{drawing}</div></figure>'
+        f'<figure><div class="card">{drawing}</div>{_data(diagram)}</figure>'
         f'<div class="prose">{failed}</div></details>\n'
+    )
+
+
+def _data(diagram: Diagram) -> str:
+    """Write a link to the numbers behind a diagram; empty where there are none."""
+    if not diagram.data:
+        return ""
+    data, name = base64.b64encode(diagram.data.encode()).decode(), escape(diagram.name)
+    return (
+        f'<figcaption><a download="{name}.csv" '
+        f'href="data:text/csv;charset=utf-8;base64,{data}">Data (CSV)</a></figcaption>'
     )

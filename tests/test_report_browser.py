@@ -173,7 +173,7 @@ def test_pictures_data_and_links_load(browser, folder, tmp_path):
         assert picture["label"]
         assert picture["names"] > 5
         assert picture["lost"] == []
-    assert found["data"] == ["t,amplitude", "c,v,simulated"]
+    assert found["data"] == ["t,amplitude", "series,c,v", "scene,error,seconds"]
     assert found["dead"] == []
     assert found["resources"] == 0
     assert found["unnamed"] == 0

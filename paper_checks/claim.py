@@ -158,6 +158,9 @@ class Claim:
     expensive : bool
         Whether the quick run may show a finding shipped with the toolkit; for judges that take
         more than about five seconds. See ``paper_checks.shipped``.
+    because : str
+        Why the verdict on record is not a plain 'reproduced', in one line without numbers; shown
+        only while the verdict found is the one on record.
     follows : tuple of str
         Keys of the claims, or names of their modules, that judge the substance of this one. If
         there are any, ``judge`` is not called; see ``paper_checks.following``.
@@ -173,3 +176,4 @@ class Claim:
     weight: int = 1
     expensive: bool = False
     follows: tuple[str, ...] = ()
+    because: str = ""

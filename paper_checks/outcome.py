@@ -115,6 +115,11 @@ class Outcome:
         return self.finding is None or self.finding.verdict is not self.claim.recorded
 
     @property
+    def because(self) -> str:
+        """Why the verdict is what it is; empty where it is not the one on record."""
+        return "" if self.changed else self.claim.because
+
+    @property
     def change(self) -> str:
         """One sentence that names the change; empty without one."""
         if not self.changed:

@@ -1,6 +1,7 @@
 "use strict";
 // Filter the claims by verdict and place. The choice is kept in the address, as in
-// #verdict=not-reproduced&place=Fig.+17, so that it can be passed on; #claim-KEY opens a claim.
+// #verdict=not-reproduced&place=Fig.+17, so that it can be passed on; #claim-KEY, #erratum-KEY and
+// #figure-NAME open the row that they are in.
 (() => {
   const rows = [...document.querySelectorAll("#claims > li")];
   const folds = rows.map((row) => row.querySelector("details"));
@@ -40,12 +41,13 @@
 
   function follow() {
     const hash = location.hash.slice(1);
-    if (hash.startsWith("claim-")) {
-      const row = document.getElementById(hash);
+    if (/^(claim|erratum|figure)-/.test(hash)) {
+      const target = document.getElementById(hash);
+      const row = target && target.closest(".rows > li");
       if (!row) return;
       if (row.hidden) choose("", "");
       row.querySelector("details").open = true;
-      row.scrollIntoView();
+      target.scrollIntoView();
       row.querySelector("summary").focus({ preventScroll: true });
     } else if (/^(verdict|place)=/.test(hash)) {
       const choice = new URLSearchParams(hash);

@@ -11,7 +11,7 @@ from paper_checks.claim import Finding, Picture, Verdict
 from paper_checks.inline_svg import inline_svg, width_of
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.page_measurements import contents, measurement_sections
-from paper_checks.page_parts import errata, facts_list, formulas_block
+from paper_checks.page_parts import errata, facts_list, figure_links, formulas_block
 from paper_checks.report import Report
 from paper_checks.table import duration
 
@@ -62,7 +62,7 @@ def page(report: Report) -> str:
 <span>Place</span><span>Claim</span><span>Verdict</span><span>The paper</span><span>Ours</span>
 </div>
 <ol id="claims" class="rows">
-{"".join(_row(outcome) for outcome in report.outcomes)}</ol>
+{"".join(_row(outcome, report) for outcome in report.outcomes)}</ol>
 <p id="none" hidden>No claim fits this choice.</p>
 </section>
 {measurement_sections(report.measurements)}</main>
@@ -146,7 +146,7 @@ def _changed(report: Report) -> str:
 
 
 def _headlines(report: Report) -> str:
-    items = "".join(_headline(outcome) for outcome in report.headlines)
+    items = "".join(_headline(outcome, report) for outcome in report.headlines)
     if not items:
         return ""
     return (
@@ -156,18 +156,26 @@ def _headlines(report: Report) -> str:
     )
 
 
-def _headline(outcome: Outcome) -> str:
+def _headline(outcome: Outcome, report: Report) -> str:
     claim, finding = outcome.claim, outcome.finding
     if finding is None:
         return ""
     printed = f"The paper: {_sentence(claim.printed)} " if claim.printed else ""
+    because = f'<p class="because">{_because(outcome)}</p>' if outcome.because else ""
+    figures = figure_links(report.shown_by[claim.key])
+    figure = f" Figure: {figures}." if figures else ""
     return (
         f'<li class="{outcome.status}">'
         f'<p class="verdict">{escape(finding.verdict)}</p>'
         f'<p class="claim"><a href="#claim-{escape(claim.key)}">{escape(claim.statement)}</a></p>'
+        f"{because}"
         f'<p class="where">{_sentence(claim.place)} {printed}'
-        f"Ours: {_sentence(finding.value)}</p></li>"
+        f"Ours: {_sentence(finding.value)}{figure}</p></li>"
     )
+
+
+def _because(outcome: Outcome) -> str:
+    return f"Because {_sentence(outcome.because)}"
 
 
 def _filter(report: Report) -> str:
@@ -185,7 +193,7 @@ def _filter(report: Report) -> str:
 </form>"""
 
 
-def _row(outcome: Outcome) -> str:
+def _row(outcome: Outcome, report: Report) -> str:
     claim, finding = outcome.claim, outcome.finding
     verdict = STATUS[outcome.status]
     notes = [
@@ -210,7 +218,7 @@ def _row(outcome: Outcome) -> str:
 <span class="ours"><i>Ours: </i>{escape(ours)}</span>
 </summary>
 <div class="evidence">
-{_evidence(outcome) if finding is None else _findings(outcome, finding)}
+{_evidence(outcome) if finding is None else _findings(outcome, finding, report)}
 </div>
 </details>
 </li>
@@ -229,9 +237,10 @@ def _evidence(outcome: Outcome) -> str:
     )
 
 
-def _findings(outcome: Outcome, finding: Finding) -> str:
+def _findings(outcome: Outcome, finding: Finding, report: Report) -> str:
     first, second = (escape(method) for method in finding.methods)
-    prose = "".join(
+    because = f'<p class="because">{_because(outcome)}</p>' if outcome.because else ""
+    prose = because + "".join(
         f"<p>{escape(paragraph)}</p>"
         for paragraph in finding.explanation.split("\n\n")
         if paragraph.strip()
@@ -250,6 +259,9 @@ def _findings(outcome: Outcome, finding: Finding) -> str:
             for key in outcome.judgement.followed
         )
         facts.insert(0, ("Verdict taken from", links))
+    shown_by = figure_links(report.shown_by[outcome.claim.key])
+    if shown_by and not finding.pictures:
+        facts.insert(0, ("Figure", shown_by))
     pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
     formulas = formulas_block(finding.formulas)
     return f'<div class="prose">{prose}</div>{formulas}{facts_list(facts)}{pictures}'
@@ -292,7 +304,7 @@ def _picture(key: str, picture: Picture) -> str:
     # A phone scrolls a wide picture sideways: shrunk to its screen it could not be read.
     wide = ' wide" tabindex="0' if (width_of(picture.svg) or 0) > WIDE else ""
     return (
-        f'<figure><div class="card{wide}">{drawing}</div>'
+        f'<figure id="figure-{name}"><div class="card{wide}">{drawing}</div>'
         f'<figcaption>{caption} <a download="{name}.csv" '
         f'href="data:text/csv;charset=utf-8;base64,{data}">Data (CSV)</a></figcaption></figure>'
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
 
 from paper_checks.claim import Erratum, Formula
@@ -50,6 +51,11 @@ def formulas_block(formulas: tuple[Formula, ...]) -> str:
         f'<div class="math">{formula(one.latex, block=True)}</div></figure>'
         for one in formulas
     )
+
+
+def figure_links(names: Iterable[str]) -> str:
+    """Write links to pictures of the page; empty without one."""
+    return ", ".join(f'<a href="#figure-{escape(name)}">{escape(name)}</a>' for name in names)
 
 
 def facts_list(facts: list[tuple[str, str]]) -> str:

@@ -6,9 +6,11 @@ import os
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import metadata
 
 from paper_checks.claim import Erratum, Verdict
+from paper_checks.figure_links import pictures_of
 from paper_checks.measurements import Section
 from paper_checks.outcome import FAILED, Outcome, now, slug
 
@@ -69,6 +71,11 @@ class Report:
     def stale(self) -> tuple[Outcome, ...]:
         """Outcomes that are stored findings of other code than that of this run."""
         return tuple(outcome for outcome in self.outcomes if outcome.judgement.stale)
+
+    @cached_property
+    def shown_by(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the pictures that show each claim, by its key."""
+        return pictures_of(self.outcomes)
 
     @property
     def errata(self) -> tuple[tuple[Outcome, Erratum], ...]:
@@ -178,7 +185,9 @@ def to_json(report: Report) -> Json:
             }
             for outcome, erratum in report.errata
         ],
-        "claims": [_record(outcome) for outcome in report.outcomes],
+        "claims": [
+            _record(outcome, report.shown_by[outcome.claim.key]) for outcome in report.outcomes
+        ],
         "measurements": [section.as_dict() for section in report.measurements],
     }
 
@@ -193,7 +202,7 @@ def picture_files(report: Report) -> dict[str, str]:
     return files
 
 
-def _record(outcome: Outcome) -> Json:
+def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
     claim, finding = outcome.claim, outcome.finding
     return {
         "key": claim.key,
@@ -204,6 +213,7 @@ def _record(outcome: Outcome) -> Json:
         "recorded": claim.recorded.value,
         "verdict": finding.verdict.value if finding else None,
         "changed": outcome.changed,
+        "because": outcome.because,
         "failure": outcome.judgement.failure,
         "value": finding.value if finding else None,
         "error": finding.error if finding else None,
@@ -229,6 +239,7 @@ def _record(outcome: Outcome) -> Json:
             }
             for picture in (finding.pictures if finding else ())
         ],
+        "shown_by": list(shown_by),
     }
 
 

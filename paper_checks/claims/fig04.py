@@ -219,6 +219,11 @@ CLAIMS = (
         "fronts threshold friction --place edge --nucleus 1",
         _edge,
         weight=2,
+        because=(
+            "the fall needs free ends instead of (5) as printed, and one new site to count "
+            "as propagation; other readings, which the text leaves open, have another "
+            "fall."
+        ),
     ),
     Claim(
         "fig04-bulk",

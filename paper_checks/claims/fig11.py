@@ -287,6 +287,7 @@ CLAIMS = (
         _values,
         weight=2,
         expensive=True,
+        because="c was raised slowly, and such a sweep passes a fold before it sees it.",
     ),
     Claim(
         "fig11-order",
@@ -298,6 +299,10 @@ CLAIMS = (
         _order,
         weight=2,
         expensive=True,
+        because=(
+            "the order is that of exact mirror symmetry; slightly perturbed, the larger "
+            "nuclei escape first."
+        ),
     ),
     Claim(
         "fig11-converged",

@@ -113,6 +113,20 @@ def with_formulas(text: str) -> str:
     )
 
 
+def in_letters(text: str) -> str:
+    r"""Return prose for a terminal: without dollar signs, Greek letters and signs as characters.
+
+    Examples
+    --------
+    >>> in_letters(r"over $\eta \leq 1$")
+    'over η ≤ 1'
+    """
+    known = {**GREEK, **OPERATORS}
+    return re.sub(r"\\([A-Za-z]+)", lambda found: known.get(found[1], found[0]), text).replace(
+        "$", ""
+    )
+
+
 def formula(latex: str, *, block: bool = False) -> str:
     """Return MathML, or the LaTeX itself where it is outside the part that is known."""
     try:

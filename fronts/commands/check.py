@@ -21,10 +21,11 @@ from paper_checks.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
 from paper_checks.page import page
 from paper_checks.report import Report, installed_versions, make_report, picture_files, to_json
+from paper_checks.report_text import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
 from paper_checks.store import SOURCES, Store, source_hash, write_text
-from paper_checks.table import duration, entries_as_text, report_as_text
+from paper_checks.table import duration, entries_as_text
 
 EXAMPLE = """\
 examples:

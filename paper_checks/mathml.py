@@ -19,6 +19,7 @@ GREEK = {
     "mu": "μ",
     "xi": "ξ",
     "pi": "π",
+    "rho": "ρ",
     "tau": "τ",
     "varphi": "φ",
     "phi": "ϕ",
@@ -58,6 +59,10 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 _SIGNS = {"-": "−"}
+LONG = 80
+"""Characters of LaTeX beyond which a line of a phone, or of paper, may not hold the equation."""
+_BREAKS = frozenset({"+", "-", "=", "\\approx", "\\to", "\\equiv", "\\Leftrightarrow"})
+"""A line may break before one of these."""
 _OPENS = frozenset({"", "(", "[", "=", ",", ";", "\\to", "\\approx"})
 """A minus after one of these is a sign and stands close to what follows."""
 
@@ -128,8 +133,14 @@ def in_letters(text: str) -> str:
 
 
 def formula(latex: str, *, block: bool = False) -> str:
-    """Return MathML, or the LaTeX itself where it is outside the part that is known."""
+    """Return MathML, or the LaTeX itself where it is outside the part that is known.
+
+    A long equation comes in parts between which a line may break.
+    """
     try:
+        if len(latex) > LONG:
+            parts = _Reader(latex).parts()
+            return "<wbr>".join(f"<math>{part}</math>" for part in parts)
         return mathml(latex, block=block)
     except LatexError:
         return f"<code>{escape(latex)}</code>"
@@ -156,6 +167,29 @@ class _Reader:
         if ends and not self.left:
             raise LatexError(f"'{ends[0]}' is missing.")
         return "".join(nodes)
+
+    def parts(self) -> list[str]:
+        """All of the equation, cut before signs that stand in no bracket, and after spaces."""
+        parts = [""]
+        before, depth = "", 0
+        while self.left:
+            token = self.left[0]
+            depth += (token in "([") - (token in ")]") if len(token) == 1 else 0
+            sign = token in _BREAKS and before not in _OPENS
+            if parts[-1] and not depth and (sign or before[1:] in SPACES):
+                parts.append("")
+            if sign and token in "+-=":
+                self.left.pop(0)
+                parts[-1] += f'<mo form="infix">{_SIGNS.get(token, token)}</mo>'
+            elif token == "-" and before in _OPENS:
+                self.left.pop(0)
+                parts[-1] += '<mo form="prefix">−</mo>'
+            elif token == "}":
+                raise LatexError("a brace closes nothing.")
+            else:
+                parts[-1] += self._scripted()
+            before = token
+        return parts
 
     def _scripted(self) -> str:
         large = self.left[0] == "\\sum"

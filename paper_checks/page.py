@@ -8,7 +8,9 @@ from html import escape
 from importlib import resources
 
 from paper_checks.claim import Finding, Picture, Verdict
+from paper_checks.inline_math import typeset
 from paper_checks.inline_svg import inline_svg, width_of
+from paper_checks.mathml import formula
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.page_measurements import contents, measurement_sections
 from paper_checks.page_parts import errata, facts_list, figure_links, formulas_block
@@ -22,6 +24,9 @@ STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge
 
 WIDE = 300
 """Pictures wider than this, in points, do not fit a phone."""
+
+IN_ROW = 280
+"""Characters of LaTeX of an equation that a closed row has room for."""
 
 MOST_NAMED = 5
 """More changed verdicts than these are folded away, so that the first screen stays one."""
@@ -167,7 +172,7 @@ def _headline(outcome: Outcome, report: Report) -> str:
     return (
         f'<li class="{outcome.status}">'
         f'<p class="verdict">{escape(finding.verdict)}</p>'
-        f'<p class="claim"><a href="#claim-{escape(claim.key)}">{escape(claim.statement)}</a></p>'
+        f'<p class="claim"><a href="#claim-{escape(claim.key)}">{typeset(claim.statement)}</a></p>'
         f"{because}"
         f'<p class="where">{_sentence(claim.place)} {printed}'
         f"Ours: {_sentence(finding.value)}{figure}</p></li>"
@@ -208,21 +213,40 @@ def _row(outcome: Outcome, report: Report) -> str:
     ]
     note = f'<span class="note">{escape("; ".join(notes))}</span>' if notes else ""
     ours = finding.value if finding else "no value"
+    printed = typeset(claim.printed) if claim.printed else _unvalued(outcome)
     place, key = escape(claim.place), escape(claim.key)
     return f"""<li id="claim-{key}" class="{outcome.status}" data-verdict="{outcome.status}">
 <details><summary>
 <span class="place">{place}</span>
-<span class="claim">{escape(claim.statement)}</span>
+<span class="claim">{typeset(claim.statement)}</span>
 <span class="verdict">{escape(verdict)}{note}</span>
-<span class="printed"><i>The paper: </i>{escape(claim.printed or "no value")}</span>
-<span class="ours"><i>Ours: </i>{escape(ours)}</span>
-</summary>
+<span class="printed"><i>The paper: </i>{printed}</span>
+<span class="ours"><i>Ours: </i>{typeset(ours)}</span>
+{_equation(outcome)}</summary>
 <div class="evidence">
 {_evidence(outcome) if finding is None else _findings(outcome, finding, report)}
 </div>
 </details>
 </li>
 """
+
+
+def _unvalued(outcome: Outcome) -> str:
+    """Say what stands in the place of the paper's value where it gives none."""
+    if outcome.finding is None or not outcome.finding.formulas:
+        return "no value"
+    return "the equation below" if _equation(outcome) else "a long equation: open this row"
+
+
+def _equation(outcome: Outcome) -> str:
+    """Write the equation that a claim is about where a row has room for it."""
+    finding = outcome.finding
+    if finding is None or outcome.claim.printed or not finding.formulas:
+        return ""
+    latex = finding.formulas[0].latex
+    if len(latex) > IN_ROW:
+        return ""
+    return f'<span class="equation">{formula(latex)}</span>\n'
 
 
 def _followed_by(outcome: Outcome) -> str:
@@ -238,19 +262,19 @@ def _evidence(outcome: Outcome) -> str:
 
 
 def _findings(outcome: Outcome, finding: Finding, report: Report) -> str:
-    first, second = (escape(method) for method in finding.methods)
+    first, second = (typeset(method) for method in finding.methods)
     because = f'<p class="because">{_because(outcome)}</p>' if outcome.because else ""
     prose = because + "".join(
-        f"<p>{escape(paragraph)}</p>"
+        f"<p>{typeset(paragraph)}</p>"
         for paragraph in finding.explanation.split("\n\n")
         if paragraph.strip()
     )
     facts = [
-        ("Our value", escape(finding.value)),
-        ("Its error", escape(finding.error)),
-        ("The paper’s value", escape(outcome.claim.printed or "none given")),
+        ("Our value", typeset(finding.value)),
+        ("Its error", typeset(finding.error)),
+        ("The paper’s value", typeset(outcome.claim.printed or "none given")),
         ("Two methods", f"<ol><li>{first}</li><li>{second}</li></ol>"),
-        ("Tolerance", escape(finding.tolerance)),
+        ("Tolerance", typeset(finding.tolerance)),
         *_provenance(outcome),
     ]
     if outcome.judgement.followed:
@@ -299,7 +323,7 @@ def _place(machine: Mapping[str, object]) -> str:
 
 def _picture(key: str, picture: Picture) -> str:
     data = base64.b64encode(picture.data.encode()).decode()
-    name, caption = escape(picture.name), escape(picture.caption)
+    name, caption = escape(picture.name), typeset(picture.caption)
     drawing = inline_svg(picture.svg, f"{key}-{picture.name}", picture.caption)
     # A phone scrolls a wide picture sideways: shrunk to its screen it could not be read.
     wide = ' wide" tabindex="0' if (width_of(picture.svg) or 0) > WIDE else ""
@@ -323,7 +347,7 @@ def _footer(report: Report) -> str:
 
 
 def _sentence(text: str) -> str:
-    return escape(text if text.endswith((".", "!", "?")) else f"{text}.")
+    return typeset(text if text.endswith((".", "!", "?")) else f"{text}.")
 
 
 def _moment(iso: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from paper_checks.inline_math import typeset
 from paper_checks.inline_svg import inline_svg
 from paper_checks.measurements import Diagram, Section, Stamp
 
@@ -29,12 +30,12 @@ def _section(section: Section) -> str:
     key = escape(section.key)
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in section.head)
     rows = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n"
+        "<tr>" + "".join(f"<td>{typeset(cell)}</td>" for cell in row) + "</tr>\n"
         for row in section.rows
     )
     return f"""<section aria-labelledby="{key}-title">
 <h2 id="{key}-title">{escape(section.title)}</h2>
-<p class="lead">{escape(section.lead)}</p>
+<p class="lead">{typeset(section.lead)}</p>
 <div class="measured" tabindex="0"><table>
 <thead><tr>{head}</tr></thead>
 <tbody>
@@ -57,7 +58,7 @@ def _stored(stamps: Sequence[Stamp]) -> str:
 def _diagram(diagram: Diagram) -> str:
     name = escape(diagram.name)
     drawing = inline_svg(diagram.svg, f"measured-{diagram.name}", f"Measurements: {diagram.name}")
-    failures = "".join(f"<li>{escape(one)}</li>" for one in diagram.failures)
+    failures = "".join(f"<li>{typeset(one)}</li>" for one in diagram.failures)
     failed = f"<p>No value:</p><ul>{failures}</ul>" if failures else ""
     return (
         f"<details><summary>{name}</summary>"

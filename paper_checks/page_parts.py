@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from html import escape
 
 from paper_checks.claim import Erratum, Formula
-from paper_checks.mathml import formula, with_formulas
+from paper_checks.inline_math import typeset
+from paper_checks.mathml import formula
 from paper_checks.outcome import Outcome
 from paper_checks.report import Report
 
@@ -28,15 +29,15 @@ def errata(report: Report) -> str:
 def _erratum(outcome: Outcome, erratum: Erratum) -> str:
     key = escape(outcome.claim.key)
     facts = [
-        ("As printed", f'<div class="math">{with_formulas(erratum.printed)}</div>'),
-        ("Corrected", f'<div class="math">{with_formulas(erratum.corrected)}</div>'),
-        ("Proof", escape(erratum.proof)),
-        ("Affects", escape(erratum.affects)),
+        ("As printed", f'<div class="math">{typeset(erratum.printed)}</div>'),
+        ("Corrected", f'<div class="math">{typeset(erratum.corrected)}</div>'),
+        ("Proof", typeset(erratum.proof)),
+        ("Affects", typeset(erratum.affects)),
         ("Judged under", f'<a href="#claim-{key}">{key}</a>'),
     ]
     return f"""<li id="erratum-{key}"><details><summary>
 <span class="place">{escape(outcome.claim.place)}</span>
-<span class="claim">{with_formulas(erratum.reason)}</span>
+<span class="claim">{typeset(erratum.reason)}</span>
 <span class="fault">{erratum.fault}</span>
 </summary>
 <div class="evidence">{facts_list(facts)}</div>

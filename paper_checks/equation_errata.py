@@ -101,7 +101,9 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
         fault = Fault.AMBIGUOUS
         tried = list(zip(printed.readings, found.on_readings, strict=True))
         right = [reading for reading, evidence in tried if evidence.holds]
-        corrected = readable("; or ".join(f"read: {reading.meaning}" for reading in right))
+        # Where the line is changed it has one reading, the last; otherwise all that hold are named.
+        named = right[-1:] if line else right
+        corrected = readable("; or ".join(f"read: {reading.meaning}" for reading in named))
         corrected = f"${line or printed.latex}$; {corrected}"
         proof = f"Compared with {step}. " + " ".join(
             f"The reading “{reading.meaning}” {'holds' if evidence.holds else 'fails'}: "

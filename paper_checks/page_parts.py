@@ -1,15 +1,18 @@
-"""Parts of the page: errata, equations, and lists of facts."""
+"""Parts of the page: errata, equations, reasons, lists of facts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from html import escape
 
-from paper_checks.claim import Erratum, Formula
+from paper_checks.claim import Erratum, Formula, Verdict
 from paper_checks.inline_math import typeset
 from paper_checks.mathml import formula
-from paper_checks.outcome import Outcome
+from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report import Report
+
+STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge failed"}
+"""Words for each status."""
 
 
 def errata(report: Report) -> str:
@@ -59,7 +62,27 @@ def figure_links(names: Iterable[str]) -> str:
     return ", ".join(f'<a href="#figure-{escape(name)}">{escape(name)}</a>' for name in names)
 
 
+def because(outcome: Outcome) -> str:
+    """Write why the verdict is what it is."""
+    return f"Because {sentence(outcome.because)}"
+
+
 def facts_list(facts: list[tuple[str, str]]) -> str:
     """Write names and values, which are HTML already, as a list."""
     rows = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
     return f"<dl>{rows}</dl>"
+
+
+def place(machine: Mapping[str, object]) -> str:
+    """Write what kind of machine it was."""
+    return f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
+
+
+def sentence(text: str) -> str:
+    """Typeset a sentence, with the stop that it may lack."""
+    return typeset(text if text.endswith((".", "!", "?")) else f"{text}.")
+
+
+def moment(iso: str) -> str:
+    """Write a time of day."""
+    return f'<time datetime="{escape(iso)}">{escape(iso[:10])} {escape(iso[11:16])} UTC</time>'

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import metadata
+from pathlib import Path
 
-from paper_checks.claim import Erratum, Verdict
+from paper_checks.claim import NAME, Erratum, Verdict
 from paper_checks.figure_links import pictures_of
 from paper_checks.measurements import Section
 from paper_checks.outcome import FAILED, Outcome, now, slug
@@ -71,6 +73,11 @@ class Report:
     def stale(self) -> tuple[Outcome, ...]:
         """Outcomes that are stored findings of other code than that of this run."""
         return tuple(outcome for outcome in self.outcomes if outcome.judgement.stale)
+
+    @property
+    def shared(self) -> float:
+        """Time of the work that several judges of this run share, all processes together."""
+        return sum(one.judgement.shared for one in self.outcomes if not one.judgement.stored)
 
     @cached_property
     def shown_by(self) -> Mapping[str, tuple[str, ...]]:
@@ -202,6 +209,23 @@ def picture_files(report: Report) -> dict[str, str]:
     return files
 
 
+def pictures_listed(path: Path) -> set[str]:
+    """Give the names of the picture and data files that a written report says are beside it.
+
+    Empty where there is no report, or none that can be read.
+    """
+    try:
+        claims = json.loads(path.read_text(encoding="utf-8"))["claims"]
+        names = {one[kind] for claim in claims for one in claim["pictures"] for kind in _KINDS}
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+    # A name with a folder in it was not written by a report.
+    return {name for name in names if isinstance(name, str) and NAME.fullmatch(name)}
+
+
+_KINDS = ("svg", "data")
+
+
 def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
     claim, finding = outcome.claim, outcome.finding
     return {
@@ -227,6 +251,7 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
         ],
         "command": claim.command,
         "seconds": round(outcome.judgement.seconds, 3),
+        "shared_seconds": round(outcome.judgement.shared, 3),
         "judged": outcome.judgement.judged,
         "stored": outcome.judgement.stored,
         "provenance": _origin(outcome),

@@ -18,6 +18,9 @@ FEW = 8
 SHORT = 2
 """Lines of a cell where claims are shown short."""
 
+NOTABLE = 1.0
+"""Seconds of shared work from which on they are told."""
+
 MERGED = 3
 """So many claims of one module with the same words are told in one sentence."""
 
@@ -48,7 +51,8 @@ def _counts(report: Report) -> str:
     total = len(report.outcomes)
     of_all = "" if total == report.available else f" of {report.available}"
     claims = "claim" if total == 1 and not of_all else "claims"
-    return f"{total}{of_all} {claims} in {duration(report.seconds)}: {', '.join(counted)}."
+    shared = f", {duration(report.shared)} of it shared" if report.shared >= NOTABLE else ""
+    return f"{total}{of_all} {claims} in {duration(report.seconds)}{shared}: {', '.join(counted)}."
 
 
 def _stale(report: Report, width: int) -> str:

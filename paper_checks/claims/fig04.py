@@ -224,6 +224,7 @@ CLAIMS = (
             "as propagation; other readings, which the text leaves open, have another "
             "fall."
         ),
+        shared=_readings,
     ),
     Claim(
         "fig04-bulk",
@@ -233,5 +234,6 @@ CLAIMS = (
         Verdict.PARTIAL,
         "fronts threshold friction --place bulk --nucleus 3",
         _bulk,
+        shared=_readings,
     ),
 )

@@ -288,6 +288,7 @@ CLAIMS = (
         weight=2,
         expensive=True,
         because="c was raised slowly, and such a sweep passes a fold before it sees it.",
+        shared=_folds,
     ),
     Claim(
         "fig11-order",
@@ -303,6 +304,7 @@ CLAIMS = (
             "the order is that of exact mirror symmetry; slightly perturbed, the larger "
             "nuclei escape first."
         ),
+        shared=_folds,
     ),
     Claim(
         "fig11-converged",
@@ -313,6 +315,7 @@ CLAIMS = (
         "fronts threshold vdp --nucleus 5 --method orbit",
         _converged,
         expensive=True,
+        shared=_folds,
     ),
     Claim(
         "fig11-patterns",
@@ -322,5 +325,6 @@ CLAIMS = (
         Verdict.NOT_REPRODUCED,
         "fronts threshold vdp --nucleus 3 --pattern=++",
         _patterns,
+        shared=_folds,
     ),
 )

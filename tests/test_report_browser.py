@@ -146,8 +146,9 @@ def folder(tmp_path_factory):
         patch.setattr(measurements, "RESULTS", Path(__file__).parent / "report_example/measured")
         assert main(["check", "--out", str(out)]) == 0
     text = (out / "index.html").read_text(encoding="utf-8")
+    words = [one for spellings in TYPED.values() for one in spellings]
     (out / "probed.html").write_text(
-        text.replace("</body>", PROBE.replace("@WORDS@", json.dumps(list(TYPED)))), encoding="utf-8"
+        text.replace("</body>", PROBE.replace("@WORDS@", json.dumps(words))), encoding="utf-8"
     )
     (out / "phone.html").write_text(FRAME, encoding="utf-8")
     return out

@@ -8,7 +8,7 @@ from html import escape
 
 from paper_checks.inline_math import typeset
 from paper_checks.inline_svg import inline_svg
-from paper_checks.measurements import Diagram, Section, Stamp
+from paper_checks.measurements import Diagram, Failure, Section, Stamp
 
 WORDS = {
     "sum": "Sum of (53)",
@@ -81,13 +81,13 @@ def _diagram(diagram: Diagram) -> str:
     title = in_words(diagram.name)
     drawing = inline_svg(diagram.svg, f"measured-{diagram.name}", f"Measurements: {title}")
     return (
-        f'<figure id="measured-{escape(diagram.name)}"><figcaption><b>{escape(title)}</b>'
+        f'<figure id="measured-{escape(diagram.name)}"><figcaption><strong>{escape(title)}</strong>'
         f'</figcaption><div class="card wide" tabindex="0">{drawing}</div>'
         f"{_failures(diagram.failures)}</figure>\n"
     )
 
 
-def _failures(failures: Sequence[str]) -> str:
+def _failures(failures: Sequence[Failure]) -> str:
     """Write what has no value, settings with the same reason together; empty without any."""
     if not failures:
         return ""
@@ -102,30 +102,28 @@ def _failures(failures: Sequence[str]) -> str:
     )
 
 
-def grouped(failures: Sequence[str]) -> dict[tuple[str, str], str]:
-    """Put failures with the same method and reason together.
+def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
+    """Put failures with the same method and reason together: which settings they were, by both.
 
     Reasons are the same if they differ in numbers only; the first is given.
 
     Examples
     --------
-    >>> grouped(["quad, narrow, 1e-6: 12 lost", "quad, narrow, 1e-9: 15 lost", "fit, wide, 2: no"])
-    {('quad', '12 lost'): 'narrow: 1e-6, 1e-9', ('fit', 'no'): 'wide: 2'}
+    >>> grouped([Failure("quad", "narrow", "1e-6", "12 lost"),
+    ...          Failure("quad", "narrow", "1e-9", "15 lost")])
+    {('quad', '12 lost'): 'narrow: 1e-6, 1e-9'}
     """
-    named: dict[tuple[str, str], str] = {}
+    reasons: dict[tuple[str, str], str] = {}
     settings: dict[tuple[str, str], dict[str, list[str]]] = {}
-    for failure in failures:
-        setting, _, reason = failure.partition(": ")
-        head, _, knob = setting.rpartition(", ")
-        method, _, scene = head.partition(", ")
-        kind = (method, _NUMBER.sub("#", reason))
-        named.setdefault(kind, reason)
-        settings.setdefault(kind, {}).setdefault(scene, []).append(knob)
+    for one in failures:
+        kind = (one.method, _NUMBER.sub("#", one.reason))
+        reasons.setdefault(kind, one.reason)
+        settings.setdefault(kind, {}).setdefault(one.scene, []).append(one.knob)
     return {
-        (method, named[method, kind]): "; ".join(
+        (kind[0], reasons[kind]): "; ".join(
             f"{scene}: {', '.join(knobs)}" for scene, knobs in scenes.items()
         )
-        for (method, kind), scenes in settings.items()
+        for kind, scenes in settings.items()
     }
 
 

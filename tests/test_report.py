@@ -296,7 +296,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "sites, 10 to 100",
         "all107210000",
         "15 in place of 2000 roots: 133 times",
-        "quad, narrow, 1e-9: gave up <here>",
+        "quad: gave up <here> (narrow: 1e-9)",
         "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores.",
     ):
         assert shown in words.replace("\n", "")

@@ -30,12 +30,22 @@ class Stamp:
 
 
 @dataclass(frozen=True)
+class Failure:
+    """A setting of a method that gave no value, and why."""
+
+    method: str
+    scene: str
+    knob: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Diagram:
     """A picture of a section, its numbers as CSV, and what could not be measured for it."""
 
     name: str
     svg: str
-    failures: tuple[str, ...]
+    failures: tuple[Failure, ...]
     data: str = ""
 
 
@@ -107,7 +117,7 @@ def _diagram(name: str, record: Json, folder: Path) -> Diagram | None:
     if not picture.is_file():
         return None
     failures = tuple(
-        f"{one['method']}, {one['scene']}, {one['knob']}: {one['reason']}"
+        Failure(one["method"], one["scene"], str(one["knob"]), one["reason"])
         for one in record.get("failures", ())
     )
     numbers = folder / f"{name}.csv"

@@ -170,7 +170,10 @@ def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
         (["--jobs", "0"], "0 processes: it must be from 1"),
         (["--jobs", "two"], "'two' is not a whole number"),
         (["--resume"], "--resume needs --out DIR"),
-        (["--list", "--out", "x"], "--list judges nothing"),
+        (["--list", "--out", "x"], "--list judges nothing: leave out --out."),
+        (["--list", "--jobs", "1", "--record"], "leave out --jobs and --record."),
+        (["--out", ""], "an empty name is no folder"),
+        (["--out", " "], "an empty name is no folder"),
         (["--out", "a-file"], "--out a-file is a file: name a folder."),
         (["--out", "a-file/below"], "--out a-file/below cannot be written"),
     ],
@@ -269,7 +272,8 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
         assert markup in words
     assert page.tags.count("script") == 1
     assert page.tags.count("b") == 5  # the counts
-    assert page.tags.count("math") == 3  # a formula, and an erratum as printed and corrected
+    # A formula, an erratum as printed and corrected, and a reason, twice, with two in its words.
+    assert page.tags.count("math") == 3 + 2 * 2
     assert page.tags.count("i") == 2 * 6  # "The paper:" and "Ours:" in each row
     assert not {"img", "link", "iframe", "object", "u"} & set(page.tags)
     assert len(page.ids) == len(set(page.ids))
@@ -293,7 +297,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "sites, 10 to 100",
         "all107210000",
         "15 in place of 2000 roots: 133 times",
-        "quad, narrow, 1e-9: gave up <here>",
+        "quad: gave up <here> (narrow: 1e-9)",
         "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores.",
     ):
         assert shown in words.replace("\n", "")

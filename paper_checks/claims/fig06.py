@@ -196,6 +196,10 @@ CLAIMS = (
         "fronts front friction --c 0.1 --n 61; fronts front friction --c 1 --n 101",
         _linear,
         weight=2,
+        because=(
+            "the line is a chord: the front follows the largest group velocity of the "
+            "waves about steady sliding, which bends away from it at larger c."
+        ),
     ),
     Claim(
         "fig06-threshold",

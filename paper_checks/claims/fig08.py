@@ -172,6 +172,7 @@ CLAIMS = (
         "fronts breather --c 0.1 --method closed-form",
         _amplitudes,
         weight=2,
+        because="the match needs n = 1 in (37), where print leaves n open.",
     ),
     Claim(
         "fig08-assumptions",

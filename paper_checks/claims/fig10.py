@@ -179,6 +179,10 @@ CLAIMS = (
         "fronts breather --c 0.1 --nucleus 3 --method simulation",
         _in_phase,
         weight=2,
+        because=(
+            "they stay localised, but not in phase; and the state they reach is steady "
+            "only under exact mirror symmetry."
+        ),
     ),
     Claim(
         "fig10-stable",
@@ -189,5 +193,9 @@ CLAIMS = (
         "fronts breather --c 0.1 --nucleus 3 --method orbit",
         _growth,
         weight=2,
+        because=(
+            "what grows breaks the mirror symmetry, and a simulation whose arithmetic "
+            "keeps that symmetry never sees it."
+        ),
     ),
 )

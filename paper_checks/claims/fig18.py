@@ -190,6 +190,9 @@ CLAIMS = (
         "fronts kinetic --c 2 --eta 0.11",
         _forward,
         weight=2,
+        because=(
+            "for η above 2/25 no front advances, and at strong coupling the rest state invades."
+        ),
     ),
     Claim(
         "eq54-explicit",

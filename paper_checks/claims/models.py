@@ -257,5 +257,9 @@ CLAIMS = (
         "fronts front vdp --c 0.3 --a 2.5 --b 0.5; fronts front vdp --c 0.3 --a 4 --b 0.5",
         _velocities,
         weight=2,
+        because=(
+            "the friction front never outran the linear waves of its chain, while that of the Van "
+            "der Pol chain can."
+        ),
     ),
 )

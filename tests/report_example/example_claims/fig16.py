@@ -99,6 +99,7 @@ CLAIMS = (
         Verdict.NOT_REPRODUCED,
         "fronts check fig16-speed --out report",
         _speed,
+        because="a fold looks straight over a <short> range; later v_d grows like c^{1/2}",
     ),
     Claim(
         "fig16-misprint",

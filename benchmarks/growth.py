@@ -2,8 +2,9 @@
 
 Each line of work is run at growing sizes; the exponent is the slope of log time against log size
 over the larger half, where the cost that does not grow matters least. It stands beside the exponent
-that the method should have. Memory is the peak of what Python and NumPy allocated,
-and is measured where arrays grow.
+that the method should have. Memory is the peak of what Python and NumPy allocated in this
+process; tracing slows many small numbers down, so that it is measured where the work takes less
+than seconds, and not of workers.
 """
 
 from __future__ import annotations
@@ -20,6 +21,12 @@ import numpy as np
 from benchmarks.growth_work import Line, lines
 from benchmarks.quantity import Tell
 from benchmarks.record import now, these_versions, this_machine, write_json, write_whole
+from paper_checks.freshness import fingerprint
+
+CLOSE = 0.2
+"""Fitted and expected exponents this near need no remark: a fit is no better."""
+TRACED = 1.5
+"""Seconds: longer work is not done again to trace its memory."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +37,8 @@ class Growth:
     ----------
     name, size_name, why : str
         As of the line.
+    remark : str
+        Why the fitted exponent is not the expected one; empty where it is.
     sizes, seconds, megabytes : tuple of float
         Size, least time, peak memory (nan where it is not measured).
     exponent, memory_exponent : float
@@ -50,6 +59,7 @@ class Growth:
     memory_exponent: float
     expected: float | None
     wall: bool
+    remark: str = ""
 
 
 def measure(quick: bool, tell: Tell) -> list[Growth]:
@@ -66,10 +76,24 @@ def measure(quick: bool, tell: Tell) -> list[Growth]:
             Growth(
                 line.name, line.size_name, line.why, tuple(map(float, sizes)), tuple(seconds),
                 tuple(memory), slope(sizes[half], seconds[half]), slope(sizes[half], memory[half]),
-                line.expected, line.wall,
+                line.expected, line.wall, remark_on(line, slope(sizes[half], seconds[half])),
             )
         )  # fmt: skip
     return done
+
+
+def remark_on(line: Line, fitted: float) -> str:
+    """Return why the fitted exponent is another one than expected; empty where it is not.
+
+    Examples
+    --------
+    >>> line = Line("w", "sites", abs, (1,), (1,), 2.0, "why", remark="too few sites")
+    >>> remark_on(line, 2.1), remark_on(line, 1.2)
+    ('', 'too few sites')
+    """
+    if line.expected is None or abs(fitted - line.expected) <= CLOSE:
+        return ""
+    return line.remark or "not explained"
 
 
 def cost(line: Line, size: float) -> tuple[float, float]:
@@ -82,7 +106,7 @@ def cost(line: Line, size: float) -> tuple[float, float]:
         best = min(best, clock() - begin)
         if best > 2.0 and turn == 0:
             break
-    if not line.memory:
+    if line.wall or best > TRACED:
         return best, math.nan
     tracemalloc.start()
     try:
@@ -114,6 +138,7 @@ def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
         "date": now(),
         "machine": this_machine(),
         "versions": these_versions(),
+        "code": fingerprint(["benchmarks.growth"]),
         "lines": [
             {
                 **asdict(row),
@@ -148,6 +173,8 @@ def as_text(rows: Sequence[Growth]) -> str:
             f"{expected:>9} {_shown(row.memory_exponent, '.2f'):>10}"
         )
         lines.append(f"    {row.why}" + ("; seconds of the wall" if row.wall else ""))
+        if row.remark:
+            lines.append(f"    not {row.expected:g}: {row.remark}")
     return "\n".join(lines)
 
 
@@ -159,29 +186,43 @@ def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Pat
 
     from paper_checks.pictures import new_panels, picture
 
-    figure, panels = new_panels(2, 2, height=6.0)
-    axes_of = dict(zip(("sites", "digits", "1/v", "points"), panels, strict=True))
+    sizes = ("sites", "digits", "1/v", "points", "workers")
+    figure, panels = new_panels(2, 3, height=9.0)
+    axes_of = dict(zip(sizes, panels, strict=False))
+    memory = panels[len(sizes)]
     for row in rows:
-        if row.size_name in axes_of:
-            fitted = f"{row.name}: {row.exponent:.2f}"
-            axes_of[row.size_name].loglog(row.sizes, row.seconds, "o-", label=fitted)
-    for name, axes in axes_of.items():
-        axes.set(xlabel=name, ylabel="seconds")
+        axes = axes_of[row.size_name]
+        (line,) = axes.loglog(row.sizes, row.seconds, "o-", label=f"{row.name}: {row.exponent:.2f}")
+        if row.expected is not None:
+            through = [row.seconds[-1] * (n / row.sizes[-1]) ** row.expected for n in row.sizes]
+            axes.loglog(row.sizes, through, "--", color=line.get_color(), alpha=0.5)
+        if row.size_name == "sites" and math.isfinite(row.memory_exponent):
+            fitted = f"{row.name}: {row.memory_exponent:.2f}"
+            memory.loglog(row.sizes, row.megabytes, "s-", color=line.get_color(), label=fitted)
+    for name, axes in [*axes_of.items(), ("sites", memory)]:
+        axes.set(xlabel=name, ylabel="megabytes" if axes is memory else "seconds")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.grid(True)
-        axes.margins(y=0.3)
-        axes.legend(loc="upper left")
+        if axes.has_data():
+            axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
     drawn = picture(
         "growth",
-        "Run time as the work grows, with fitted exponents.",
+        "Run time and memory as the work grows, with fitted exponents. Dashed: the expected "
+        "exponent, through the last size.",
         figure,
         {
             "work": [row.name for row in rows for _ in row.sizes],
             "size": [size for row in rows for size in row.sizes],
             "seconds": [time for row in rows for time in row.seconds],
+            "expected exponent": [
+                math.nan if row.expected is None else row.expected
+                for row in rows
+                for _ in row.sizes
+            ],
+            "megabytes": [each for row in rows for each in row.megabytes],
         },
     )
     write_whole(folder / "growth.png", image.getvalue())

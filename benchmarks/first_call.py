@@ -40,37 +40,38 @@ def first_call(module: str, method: str, limit: float = LIMIT) -> FirstCall:
     """Return the times of one method in two fresh processes, the first with an empty cache."""
     with tempfile.TemporaryDirectory() as cache:
         try:
-            cold = _in_a_process(module, method, cache, limit)
-            loaded = _in_a_process(module, method, cache, limit)
+            cold = _in_a_process(module, method, cache, limit, 1)
+            loaded = _in_a_process(module, method, cache, limit, 2)
         except subprocess.TimeoutExpired:
             return FirstCall(method, None, None, None, f"not done within {limit:g} s")
         except ArithmeticError as error:
             return FirstCall(method, None, None, None, str(error)[:160])
-    return FirstCall(method, cold["first"], loaded["first"], loaded["again"])
+    return FirstCall(method, cold[0], *loaded)
 
 
-def _in_a_process(module: str, method: str, cache: str, limit: float) -> dict[str, float]:
+def _in_a_process(module: str, method: str, cache: str, limit: float, calls: int) -> list[float]:
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     done = subprocess.run(
-        [sys.executable, "-m", "benchmarks.first_call", module, method],
+        [sys.executable, "-m", "benchmarks.first_call", module, method, str(calls)],
         capture_output=True, text=True, timeout=limit, check=False, cwd=cache,
         env={**os.environ, "NUMBA_CACHE_DIR": cache, "PYTHONPATH": os.pathsep.join(paths)},
     )  # fmt: skip
     if done.returncode:
         raise ArithmeticError((done.stderr.strip().splitlines() or ["no message"])[-1])
-    found: dict[str, float] = json.loads(done.stdout.strip().splitlines()[-1])
+    found: list[float] = json.loads(done.stdout.strip().splitlines()[-1])
     return found
 
 
-def _times(module: str, method: str) -> dict[str, float]:
-    """Return seconds of the first call and of the second, the benchmark's own imports apart."""
+def _times(module: str, method: str, calls: int) -> list[float]:
+    """Return seconds of each of so many calls, the benchmark's own imports apart."""
     call = importlib.import_module(module).BENCHMARK.first[method]
-    begin = perf_counter()
-    call()
-    middle = perf_counter()
-    call()
-    return {"first": middle - begin, "again": perf_counter() - middle}
+    times = []
+    for _ in range(calls):
+        begin = perf_counter()
+        call()
+        times.append(perf_counter() - begin)
+    return times
 
 
 if __name__ == "__main__":
-    print(json.dumps(_times(*sys.argv[1:])))
+    print(json.dumps(_times(sys.argv[1], sys.argv[2], int(sys.argv[3]))))

@@ -30,7 +30,8 @@ def first_calls(records: Mapping[str, Json]) -> Section | None:
         warned(
             "What a method costs before it gives its first value, each in a process of its own. "
             "Cold: nothing was compiled before. Loaded: the next process, which finds on disk what "
-            "the first one compiled. Again: the second call there. Seconds of the wall.",
+            "the first one compiled. Again: the second call there. Seconds of the wall; what the "
+            "benchmark itself imports before is not counted.",
             measured,
         ),
         ("Quantity", "Method", "Cold", "Loaded", "Again", "No value because"),

@@ -46,7 +46,7 @@ def first_call(module: str, method: str, limit: float = LIMIT) -> FirstCall:
             return FirstCall(method, None, None, None, f"not done within {limit:g} s")
         except ArithmeticError as error:
             return FirstCall(method, None, None, None, str(error)[:160])
-    return FirstCall(method, cold[0], *loaded)
+    return FirstCall(method, cold[0], loaded[0], loaded[1])
 
 
 def _in_a_process(module: str, method: str, cache: str, limit: float, calls: int) -> list[float]:

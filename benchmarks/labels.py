@@ -76,19 +76,22 @@ def contenders(scene: Scene, true: float) -> Iterator[Contender]:
         for k in (3, 4, 5, 6, 8):
             task = StateTask(model, tolerance=10.0**-k, perturbation=0.0)
             yield Contender(
-                method, f"tolerance 1e-{k}", partial(_bisected, scene, partial(by_us, task, eta)),
+                method, f"tolerance 1e-{k}",
+                partial(_bisected, scene, partial(by_us, task, eta), model is Model.FULL),
                 true, quick=k in (4, 6),
             )  # fmt: skip
     for end, k in ((10.0, 3), (30.0, 3), (30.0, 6), (60.0, 3)):
         yield Contender(
             PEER, f"slow time {end:g}, tolerance 1e-{k}",
-            partial(_bisected, scene, partial(by_scipy, eta, end, 10.0**-k)), true,
+            partial(_bisected, scene, partial(by_scipy, eta, end, 10.0**-k), False), true,
             quick=end < 20.0, peer=True,
         )  # fmt: skip
 
 
-def _bisected(scene: Scene, sends: Sends) -> Answer:
-    return Answer(*boundary(sends, scene.values["low"], scene.values["high"], STEPS))
+def _bisected(scene: Scene, sends: Sends, claims: bool) -> Answer:
+    """Return the boundary; half of the last interval is a claim only where labels are certain."""
+    found, half = boundary(sends, scene.values["low"], scene.values["high"], STEPS)
+    return Answer(found, half if claims else None)
 
 
 def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, float]:

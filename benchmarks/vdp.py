@@ -409,6 +409,13 @@ BENCHMARK = Quantity(
     measure,
     style,
     (STATED,),
+    reasons={
+        FIXED8: "its step was found by trial at this scene: it knows no error and adapts to none",
+        SPLIT: "its step was found by trial at this scene: it knows no error and adapts to none",
+        "heyoka": "it compiles in every process, for every number of sites and every tolerance, "
+        "and is an optional extra; sites at rest are not left out",
+        "jitcode dop853": "it needs a C compiler and compiles anew for every chain",
+    },
     first={
         name: partial(_first, name) for name in (OURS, "heyoka", "jitcode dop853", "scipy DOP853")
     },

@@ -139,7 +139,7 @@ FAMILIES: Mapping[str, tuple[Scene, ...]] = {
     ),
     "friction": (
         _scene("ordinary", "ordinary", c=0.02, sites=31, t=200.0, timed=True),
-        _scene("many-events", "stiff", c=0.2, sites=31, t=100.0, timed=True),
+        _scene("many-events", "stiff", c=0.05, sites=31, t=400.0, timed=True),
     ),
     "front": (
         _scene("averaged", "ordinary", a=4.0, eta=0.03125, c=0.6, eps=0.0, timed=True),

@@ -8,8 +8,8 @@ cycle; beside the boundary no fixed time is enough.
 
 The boundary of reference is ours at 1e-11, to 1e-5; scipy's, told to go on until the far end is
 reached or the wait is far beyond the decision, confirms that there is no front at five per cent
-less and one at five per cent more: ``agreement`` is these five per cent. Seconds are processor seconds a
-boundary.
+less and one at five per cent more: ``agreement`` is these five per cent. Seconds are processor
+seconds a boundary.
 """
 
 from __future__ import annotations

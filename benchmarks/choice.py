@@ -3,18 +3,23 @@
 For each error 10^-k that a user is likely to ask for, every method takes its fastest setting whose
 true error is no larger. The default should then be the fastest; where another one is, by more than
 a tenth, the table says which and by what factor. Errors below what the references are apart are
-left out: they are not known.
+left out: they are not known. Variants of the default, and methods that solve another problem, are
+no rivals; the latter are named with what they solve. For each rival that is faster the table says
+why the default is the default all the same.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from benchmarks.quantity import Quantity
 from benchmarks.record import Record, WorkPoint, read_record, write_json
+from paper_checks.freshness import staleness
+
+NO_REASON = "no reason is given: the default is to be changed"
 
 NOISE = 1.1
 """A factor of time below which two methods count as equally fast."""
@@ -53,6 +58,12 @@ class Choice:
         Errors asked for at which no other method is faster.
     beaten : tuple of Beaten
         The others.
+    reasons : mapping of str to str
+        For each rival that is faster somewhere, why the default is the default all the same.
+    others : mapping of str to str
+        Methods of the record that are no rivals because they solve another problem, and which.
+    stale : str
+        Why the record no longer counts; empty if it does.
     """
 
     quantity: str
@@ -61,6 +72,9 @@ class Choice:
     recorded: str
     fastest: tuple[float, ...]
     beaten: tuple[Beaten, ...]
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    others: Mapping[str, str] = field(default_factory=dict)
+    stale: str = ""
 
     @property
     def lower_envelope(self) -> bool:
@@ -77,6 +91,8 @@ def choices(quantity: Quantity, record: Record) -> list[Choice]:
         If the record does not hold the default method at a scene.
     """
     rows = []
+    stale = staleness(asdict(record))
+    apart = {*quantity.variants, *quantity.others}
     for scene in dict.fromkeys(point.scene for point in record.points):
         here = [point for point in record.points if point.scene == scene]
         if not any(point.method == quantity.default for point in here):
@@ -84,9 +100,7 @@ def choices(quantity: Quantity, record: Record) -> list[Choice]:
         fastest, beaten = [], []
         low, high = quantity.useful
         for error in decades(max(low, record.agreement[scene]), high):
-            best = fastest_within(
-                (point for point in here if point.method not in quantity.variants), error
-            )
+            best = fastest_within((point for point in here if point.method not in apart), error)
             if not best:
                 continue
             own = best.pop(quantity.default, math.inf)
@@ -98,9 +112,13 @@ def choices(quantity: Quantity, record: Record) -> list[Choice]:
                 beaten.append(Beaten(error, rival, factor))
         rows.append(
             Choice(
-                quantity.name, scene, quantity.default, record.date, tuple(fastest), tuple(beaten)
+                quantity.name, scene, quantity.default, record.date, tuple(fastest), tuple(beaten),
+                {each.by: quantity.reasons.get(each.by, NO_REASON) for each in beaten},
+                {name: what for name, what in quantity.others.items()
+                 if any(point.method == name for point in here)},
+                stale,
             )
-        )
+        )  # fmt: skip
     return rows
 
 
@@ -140,7 +158,13 @@ def stored_choices(quantities: Sequence[Quantity], folder: Path) -> tuple[list[C
 
 def as_payload(rows: Sequence[Choice]) -> list[dict[str, object]]:
     """Return the table for JSON."""
-    return [{**asdict(row), "lower_envelope": row.lower_envelope} for row in rows]
+    return [
+        {
+            **{name: value for name, value in asdict(row).items() if name != "stale"},
+            "lower_envelope": row.lower_envelope,
+        }
+        for row in rows
+    ]
 
 
 def write_choices(rows: Sequence[Choice], path: Path) -> None:
@@ -174,6 +198,12 @@ def as_text(rows: Sequence[Choice]) -> str:
                 if each.by == by
             )
             lines.append(f"{'':16} {by} is faster: {there}")
+            if by in row.reasons:
+                lines.append(f"{'':16} the default all the same: {row.reasons[by]}")
+        for name, what in row.others.items():
+            lines.append(f"{'':16} {name} is no rival: {what}")
+        if row.stale:
+            lines.append(f"{'':16} stale: {row.stale}")
     return "\n".join(lines)
 
 

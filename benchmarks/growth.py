@@ -2,8 +2,9 @@
 
 Each line of work is run at growing sizes; the exponent is the slope of log time against log size
 over the larger half, where the cost that does not grow matters least. It stands beside the exponent
-that the method should have. Memory is the peak of what Python and NumPy allocated,
-and is measured where arrays grow.
+that the method should have. Memory is the peak of what Python and NumPy allocated in this
+process; tracing slows many small numbers down, so that it is measured where the work takes less
+than seconds, and not of workers.
 """
 
 from __future__ import annotations
@@ -20,6 +21,12 @@ import numpy as np
 from benchmarks.growth_work import Line, lines
 from benchmarks.quantity import Tell
 from benchmarks.record import now, these_versions, this_machine, write_json
+from paper_checks.freshness import fingerprint
+
+CLOSE = 0.2
+"""Fitted and expected exponents this near need no remark: a fit is no better."""
+TRACED = 1.5
+"""Seconds: longer work is not done again to trace its memory."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +37,8 @@ class Growth:
     ----------
     name, size_name, why : str
         As of the line.
+    remark : str
+        Why the fitted exponent is not the expected one; empty where it is.
     sizes, seconds, megabytes : tuple of float
         Size, least time, peak memory (nan where it is not measured).
     exponent, memory_exponent : float
@@ -50,6 +59,7 @@ class Growth:
     memory_exponent: float
     expected: float | None
     wall: bool
+    remark: str = ""
 
 
 def measure(quick: bool, tell: Tell) -> list[Growth]:
@@ -66,10 +76,24 @@ def measure(quick: bool, tell: Tell) -> list[Growth]:
             Growth(
                 line.name, line.size_name, line.why, tuple(map(float, sizes)), tuple(seconds),
                 tuple(memory), slope(sizes[half], seconds[half]), slope(sizes[half], memory[half]),
-                line.expected, line.wall,
+                line.expected, line.wall, remark_on(line, slope(sizes[half], seconds[half])),
             )
         )  # fmt: skip
     return done
+
+
+def remark_on(line: Line, fitted: float) -> str:
+    """Return why the fitted exponent is another one than expected; empty where it is not.
+
+    Examples
+    --------
+    >>> line = Line("w", "sites", abs, (1,), (1,), 2.0, "why", remark="too few sites")
+    >>> remark_on(line, 2.1), remark_on(line, 1.2)
+    ('', 'too few sites')
+    """
+    if line.expected is None or abs(fitted - line.expected) <= CLOSE:
+        return ""
+    return line.remark or "not explained"
 
 
 def cost(line: Line, size: float) -> tuple[float, float]:
@@ -82,7 +106,7 @@ def cost(line: Line, size: float) -> tuple[float, float]:
         best = min(best, clock() - begin)
         if best > 2.0 and turn == 0:
             break
-    if not line.memory:
+    if line.wall or best > TRACED:
         return best, math.nan
     tracemalloc.start()
     try:
@@ -114,6 +138,7 @@ def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
         "date": now(),
         "machine": this_machine(),
         "versions": these_versions(),
+        "code": fingerprint(["benchmarks.growth"]),
         "lines": [
             {
                 **asdict(row),
@@ -148,6 +173,8 @@ def as_text(rows: Sequence[Growth]) -> str:
             f"{expected:>9} {_shown(row.memory_exponent, '.2f'):>10}"
         )
         lines.append(f"    {row.why}" + ("; seconds of the wall" if row.wall else ""))
+        if row.remark:
+            lines.append(f"    not {row.expected:g}: {row.remark}")
     return "\n".join(lines)
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
 
-from benchmarks.piecewise_sum import QUANTITY, SCENES, contenders, references
+from benchmarks.piecewise_peers import by_contour_roots, plain_quad
+from benchmarks.piecewise_sum import QUANTITY, contenders, first_batch, references
 from benchmarks.piecewise_targets import batch_target, other_targets, ratio_targets
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Effort, measure_side_by_side
-from verification.scenes import scene_named
+from verification.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style
@@ -25,9 +27,9 @@ def measure(quick: bool, tell: Tell) -> Record:
     points: list[WorkPoint] = []
     failures: list[Failure] = []
     agreement: dict[str, float] = {}
-    for name in SCENES:
+    for scene in timed(QUANTITY):
+        name = scene.name
         tell(f"{QUANTITY} at the scene {name}")
-        scene = scene_named(name)
         known = references(scene.v, scene.c)
         agreement[name] = known.apart
         taking_part = [each for each in contenders(scene, known) if each.quick or not quick]
@@ -37,7 +39,7 @@ def measure(quick: bool, tell: Tell) -> Record:
         points += done
         failures += failed
     tell("promised speeds")
-    ratios = [row for name in SCENES for row in ratio_targets(points, name)]
+    ratios = [row for name in agreement for row in ratio_targets(points, name)]
     targets = (batch_target(quick), *ratios, *other_targets(quick))
     command = "fronts bench sum" + " --quick" * quick
     return stamped(command, agreement, points, failures, targets)
@@ -69,13 +71,21 @@ def style() -> Style:
     )
 
 
+FIRST = {
+    "integral, in a batch": partial(first_batch, 0.3, 0.5),
+    "scipy.integrate.quad": partial(plain_quad, 0.3, 0.5, 1e-8, 1_000),
+    "cxroots, our tail": partial(by_contour_roots, 0.3, 0.5, 1, True, {"M": 2}),
+}
+"""Σ at the ordinary scene."""
+
+
 BENCHMARK = Quantity(
     "sum",
     "the sum Σ(v, c) of Eq. (53)",
-    SCENES,
     "integral, in a batch",
     (1e-12, 1e-2),
     measure,
     style,
     ("integral, one call",),
+    first=FIRST,
 )

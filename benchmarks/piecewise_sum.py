@@ -22,7 +22,6 @@ from theory.sum_series import sum_by_roots
 from verification.scenes import Scene
 
 QUANTITY = "sum"
-SCENES = ("ordinary", "small-v", "large-c")
 REFERENCE_DIGITS = 60
 BATCH = 4096
 
@@ -129,6 +128,11 @@ def _batch(v: float, c: float, tolerance: float) -> Answer:
     """Return Σ(v, c), the first of a batch whose velocities go up by one per cent."""
     many = sums(v * np.geomspace(1.0, 1.01, BATCH), c, tolerance)
     return Answer(complex(many.value[0]), float(many.error[0]))
+
+
+def first_batch(v: float, c: float) -> Answer:
+    """Return Σ(v, c), the first of a batch, as it is called by default."""
+    return _batch(v, c, 1e-12)
 
 
 def _cut_off(v: float, c: float, count: int) -> Answer:

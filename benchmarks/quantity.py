@@ -1,19 +1,17 @@
-"""What every benchmark offers: one quantity, its scenes, how to measure it and how to draw it.
+"""What every benchmark offers: one quantity, how to measure it and how to draw it.
 
-A module of this folder that exposes ``BENCHMARK`` is a quantity; nothing else lists them.
+A module of this folder that exposes ``BENCHMARK`` is a quantity (``discover``). Its scenes are
+those of ``verification.scenes`` that are to be timed.
 """
 
 from __future__ import annotations
 
-import functools
-import importlib
-import pkgutil
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from theory.parameters import ParameterError
+from verification.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style
@@ -35,8 +33,6 @@ class Quantity:
         As on the command line; the record is ``<name>.json``.
     what : str
         In a few words.
-    scenes : tuple of str
-        Where it is computed.
     default : str
         The method that the toolkit uses unless told otherwise.
     useful : (float, float)
@@ -47,51 +43,34 @@ class Quantity:
         How the diagram is drawn.
     variants : tuple of str
         The default in other dress, such as one call in place of a batch: drawn, and no rivals.
+    others : mapping of str to str
+        Methods that solve another problem, and which: drawn, and no rivals.
+    reasons : mapping of str to str
+        Rivals that are faster somewhere, and why the default is the default all the same.
+    first : mapping of str to callable
+        One first call of the default and of each peer, for a process of its own; imports inside.
+    code : tuple of str
+        Modules that are measured and that the benchmark does not import itself.
     """
 
     name: str
     what: str
-    scenes: tuple[str, ...]
     default: str
     useful: tuple[float, float]
     measure: Callable[[bool, Tell], Record]
     style: Callable[[], Style]
     variants: tuple[str, ...] = ()
+    others: Mapping[str, str] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    first: Mapping[str, Callable[[], object]] = field(default_factory=dict)
+    code: tuple[str, ...] = ()
 
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """Names of the scenes where it is measured."""
+        return tuple(scene.name for scene in timed(self.name))
 
-@functools.cache
-def all_quantities() -> tuple[Quantity, ...]:
-    """Return every quantity, by name.
-
-    Raises
-    ------
-    ValueError
-        If two have the same name.
-    """
-    home = importlib.import_module("benchmarks")
-    modules = [each.name for each in pkgutil.iter_modules(home.__path__) if not each.ispkg]
-    found = []
-    for name in modules:
-        quantity = getattr(importlib.import_module(f"benchmarks.{name}"), "BENCHMARK", None)
-        if quantity is not None:
-            found.append(quantity)
-    names = [quantity.name for quantity in found]
-    if len(set(names)) < len(names):
-        raise ValueError(f"two benchmarks of one name among {names}")
-    return tuple(sorted(found, key=lambda quantity: quantity.name))
-
-
-def chosen(names: Sequence[str]) -> tuple[Quantity, ...]:
-    """Return the quantities named, or all if none is.
-
-    Raises
-    ------
-    ParameterError
-        If there is none of that name.
-    """
-    known = {quantity.name: quantity for quantity in all_quantities()}
-    for name in names:
-        if name not in known:
-            allowed = f"one of {', '.join(known)}, growth"
-            raise ParameterError("quantity", name, allowed, "see 'fronts bench --list'")
-    return tuple(known[name] for name in dict.fromkeys(names)) if names else tuple(known.values())
+    @property
+    def module(self) -> str:
+        """Dotted name of the module that measures it."""
+        return self.measure.__module__

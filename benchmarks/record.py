@@ -73,6 +73,31 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class FirstCall:
+    """What a method costs before it gives its first value, in a process of its own.
+
+    Attributes
+    ----------
+    method : str
+        Name.
+    cold : float or None
+        Seconds of the first call where nothing was compiled before; None if it failed.
+    loaded : float or None
+        The same in the next process, which finds what the first one compiled.
+    again : float or None
+        Seconds of the second call there.
+    reason : str
+        Why it failed; empty if it did not.
+    """
+
+    method: str
+    cold: float | None
+    loaded: float | None
+    again: float | None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
 class Target:
     """A speed that was promised beside the speed that was measured.
 
@@ -127,6 +152,10 @@ class Record:
         For each scene, the distance between the two references that share no code.
     points, failures, targets
         The measurements.
+    first_calls : tuple of FirstCall
+        Compilation and first calls; empty in a quick run.
+    code : mapping or None
+        Which code was measured (``paper_checks.freshness``); None in a record that does not say.
     """
 
     command: str
@@ -137,6 +166,8 @@ class Record:
     points: tuple[WorkPoint, ...]
     failures: tuple[Failure, ...]
     targets: tuple[Target, ...]
+    first_calls: tuple[FirstCall, ...] = ()
+    code: Mapping[str, object] | None = None
 
 
 def stamped(
@@ -192,9 +223,11 @@ def read_record(path: Path) -> Record:
     payload = json.loads(path.read_text(encoding="utf-8"))
     for row in payload["targets"]:
         del row["verdict"]
-    rows = {"points": WorkPoint, "failures": Failure, "targets": Target}
+    rows = {
+        "points": WorkPoint, "failures": Failure, "targets": Target, "first_calls": FirstCall,
+    }  # fmt: skip
     for name, kind in rows.items():
-        payload[name] = tuple(kind(**row) for row in payload[name])
+        payload[name] = tuple(kind(**row) for row in payload.get(name, ()))
     return Record(**payload)
 
 

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 
 from benchmarks.diagram import draw
+from benchmarks.discover import all_quantities
 from benchmarks.growth_diagram import draw_growth
-from benchmarks.quantity import RESULTS, all_quantities
+from benchmarks.quantity import RESULTS
 from benchmarks.record import read_record
 
 

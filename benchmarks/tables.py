@@ -9,7 +9,9 @@ from benchmarks.record import Record
 
 def as_text(run: Record) -> str:
     """Return the whole record as tables."""
-    return "\n".join([*_head(run), *_points(run), *_failures(run), *_targets(run)])
+    return "\n".join(
+        [*_head(run), *_points(run), *_first_calls(run), *_failures(run), *_targets(run)]
+    )
 
 
 def _head(run: Record) -> Iterator[str]:
@@ -37,6 +39,18 @@ def _points(run: Record) -> Iterator[str]:
                 f"  {point.method:22} {point.knob:30} {point.error:8.1e} {claimed:>8} "
                 f"{point.first_seconds:8.1e} {point.seconds:9.2e} {point.repeats:4d}{mark}{warned}"
             )
+
+
+def _first_calls(run: Record) -> Iterator[str]:
+    if not run.first_calls:
+        return
+    yield ""
+    yield "first call in a fresh process, seconds of the wall"
+    yield f"  {'method':32} {'cold':>9} {'loaded':>9} {'again':>9}"
+    for each in run.first_calls:
+        times = (each.cold, each.loaded, each.again)
+        shown = " ".join("        -" if time is None else f"{time:9.2g}" for time in times)
+        yield f"  {each.method:32} {shown}" + (f"  {each.reason}" if each.reason else "")
 
 
 def _failures(run: Record) -> Iterator[str]:

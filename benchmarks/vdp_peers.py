@@ -6,7 +6,6 @@ State (y, ẏ), free ends. Each builder returns a function from a tolerance to t
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -56,10 +55,8 @@ def scipy_solver(chain: VdpChain, start: FloatArray, end: float, method: ScipyMe
     return solve
 
 
-def jitcode_solver(
-    chain: VdpChain, start: FloatArray, end: float, method: str
-) -> tuple[Solve, float]:
-    """Return jitcode's integrator and the seconds its compilation took."""
+def jitcode_solver(chain: VdpChain, start: FloatArray, end: float, method: str) -> Solve:
+    """Return jitcode's integrator, compiled."""
     from jitcode import jitcode
     from jitcode import y as state
 
@@ -70,22 +67,18 @@ def jitcode_solver(
         damping = 1 - chain.a * state(i) ** 2 + chain.b * state(i) ** 4
         terms.append(-state(i) - chain.eps * (chain.c * pull + state(n + i) * damping))
     ode = jitcode(terms, verbose=False)
-    begin = perf_counter()
     ode.compile_C()
-    compiled = perf_counter() - begin
 
     def solve(tolerance: float) -> FloatArray:
         ode.set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=10**8)
         ode.set_initial_value(start.copy(), 0.0)
         return np.asarray(ode.integrate(end))
 
-    return solve, compiled
+    return solve
 
 
-def heyoka_solver(
-    chain: VdpChain, start: FloatArray, end: float, tolerance: float
-) -> tuple[Solve, float]:
-    """Return heyoka's Taylor integrator at one tolerance, and the seconds its compilation took."""
+def heyoka_solver(chain: VdpChain, start: FloatArray, end: float, tolerance: float) -> Solve:
+    """Return heyoka's Taylor integrator at one tolerance, compiled."""
     import heyoka
 
     n = chain.sites
@@ -99,10 +92,8 @@ def heyoka_solver(
             if 0 <= j < n:
                 force = force - chain.eps * chain.c * (y[i] - y[j])
         system.append((w[i], force))
-    begin = perf_counter()
     # The whole step unrolled: slower to compile than compact mode, and twice as fast.
     run = heyoka.taylor_adaptive(system, start.copy(), tol=tolerance)
-    compiled = perf_counter() - begin
 
     def solve(_: float) -> FloatArray:
         run.time = 0.0
@@ -110,4 +101,4 @@ def heyoka_solver(
         run.propagate_until(end)
         return np.array(run.state)
 
-    return solve, compiled
+    return solve

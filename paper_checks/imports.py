@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
 import importlib.util
+import io
+import tokenize
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
@@ -45,10 +48,9 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
         parent = name.rpartition(".")[0]
         if parent:
             waiting.append(parent)
-        tree = _tree(path)
-        is_package = path.name == "__init__.py"
-        waiting.extend(_names(tree, name if is_package else parent))
-        if any(_computed(node) for node in ast.walk(tree)):
+        names, computed = _imports(path, name if path.name == "__init__.py" else parent)
+        waiting.extend(names)
+        if computed:
             waiting.extend(_all_of(name.partition(".")[0]))
     return dict(sorted(found.items()))
 
@@ -63,11 +65,70 @@ def digest(module: str, packages: Collection[str]) -> str:
     return total.hexdigest()
 
 
+def essence(path: Path) -> str:
+    """Return the code of a file without docstrings, comments, blank lines and line breaks.
+
+    It is the same on every version of Python, which the text of a syntax tree is not.
+    """
+    status = path.stat()
+    return _essence(path, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=4096)
+def _essence(path: Path, _changed: int, _size: int) -> str:
+    text = path.read_bytes().decode().replace("\r\n", "\n")
+    documented = _docstrings(ast.parse(text))
+    lines = text.splitlines(keepends=True)
+    kept: list[str] = []
+    after_docstring = False
+    opened: list[tuple[int, int]] = []  # where f-strings began, which newer Pythons take apart
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        kind = tokenize.tok_name[token.type]
+        if kind == "FSTRING_START":
+            opened.append(token.start)
+        elif kind == "FSTRING_END":
+            begin = opened.pop()
+            if not opened:
+                kept.append(_between(lines, begin, token.end))
+        elif token.start in documented:
+            after_docstring = True
+        elif opened or kind in ("COMMENT", "NL", "ENDMARKER"):
+            continue
+        elif after_docstring and kind == "NEWLINE":
+            after_docstring = False
+        elif kind in ("INDENT", "DEDENT", "NEWLINE"):
+            kept.append(kind)
+        else:
+            kept.append(token.string)
+    return "\0".join(kept)
+
+
+def _docstrings(tree: ast.Module) -> set[tuple[int, int]]:
+    """Return line and column of every string that stands alone as a statement."""
+    alone = (node.value for node in ast.walk(tree) if isinstance(node, ast.Expr))
+    return {
+        (node.lineno, node.col_offset)
+        for node in alone
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+
+
+def _between(lines: list[str], begin: tuple[int, int], end: tuple[int, int]) -> str:
+    (first, left), (last, right) = begin, end
+    if first == last:
+        return lines[first - 1][left:right]
+    return "".join([lines[first - 1][left:], *lines[first : last - 1], lines[last - 1][:right]])
+
+
 def _file(name: str) -> Path | None:
-    """Return the file of a module, found without running any code but the package's own."""
+    """Return the file of a module, found without running any code but the package's own.
+
+    A package that Python does not find is looked for beside this one, as in a source tree.
+    """
     top, *rest = name.split(".")
     spec = importlib.util.find_spec(top)
-    for folder in spec.submodule_search_locations or () if spec else ():
+    homes = list(spec.submodule_search_locations or ()) if spec else []
+    for folder in homes or [str(Path(__file__).parents[1] / top)]:
         place = Path(folder, *rest)
         for path in (place / "__init__.py", place.with_suffix(".py")):
             if path.is_file():
@@ -75,8 +136,19 @@ def _file(name: str) -> Path | None:
     return None
 
 
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_bytes(), str(path))
+def _imports(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
+    """Return what may be modules that a file imports, and whether it imports computed names."""
+    status = path.stat()
+    return _imports_of(path, package, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=4096)
+def _imports_of(
+    path: Path, package: str, _changed: int, _size: int
+) -> tuple[tuple[str, ...], bool]:
+    tree = ast.parse(path.read_bytes(), str(path))
+    names = tuple(dict.fromkeys(_names(tree, package)))
+    return names, any(_computed(node) for node in ast.walk(tree))
 
 
 def _names(tree: ast.Module, package: str) -> Iterator[str]:

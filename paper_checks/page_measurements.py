@@ -9,7 +9,7 @@ from html import escape
 
 from paper_checks.inline_math import typeset
 from paper_checks.inline_svg import inline_svg
-from paper_checks.measurements import Diagram, Failure, Section, Stamp
+from paper_checks.section import Diagram, Failure, Section, Stamp
 
 WORDS = {
     "sum": "Sum of (53)",

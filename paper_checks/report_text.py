@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from paper_checks.claim import Verdict
 from paper_checks.mathml import in_letters
-from paper_checks.measurements import Section
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report import Report
+from paper_checks.section import Section
 from paper_checks.table import NARROWEST, duration, table, wrapped
 
 FEW = 8

@@ -13,6 +13,7 @@ import pytest
 
 from benchmarks import (
     choice,
+    first_call,
     friction,
     front,
     growth,
@@ -23,9 +24,10 @@ from benchmarks import (
     tables,
 )
 from benchmarks.diagram import Style, draw, worth_choosing
+from benchmarks.discover import all_quantities, chosen
 from benchmarks.growth_diagram import draw_growth
 from benchmarks.piecewise_sum import contenders, references
-from benchmarks.quantity import RESULTS, Quantity, all_quantities, chosen
+from benchmarks.quantity import RESULTS, Quantity
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
 from benchmarks.runner import (
     Answer,
@@ -37,11 +39,11 @@ from benchmarks.runner import (
 )
 from fronts.cli import main
 from fronts.commands import bench
+from paper_checks.freshness import staleness
 from theory.envelope import envelope_rate
-from theory.friction_chain import FrictionChain
 from verification.friction.run import run_friction
 from verification.friction.start import nucleus
-from verification.scenes import scene_named
+from verification.scenes import REFERENCES, scene_named, timed
 
 
 def _fake(method, log, value=1.0, claimed=0.5, **options):
@@ -184,7 +186,7 @@ def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     assert "not met" in text
 
 
-@pytest.mark.parametrize("name", piecewise_suite.SCENES)
+@pytest.mark.parametrize("name", piecewise_suite.BENCHMARK.scenes)
 def test_the_error_of_every_quick_method_is_within_its_claim(name):
     scene = scene_named(name)
     known = references(scene.v, scene.c)
@@ -216,15 +218,19 @@ def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
 
 
 def test_every_friction_method_gives_its_largest_error():
-    chain = FrictionChain(friction.COUPLING, sites=friction.SITES)
+    scene = timed("friction")[0]
+    chain, end = friction.chain_of(scene), scene.values["t"]
     start = nucleus(chain, [1])
-    true = run_friction(chain, start, friction.T_END, samples=friction.SAMPLES).y
-    rows = friction.contenders(chain, start, true, quick=True)
+    true = run_friction(chain, start, end, samples=friction.SAMPLES).y
+    rows = friction.contenders(chain, start, true, end, quick=True)
     seen = {}
     for row in rows:
         if not row.peer:
-            seen.setdefault(row.method, []).append(row.evaluate().value)
-    assert set(seen) == {friction.EXACT, friction.FIXED, friction.ADAPTIVE}
+            answer = row.evaluate()
+            seen.setdefault(row.method, []).append(answer.value)
+            assert (answer.claimed is not None) == (row.method == friction.STATED)
+            assert answer.claimed is None or answer.value <= answer.claimed
+    assert set(seen) == {friction.EXACT, friction.STATED, friction.FIXED, friction.ADAPTIVE}
     # Finer settings are more exact, in every family.
     for errors in seen.values():
         assert errors[-1] < 0.1 * errors[0]
@@ -247,22 +253,31 @@ def test_a_quantity_draws_its_default_and_has_useful_errors(quantity):
     assert 0 < quantity.useful[0] < quantity.useful[1] <= style.garbage or (
         quantity.name == "derivation"
     )
-    assert quantity.scenes
+    assert quantity.scenes == tuple(scene.name for scene in timed(quantity.name))
+    # Whatever is said about methods is said of methods that there are.
+    spoken_of = {*quantity.variants, *quantity.others, *quantity.reasons, *quantity.first}
+    assert spoken_of <= set(style.methods)
+    assert quantity.default in quantity.first
+    assert len(quantity.first) > 1  # a peer beside it
 
 
 @pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
 def test_the_stored_record_of_every_quantity_is_complete(quantity):
     record = read_record(RESULTS / f"{quantity.name}.json")
+    assert record.machine["processor"]
+    assert record.versions["numpy"]
+    for suffix in ("svg", "png"):
+        assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
+    if staleness(dataclasses.asdict(record)):
+        return  # it says so; scenes and methods may have changed since
+    assert record.first_calls
+    assert all(apart <= REFERENCES[quantity.name].accuracy for apart in record.agreement.values())
     seen = {point.method for point in record.points}
     failed = {failure.method for failure in record.failures}
     assert set(record.agreement) == set(quantity.scenes)
     assert {point.scene for point in record.points} == set(quantity.scenes)
     assert set(quantity.style().methods) <= seen | failed  # whoever is drawn was tried
     assert seen <= set(quantity.style().methods)  # and whoever was measured is drawn
-    assert record.machine["processor"]
-    assert record.versions["numpy"]
-    for suffix in ("svg", "png"):
-        assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
     with (RESULTS / f"{quantity.name}.csv").open(encoding="utf-8") as file:
         rows = [(row["method"], row["setting"], float(row["error"])) for row in DictReader(file)]
     assert rows == [(point.method, point.knob, point.error) for point in record.points]
@@ -272,14 +287,18 @@ def test_the_stored_record_of_every_quantity_is_complete(quantity):
 def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(quantity):
     stored = json.loads((RESULTS / "defaults.json").read_text())["choices"]
     mine = [row for row in stored if row["quantity"] == quantity.name]
-    found = choice.choices(quantity, read_record(RESULTS / f"{quantity.name}.json"))
+    record = read_record(RESULTS / f"{quantity.name}.json")
+    found = choice.choices(quantity, record)
     assert mine == json.loads(json.dumps(choice.as_payload(found)))
-    assert {row["scene"] for row in mine} == set(quantity.scenes)
     assert all(row["default"] == quantity.default for row in mine)
+    assert all(row["reasons"].keys() == {each["by"] for each in row["beaten"]} for row in mine)
+    assert all(choice.NO_REASON not in row["reasons"].values() for row in mine)
+    if not staleness(dataclasses.asdict(record)):
+        assert {row["scene"] for row in mine} == set(quantity.scenes)
 
 
 def _quantity(low, high):
-    return Quantity("q", "", ("s",), "ours", (low, high), None, None)
+    return Quantity("q", "", "ours", (low, high), None, None)
 
 
 def _record(*points):
@@ -320,10 +339,54 @@ def test_errors_that_the_reference_cannot_tell_are_not_compared():
 
 def test_a_variant_of_the_default_is_no_rival():
     record = _record(("ours", 1e-9, 1.0), ("ours, in a batch", 1e-9, 0.1))
-    quantity = Quantity(
-        "q", "", ("s",), "ours", (1e-6, 1e-1), None, None, ("ours, in a batch",)
-    )  # fmt: skip
+    quantity = Quantity("q", "", "ours", (1e-6, 1e-1), None, None, ("ours, in a batch",))
     assert choice.choices(quantity, record)[0].lower_envelope
+
+
+def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
+    record = _record(("ours", 1e-9, 1.0), ("one root", 1e-9, 0.1), ("peer", 1e-2, 0.5))
+    told = {"one root": "one root in an interval", "absent": "not in the record"}
+    quantity = Quantity(
+        "q", "", "ours", (1e-6, 1e-1), None, None, others=told, reasons={"peer": "it is inexact"}
+    )  # fmt: skip
+    (row,) = choice.choices(quantity, record)
+    assert {each.by for each in row.beaten} == {"peer"}
+    assert row.reasons == {"peer": "it is inexact"}
+    assert row.others == {"one root": "one root in an interval"}
+    text = choice.as_text([row])
+    assert "the default all the same: it is inexact" in text
+    assert "one root is no rival: one root in an interval" in text
+    assert "stale: it does not say which code was measured" in text
+
+
+def test_a_rival_without_a_reason_is_said_to_have_none():
+    record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
+    (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
+    assert row.reasons == {"peer": choice.NO_REASON}
+
+
+def test_the_first_call_is_cold_then_loaded_and_a_failure_says_why(tmp_path, monkeypatch):
+    (tmp_path / "slow_start.py").write_text(
+        "import os, pathlib, time\n"
+        "done = pathlib.Path(os.environ['NUMBA_CACHE_DIR'], 'done')\n"
+        "here = []\n"
+        "def call():\n"
+        "    if not done.exists():\n"
+        "        time.sleep(0.5)\n"  # as if it compiled
+        "        done.touch()\n"
+        "    elif not here:\n"
+        "        time.sleep(0.1)\n"  # as if it loaded
+        "    here.append(1)\n"
+        "class BENCHMARK:\n"
+        "    first = {'it': call, 'broken': lambda: 1 / 0, 'slow': lambda: time.sleep(9)}\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    found = first_call.first_call("slow_start", "it")
+    assert 0.5 <= found.cold < 3.0
+    assert 0.1 <= found.loaded < found.cold
+    assert found.again < 0.1
+    assert "ZeroDivisionError" in first_call.first_call("slow_start", "broken").reason
+    assert first_call.first_call("slow_start", "slow", limit=2.0).cold is None
 
 
 def test_a_record_without_the_default_method_is_refused():
@@ -381,7 +444,7 @@ def test_missed_roots_are_counted_and_not_passed_over():
 def test_the_reduced_chain_of_the_front_is_the_averaged_chain():
     # The staggered rate, written out for scipy, against the complex right side of (43).
     random = numpy.random.default_rng(3)
-    chain = front.chain_of(9)
+    chain = front.chain_of(timed("front")[0], 9)
     r = random.normal(size=9)
     turn = (-1j) ** numpy.arange(9)
     phi = turn * r
@@ -410,6 +473,8 @@ def test_bench_lists_every_quantity(capsys):
     text = capsys.readouterr().out
     assert all(quantity.name in text for quantity in all_quantities())
     assert "growth" in text
+    assert main(["bench", "--list", "roots"]) == 0
+    assert len(capsys.readouterr().out.strip().splitlines()) == 2  # no growth, which was not named
 
 
 def test_bench_judges_the_defaults(capsys):
@@ -428,6 +493,10 @@ def test_bench_judges_the_defaults(capsys):
         (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "make it first")),
         (["bench", "--list", "--defaults"], ("--list and --defaults",)),
         (["bench", "--quik"], ("--quik", "--help")),
+        (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
+        (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
+        (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),
+        (["bench", "growth", "--defaults"], ("no default method of growth", "leave out growth")),
     ],
 )
 def test_bad_input_to_bench_is_one_sentence(line, words, capsys):

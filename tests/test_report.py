@@ -243,7 +243,7 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
     assert all(list(one) == documented[3] for one in pictures)
     assert [list(one) for one in report["errata"]] == [documented[4]]
     assert all(list(one) == documented[5] for one in report["measurements"])
-    assert len(report["measurements"]) == 5
+    assert len(report["measurements"]) == 7
     assert report["errata"][0]["key"] == "fig16-misprint"
     assert report["claims"][3]["formulas"] == [
         {"label": "As printed", "latex": r"a^2 - b^2 < \alpha"}
@@ -293,12 +293,17 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
     words = "".join(Page((tmp_path / "index.html").read_text()).words)
     for shown in (
         "at least 200 times150not met",
-        "10⁻³ to 10⁻⁴, 10⁻⁶10⁻⁵: series, 2.5 times",
+        "10⁻³ to 10⁻⁴, 10⁻⁶10⁻⁵: series, 2.5 timesseries: it <cannot> do small v",
+        "it <cannot> do small vquad: one root only",
+        "sumours, compiled31 s0.25 s0.001 s",
+        "theirs---not <installed>",
+        "beside-the-foldstiffa = 2.5, eta = 0.08, c = 0.19",
+        "Stale: sum; it does not say which code was measured.",
         "sites, 10 to 100",
         "all107210000",
         "15 in place of 2000 roots: 133 times",
         "quad: gave up <here> (narrow: 1e-9)",
-        "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores.",
+        "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores; numpy 2.0.",
     ):
         assert shown in words.replace("\n", "")
     assert "compilation" not in words  # nothing was promised

@@ -50,23 +50,38 @@ def run(options: argparse.Namespace) -> Answer:
     for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
     need_source_tree(ROOT)
-    from benchmarks.quantity import RESULTS, all_quantities, chosen
+    from benchmarks.discover import all_quantities, chosen
+    from benchmarks.quantity import RESULTS
 
     names = [name for name in options.quantities if name != GROWTH]
     growth = GROWTH in options.quantities or not options.quantities
     wanted = chosen(names) if names or not options.quantities else ()
     if options.out is not None and not options.out.is_dir():
         raise UsageError(f"--out {options.out} is not a folder that exists: make it first.")
-    if options.list and options.defaults:
-        raise UsageError("--list and --defaults are two questions: ask one of them.")
+    _refuse_unused(options)
     if options.list:
-        return _list(wanted)
+        return _list(wanted, growth)
     if options.defaults:
         return _defaults(wanted or all_quantities(), options.out or RESULTS)
     folder = options.out or (None if options.quick else RESULTS)
     if folder is not None and not os.access(folder, os.W_OK):
         raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")
     return _measure(wanted, growth, options.quick, folder)
+
+
+def _refuse_unused(options: argparse.Namespace) -> None:
+    """Refuse what the question asked would pass over in silence."""
+    if options.list and options.defaults:
+        raise UsageError("--list and --defaults are two questions: ask one of them.")
+    question = "--list" if options.list else "--defaults" if options.defaults else ""
+    for name, used, why in (
+        ("--quick", not (question and options.quick), "measures nothing"),
+        ("--out", not (options.list and options.out), "reads and writes no record"),
+        (GROWTH, not (options.defaults and GROWTH in options.quantities),
+         "has no default method of growth to judge"),
+    ):  # fmt: skip
+        if not used:
+            raise UsageError(f"{question} {why}: leave out {name}.")
 
 
 def need_source_tree(root: Path) -> None:
@@ -86,7 +101,7 @@ def need_source_tree(root: Path) -> None:
         sys.path.insert(0, str(root))
 
 
-def _list(wanted: tuple[Quantity, ...]) -> Answer:
+def _list(wanted: tuple[Quantity, ...], growth: bool) -> Answer:
     rows = [
         {
             "name": quantity.name,
@@ -102,7 +117,8 @@ def _list(wanted: tuple[Quantity, ...]) -> Answer:
     for quantity in wanted:
         lines.append(f"{quantity.name:12} {quantity.what}; by default: {quantity.default}")
         lines.append(f"{'':12} scenes: {'; '.join(quantity.scenes)}")
-    lines.append(f"{GROWTH:12} how time and memory grow, with fitted exponents")
+    if growth:
+        lines.append(f"{GROWTH:12} how time and memory grow, with fitted exponents")
     return Answer({"quantities": rows}, "\n".join(lines))
 
 
@@ -123,14 +139,15 @@ def _measure(
 ) -> Answer:
     from benchmarks.choice import stored_choices, write_choices
     from benchmarks.diagram import draw
-    from benchmarks.quantity import all_quantities
+    from benchmarks.discover import all_quantities
     from benchmarks.record import as_payload, write_record
+    from benchmarks.session import measured
     from benchmarks.tables import as_text
 
     records: dict[str, object] = {}
     texts = []
     for quantity in wanted:
-        record = quantity.measure(quick, _tell)
+        record = measured(quantity, quick, _tell)
         records[quantity.name] = as_payload(record)
         texts.append(as_text(record))
         if folder is not None:

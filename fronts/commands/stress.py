@@ -24,6 +24,8 @@ in twenty with a value that is not allowed. Exit code 1: a stated error was exce
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
+STABILITY_CODE = ("verification.extremes.table", "verification.extremes.discover")
+SAVINGS_CODE = ("verification.savings.table",)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -92,7 +94,7 @@ def run(options: argparse.Namespace) -> Answer:
     }
     if options.record:
         kept = {name: value for name, value in payload.items() if name != "out"}
-        _keep("stability", kept, f"fronts stress --points {points} --seed {seed}")
+        _keep("stability", kept, f"fronts stress --points {points} --seed {seed}", STABILITY_CODE)
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 
@@ -113,16 +115,18 @@ def _alone(question: str, options: argparse.Namespace) -> None:
             )
 
 
-def _keep(name: str, payload: dict[str, object], command: str) -> None:
-    """Store a result where the report finds it."""
+def _keep(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
+    """Store a result where the report finds it, with a digest of the code that it is of."""
     from benchmarks.quantity import RESULTS
     from benchmarks.record import now, these_versions, this_machine, write_json
+    from paper_checks.freshness import fingerprint
 
     stamp = {
         "command": command,
         "date": now(),
         "machine": this_machine(),
         "versions": these_versions(),
+        "code": fingerprint(modules),
     }
     write_json(stamp | payload, RESULTS / f"{name}.json")
 
@@ -189,6 +193,6 @@ def _savings(record: bool) -> Answer:
         lines.append(f"    test: {row.saving.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
-        _keep("savings", payload, "fronts stress --savings")
+        _keep("savings", payload, "fronts stress --savings", SAVINGS_CODE)
     exceeded = not all(row.found.holds for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

@@ -1,0 +1,52 @@
+"""Which quantities are measured: whatever module of this folder exposes ``BENCHMARK``.
+
+Apart from ``quantity``, so that a benchmark does not depend on all others.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import pkgutil
+from collections.abc import Sequence
+
+from benchmarks.quantity import Quantity
+from theory.parameters import ParameterError
+
+
+@functools.cache
+def all_quantities() -> tuple[Quantity, ...]:
+    """Return every quantity, by name.
+
+    Raises
+    ------
+    ValueError
+        If two have the same name.
+    """
+    home = importlib.import_module("benchmarks")
+    modules = [each.name for each in pkgutil.iter_modules(home.__path__) if not each.ispkg]
+    found = []
+    for name in modules:
+        quantity = getattr(importlib.import_module(f"benchmarks.{name}"), "BENCHMARK", None)
+        if quantity is not None:
+            found.append(quantity)
+    names = [quantity.name for quantity in found]
+    if len(set(names)) < len(names):
+        raise ValueError(f"two benchmarks of one name among {names}")
+    return tuple(sorted(found, key=lambda quantity: quantity.name))
+
+
+def chosen(names: Sequence[str]) -> tuple[Quantity, ...]:
+    """Return the quantities named, or all if none is.
+
+    Raises
+    ------
+    ParameterError
+        If there is none of that name.
+    """
+    known = {quantity.name: quantity for quantity in all_quantities()}
+    for name in names:
+        if name not in known:
+            allowed = f"one of {', '.join(known)}, growth"
+            raise ParameterError("quantity", name, allowed, "see 'fronts bench --list'")
+    return tuple(known[name] for name in dict.fromkeys(names)) if names else tuple(known.values())

@@ -1,0 +1,101 @@
+"""A table of stored measurements, and where its numbers come from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from paper_checks.freshness import staleness
+
+Row = tuple[str, ...]
+Json = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """Where numbers come from: the command that gave them, when, and with what."""
+
+    command: str
+    date: str
+    machine: str
+    stale: str = ""
+    """Why the numbers no longer are of the code that is here; empty if they are."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A setting of a method that gave no value, and why."""
+
+    method: str
+    scene: str
+    knob: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """A picture of a section, its numbers as CSV, and what could not be measured for it."""
+
+    name: str
+    svg: str
+    failures: tuple[Failure, ...]
+    data: str = ""
+
+
+@dataclass(frozen=True)
+class Section:
+    """One table of the report.
+
+    Attributes
+    ----------
+    key, title, lead : str
+        Name in addresses, heading, and what the table is.
+    head : tuple of str
+        Names of the columns.
+    rows : tuple of tuple of str
+        Cells.
+    stamps : tuple of Stamp
+        Of the records it was read from.
+    diagrams : tuple of Diagram
+        Pictures below the table.
+    """
+
+    key: str
+    title: str
+    lead: str
+    head: Row
+    rows: tuple[Row, ...]
+    stamps: tuple[Stamp, ...]
+    diagrams: tuple[Diagram, ...] = ()
+
+    def as_dict(self) -> dict[str, object]:
+        """Give the table for JSON, without its pictures."""
+        return {
+            "key": self.key,
+            "title": self.title,
+            "head": list(self.head),
+            "rows": [list(row) for row in self.rows],
+            "stored": [vars(stamp) for stamp in self.stamps],
+        }
+
+
+def stamp_of(record: Json) -> Stamp:
+    """Return where a record comes from, with the versions it was measured with."""
+    machine = record["machine"]
+    versions = ", ".join(
+        f"{name} {version}"
+        for name, version in record["versions"].items()
+        if version != "not installed"
+    )
+    where = f"{machine['processor']}, {machine['cores']} cores" + (versions and f"; {versions}")
+    return Stamp(record["command"], record["date"], where, staleness(record))
+
+
+def warned(lead: str, records: Mapping[str, Json]) -> str:
+    """Add to a lead which of the records it was read from are stale, and why."""
+    reasons: dict[str, list[str]] = {}
+    for name, record in records.items():
+        if why := staleness(record):
+            reasons.setdefault(why, []).append(name)
+    return lead + "".join(f" Stale: {', '.join(names)}; {why}." for why, names in reasons.items())

@@ -270,8 +270,8 @@ def _patterns() -> Finding:
             f"The weakest instability half way to a fold is {slowest.growth:.1e} per unit εt "
             f"(size {slowest.nucleus.size}, pattern {slowest.nucleus.pattern}: all steps one "
             f"way). Folds lie between {first.c:.6f} ({first.nucleus.pattern}) and {last.c:.6f} "
-            f"({last.nucleus.pattern}); that of size 1 is at {single:.6f}. So it is not a "
-            "succession of stable breathers that ends where the front begins."
+            f"({last.nucleus.pattern}); that of size 1 is at {single:.6f}. What a nucleus "
+            "that is lost becomes is judged under text-to-larger."
         ),
     )
 

@@ -39,7 +39,7 @@ def readable(prose: str) -> str:
 
 
 def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
-    """Return the erratum of an equation that is misprinted or ambiguous, None for another one.
+    """Return the erratum of a misprinted, ambiguous or inconsistent equation, None for another.
 
     Parameters
     ----------
@@ -58,14 +58,19 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
             f"The check on print fails: {found.on_print.statement}. What {step} gives passes the "
             f"same check: {found.on_derived.statement}."
         )
-    elif printed.verdict is Verdict.AMBIGUOUS:
-        fault = Fault.AMBIGUOUS
+    elif printed.verdict in (Verdict.AMBIGUOUS, Verdict.INCONSISTENT):
+        ambiguous = printed.verdict is Verdict.AMBIGUOUS
+        fault = Fault.AMBIGUOUS if ambiguous else Fault.INCONSISTENT
         tried = list(zip(printed.readings, found.on_readings, strict=True))
         right = [reading for reading, evidence in tried if evidence.holds]
-        corrected = "; or ".join(f"read: {reading.meaning}" for reading in right)
-        proof = f"Compared with {step}. " + " ".join(
-            f"The reading “{reading.meaning}” {'holds' if evidence.holds else 'fails'}: "
-            f"{evidence.statement}."
+        mark = "read: " if ambiguous else ""
+        corrected = "; or ".join(f"{mark}{reading.meaning}" for reading in right)
+        proof = f"Compared with {step}. "
+        if not ambiguous:
+            proof += f"By itself the print passes: {found.on_print.statement}. "
+        proof += " ".join(
+            f"{'The reading ' if ambiguous else ''}“{reading.meaning}” "
+            f"{'holds' if evidence.holds else 'fails'}: {evidence.statement}."
             for reading, evidence in tried
         )
     else:
@@ -83,8 +88,8 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
 def correction(found: Judgement) -> str:
     """Return the part of the derived equation that differs from print, between dollar signs.
 
-    Of a system, the equations that differ; of a matrix, the first entry that differs; of a long
-    equation, the difference of its two sides from those of print.
+    Of a system, the equations that differ; of a matrix, the first entry that differs; where one
+    term is named as wrong, that term; of another long equation, the difference from print.
     """
     import sympy as sp
 
@@ -92,12 +97,17 @@ def correction(found: Judgement) -> str:
     from derivations.rendering import equation_latex
 
     printed, derived = found.printed.equation, found.step.equation
+    if found.printed.slip is not None:
+        before, after, whole = found.printed.slip
+        if sp.expand(_side(whole) - _side(derived)) != 0:
+            raise ArithmeticError(f"({found.printed.number}): the slip is not all that is wrong")
+        return f"${equation_latex(after)}$ in place of ${equation_latex(before)}$"
     if not isinstance(printed, sp.Eq | sp.Tuple):
         if sp.expand(printed - _side(derived)) == 0:
             return "add $= 0$ at the end"
         return f"${found.corrected}$"
     pairs = list(zip(parts_of(printed), parts_of(derived), strict=False))
-    wrong = [(old, new) for old, new in pairs if sp.simplify(_side(old) - _side(new)) != 0]
+    wrong = [(old, new) for old, new in pairs if _differ(old, new)]
     if len(pairs) > 1 and wrong:
         return "; ".join(f"${equation_latex(new)}$" for _, new in wrong)
     if isinstance(printed.rhs, sp.MatrixBase):
@@ -106,6 +116,15 @@ def correction(found: Judgement) -> str:
         return f"${found.corrected}$"
     missing = sp.factor(sp.expand(_side(derived) - _side(printed)))
     return f"add to the left side ${equation_latex(missing)}$"
+
+
+def _differ(old: sp.Basic, new: sp.Basic) -> bool:
+    """Whether two parts of a system differ; bounds differ where their signs do."""
+    import sympy as sp
+
+    if isinstance(old, sp.Eq) or not isinstance(old, sp.core.relational.Relational):
+        return bool(sp.simplify(_side(old) - _side(new)) != 0)
+    return bool(old != new)
 
 
 def _side(equation: sp.Basic) -> sp.Expr:

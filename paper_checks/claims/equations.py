@@ -11,16 +11,20 @@ from paper_checks.equation_errata import LONG, erratum_of, readable
 if TYPE_CHECKING:
     from derivations.printed import Judgement
 
-MISPRINTS = frozenset({2, 4, 32, 33, 42})
+MISPRINTS = frozenset({2, 3, 4, 32, 33, 42})
 """Right after a correction that the derivation proves."""
 
-OPEN = frozenset({6, 9, 27, 35, 37, 40, 44, 45, 47, 51, 53})
+INCONSISTENT = frozenset({36, 40})
+"""Right by itself, and another place of the paper asks for something else."""
+
+OPEN = frozenset({6, 9, 27, 35, 37, 44, 45, 47, 51, 53})
 """Ambiguous, or an assumption that does not always hold: right under one reading or in places."""
 
 _VERDICT_OF = {
     "holds": Verdict.REPRODUCED,
     "definition": Verdict.REPRODUCED,
     "misprint": Verdict.CORRECTED,
+    "inconsistent": Verdict.CORRECTED,
     "ambiguous": Verdict.PARTIAL,
     "assumption": Verdict.PARTIAL,
 }
@@ -68,7 +72,7 @@ def _judge(number: int) -> Finding:
 
 
 def _recorded(number: int) -> Verdict:
-    if number in MISPRINTS:
+    if number in MISPRINTS | INCONSISTENT:
         return Verdict.CORRECTED
     return Verdict.PARTIAL if number in OPEN else Verdict.REPRODUCED
 

@@ -77,14 +77,16 @@ def _limit_of_sizes() -> Finding:
         tolerance="a step from 3 to 5 of ten times that from 5 to 7: not the limit",
         explanation=(
             f"Size 3 has the largest coupling, {step:.5f} above the value at which the curve "
-            "stays. 0.2011 is a maximum over sizes, not the limit for large nuclei."
+            "stays. As a bound over all sizes, which the last sentence of 2.2 takes it for, it is "
+            "right but for its digits (fig11-values); as the limit for large nuclei it is not."
         ),
         erratum=Erratum(
-            Fault.INCONSISTENT,
+            Fault.AMBIGUOUS,
             "“a limiting value $\\bar c_{cr} = 0.2011$ (obtained for nucleus of size 3)”",
-            "a largest value, at size 3; the limit for large nuclei is smaller",
-            "The next sentence says that the value is constant from size 5 on.",
-            f"Folds: {folds[3].c:.6f} at size 3, {folds[5].c:.6f} at 5, {folds[7].c:.6f} at 7.",
+            "read: a largest value over all sizes",
+            "“Limiting” can mean a bound, or what is approached by large nuclei.",
+            "The reading “a bound” holds and the reading “the limit for large nuclei” fails: folds "
+            f"at {folds[3].c:.6f} for size 3, {folds[5].c:.6f} for 5, {folds[7].c:.6f} for 7.",
             "The end of the nucleation range in the last sentence of section 2.2.",
         ),
     )

@@ -164,8 +164,7 @@ _AVERAGED = (
     Printed(
         38, r"A_n = \alpha_0 e^{k_1|n|}", equation(A_n, alpha_0 * sp.exp(k_1 * sp.Abs(n))),
         Verdict.HOLDS,
-        "The amplitude of (9), said again. For the averaged breather the ratio of neighbours is "
-        "not constant: at a = 2.5, b = 0.5, c = 0.1 it is 0.1046, then 0.0991, then 0.0990.",
+        "The amplitude of (9), said again, with its one ratio of neighbours.",
     ),
 )  # fmt: skip
 

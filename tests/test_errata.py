@@ -171,3 +171,14 @@ def test_prose_around_formulas_is_escaped() -> None:
 )
 def test_letters_are_replaced_and_words_are_not(prose: str, better: str | None) -> None:
     assert readable(prose) == (better or prose.replace("theta", "θ"))
+
+
+@pytest.mark.parametrize(("number", "holds"), [(9, True), (27, False), (38, True), (47, True)])
+def test_the_verdict_on_an_assumption_is_that_of_its_computation(
+    monkeypatch: pytest.MonkeyPatch, judgements: dict[int, Judgement], number: int, holds: bool
+) -> None:
+    claim = equations.CLAIMS[number - 1]
+    monkeypatch.setattr(equations, "_judgements", lambda: judgements)
+    assert claim.judge().verdict is claim.recorded
+    monkeypatch.setitem(equations.ASSUMED, number, lambda: (holds, "otherwise"))
+    assert claim.judge().verdict is not claim.recorded

@@ -1,5 +1,5 @@
 # make paper : every check of the paper, with pictures, into report/index.html
-# make test  : the tests
+# make test  : the tests, one process a core
 # Both build their own virtual environment in .venv first. Nothing else is touched.
 
 VENV := .venv
@@ -12,7 +12,7 @@ paper: $(READY)
 	$(BIN)/fronts check --out report --jobs 2
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: $(READY)
 	$(BIN)/ruff check .

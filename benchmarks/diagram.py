@@ -1,8 +1,9 @@
-"""Error against run time, a panel a scene, a line a method."""
+"""Error against run time, a panel a scene, a line a method; the numbers beside it as CSV."""
 
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +15,16 @@ from paper_checks.pictures import COLOURS, new_panels, picture
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from paper_checks.data_table import Column
 
 _FLOOR = 1e-17
-_COLUMNS = 2
+_PALE = 0.35
+_SHORT = 24
+"""Characters of a label of which two fit side by side."""
+_STRIP = 0.02
+"""Half the width of the strip for errors too small to draw, as a part of the axis."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +40,7 @@ class Style:
     garbage : float
         Error beyond which a result is no answer.
     floor : float
-        Errors below are drawn there.
+        Errors below, and those of zero, are drawn there, in a strip that says so.
     """
 
     xlabel: str
@@ -44,65 +52,118 @@ class Style:
 
 
 def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> None:
-    """Write ``<name>.svg`` and ``.png``."""
+    """Write ``<name>.svg``, ``.png`` and ``.csv``."""
     scenes = list(dict.fromkeys(point.scene for point in points))
-    columns = min(_COLUMNS, max(1, len(scenes)))
-    rows = max(1, -(-len(scenes) // columns))
-    figure, panels = new_panels(columns, rows, height=1.0 + 2.7 * rows)
+    two = max(map(len, style.methods)) <= _SHORT
+    lines = (len(style.methods) + 3) // (2 if two else 1)
+    height = 2.4 * max(1, len(scenes)) + 0.16 * lines
+    figure, panels = new_panels(1, max(1, len(scenes)), width="column", height=height)
     for axes, scene in zip(panels, scenes, strict=False):
         _panel(axes, [point for point in points if point.scene == scene], style)
-        axes.set_title(scene)
-        axes.set_xlabel(style.xlabel)
-    for axes in panels[::columns]:
-        axes.set_ylabel(style.ylabel)
-    for axes in panels[len(scenes) :]:
-        axes.set_visible(False)
+        axes.set(title=scene, ylabel=style.ylabel)
+    panels[-1].set_xlabel(style.xlabel)
     handles: dict[str, Artist] = {}
     for axes in panels:
-        lines, labels = axes.get_legend_handles_labels()
-        handles |= dict(zip(labels, lines, strict=True))
+        drawn, labels = axes.get_legend_handles_labels()
+        handles = dict(zip(labels, drawn, strict=True)) | handles
     if handles:
+        order = sorted(handles, key=lambda label: label not in style.methods)
         figure.legend(
-            handles=list(handles.values()),
-            labels=list(handles),
+            handles=[handles[label] for label in order],
+            labels=order,
             loc="outside lower center",
-            ncols=columns + 1,
+            ncols=2 if max(map(len, order)) <= _SHORT else 1,
+            columnspacing=1.0,
         )
-    image = io.BytesIO()
-    figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
-    drawn = picture(
+    write_picture(
         name,
         style.caption,
         figure,
         {
             "scene": [point.scene for point in points],
             "method": [point.method for point in points],
-            "knob": [point.knob for point in points],
+            "setting": [point.knob for point in points],
             "error": [point.error for point in points],
+            "claimed_error": [point.claimed for point in points],
             "seconds": [point.seconds for point in points],
+            "first_call_seconds": [point.first_seconds for point in points],
+            "repeats": [point.repeats for point in points],
         },
+        folder,
     )
+
+
+def write_picture(
+    name: str, caption: str, figure: Figure, data: Mapping[str, Column], folder: Path
+) -> None:
+    """Write a figure as ``<name>.svg`` and ``.png``, and its data as ``<name>.csv``."""
+    image = io.BytesIO()
+    figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
+    drawn = picture(name, caption, figure, data)
     write_whole(folder / f"{name}.png", image.getvalue())
     write_whole(folder / f"{name}.svg", drawn.svg.encode())
+    write_whole(folder / f"{name}.csv", drawn.data.encode())
 
 
 def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
-    """Draw each method: a line through the settings worth choosing, the others pale."""
+    """Draw each method: a line through the settings that none of its own beats, the others pale."""
     axes.set(xscale="log", yscale="log")
-    for method, (colour, marker) in style.methods.items():
+    pale = False
+    for number, (method, (colour, marker)) in enumerate(style.methods.items()):
         best, rest = worth_choosing([point for point in points if point.method == method])
-        for some, line, alpha, label in ((best, "-", 1.0, method), (rest, "none", 0.3, None)):
+        for some, line, alpha, label in ((best, "-", 1.0, method), (rest, "none", _PALE, None)):
             if some:
                 axes.plot(
                     [max(point.error, style.floor) for point in some],
                     [point.seconds for point in some],
                     color=COLOURS[colour], marker=marker, linestyle=line, alpha=alpha, label=label,
+                    ms=5.5 if number == 0 else 3.5,  # the first stays visible under another
                 )  # fmt: skip
-    axes.invert_xaxis()
+        pale = pale or bool(rest)
+    if pale:
+        axes.plot([], [], "o", color="0.3", alpha=_PALE, label="pale: a beaten setting")
+    errors = [max(point.error, style.floor) for point in points]
+    axes.set_xlim(*reversed(whole_decades(errors)))
+    axes.set_ylim(*whole_decades([point.seconds for point in points]))
+    worst, least = axes.get_xlim()
+    if any(point.error < style.floor for point in points):
+        half = (worst / least) ** _STRIP
+        none = all(point.error == 0.0 for point in points if point.error < style.floor)
+        axes.axvspan(
+            style.floor * half, style.floor / half, color=COLOURS["yellow"], alpha=0.4, lw=0,
+            label="no error seen" if none else f"error below {style.floor:g}",
+        )  # fmt: skip
     if any(point.error > style.garbage for point in points):
-        limits = axes.get_xlim()
-        axes.axvspan(limits[0], style.garbage, color="0.9", label="garbage")
-        axes.set_xlim(limits)
+        axes.axvspan(worst, style.garbage, color="0.9", label="garbage")
+        axes.set_xlim(worst, least)
+    plain_decades(axes)
+
+
+def whole_decades(values: Sequence[float]) -> tuple[float, float]:
+    """Return powers of ten with room around values above zero, one decade at least.
+
+    Examples
+    --------
+    >>> whole_decades([4.0e-8, 4.1e-8])
+    (1e-08, 1e-07)
+    >>> whole_decades([1.0, 30.0])
+    (0.1, 100.0)
+    """
+    logs = [math.log10(value) for value in values if value > 0.0]
+    if not logs:
+        return 0.1, 10.0
+    room = 0.1 + 0.03 * (max(logs) - min(logs))
+    low, high = math.floor(min(logs) - room), math.ceil(max(logs) + room)
+    return 10.0**low, 10.0**high
+
+
+def plain_decades(axes: Axes) -> None:
+    """Label a few powers of ten on both axes, and nothing between them."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    for axis, most in ((axes.xaxis, 7), (axes.yaxis, 6)):
+        axis.set_major_locator(LogLocator(numticks=most))
+        axis.set_minor_formatter(NullFormatter())
     axes.grid(True)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.growth_work import Line, lines
 from benchmarks.quantity import Tell
-from benchmarks.record import now, these_versions, this_machine, write_json, write_whole
+from benchmarks.record import now, these_versions, this_machine, write_json
 
 
 @dataclass(frozen=True)
@@ -152,38 +152,8 @@ def as_text(rows: Sequence[Growth]) -> str:
 
 
 def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Path) -> None:
-    """Write ``growth.json`` and the diagram."""
-    import io
+    """Write ``growth.json``, the diagram and its data."""
+    from benchmarks.growth_diagram import draw_growth
 
-    from matplotlib.ticker import NullFormatter
-
-    from paper_checks.pictures import new_panels, picture
-
-    figure, panels = new_panels(2, 2, height=6.0)
-    axes_of = dict(zip(("sites", "digits", "1/v", "points"), panels, strict=True))
-    for row in rows:
-        if row.size_name in axes_of:
-            fitted = f"{row.name}: {row.exponent:.2f}"
-            axes_of[row.size_name].loglog(row.sizes, row.seconds, "o-", label=fitted)
-    for name, axes in axes_of.items():
-        axes.set(xlabel=name, ylabel="seconds")
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.grid(True)
-        axes.margins(y=0.3)
-        axes.legend(loc="upper left")
-    image = io.BytesIO()
-    figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
-    drawn = picture(
-        "growth",
-        "Run time as the work grows, with fitted exponents.",
-        figure,
-        {
-            "work": [row.name for row in rows for _ in row.sizes],
-            "size": [size for row in rows for size in row.sizes],
-            "seconds": [time for row in rows for time in row.seconds],
-        },
-    )
-    write_whole(folder / "growth.png", image.getvalue())
-    write_whole(folder / "growth.svg", drawn.svg.encode())
+    draw_growth([asdict(row) for row in rows], folder)
     write_json(payload, folder / "growth.json")

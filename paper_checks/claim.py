@@ -158,6 +158,13 @@ class Claim:
     expensive : bool
         Whether the quick run may show a finding shipped with the toolkit; for judges that take
         more than about five seconds. See ``paper_checks.shipped``.
+    shared : callable, optional
+        Work of the judge that it shares with other judges and that is kept after the first call,
+        as a derivation is. It is called before the judge and its time is told apart, so that the
+        first claim judged does not seem to take it all.
+    because : str
+        Why the verdict on record is not a plain 'reproduced', in one line without numbers; shown
+        only while the verdict found is the one on record.
     follows : tuple of str
         Keys of the claims, or names of their modules, that judge the substance of this one. If
         there are any, ``judge`` is not called; see ``paper_checks.following``.
@@ -173,3 +180,5 @@ class Claim:
     weight: int = 1
     expensive: bool = False
     follows: tuple[str, ...] = ()
+    shared: Callable[[], object] | None = field(default=None, repr=False)
+    because: str = ""

@@ -16,6 +16,24 @@ LONG = 420
 """Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
 
 
+AMENDED: dict[int, tuple[tuple[str, str], ...]] = {
+    2: ((r"\mu_{st} + (", r"\mu_d + ("),),
+    3: ((r"|F| < \mu_{st}", r"|F| \leq \mu_{st}"),),
+    4: ((r"\frac{d}{2\sqrt{dm}}", r"\frac{d}{2\sqrt{km}}"),),
+    6: ((r"\mu(\tilde v_{rel})", r"\mu(\omega_n y_0\tilde v_{rel})"),),
+    32: ((r"^4\right)", r"^4\right) = 0"),),
+    33: ((r"- (\varphi_n^*)^2e^{-2i", r"+ (\varphi_n^*)^2e^{-2i"),),
+    37: (("e^{2k_1n}", "e^{2k_1}"), ("e^{4k_1n}", "e^{4k_1}")),
+    40: (("2x_1 - x_2 - x_N", "x_1 - x_2"), ("2x_N - x_1 - x_{N-1}", "x_N - x_{N-1}")),
+    42: (("(1 - 2ax_n + 4bx_n^3)", "(-2ax_n + 4bx_n^3)"),),
+    44: ((r"\varphi_n < \varphi_{us}", r"|\varphi_n| < |\varphi_{us}|"),
+         (r"\varphi_n > \varphi_{us}", r"|\varphi_n| > |\varphi_{us}|")),
+    45: ((r"\theta(\varphi_n - \varphi_{us})", r"\theta(|\varphi_n| - |\varphi_{us}|)"),),
+}  # fmt: skip
+"""What to replace in the LaTeX of print so that the line reads as the derivation proves; the tests
+hold each to the derived equation. A line that only needs a reading in words is not here."""
+
+
 _LETTERS = {
     "mu": "μ", "xi": "ξ", "phi": "φ", "Psi": "Ψ", "psi": "ψ", "omega": "ω", "eps": "ε",
     "alpha": "α", "delta": "δ", "theta": "θ", "zeta": "ζ", "eta": "η", "tau": "τ", "pi": "π",
@@ -38,6 +56,23 @@ def readable(prose: str) -> str:
     return _LETTER.sub(lambda found: _LETTERS[found.group(1)], prose)
 
 
+def amended(number: int, latex: str) -> str | None:
+    """Return the corrected line in the paper's own notation; None where there is none on record.
+
+    Raises
+    ------
+    ValueError
+        If print does not have exactly once what is to be replaced.
+    """
+    if number not in AMENDED:
+        return None
+    for old, new in AMENDED[number]:
+        if latex.count(old) != 1:
+            raise ValueError(f"({number}) does not have '{old}' once.")
+        latex = latex.replace(old, new)
+    return latex
+
+
 def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     """Return the erratum of a misprinted, ambiguous or inconsistent equation, None for another.
 
@@ -51,20 +86,29 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     from derivations.printed import Verdict
 
     printed = found.printed
+    line = amended(printed.number, printed.latex)
+    differs = ""
     step = f"the step '{found.step.operation}' of the derivation '{derivation}'"
     if printed.verdict is Verdict.MISPRINT:
-        fault, corrected = Fault.MISPRINT, correction(found)
+        fault = Fault.MISPRINT
+        differs = correction(found)
+        corrected = f"${line}$" if line else differs
         proof = (
             f"The check on print fails: {found.on_print.statement}. What {step} gives passes the "
             f"same check: {found.on_derived.statement}."
         )
+        differs = f" The derivation differs from print in this: {differs}." if line else ""
     elif printed.verdict in (Verdict.AMBIGUOUS, Verdict.INCONSISTENT):
         ambiguous = printed.verdict is Verdict.AMBIGUOUS
         fault = Fault.AMBIGUOUS if ambiguous else Fault.INCONSISTENT
         tried = list(zip(printed.readings, found.on_readings, strict=True))
         right = [reading for reading, evidence in tried if evidence.holds]
+        # Where the line is changed it has one reading, the last; otherwise all that hold are named.
+        named = right[-1:] if line else right
         mark = "read: " if ambiguous else ""
-        corrected = "; or ".join(f"{mark}{reading.meaning}" for reading in right)
+        corrected = readable("; or ".join(f"{mark}{reading.meaning}" for reading in named))
+        if line or ambiguous:
+            corrected = f"${line or printed.latex}$; {corrected}"
         proof = f"Compared with {step}. "
         if not ambiguous:
             proof += f"By itself the print passes: {found.on_print.statement}. "
@@ -78,9 +122,9 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     return Erratum(
         fault=fault,
         printed=f"${printed.latex}$",
-        corrected=corrected if fault is Fault.MISPRINT else readable(corrected),
+        corrected=corrected,
         reason=readable(printed.note),
-        proof=readable(proof),
+        proof=readable(proof) + differs,
         affects=readable(printed.affects) or "Nothing else.",
     )
 

@@ -19,6 +19,7 @@ GREEK = {
     "mu": "μ",
     "xi": "ξ",
     "pi": "π",
+    "rho": "ρ",
     "tau": "τ",
     "varphi": "φ",
     "phi": "ϕ",
@@ -58,6 +59,12 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 _SIGNS = {"-": "−"}
+LONG = 80
+"""Characters of LaTeX beyond which a line of a phone, or of paper, may not hold the equation."""
+WIDE = 60
+"""Tokens between brackets beyond which a line may break there as well."""
+_BREAKS = frozenset({"+", "-", "=", "\\approx", "\\to", "\\equiv", "\\Leftrightarrow"})
+"""A line may break before one of these."""
 _OPENS = frozenset({"", "(", "[", "=", ",", ";", "\\to", "\\approx"})
 """A minus after one of these is a sign and stands close to what follows."""
 
@@ -113,9 +120,30 @@ def with_formulas(text: str) -> str:
     )
 
 
+def in_letters(text: str) -> str:
+    r"""Return prose for a terminal: without dollar signs, Greek letters and signs as characters.
+
+    Examples
+    --------
+    >>> in_letters(r"over $\eta \leq 1$")
+    'over η ≤ 1'
+    """
+    known = {**GREEK, **OPERATORS}
+    return re.sub(r"\\([A-Za-z]+)", lambda found: known.get(found[1], found[0]), text).replace(
+        "$", ""
+    )
+
+
 def formula(latex: str, *, block: bool = False) -> str:
-    """Return MathML, or the LaTeX itself where it is outside the part that is known."""
+    """Return MathML, or the LaTeX itself where it is outside the part that is known.
+
+    A long equation comes in parts between which a line may break.
+    """
     try:
+        if len(latex) > LONG:
+            parts = _Reader(latex).parts()
+            written = "<wbr>".join(f"<math>{part}</math>" for part in parts)
+            return f'<span class="broken">{written}</span>'
         return mathml(latex, block=block)
     except LatexError:
         return f"<code>{escape(latex)}</code>"
@@ -142,6 +170,54 @@ class _Reader:
         if ends and not self.left:
             raise LatexError(f"'{ends[0]}' is missing.")
         return "".join(nodes)
+
+    def parts(self) -> list[str]:
+        """All of the equation, cut before signs that stand in no bracket, and after spaces."""
+        parts = [""]
+        before, depth, open_brackets = "", 0, 0
+        while self.left:
+            token = self.left[0]
+            depth += (token in "([") - (token in ")]") if len(token) == 1 else 0
+            sign = token in _BREAKS and before not in _OPENS
+            if parts[-1] and not depth and (sign or before[1:] in SPACES):
+                parts.append("")
+            if sign and token in "+-=":
+                self.left.pop(0)
+                parts[-1] += f'<mo form="infix">{_SIGNS.get(token, token)}</mo>'
+            elif token == "-" and before in _OPENS:
+                self.left.pop(0)
+                parts[-1] += '<mo form="prefix">−</mo>'
+            elif token == "\\left" and self._long_bracket():
+                self.left.pop(0)
+                parts[-1] += self._tall("prefix")
+                open_brackets += 1
+                token = "("
+            elif token == "\\right" and open_brackets:
+                self.left.pop(0)
+                parts[-1] += self._tall("postfix")
+                open_brackets -= 1
+            elif token == "}":
+                raise LatexError("a brace closes nothing.")
+            else:
+                parts[-1] += self._scripted()
+            before = token
+        if open_brackets:
+            raise LatexError("'\\right' is missing.")
+        return parts
+
+    def _long_bracket(self) -> bool:
+        """Whether the bracket that opens here holds more than a line may have room for."""
+        depth = 0
+        for length, token in enumerate(self.left):
+            depth += (token == "\\left") - (token == "\\right")
+            if not depth:
+                return length > WIDE
+        return False
+
+    def _tall(self, form: str) -> str:
+        """Write a bracket as high as a fraction: its content is cut, so it cannot grow with it."""
+        sign = escape(self._delimiter())
+        return f'<mo form="{form}" stretchy="true" minsize="2.6em">{sign}</mo>' if sign else ""
 
     def _scripted(self) -> str:
         large = self.left[0] == "\\sum"

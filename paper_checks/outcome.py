@@ -61,7 +61,7 @@ class Judgement:
     failure : str or None
         One sentence that says how the judge failed.
     seconds : float
-        Wall-clock time of the judge.
+        Wall-clock time of the judge, without what it shares with others.
     judged : str
         When it ended: UTC, ISO 8601, to the second.
     stored : bool
@@ -71,6 +71,9 @@ class Judgement:
         Of a finding that comes with the toolkit.
     followed : tuple of str
         Keys of the claims that it was taken from.
+    shared : float
+        Wall-clock time of the shared work; next to nothing where an earlier judge of the same
+        process has done it.
     """
 
     finding: Finding | None
@@ -80,6 +83,7 @@ class Judgement:
     stored: bool = False
     provenance: Provenance | None = None
     followed: tuple[str, ...] = ()
+    shared: float = 0.0
 
     @property
     def stale(self) -> bool:
@@ -115,6 +119,11 @@ class Outcome:
         return self.finding is None or self.finding.verdict is not self.claim.recorded
 
     @property
+    def because(self) -> str:
+        """Why the verdict is what it is; empty where it is not the one on record."""
+        return "" if self.changed else self.claim.because
+
+    @property
     def change(self) -> str:
         """One sentence that names the change; empty without one."""
         if not self.changed:
@@ -137,15 +146,19 @@ def judge(claim: Claim) -> Judgement:
     >>> judge(claim).failure
     'ArithmeticError: no root in the box.'
     """
-    start = time.perf_counter()
+    start = begin = time.perf_counter()
     finding: Finding | None = None
     failure: str | None = None
     try:
+        if claim.shared is not None:
+            claim.shared()
+        begin = time.perf_counter()
         finding = _checked(claim.judge())
     except (Exception, SystemExit) as error:
         logger.info("the judge of %s failed", claim.key, exc_info=True)
         failure = _sentence(error)
-    return Judgement(finding, failure, time.perf_counter() - start, now())
+    seconds = time.perf_counter() - begin
+    return Judgement(finding, failure, seconds, now(), shared=begin - start)
 
 
 def now() -> str:

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-import base64
-from collections.abc import Mapping
 from html import escape
 from importlib import resources
 
-from paper_checks.claim import Finding, Picture, Verdict
-from paper_checks.inline_svg import inline_svg, width_of
+from paper_checks.claim import Verdict
+from paper_checks.inline_math import typeset
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.page_measurements import contents, measurement_sections
-from paper_checks.page_parts import errata, facts_list, formulas_block
+from paper_checks.page_parts import (
+    STATUS,
+    because,
+    errata,
+    figure_links,
+    moment,
+    place,
+    sentence,
+)
+from paper_checks.page_rows import row
 from paper_checks.report import Report
 from paper_checks.table import duration
 
 TITLE = "What the paper claims, and what we found"
 
-STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge failed"}
-"""Words for each status."""
-
-WIDE = 300
-"""Pictures wider than this, in points, do not fit a phone."""
+NOTABLE = 1.0
+"""Seconds of shared work from which on the report tells them."""
 
 MOST_NAMED = 5
 """More changed verdicts than these are folded away, so that the first screen stays one."""
@@ -62,7 +66,7 @@ def page(report: Report) -> str:
 <span>Place</span><span>Claim</span><span>Verdict</span><span>The paper</span><span>Ours</span>
 </div>
 <ol id="claims" class="rows">
-{"".join(_row(outcome) for outcome in report.outcomes)}</ol>
+{"".join(row(outcome, report) for outcome in report.outcomes)}</ol>
 <p id="none" hidden>No claim fits this choice.</p>
 </section>
 {measurement_sections(report.measurements)}</main>
@@ -96,10 +100,15 @@ def _standfirst(report: Report) -> str:
         parts.append(f"{repeated} that repeat others and take their verdict")
     if mute:
         parts.append(f"{mute} that no computation can decide")
+    shared = ""
+    if report.shared >= NOTABLE:
+        shared = (
+            f", with {duration(report.shared)} for derivations and runs that several claims share"
+        )
     kept = f" {stored} rest on stored findings and say so." if stored else ""
     return (
         f'<p class="standfirst">{what}: {", ".join(parts)}.{kept} '
-        f"This run took <strong>{duration(report.seconds)}</strong>.</p>"
+        f"This run took <strong>{duration(report.seconds)}</strong>{shared}.</p>"
     )
 
 
@@ -146,7 +155,7 @@ def _changed(report: Report) -> str:
 
 
 def _headlines(report: Report) -> str:
-    items = "".join(_headline(outcome) for outcome in report.headlines)
+    items = "".join(_headline(outcome, report) for outcome in report.headlines)
     if not items:
         return ""
     return (
@@ -156,17 +165,21 @@ def _headlines(report: Report) -> str:
     )
 
 
-def _headline(outcome: Outcome) -> str:
+def _headline(outcome: Outcome, report: Report) -> str:
     claim, finding = outcome.claim, outcome.finding
     if finding is None:
         return ""
-    printed = f"The paper: {_sentence(claim.printed)} " if claim.printed else ""
+    printed = f"The paper: {sentence(claim.printed)} " if claim.printed else ""
+    reason = f'<p class="because">{because(outcome)}</p>' if outcome.because else ""
+    figures = figure_links(report.shown_by[claim.key])
+    figure = f" Figure: {figures}." if figures else ""
     return (
         f'<li class="{outcome.status}">'
         f'<p class="verdict">{escape(finding.verdict)}</p>'
-        f'<p class="claim"><a href="#claim-{escape(claim.key)}">{escape(claim.statement)}</a></p>'
-        f'<p class="where">{_sentence(claim.place)} {printed}'
-        f"Ours: {_sentence(finding.value)}</p></li>"
+        f'<p class="claim"><a href="#claim-{escape(claim.key)}">{typeset(claim.statement)}</a></p>'
+        f"{reason}"
+        f'<p class="where">{sentence(claim.place)} {printed}'
+        f"Ours: {sentence(finding.value)}{figure}</p></li>"
     )
 
 
@@ -185,134 +198,13 @@ def _filter(report: Report) -> str:
 </form>"""
 
 
-def _row(outcome: Outcome) -> str:
-    claim, finding = outcome.claim, outcome.finding
-    verdict = STATUS[outcome.status]
-    notes = [
-        note
-        for note, holds in (
-            (f"on record: {claim.recorded}", outcome.changed),
-            ("stale", outcome.judgement.stale),
-            ("stored", outcome.judgement.stored),
-            (_followed_by(outcome), bool(outcome.judgement.followed)),
-        )
-        if holds
-    ]
-    note = f'<span class="note">{escape("; ".join(notes))}</span>' if notes else ""
-    ours = finding.value if finding else "no value"
-    place, key = escape(claim.place), escape(claim.key)
-    return f"""<li id="claim-{key}" class="{outcome.status}" data-verdict="{outcome.status}">
-<details><summary>
-<span class="place">{place}</span>
-<span class="claim">{escape(claim.statement)}</span>
-<span class="verdict">{escape(verdict)}{note}</span>
-<span class="printed"><i>The paper: </i>{escape(claim.printed or "no value")}</span>
-<span class="ours"><i>Ours: </i>{escape(ours)}</span>
-</summary>
-<div class="evidence">
-{_evidence(outcome) if finding is None else _findings(outcome, finding)}
-</div>
-</details>
-</li>
-"""
-
-
-def _followed_by(outcome: Outcome) -> str:
-    followed = outcome.judgement.followed
-    return f"as {followed[0]}" if len(followed) == 1 else f"from {len(followed)} others"
-
-
-def _evidence(outcome: Outcome) -> str:
-    failure = escape(outcome.judgement.failure or "")
-    return f"<p>The judge of this claim failed: {failure}</p>" + facts_list(
-        [("Verdict on record", escape(outcome.claim.recorded)), *_provenance(outcome)]
-    )
-
-
-def _findings(outcome: Outcome, finding: Finding) -> str:
-    first, second = (escape(method) for method in finding.methods)
-    prose = "".join(
-        f"<p>{escape(paragraph)}</p>"
-        for paragraph in finding.explanation.split("\n\n")
-        if paragraph.strip()
-    )
-    facts = [
-        ("Our value", escape(finding.value)),
-        ("Its error", escape(finding.error)),
-        ("The paper’s value", escape(outcome.claim.printed or "none given")),
-        ("Two methods", f"<ol><li>{first}</li><li>{second}</li></ol>"),
-        ("Tolerance", escape(finding.tolerance)),
-        *_provenance(outcome),
-    ]
-    if outcome.judgement.followed:
-        links = ", ".join(
-            f'<a href="#claim-{escape(key)}">{escape(key)}</a>'
-            for key in outcome.judgement.followed
-        )
-        facts.insert(0, ("Verdict taken from", links))
-    pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
-    formulas = formulas_block(finding.formulas)
-    return f'<div class="prose">{prose}</div>{formulas}{facts_list(facts)}{pictures}'
-
-
-def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
-    judged = outcome.judgement
-    facts = [("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>")]
-    if judged.followed:
-        return facts
-    origin = judged.provenance
-    if origin is None:
-        how = "kept from an earlier run, where it took" if judged.stored else "computed in"
-        when = f"{_moment(judged.judged)}, {how} {duration(judged.seconds)}"
-        return [*facts, ("Judged", when)]
-    versions = ", ".join(
-        f"{name} {version}" for name, version in origin.versions.items() if version
-    )
-    state = (
-        "Stale: the code it depends on has changed since. "
-        if origin.stale
-        else "The code it depends on has not changed since. "
-    )
-    stored = (
-        f"{state}Found {_moment(judged.judged)} in {duration(judged.seconds)}, on "
-        f"{escape(_place(origin.machine))}, with {escape(versions)}. Found anew by "
-        f"<code>{escape(origin.command)}</code>."
-    )
-    return [*facts, ("Stored finding", stored)]
-
-
-def _place(machine: Mapping[str, object]) -> str:
-    return f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
-
-
-def _picture(key: str, picture: Picture) -> str:
-    data = base64.b64encode(picture.data.encode()).decode()
-    name, caption = escape(picture.name), escape(picture.caption)
-    drawing = inline_svg(picture.svg, f"{key}-{picture.name}", picture.caption)
-    # A phone scrolls a wide picture sideways: shrunk to its screen it could not be read.
-    wide = ' wide" tabindex="0' if (width_of(picture.svg) or 0) > WIDE else ""
-    return (
-        f'<figure><div class="card{wide}">{drawing}</div>'
-        f'<figcaption>{caption} <a download="{name}.csv" '
-        f'href="data:text/csv;charset=utf-8;base64,{data}">Data (CSV)</a></figcaption></figure>'
-    )
-
-
 def _footer(report: Report) -> str:
     versions = ", ".join(
         f"{name} {version}" for name, version in report.versions.items() if version
     )
     return (
-        f"<footer><p>Made {_moment(report.created)} on {escape(_place(report.machine))}. "
+        f"<footer><p>Made {moment(report.created)} on {escape(place(report.machine))}. "
         f"{escape(versions)}. Code {escape(report.source[:12])}.</p>"
         "<p>The same findings as data are in <code>report.json</code>, written with this page.</p>"
         "</footer>"
     )
-
-
-def _sentence(text: str) -> str:
-    return escape(text if text.endswith((".", "!", "?")) else f"{text}.")
-
-
-def _moment(iso: str) -> str:
-    return f'<time datetime="{escape(iso)}">{escape(iso[:10])} {escape(iso[11:16])} UTC</time>'

@@ -2,11 +2,31 @@
 
 from __future__ import annotations
 
+import base64
+import re
 from collections.abc import Sequence
 from html import escape
 
+from paper_checks.inline_math import typeset
 from paper_checks.inline_svg import inline_svg
-from paper_checks.measurements import Diagram, Section, Stamp
+from paper_checks.measurements import Diagram, Failure, Section, Stamp
+
+WORDS = {
+    "sum": "Sum of (53)",
+    "roots": "Roots of the dispersion relation (50)",
+    "velocity": "Velocities that solve (54)",
+    "breather": "Breather of (8): amplitudes",
+    "multipliers": "Floquet multipliers of the breather",
+    "chain": "Motion of the chain (8)",
+    "friction": "Motion of the friction chain (5)",
+    "front": "Front velocity from a run",
+    "map": "Map of states",
+    "derivation": "Derivation of the averaged equations",
+    "growth": "Cost as the work grows",
+}
+"""What the names of the records stand for."""
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def measurement_sections(sections: Sequence[Section]) -> str:
@@ -29,18 +49,22 @@ def _section(section: Section) -> str:
     key = escape(section.key)
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in section.head)
     rows = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n"
+        "<tr>"
+        + "".join(f"<td>{_cell(cell, place == 0)}</td>" for place, cell in enumerate(row))
+        + "</tr>\n"
         for row in section.rows
     )
+    diagrams = "".join(_diagram(diagram) for diagram in section.diagrams)
     return f"""<section aria-labelledby="{key}-title">
 <h2 id="{key}-title">{escape(section.title)}</h2>
-<p class="lead">{escape(section.lead)}</p>
+<p class="lead">{typeset(section.lead)}</p>
+{f'<div class="diagrams">{diagrams}</div>' if diagrams else ""}
 <div class="measured" tabindex="0"><table>
 <thead><tr>{head}</tr></thead>
 <tbody>
 {rows}</tbody></table></div>
 {_stored(section.stamps)}
-{"".join(_diagram(diagram) for diagram in section.diagrams)}</section>
+</section>
 """
 
 
@@ -55,12 +79,76 @@ def _stored(stamps: Sequence[Stamp]) -> str:
 
 
 def _diagram(diagram: Diagram) -> str:
-    name = escape(diagram.name)
-    drawing = inline_svg(diagram.svg, f"measured-{diagram.name}", f"Measurements: {diagram.name}")
-    failures = "".join(f"<li>{escape(one)}</li>" for one in diagram.failures)
-    failed = f"<p>No value:</p><ul>{failures}</ul>" if failures else ""
+    title = in_words(diagram.name)
+    drawing = inline_svg(diagram.svg, f"measured-{diagram.name}", f"Measurements: {title}")
     return (
-        f"<details><summary>{name}</summary>"
-        f'<figure><div class="card wide" tabindex="0">{drawing}</div></figure>'
-        f'<div class="prose">{failed}</div></details>\n'
+        f'<figure id="measured-{escape(diagram.name)}"><figcaption><strong>{escape(title)}</strong>'
+        f'</figcaption><div class="card wide" tabindex="0">{drawing}</div>'
+        f"{_data(diagram)}{_failures(diagram.failures)}</figure>\n"
     )
+
+
+def _data(diagram: Diagram) -> str:
+    """Write a link to the numbers behind a diagram; empty where there are none."""
+    if not diagram.data:
+        return ""
+    data, name = base64.b64encode(diagram.data.encode()).decode(), escape(diagram.name)
+    return (
+        f'<p><a download="{name}.csv" '
+        f'href="data:text/csv;charset=utf-8;base64,{data}">Data (CSV)</a></p>'
+    )
+
+
+def _failures(failures: Sequence[Failure]) -> str:
+    """Write what has no value, settings with the same reason together; empty without any."""
+    if not failures:
+        return ""
+    items = "".join(
+        f"<li>{typeset(method)}: {typeset(reason)} <span>({typeset(where)})</span></li>"
+        for (method, reason), where in grouped(failures).items()
+    )
+    settings = "1 setting gave" if len(failures) == 1 else f"{len(failures)} settings gave"
+    return (
+        f'<details class="failures"><summary>{settings} no value</summary>'
+        f"<ul>{items}</ul></details>"
+    )
+
+
+def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
+    """Put failures with the same method and reason together: which settings they were, by both.
+
+    Reasons are the same if they differ in numbers only; the first is given.
+
+    Examples
+    --------
+    >>> grouped([Failure("quad", "narrow", "1e-6", "12 lost"),
+    ...          Failure("quad", "narrow", "1e-9", "15 lost")])
+    {('quad', '12 lost'): 'narrow: 1e-6, 1e-9'}
+    """
+    reasons: dict[tuple[str, str], str] = {}
+    settings: dict[tuple[str, str], dict[str, list[str]]] = {}
+    for one in failures:
+        kind = (one.method, _NUMBER.sub("#", one.reason))
+        reasons.setdefault(kind, one.reason)
+        settings.setdefault(kind, {}).setdefault(one.scene, []).append(one.knob)
+    return {
+        (kind[0], reasons[kind]): "; ".join(
+            f"{scene}: {', '.join(knobs)}" for scene, knobs in scenes.items()
+        )
+        for kind, scenes in settings.items()
+    }
+
+
+def in_words(quantity: str) -> str:
+    """Name a measured quantity for a reader; one that is not known keeps its name.
+
+    Examples
+    --------
+    >>> in_words("roots"), in_words("other")
+    ('Roots of the dispersion relation (50)', 'other')
+    """
+    return WORDS.get(quantity, quantity)
+
+
+def _cell(text: str, first: bool) -> str:
+    return typeset(in_words(text) if first else text)

@@ -5,25 +5,23 @@ Matplotlib is imported on first use, so that a claim file may import this module
 
 from __future__ import annotations
 
-import csv
 import io
-import itertools
 import logging
 import re
 import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 from paper_checks.claim import NAME, Picture
+from paper_checks.data_table import columns_as_csv
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
+
+    from paper_checks.data_table import Column
 
 Width = Literal["column", "page"]
 
@@ -41,6 +39,9 @@ COLOURS: Mapping[str, str] = {
     "yellow": "#F0E442",
 }
 """Okabe and Ito's palette, told apart by colour-blind readers; most legible first."""
+
+NO_NUMBERS = "The paper shows a picture here; neither its text nor its caption gives numbers of it."
+"""Ends the caption of a picture beside which no value of the paper can be drawn."""
 
 LARGE = 1_000_000
 """An SVG of more characters than this makes the report slow to open."""
@@ -163,7 +164,7 @@ def new_panels(
     return figure, tuple(grid.ravel())
 
 
-def picture(name: str, caption: str, figure: Figure, data: Mapping[str, ArrayLike]) -> Picture:
+def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column]) -> Picture:
     """Render a figure and put the numbers behind it into CSV; the figure is emptied.
 
     The same figure gives the same bytes, at any time and in any process.
@@ -177,12 +178,13 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, ArrayLik
     figure : Figure
         From `new_axes` or `new_panels`; one made by ``pyplot`` is closed as well.
     data : mapping of str to array_like
-        Columns of the CSV file by name; one-dimensional, of any lengths.
+        Columns of the CSV file by name; one-dimensional, of one length. What is drawn as several
+        curves comes from `data_table.long_table`.
 
     Raises
     ------
     ValueError
-        If the name is no file name, or a column is complex or not one-dimensional.
+        If the name is no file name, or the columns are not a table, as in `columns_as_csv`.
     """
     if not NAME.fullmatch(name):
         raise ValueError(
@@ -217,37 +219,6 @@ def save(path: Path, figure: Figure, dpi: int = 200) -> None:
     kind = path.suffix.lower().removeprefix(".")
     with mpl.rc_context({"svg.hashsalt": "fronts"}):
         figure.savefig(path, dpi=dpi, metadata=dict.fromkeys(_STAMPS.get(kind, ())))
-
-
-def columns_as_csv(data: Mapping[str, ArrayLike]) -> str:
-    r"""Write named columns as CSV; shorter columns end in empty cells.
-
-    Floats have the digits that give back the same float.
-
-    Examples
-    --------
-    >>> columns_as_csv({"n": [1, 2], "v": [0.1]})
-    'n,v\n1,0.1\n2,\n'
-    """
-    columns = []
-    for name, values in data.items():
-        column = np.atleast_1d(np.asarray(values))
-        if column.ndim != 1:
-            raise ValueError(f"the column '{name}' has {column.ndim} dimensions: give it one.")
-        if np.iscomplexobj(column):
-            raise ValueError(
-                f"the column '{name}' is complex: give real and imaginary parts as two columns."
-            )
-        columns.append([_cell(value) for value in column.tolist()])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(data)
-    writer.writerows(itertools.zip_longest(*columns, fillvalue=""))
-    return text.getvalue()
-
-
-def _cell(value: object) -> str:
-    return repr(value) if isinstance(value, float) else str(value)
 
 
 def _render(name: str, figure: Figure) -> str:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import metadata
+from pathlib import Path
 
-from paper_checks.claim import Erratum, Verdict
+from paper_checks.claim import NAME, Erratum, Verdict
+from paper_checks.figure_links import pictures_of
 from paper_checks.measurements import Section
 from paper_checks.outcome import FAILED, Outcome, now, slug
 
@@ -69,6 +73,16 @@ class Report:
     def stale(self) -> tuple[Outcome, ...]:
         """Outcomes that are stored findings of other code than that of this run."""
         return tuple(outcome for outcome in self.outcomes if outcome.judgement.stale)
+
+    @property
+    def shared(self) -> float:
+        """Time of the work that several judges of this run share, all processes together."""
+        return sum(one.judgement.shared for one in self.outcomes if not one.judgement.stored)
+
+    @cached_property
+    def shown_by(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the pictures that show each claim, by its key."""
+        return pictures_of(self.outcomes)
 
     @property
     def errata(self) -> tuple[tuple[Outcome, Erratum], ...]:
@@ -178,7 +192,9 @@ def to_json(report: Report) -> Json:
             }
             for outcome, erratum in report.errata
         ],
-        "claims": [_record(outcome) for outcome in report.outcomes],
+        "claims": [
+            _record(outcome, report.shown_by[outcome.claim.key]) for outcome in report.outcomes
+        ],
         "measurements": [section.as_dict() for section in report.measurements],
     }
 
@@ -193,7 +209,24 @@ def picture_files(report: Report) -> dict[str, str]:
     return files
 
 
-def _record(outcome: Outcome) -> Json:
+def pictures_listed(path: Path) -> set[str]:
+    """Give the names of the picture and data files that a written report says are beside it.
+
+    Empty where there is no report, or none that can be read.
+    """
+    try:
+        claims = json.loads(path.read_text(encoding="utf-8"))["claims"]
+        names = {one[kind] for claim in claims for one in claim["pictures"] for kind in _KINDS}
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+    # A name with a folder in it was not written by a report.
+    return {name for name in names if isinstance(name, str) and NAME.fullmatch(name)}
+
+
+_KINDS = ("svg", "data")
+
+
+def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
     claim, finding = outcome.claim, outcome.finding
     return {
         "key": claim.key,
@@ -204,6 +237,7 @@ def _record(outcome: Outcome) -> Json:
         "recorded": claim.recorded.value,
         "verdict": finding.verdict.value if finding else None,
         "changed": outcome.changed,
+        "because": outcome.because,
         "failure": outcome.judgement.failure,
         "value": finding.value if finding else None,
         "error": finding.error if finding else None,
@@ -217,6 +251,7 @@ def _record(outcome: Outcome) -> Json:
         ],
         "command": claim.command,
         "seconds": round(outcome.judgement.seconds, 3),
+        "shared_seconds": round(outcome.judgement.shared, 3),
         "judged": outcome.judgement.judged,
         "stored": outcome.judgement.stored,
         "provenance": _origin(outcome),
@@ -229,6 +264,7 @@ def _record(outcome: Outcome) -> Json:
             }
             for picture in (finding.pictures if finding else ())
         ],
+        "shown_by": list(shown_by),
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +25,12 @@ MARKS: Mapping[str, tuple[str, str]] = {
 
 
 def draw_states(
-    axes: Axes, states: Table, across: str, up: str, boundary: Table | None = None
+    axes: Axes,
+    states: Table,
+    across: str,
+    up: str,
+    boundary: Table | None = None,
+    names: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Draw a map, and on every line that was bisected a dash across it where the label changes.
 
@@ -38,6 +44,8 @@ def draw_states(
         Names of the columns on the two axes.
     boundary : Table, optional
         Of ``verification.sweeps.boundary.Bisection`` over the same map.
+    names : mapping of str to str, optional
+        Labels that the legend calls otherwise.
     """
     labels = states["label"]
     for label, (mark, colour) in MARKS.items():
@@ -50,7 +58,7 @@ def draw_states(
                 mark,
                 ms=4.0,
                 color=colour,
-                label=f"{label} ({int(chosen.sum())})",
+                label=f"{names.get(label, label)} ({int(chosen.sum())})",
                 clip_on=False,
                 **face,
             )
@@ -74,6 +82,7 @@ def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Ta
             axes.plot([at, at], [y - half[up], y + half[up]], color="0.1", lw=0.8)
             axes.plot([low, high], [y, y], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
     axes.plot([], [], color="0.1", lw=0.8, label="change of label, bisected")
+    axes.plot([], [], color="0.6", lw=2.5, label="another label between")
     # A dash at the rim reaches half a cell beyond the grid, where nothing was run.
     axes.set_xlim(*_rim(states, across))
     axes.set_ylim(*_rim(states, up))

@@ -124,7 +124,14 @@ def judgement_from(record: dict[str, object]) -> Judgement:
             "erratum": _erratum(fields["erratum"]),
         }
     )
-    return Judgement(finding, None, float(str(record["seconds"])), str(record["judged"]), True)
+    return Judgement(
+        finding,
+        None,
+        float(str(record["seconds"])),
+        str(record["judged"]),
+        True,
+        shared=float(str(record.get("shared", 0.0))),
+    )
 
 
 def _erratum(fields: dict[str, str] | None) -> Erratum | None:

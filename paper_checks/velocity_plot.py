@@ -38,13 +38,10 @@ class Curve:
         ]
         return [x for x, _ in chosen], [v for _, v in chosen]
 
-    def columns(self, suffix: str, x_name: str) -> dict[str, ArrayLike]:
+    def columns(self, x_name: str) -> dict[str, ArrayLike]:
         """Return columns for the CSV file of the picture."""
-        return {
-            f"{x_name}{suffix}": self.x,
-            f"v{suffix}": self.v,
-            f"admissible{suffix}": [int(kind) for kind in self.admissible],
-        }
+        kinds = ["yes" if kind else "no" for kind in self.admissible]
+        return {x_name: self.x, "v": self.v, "admissible": kinds}
 
 
 def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> Curve:

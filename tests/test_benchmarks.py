@@ -6,6 +6,7 @@ import json
 import math
 import re
 import time
+from csv import DictReader
 
 import numpy
 import pytest
@@ -21,7 +22,8 @@ from benchmarks import (
     roots,
     tables,
 )
-from benchmarks.diagram import worth_choosing
+from benchmarks.diagram import Style, draw, worth_choosing
+from benchmarks.growth_diagram import draw_growth
 from benchmarks.piecewise_sum import contenders, references
 from benchmarks.quantity import RESULTS, Quantity, all_quantities, chosen
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
@@ -142,6 +144,35 @@ def test_a_line_of_the_diagram_joins_only_settings_that_none_beats():
     assert worth_choosing([exact, beaten, fast]) == ([fast, exact], [beaten])
 
 
+def test_a_diagram_shows_errors_of_zero_in_a_strip_and_labels_powers_of_ten(tmp_path):
+    def point(error, seconds):
+        return WorkPoint("map", "s", "ours", "k", error, None, seconds, seconds, 3)
+
+    style = Style("x", "y", "c", {"ours": ("blue", "o")}, 1.0, 1e-3)
+    for name, least, shown in (("zero", 0.0, "no error seen"), ("small", 1e-9, "below 0.001")):
+        draw(name, [point(4.1e-2, 1.0), point(least, 2.0), point(4.2e-2, 3.0)], style, tmp_path)
+        svg = (tmp_path / f"{name}.svg").read_text()
+        assert shown in svg
+        assert "a beaten setting" in svg
+        assert (tmp_path / f"{name}.csv").read_text().count(f",{least!r},") == 1
+    draw("near", [point(4.1e-2, 1.0), point(4.2e-2, 0.5)], style, tmp_path)
+    svg = (tmp_path / "near.svg").read_text()
+    assert "4.1" not in svg  # no label between powers of ten
+    assert not {"beaten", "no error", "below"} & set(svg.split())
+
+
+def test_the_diagram_of_growth_has_memory_workers_and_what_is_expected(tmp_path):
+    stored = json.loads((RESULTS / "growth.json").read_text())["lines"]
+    draw_growth(stored, tmp_path)
+    svg = (tmp_path / "growth.svg").read_text()
+    for shown in ("workers", "megabytes", "expected -1", "dashed: as expected"):
+        assert shown in svg
+    with (tmp_path / "growth.csv").open(encoding="utf-8") as file:
+        rows = list(DictReader(file))
+    assert len(rows) == sum(len(line["sizes"]) for line in stored)
+    assert (tmp_path / "growth.csv").read_bytes() == (RESULTS / "growth.csv").read_bytes()
+
+
 def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     point = WorkPoint("sum", "s", "m", "k", 2.0, 1.0, 0.1, 0.1, 3)
     missed = Target("speed", 2.0, "below", 1.0, "s", "detail")
@@ -232,6 +263,9 @@ def test_the_stored_record_of_every_quantity_is_complete(quantity):
     assert record.versions["numpy"]
     for suffix in ("svg", "png"):
         assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
+    with (RESULTS / f"{quantity.name}.csv").open(encoding="utf-8") as file:
+        rows = [(row["method"], row["setting"], float(row["error"])) for row in DictReader(file)]
+    assert rows == [(point.method, point.knob, point.error) for point in record.points]
 
 
 @pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)

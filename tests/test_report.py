@@ -17,6 +17,7 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
+from paper_checks.data_table import columns_as_csv, long_table
 from paper_checks.pictures import new_axes, picture
 from paper_checks.store import Store
 
@@ -169,7 +170,10 @@ def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
         (["--jobs", "0"], "0 processes: it must be from 1"),
         (["--jobs", "two"], "'two' is not a whole number"),
         (["--resume"], "--resume needs --out DIR"),
-        (["--list", "--out", "x"], "--list judges nothing"),
+        (["--list", "--out", "x"], "--list judges nothing: leave out --out."),
+        (["--list", "--jobs", "1", "--record"], "leave out --jobs and --record."),
+        (["--out", ""], "an empty name is no folder"),
+        (["--out", " "], "an empty name is no folder"),
         (["--out", "a-file"], "--out a-file is a file: name a folder."),
         (["--out", "a-file/below"], "--out a-file/below cannot be written"),
     ],
@@ -268,7 +272,8 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
         assert markup in words
     assert page.tags.count("script") == 1
     assert page.tags.count("b") == 5  # the counts
-    assert page.tags.count("math") == 3  # a formula, and an erratum as printed and corrected
+    # A formula, an erratum as printed and corrected, and a reason, twice, with two in its words.
+    assert page.tags.count("math") == 3 + 2 * 2
     assert page.tags.count("i") == 2 * 6  # "The paper:" and "Ours:" in each row
     assert not {"img", "link", "iframe", "object", "u"} & set(page.tags)
     assert len(page.ids) == len(set(page.ids))
@@ -278,7 +283,7 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys):
     data = [link for link in others if link.startswith("data:text/csv")]
     assert sorted(others) == sorted(choices + data)
     assert len(choices) == 5
-    assert len(data) == 2
+    assert len(data) == 3  # two figures, one diagram
     assert "url(http" not in text
     assert "@import" not in text
 
@@ -292,7 +297,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "sites, 10 to 100",
         "all107210000",
         "15 in place of 2000 roots: 133 times",
-        "quad, narrow, 1e-9: gave up <here>",
+        "quad: gave up <here> (narrow: 1e-9)",
         "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores.",
     ):
         assert shown in words.replace("\n", "")
@@ -432,13 +437,13 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
         figure, axes = new_axes("page", xlabel=r"$\hat v$")
         axes.plot([0, 1], [0, 1], "o-")
         axes.fill_between([0, 1], [0, 1], alpha=0.3)
-        return picture("pair", "A pair.", figure, {"n": [1, 2, 3], "x": np.array([0.1, 1 / 3])})
+        return picture("pair", "A pair.", figure, {"n": [1, 2], "x": np.array([0.1, 1 / 3])})
 
     first, second = draw(), draw()
     assert first == second
     assert not re.search(r"<dc:date|Matplotlib v", first.svg)
     assert "<text" in first.svg  # letters stay letters
-    assert first.data == f"n,x\n1,0.1\n2,{1 / 3!r}\n3,\n"
+    assert first.data == f"n,x\n1,0.1\n2,{1 / 3!r}\n"
 
 
 @pytest.mark.parametrize(
@@ -447,12 +452,20 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
         ("../up", {"x": [1.0]}, "choose another"),
         ("ok", {"x": np.ones((2, 2))}, "2 dimensions"),
         ("ok", {"x": [1j]}, "real and imaginary"),
+        ("ok", {"x": [1.0, 2.0], "y": [1.0]}, "below each other"),
     ],
 )
 def test_unusable_pictures_are_refused(name, data, message):
     figure, _ = new_axes()
     with pytest.raises(ValueError, match=message):
         picture(name, "c", figure, data)
+
+
+def test_curves_of_one_table_stand_below_each_other():
+    table = long_table({"a": {"x": [1.0, 2.0], "kind": "p"}, "b": {"x": 3, "error": [None]}})
+    assert columns_as_csv(table) == "series,x,kind,error\na,1.0,p,\na,2.0,p,\nb,3,,\n"
+    with pytest.raises(ValueError, match="'a' have"):
+        long_table({"a": {"x": [1.0, 2.0], "y": [1.0, 2.0, 3.0]}})
 
 
 def test_claim_records_and_pictures_do_not_import_matplotlib():

@@ -23,8 +23,20 @@ FLAGS = (
     "--dump-dom",
 )
 
+TYPED = {
+    ("fig16-escape",): ("eq. 4", "Eq 4", "(4)", "eq4", "equations 4", "Eq. (4)"),
+    ("fig16-speed",): ("eq 54", "Equation (54)", "fig 16 velocity", "veloc"),
+    ("fig9-decay", "fig9-monotone"): ("fig9", "Figure 9", "FIG. 09"),
+    ("fig16-speed", "fig16-misprint", "fig16-escape", "fig16-vague"): ("fig 16", "Figs. 16"),
+    ("fig16-vague",): ("Section 5", "§5", "sec. 5"),
+    ("fig16-misprint",): ("12",),
+    (): ("fig 1", "eq 5", "5 4", "()"),
+}
+"""What a reader may type, by the claims that are to be shown."""
+
 # Runs in the page and reports what only a browser knows.
 PROBE = """<script>
+const WORDS = @WORDS@;
 addEventListener("load", () => setTimeout(() => {
   const all = (selector) => [...document.querySelectorAll(selector)];
   const here = (id) => document.getElementById(id) !== null;
@@ -51,11 +63,21 @@ addEventListener("load", () => setTimeout(() => {
   place.value = "nothing of the kind";
   place.dispatchEvent(new Event("input"));
   report.nothing = state();
+  report.typed = {};
+  for (const words of WORDS) {
+    place.value = words;
+    place.dispatchEvent(new Event("input"));
+    report.typed[words] = state().shown;
+  }
   place.value = "";
   place.dispatchEvent(new Event("input"));
+  location.hash = "#erratum-fig16-misprint";
+  dispatchEvent(new HashChangeEvent("hashchange"));
+  report.erratum = document.querySelector("#erratum-fig16-misprint details").open;
+  history.replaceState(null, "", "#");
   document.getElementById("unfold").click();
   report.unfolded = state();
-  all(".measured ~ details").forEach((one) => { one.open = true; });
+  all(".failures").forEach((one) => { one.open = true; });
   report.overflow = document.documentElement.scrollWidth - innerWidth;
   report.pictures = all("figure svg").map((svg) => {
     const box = svg.getBoundingClientRect();
@@ -72,7 +94,7 @@ addEventListener("load", () => setTimeout(() => {
     };
   });
   all("#errata details").forEach((one) => { one.open = true; });
-  report.formulas = all("math").map((one) => {
+  report.formulas = all(".math math").map((one) => {
     const box = one.getBoundingClientRect();
     return { width: box.width, height: box.height, parts: one.querySelectorAll("*").length };
   });
@@ -124,7 +146,10 @@ def folder(tmp_path_factory):
         patch.setattr(measurements, "RESULTS", Path(__file__).parent / "report_example/measured")
         assert main(["check", "--out", str(out)]) == 0
     text = (out / "index.html").read_text(encoding="utf-8")
-    (out / "probed.html").write_text(text.replace("</body>", PROBE), encoding="utf-8")
+    words = [one for spellings in TYPED.values() for one in spellings]
+    (out / "probed.html").write_text(
+        text.replace("</body>", PROBE.replace("@WORDS@", json.dumps(words))), encoding="utf-8"
+    )
     (out / "phone.html").write_text(FRAME, encoding="utf-8")
     return out
 
@@ -173,7 +198,7 @@ def test_pictures_data_and_links_load(browser, folder, tmp_path):
         assert picture["label"]
         assert picture["names"] > 5
         assert picture["lost"] == []
-    assert found["data"] == ["t,amplitude", "c,v,simulated"]
+    assert found["data"] == ["t,amplitude", "series,c,v", "scene,error,seconds"]
     assert found["dead"] == []
     assert found["resources"] == 0
     assert found["unnamed"] == 0
@@ -189,6 +214,8 @@ def test_pictures_data_and_links_load(browser, folder, tmp_path):
         ("#place=Section%205", (["claim-fig16-vague"], [])),
         ("#verdict=nonsense", (6, [])),
         ("#claim-fig16-speed", (6, ["claim-fig16-speed"])),
+        ("#figure-fig9-decay", (6, ["claim-fig9-decay"])),
+        ("#verdict=reproduced&place=equation+4", (["claim-fig16-escape"], [])),
         ("#claim-none-such", (6, [])),
         ("#%", (6, [])),
     ],
@@ -209,6 +236,22 @@ def test_typing_filters_and_is_kept_in_the_address(browser, folder, tmp_path):
     assert found["nothing"]["shown"] == []
     assert found["nothing"]["none"]
     assert len(found["unfolded"]["open"]) == 6
+
+
+def test_places_are_found_however_they_are_spelt(browser, folder, tmp_path):
+    found = probe(browser, folder / "probed.html", profile=tmp_path)
+    for keys, spellings in TYPED.items():
+        for words in spellings:
+            assert found["typed"][words] == [f"claim-{key}" for key in keys], words
+    assert found["erratum"]
+
+
+def test_paper_holds_open_rows_only_and_nothing_is_cut(browser, folder, tmp_path):
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    assert "beforeprint" not in text
+    styles = text[text.index("@media print") : text.index("</style>")]
+    assert "details-content" not in styles
+    assert re.search(r"\.math, \.measured \{ overflow: visible; \}", styles)
 
 
 @pytest.mark.parametrize(("scheme", "dark"), [(0, True), (1, False)])

@@ -14,8 +14,9 @@
     Maps over parameters: points, workers, tables, boundaries.
 ``extremes``
     ``fronts stress``: every quantity over all decades of its parameters.
+``savings``
+    What a scene does not need: each omission run against the same computation without it.
 
 Shared by both models are ``arrival_fit`` (velocities), ``checkpoint`` (runs that go on after a
-stop) and ``label`` (the names of states). ``scenes`` are shared by tests, benchmarks and report;
-``savings`` and ``savings_measured`` are what a scene does not need.
+stop) and ``label`` (the names of states). ``scenes`` are shared by tests, benchmarks and report.
 """

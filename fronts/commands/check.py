@@ -20,11 +20,19 @@ from paper_checks.following import resolved, with_followed
 from paper_checks.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
 from paper_checks.page import page
-from paper_checks.report import Report, installed_versions, make_report, picture_files, to_json
+from paper_checks.report import (
+    Report,
+    installed_versions,
+    make_report,
+    picture_files,
+    pictures_listed,
+    to_json,
+)
+from paper_checks.report_text import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
 from paper_checks.store import SOURCES, Store, source_hash, write_text
-from paper_checks.table import duration, entries_as_text, report_as_text
+from paper_checks.table import duration, entries_as_text
 
 EXAMPLE = """\
 examples:
@@ -38,6 +46,8 @@ exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusab
 
 STORE = ".findings"
 MOST_JOBS = 256
+_OF_A_RUN = ("out", "jobs", "resume", "full", "record")
+"""Options that say how claims are judged, which ``--list`` does not do."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -49,11 +59,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="V",
         help="only claims with this verdict on record: " + ", ".join(map(slug, Verdict)),
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write the report here")
+    parser.add_argument("--out", type=_folder, metavar="DIR", help="write the report here")
     parser.add_argument(
         "--jobs",
         type=_jobs,
-        default=1,
         metavar="N",
         help="processes (default 1: claims about run times are judged undisturbed)",
     )
@@ -86,8 +95,10 @@ def run(options: argparse.Namespace) -> Answer:
     entries = _chosen(every, options)
     width = shutil.get_terminal_size((100, 24)).columns
     if options.list:
-        if options.out or options.resume or options.full:
-            raise UsageError("--list judges nothing: leave out --out, --resume and --full.")
+        given = [name for name in _OF_A_RUN if getattr(options, name) not in (None, False)]
+        if given:
+            names = " and ".join(f"--{name}" for name in given)
+            raise UsageError(f"--list judges nothing: leave out {names}.")
         return _listing(entries, width)
     if options.record and not options.full:
         raise UsageError("--record keeps what was computed in this run: add --full.")
@@ -110,7 +121,7 @@ def run(options: argparse.Namespace) -> Answer:
     with kept(said), shown:
         outcomes = judge_all(
             entries,
-            jobs=options.jobs,
+            jobs=options.jobs or 1,
             package=discover.PACKAGE,
             store=store,
             resume=options.resume,
@@ -126,8 +137,13 @@ def run(options: argparse.Namespace) -> Answer:
     if options.record:
         text += "\n\n" + _record(shipped, report)
     if folder:
-        _write(folder, report, payload)
+        removed = _write(folder, report, payload)
         text += f"\n\nThe report is in {folder / 'index.html'}."
+        if removed:
+            text += (
+                f" It replaces an earlier one there; {removed} pictures and data files of that "
+                "one, which this one does not have, are removed."
+            )
     return Answer(payload, text, exit_code=1 if report.changed else 0)
 
 
@@ -199,18 +215,24 @@ def _checked_folder(options: argparse.Namespace) -> Path | None:
     return folder
 
 
-def _write(folder: Path, report: Report, payload: dict[str, object]) -> None:
+def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
+    """Write the report; remove what an earlier report left here, and return how much."""
     document = json.dumps(payload, indent=2, ensure_ascii=False, allow_nan=False)
     files = {
         **picture_files(report),
         "report.json": document + "\n",
         "index.html": page(report),
     }
+    foreign = pictures_listed(folder / "report.json") - set(files)
     try:
         for name, content in files.items():
             write_text(folder / name, content)
+        there = [folder / name for name in sorted(foreign) if (folder / name).is_file()]
+        for path in there:
+            path.unlink()
     except OSError as error:
         raise UsageError(f"the report in {folder} cannot be written: {error.strerror}.") from None
+    return len(there)
 
 
 def _record(shipped: Shipped, report: Report) -> str:
@@ -234,6 +256,12 @@ def _record(shipped: Shipped, report: Report) -> str:
 def _sources() -> tuple[str, ...]:
     home = discover.PACKAGE.partition(".")[0]
     return SOURCES if home in SOURCES else (*SOURCES, home)
+
+
+def _folder(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("an empty name is no folder: name one, or . for this one")
+    return Path(text)
 
 
 def _verdict(text: str) -> Verdict:

@@ -52,6 +52,14 @@ def run(options: argparse.Namespace) -> Answer:
     if options.savings or options.list:
         _alone("--savings" if options.savings else "--list", options)
         return _savings(options.record) if options.savings else _list()
+    if options.record and options.quantity:
+        raise UsageError(
+            "--record keeps the table of all quantities: leave out --quantity.",
+            quantity="--quantity",
+            value=options.quantity[0],
+            allowed="absent beside --record",
+            remedy="leave it out",
+        )
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
@@ -65,7 +73,7 @@ def run(options: argparse.Namespace) -> Answer:
         count_within("workers", options.workers, 1, 1024)
     with kept_by_journal(options.out), Fraction("stress") as live:
         found = stability(
-            options.quantity or (),
+            tuple(dict.fromkeys(options.quantity or ())),  # named twice is tried once
             points,
             seed,
             out=options.out,
@@ -84,13 +92,13 @@ def run(options: argparse.Namespace) -> Answer:
     }
     if options.record:
         kept = {name: value for name, value in payload.items() if name != "out"}
-        _keep("stability", kept, f"fronts stress --points {points}")
+        _keep("stability", kept, f"fronts stress --points {points} --seed {seed}")
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 
 def _alone(question: str, options: argparse.Namespace) -> None:
     """Refuse beside a question that tries no point what has no meaning for it."""
-    others = ["out", "resume", "quantity", "workers", "points", "seed", "list"]
+    others = ["out", "resume", "quantity", "workers", "points", "seed", "resume", "list"]
     if question == "--list":
         others[-1] = "record"
     for name in others:
@@ -169,7 +177,7 @@ def _list() -> Answer:
 
 
 def _savings(record: bool) -> Answer:
-    from verification.savings import measured_savings
+    from verification.savings.table import measured_savings
 
     rows = measured_savings()
     lines = []
@@ -177,8 +185,10 @@ def _savings(record: bool) -> Answer:
         lines.append(f"{row.saving.what}: {row.saving.decided}")
         lines.append(f"    bound: {row.saving.bound}")
         lines.append(f"    measured: {row.text}")
+        lines.append(f"    changed: {row.changed}")
         lines.append(f"    test: {row.saving.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
         _keep("savings", payload, "fronts stress --savings")
-    return Answer(payload, "\n".join(lines))
+    exceeded = not all(row.found.holds for row in rows)
+    return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

@@ -95,6 +95,7 @@ CLAIMS = tuple(
         command=f"fronts derive --equation {number}",
         judge=partial(_judge, number),
         weight=0,
+        shared=_judgements,
     )
     for number in range(1, 55)
 )

@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.pictures import COLOURS, new_axes, new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
     from theory.friction_cell import FrictionCell
@@ -111,40 +112,39 @@ def _two_states() -> Finding:
 
 def _figure(cycle: EventRun, rest: EventRun) -> Picture:
     orbits = _orbits()
-    figure, (left, right) = new_panels(2, height=2.9)
+    figure, (above, below) = new_panels(1, 2, width="column", height=5.6)
     blue, black = COLOURS["blue"], COLOURS["black"]
     y, v = cycle.y[:, 0], cycle.velocity[:, 0]
-    left.plot(cycle.times, y, color=blue, label="start y = 2: cycle")
-    left.plot(rest.times, rest.y[:, 0], color=black, label="start y = 1: steady sliding")
-    left.set(xlabel="τ", ylabel="y", ylim=(-1.2, 3.2))
-    left.legend(loc="upper right")
-    right.plot(y[600:], v[600:], color=blue, label="stick-slip cycle")
-    right.plot(rest.y[:, 0], rest.velocity[:, 0], color=black, lw=0.5, label="to steady sliding")
-    right.plot([orbits.cell.steady_sliding], [0.0], "o", color=black, label="steady sliding")
+    above.plot(cycle.times, y, color=blue, label="limit cycle, start y = 2")
+    above.plot(rest.times, rest.y[:, 0], color=black, label="to steady sliding, start y = 1")
+    above.set(xlabel=r"time $\tau$", ylabel=r"$\tilde{y}$", ylim=(-1.2, 2.4))
+    below.plot(y[600:], v[600:], color=blue)
+    below.plot(rest.y[:, 0], rest.velocity[:, 0], color=black, lw=0.5)
+    below.plot([orbits.cell.steady_sliding], [0.0], "o", color=black, label="steady sliding")
+    series: dict[str, dict[str, Any]] = {
+        "limit cycle": {"tau": cycle.times, "y": y, "velocity": v},
+        "to steady sliding": {
+            "tau": rest.times,
+            "y": rest.y[:, 0],
+            "velocity": rest.velocity[:, 0],
+        },
+        "steady sliding": {"y": orbits.cell.steady_sliding, "velocity": 0.0},
+    }
     if orbits.unstable is not None:
         run = _scipy(orbits.cell, orbits.unstable.max, orbits.unstable.period, 401)
-        right.plot(
-            run.y[:, 0],
-            run.velocity[:, 0],
-            "--",
-            color=COLOURS["vermilion"],
-            label="unstable cycle",
-        )
-    right.axhline(V_D, color="0.7", lw=0.6)
-    right.set(xlabel="y", ylabel="velocity of y", xlim=(-1.0, 3.6), ylim=(-1.6, 2.4))
-    right.legend(loc="upper right")
+        across, up = run.y[:, 0], run.velocity[:, 0]
+        below.plot(across, up, "--", color=COLOURS["vermilion"], label="unstable cycle")
+        series["unstable cycle"] = {"tau": run.times, "y": across, "velocity": up}
+    below.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"paper, $\tilde{v}_d$ = 1.25: stick")
+    below.set(xlabel=r"$\tilde{y}$", ylabel=r"velocity of $\tilde{y}$", ylim=(-1.6, 1.6))
+    figure.legend(loc="outside lower center", ncols=2, columnspacing=0.8)
     return picture(
         "fig02-cell",
-        "Fig. 2 at v_d = 1.25: both states in time and in the plane of states, with the unstable "
-        "cycle that divides their basins.",
+        "Fig. 2 at v_d = 1.25: both states in time (above) and in the plane of states (below), "
+        "with the unstable cycle that divides their basins; the paper has no such cycle and does "
+        f"not give its two starts. {NO_NUMBERS}",
         figure,
-        {
-            "tau": cycle.times,
-            "y_cycle": y,
-            "velocity_cycle": v,
-            "y_sliding": rest.y[:, 0],
-            "velocity_sliding": rest.velocity[:, 0],
-        },
+        long_table(series),
     )
 
 
@@ -175,21 +175,31 @@ def _three_regions() -> Finding:
         raise ArithmeticError("no cycle just below its end")
     from paper_checks.cell_picture import draw_bifurcation
 
-    figure, axes = new_axes("page", height=2.9)
+    figure, axes = new_axes("column", height=3.9)
     draw_bifurcation(axes, cell, diagram)
+    axes.axvline(V_D, color=COLOURS["purple"], lw=1.2, label="paper, Fig. 2: both stable")
+    legend = axes.get_legend()
+    if legend is not None:
+        legend.remove()  # it has no room beside a column
+    figure.legend(loc="outside lower center", ncols=2)
     drawn = picture(
         "fig02-bifurcation",
         "Turning points of both cycles and steady sliding against the belt velocity, parameters "
-        "of (7).",
+        "of (7). Of its three regions the paper gives one velocity, 1.25 in the middle one, and no "
+        "limits.",
         figure,
-        {
-            "v_d": diagram.v_d,
-            "sliding": diagram.sliding,
-            "stable_min": diagram.stable[:, 0],
-            "stable_max": diagram.stable[:, 1],
-            "unstable_min": diagram.unstable[:, 0],
-            "unstable_max": diagram.unstable[:, 1],
-        },
+        long_table(
+            {
+                "steady sliding": {"v_d": diagram.v_d, "y": diagram.sliding},
+                "stick-slip cycle, lower": {"v_d": diagram.v_d, "y": diagram.stable[:, 0]},
+                "stick-slip cycle, upper": {"v_d": diagram.v_d, "y": diagram.stable[:, 1]},
+                "unstable cycle, lower": {"v_d": diagram.v_d, "y": diagram.unstable[:, 0]},
+                "unstable cycle, upper": {"v_d": diagram.v_d, "y": diagram.unstable[:, 1]},
+                "Hopf": {"v_d": hopf},
+                "grazing": {"v_d": end},
+                "paper, both stable": {"v_d": V_D},
+            }
+        ),
     )
     three = hopf < end
     return Finding(

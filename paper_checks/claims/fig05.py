@@ -10,7 +10,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, picture
 from paper_checks.state_picture import draw_states
 
 COUPLINGS = (0.005, 0.015, 0.025, 0.035, 0.045, 0.055, 0.065, 0.075, 0.085, 0.095)
@@ -64,18 +65,29 @@ def _regions() -> Finding:
         for row in states.rows()
         if row["label"] == "undecided"
     ]
-    figure, axes = new_axes("page", height=3.4, xlabel="coupling c", ylabel="belt velocity $v_d$")
-    draw_states(axes, states, "c", "v_d", boundary)
+    figure, axes = new_axes(
+        "column", height=4.4, xlabel="coupling c", ylabel=r"belt velocity $\tilde{v}_d$"
+    )
+    draw_states(axes, states, "c", "v_d", boundary, {"fixed point": "steady sliding"})
+    axes.set(xlim=(0.0, 0.1), ylim=(1.0, 2.0))
     hopf = chain_of(0.0).cell.hopf_velocity
     for value, line, name in ((hopf, ":", "Hopf"), (end_of_cycle, "--", "end of the cycle")):
         axes.axhline(value, color="0.5", lw=0.8, ls=line, label=f"{name}, one cell")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
     drawn = picture(
         "fig05-states",
         f"States of {SITES} oscillators, the middle one excited. Dashes: where the label changes, "
-        "by bisection between neighbours of the grid.",
+        "by bisection between neighbours of the grid. Axes, marks and colours are the paper's. "
+        f"{NO_NUMBERS}",
         figure,
-        {**states.columns, **{f"boundary_{name}": boundary[name] for name in ("c", "v_d", "at")}},
+        long_table(
+            {
+                "states": states.columns,
+                "boundary": {name: boundary[name] for name in ("c", "v_d", "along", "at")},
+                "Hopf, one cell": {"v_d": hopf},
+                "end of the cycle, one cell": {"v_d": end_of_cycle},
+            }
+        ),
     )
     low_only = highest < 0.5 * max(COUPLINGS)
     holds = three and low_only and shrinks and above == {"fixed point"}
@@ -140,7 +152,9 @@ def _nucleation() -> Finding:
     wide = {c: _last_velocity(c, WIDE) for c in WIDE_COUPLINGS}
     last = WIDE_COUPLINGS[-1]
     fails = [c for c in WIDE_COUPLINGS if wide[c][0] > one[c][1]]
-    figure, axes = new_axes("column", xlabel="coupling c", ylabel="largest $v_d$ of a front")
+    figure, axes = new_axes(
+        "column", xlabel="coupling c", ylabel=r"largest $\tilde{v}_d$ of a front"
+    )
     for found, style, colour, name in (
         (one, "o-", "blue", "1 site excited"),
         (wide, "s--", "vermilion", f"{WIDE} sites excited"),
@@ -150,15 +164,19 @@ def _nucleation() -> Finding:
     axes.legend()
     drawn = picture(
         "fig05-nucleation",
-        "Largest belt velocity at which stick-slip fills the chain by τ = 2000.",
+        "Largest belt velocity at which stick-slip fills the chain by τ = 2000, from one site as "
+        f"in Fig. 5 and from {WIDE}; the paper has the former only. {NO_NUMBERS}",
         figure,
-        {
-            "c": WIDE_COUPLINGS,
-            "one_low": [one[c][0] for c in WIDE_COUPLINGS],
-            "one_high": [one[c][1] for c in WIDE_COUPLINGS],
-            "wide_low": [wide[c][0] for c in WIDE_COUPLINGS],
-            "wide_high": [wide[c][1] for c in WIDE_COUPLINGS],
-        },
+        long_table(
+            {
+                name: {
+                    "c": WIDE_COUPLINGS,
+                    "v_d_filled": [found[c][0] for c in WIDE_COUPLINGS],
+                    "v_d_not_filled": [found[c][1] for c in WIDE_COUPLINGS],
+                }
+                for name, found in (("1 site excited", one), (f"{WIDE} sites excited", wide))
+            }
+        ),
     )
     return Finding(
         verdict=Verdict.PARTIAL if fails else Verdict.REPRODUCED,
@@ -193,7 +211,8 @@ CLAIMS = (
         "coupling only, which become fewer as c grows.",
         None,
         Verdict.REPRODUCED,
-        "fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png",
+        "fronts map friction --c 0.005:0.095:10 --v-d 1.05:1.95:10 --refine 0.125 "
+        "--picture map.png",
         _regions,
         weight=2,
     ),

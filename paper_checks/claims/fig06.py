@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.pictures import COLOURS, new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -74,13 +75,23 @@ def _linear() -> Finding:
     verdict = Verdict.NOT_REPRODUCED
     if fine:
         verdict = Verdict.PARTIAL if worst_line > 0.1 else Verdict.REPRODUCED
-    figure, panels = new_panels(2, height=2.8)
+    figure, panels = new_panels(1, 2, width="column", height=5.2)
+    on_line = f"paper: linear; fitted to c = {LINEAR_FROM:g} to 0.1"
+    series: dict[str, dict[str, Any]] = {
+        "measured": {
+            "c": list(fronts),
+            "v": list(velocity.values()),
+            "error": [front.error or np.nan for front in fronts.values()],
+        }
+    }
     for axes, most in zip(panels, (0.105, 1.05), strict=True):
         shown = [each for each in fronts if each <= most]
         fine_c = np.linspace(0.0, most, 200)
         curve = [chain_of(float(each)).largest_group_velocity for each in fine_c]
         axes.plot(fine_c, curve, color=COLOURS["green"], label="largest group velocity")
-        axes.plot(fine_c, a + b * fine_c, "--", color=COLOURS["vermilion"], label="line")
+        axes.plot(fine_c, a + b * fine_c, "--", color=COLOURS["vermilion"], label=on_line)
+        series[f"largest group velocity, to c = {most:g}"] = {"c": fine_c, "v": curve}
+        series[f"{on_line}, drawn to c = {most:g}"] = {"c": fine_c, "v": a + b * fine_c}
         axes.errorbar(
             shown,
             [velocity[each] for each in shown],
@@ -90,20 +101,18 @@ def _linear() -> Finding:
             color=COLOURS["blue"],
             label="measured",
         )
-        axes.set(xlabel="coupling c", ylabel="v (sites per unit τ)", ylim=(0.0, None))
+        axes.set(xlabel="coupling c", ylabel=r"$\tilde{v}_\mathrm{front}$, sites per unit $\tau$")
+        axes.set(ylim=(0.0, None))
     panels[0].legend()
+    panels[0].set_title("up to c = 0.1")
+    panels[1].set_title("beyond, with the same line drawn on")
     drawn = picture(
         "fig06-velocity",
         f"Velocity of fronts from one excited site at the edge, {SITES} sites ({FAST_SITES} "
-        f"from c = {LINEAR_FROM:g}, {LARGE_SITES} beyond 0.1), and the line "
-        f"through c from {LINEAR_FROM:g} to 0.1.",
+        f"from c = {LINEAR_FROM:g}, {LARGE_SITES} beyond 0.1), with the linear law that the paper "
+        f"claims, fitted by us to c from {LINEAR_FROM:g} to 0.1. {NO_NUMBERS}",
         figure,
-        {
-            "c": list(fronts),
-            "v": list(velocity.values()),
-            "error": [front.error or np.nan for front in fronts.values()],
-            "group_velocity": list(group.values()),
-        },
+        long_table(series),
     )
     return Finding(
         verdict=verdict,
@@ -187,9 +196,13 @@ CLAIMS = (
         "Beyond the vicinity of c_crit the velocity of the front is linear in c.",
         None,
         Verdict.PARTIAL,
-        "fronts front friction --c 0.02 --n 101",
+        "fronts front friction --c 0.1 --n 61; fronts front friction --c 1 --n 101",
         _linear,
         weight=2,
+        because=(
+            "the line is a chord: the front follows the largest group velocity of the "
+            "waves about steady sliding, which bends away from it at larger c."
+        ),
     ),
     Claim(
         "fig06-threshold",

@@ -8,7 +8,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._breathers import EPS, A, B, flow
-from paper_checks.pictures import COLOURS, new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 
 C, SITES = 0.1, 11
 
@@ -39,27 +40,34 @@ def _localised() -> Finding:
     stable = orbit.multipliers is not None and orbit.multipliers.stable
     localised = bool(run[0] < 1e-4 * run[centre])
     ratios = orbit.amplitudes[centre + 1 :] / orbit.amplitudes[centre:-1]
-    figure, (left, right) = new_panels(2, height=2.6)
+    figure, (left, right) = new_panels(1, 2, width="column", height=4.8)
     place = np.arange(SITES) - centre
     left.bar(place, orbit.amplitudes, color=COLOURS["blue"], width=0.7)
-    left.set(xlabel="site n", ylabel="amplitude of y", ylim=(0, 3.2))
+    left.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(0, 3.2))
     right.semilogy(place, orbit.amplitudes, "o", color=COLOURS["blue"], label="periodic orbit")
     right.semilogy(place, measured, "x", color=COLOURS["black"], label="run of (8), scipy")
     tail = math.exp(-math.asinh(0.5 / C))
+    linear = orbit.amplitudes[centre + 1] * tail ** (np.abs(place) - 1.0)
+    right.semilogy(place, linear, color="0.5", lw=0.8, label=r"linear tail, $2c\sinh k_1=-1$")
+    constant = orbit.amplitudes[centre] * tail ** np.abs(place)
     right.semilogy(
-        place,
-        orbit.amplitudes[centre + 1] * tail ** (np.abs(place) - 1.0),
-        color="0.5",
-        lw=0.8,
-        label=r"linear tail, $2c\sinh k_1=-1$",
+        place, constant, "--", color=COLOURS["vermilion"], label="paper, (9): the same rate from 0"
     )
-    right.set(xlabel="site n", ylabel="amplitude of y", ylim=(1e-6, 10))
-    right.legend()
+    right.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(1e-6, 1e5))
+    right.legend(loc="upper center")
     drawn = picture(
         "fig07-breather",
-        "The breather of Fig. 7 at c = 0.1: amplitude of each site, linear and logarithmic.",
+        "The breather of Fig. 7 at c = 0.1: amplitude of each site, linear and logarithmic, with "
+        f"the exponential decay of (9) that the paper assumes. {NO_NUMBERS}",
         figure,
-        {"n": place, "orbit": orbit.amplitudes, "run": measured},
+        long_table(
+            {
+                "periodic orbit": {"n": place, "amplitude": orbit.amplitudes},
+                "run of (8), scipy": {"n": place, "amplitude": measured},
+                "linear tail": {"n": place, "amplitude": linear},
+                "paper, (9), rate of the tail": {"n": place, "amplitude": constant},
+            }
+        ),
     )
     return Finding(
         verdict=Verdict.REPRODUCED if stable and localised else Verdict.NOT_REPRODUCED,

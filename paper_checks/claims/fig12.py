@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._fronts import EPS, A, B, arrivals_of_chain
-from paper_checks.pictures import new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import NO_NUMBERS, new_panels, picture
 
 C = 0.6
 TIMES = (14000.0, 17000.0, 20000.0)
@@ -47,23 +50,29 @@ def _steady() -> Finding:
     if not gap < _GAP:
         raise ArithmeticError(f"arrival times differ by {gap:.1e} from those of scipy")
     steady = in_order and spread < 0.05 and abs(velocities[1] / velocities[0] - 1.0) < _STEADY
-    figure, panels = new_panels(3, height=2.2, sharey=True)
+    figure, panels = new_panels(1, 3, width="column", height=5.6, sharex=True)
     site = np.arange(1, SITES + 1)
-    columns: dict[str, np.ndarray] = {"site": site}
+    series: dict[str, dict[str, Any]] = {}
     for axes, time in zip(panels, TIMES, strict=True):
         k = int(np.argmin(np.abs(run.times - time)))
         axes.plot(site, run.psi[k].imag, lw=0.7, label=r"$y_n$")
         axes.plot(site, run.amplitude[k], lw=1.0, label=r"$|\dot y_n + iy_n|$")
-        axes.set(title=f"t = {time:g}", xlabel="site n")
-        columns[f"y_{time:g}"], columns[f"amplitude_{time:g}"] = run.psi[k].imag, run.amplitude[k]
-    panels[0].set_ylabel("displacement")
+        axes.set(title=f"t = {time:g}", ylabel=r"$y_n$")
+        series[f"t = {time:g}"] = {
+            "t": time,
+            "n": site,
+            "y": run.psi[k].imag,
+            "amplitude": run.amplitude[k],
+        }
+    panels[-1].set_xlabel("site n")
     panels[0].legend(loc="upper right")
     drawn = picture(
         "fig12-front",
         "The chain (8) at a = 4, b = 0.5, c = 0.6, ε = 0.01, free ends, started from the first "
-        "site on its cycle: displacements and amplitudes at the three times of Fig. 12.",
+        "site on its cycle: displacements and amplitudes at the three times of Fig. 12. "
+        f"{NO_NUMBERS}",
         figure,
-        columns,
+        long_table(series),
     )
     return Finding(
         verdict=Verdict.REPRODUCED if steady else Verdict.PARTIAL,

@@ -6,7 +6,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._fronts import staggered_velocity
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, picture
 
 C = 0.3
 ETAS = (0.002, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.06, 0.07, 0.08, 0.085, 0.09)
@@ -90,19 +91,39 @@ def _velocity() -> Finding:
     strength = effective_epsilon(VdpChain(1.0, FULL[0], C, eps=0.01))
     falls = bool(np.all(np.diff(v) < 0.0))
     outrun = ETAS[int(np.argmax(v_wave < C))]
-    figure, axes = new_axes(xlabel="η = b/a²", ylabel=r"front velocity $\hat v$")
+    figure, axes = new_axes(height=2.8, xlabel="η = b/a²", ylabel=r"front velocity $\hat v$")
     axes.plot(ETAS, v, "o-", color=COLOURS["blue"], label="averaged (43), free end")
     axes.plot(ETAS, v_wave, "--", color=COLOURS["sky"], label="averaged (43), wave behind")
     axes.plot(FULL, v_full, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
-    axes.axhline(C, color="0.5", lw=0.8, ls=":")
-    axes.axvline(low, color="0.5", lw=0.8, ls="--")
+    axes.axhline(C, color="0.3", lw=0.9, ls=":", label=r"velocity of waves, $\hat v = c$")
+    axes.axvline(low, color="0.3", lw=0.9, ls="-.", label=f"fronts end, η = {low:.4f}")
     axes.legend()
     drawn = picture(
         "fig14-velocity",
         "Front velocity at c = 0.3. Below the dotted line v̂ = c the front is overtaken by waves "
-        "from the free end; the dashed line is where fronts from 24 sites end.",
+        f"from the free end; the dash-dotted line is where fronts from 24 sites end. {NO_NUMBERS}",
         figure,
-        {"eta": ETAS, "v_free": v, "v_wave": v_wave, "eta_full": FULL, "v_full": v_full},
+        long_table(
+            {
+                "averaged (43), free end": {
+                    "eta": ETAS,
+                    "v": v,
+                    "error": [each.error or np.nan for each in free],
+                },
+                "averaged (43), wave behind": {
+                    "eta": ETAS,
+                    "v": v_wave,
+                    "error": [each.error or np.nan for each in wave],
+                },
+                "(8), eps = 0.01": {
+                    "eta": FULL,
+                    "v": v_full,
+                    "error": [each.error or np.nan for each in full],
+                },
+                "velocity of waves": {"v": C},
+                "fronts from 24 sites end": {"eta": low},
+            }
+        ),
     )
     return Finding(
         verdict=Verdict.REPRODUCED if falls else Verdict.PARTIAL,
@@ -167,7 +188,7 @@ CLAIMS = (
         "The scaled front velocity depends on η; the front slows as η grows.",
         None,
         Verdict.REPRODUCED,
-        "fronts front envelope --eta 0.05 --c 0.3",
+        "fronts front envelope --eta 0.002 --c 0.3; fronts front envelope --eta 0.09 --c 0.3",
         _velocity,
     ),
     Claim(
@@ -176,7 +197,8 @@ CLAIMS = (
         "Velocities for different a and b depend on η = b/a² only.",
         None,
         Verdict.REPRODUCED,
-        "fronts front envelope --a 4 --b 0.16 --c 0.3",
+        "fronts front envelope --a 4 --b 0.16 --c 0.3; "
+        "fronts front envelope --a 1 --b 0.01 --c 0.3",
         _collapse,
     ),
     Claim(
@@ -185,7 +207,8 @@ CLAIMS = (
         "Front velocity scales with ε: v̂ = v/ε.",
         None,
         Verdict.REPRODUCED,
-        "fronts front vdp --a 4 --b 0.5 --c 0.3 --eps 0.01 --accuracy 1e-4",
+        "fronts front vdp --a 4 --b 0.5 --c 0.3 --eps 0.01 --accuracy 1e-4; "
+        "fronts front envelope --a 4 --b 0.5 --c 0.3 --accuracy 1e-5",
         _epsilon,
         0,
     ),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.pictures import new_axes, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import NO_NUMBERS, new_axes, picture
 from paper_checks.state_picture import draw_states
 
 ETAS = (0.01, 0.03, 0.05, 0.07, 0.09, 0.11, 0.13)
@@ -50,15 +51,22 @@ def _regions() -> Finding:
     highest = float(states["c"][states["label"] == "breather"].max(initial=0.0))
     three = all(counts.get(name, 0) for name in ("front", "breather", "fixed point"))
     band = sweep(average, state_points([0.1], np.linspace(0.3, 0.7, 9).tolist()), workers=1)
-    figure, axes = new_axes("page", height=3.4, xlabel="η = b/a²", ylabel="coupling c")
+    figure, axes = new_axes("column", height=4.2, xlabel="η = b/a²", ylabel="coupling c")
     draw_states(axes, states, "eta", "c", boundary)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axes.axvline(0.125, color="0.5", lw=0.8, ls=":", label="η = 1/8, the cycle ends")
+    figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
     drawn = picture(
         "fig15-states",
         "States of (8), 16 oscillators, the last one displaced by 6, b = 0.5. Lines: where the "
-        "label of the averaged chain (43) changes, by bisection between neighbours of the grid.",
+        "label of the averaged chain (43) changes, by bisection between neighbours of the grid. "
+        f"Axes, marks and colours are the paper's. {NO_NUMBERS}",
         figure,
-        {**states.columns, **{f"boundary_{name}": boundary[name] for name in ("eta", "c", "at")}},
+        long_table(
+            {
+                "states of (8)": states.columns,
+                "boundary by (43)": {name: boundary[name] for name in ("eta", "c", "along", "at")},
+            }
+        ),
     )
     undecided = counts.get("undecided", 0)
     return Finding(
@@ -113,7 +121,7 @@ CLAIMS = (
         "fixed point.",
         None,
         Verdict.REPRODUCED,
-        "fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png",
+        "fronts map vdp --eta 0.01:0.13:7 --c 0.05:0.95:10 --refine 0 --picture map.png",
         _regions,
         expensive=True,
     ),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, picture
 
 A, B, C = 4.0, 0.5, 0.5
 """Parameters of Fig. 16."""
@@ -35,7 +36,7 @@ def _profile() -> Finding:
     verdict = check_admissible(branch.v, C, r)
     others = _inadmissible_scenes()
     amplitude = float(np.sqrt((A / B) * (1.0 + np.sqrt(1.0 - 8.0 * eta))))
-    figure, axes = new_axes("page", height=3.0, xlabel="ζ (sites)", ylabel=r"$|\varphi|$")
+    figure, axes = new_axes("column", height=2.9, xlabel=r"$\zeta$ (sites)", ylabel=r"$|\varphi|$")
     axes.plot(zeta, amplitude * np.abs(integral.phi), color=COLOURS["blue"], label="integral")
     axes.plot(
         few, amplitude * np.abs(series.phi), "x", color=COLOURS["green"], label="root series (49)"
@@ -48,21 +49,28 @@ def _profile() -> Finding:
         color=COLOURS["vermilion"],
         label="chain (44), simulated",
     )
-    axes.axhline(amplitude * r, color="0.5", lw=0.8, label=r"$|\varphi_{us}|$")
-    axes.legend()
+    black = COLOURS["black"]
+    axes.axhline(amplitude * r, color=black, lw=0.8, label=r"paper, $|\varphi_{us}|$")
+    axes.axhline(amplitude, color=black, lw=0.8, ls="--", label=r"paper, $|\varphi_s|$ and 0")
+    axes.axhline(0.0, color=black, lw=0.8, ls="--")
+    axes.set_xticks((-10, -5, 0, 5, 10))
+    axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
     drawn = picture(
         "fig16-profile",
         f"Envelope of the front at a = 4, b = 0.5, c = 0.5, v = {branch.v:.9f}: closed integral, "
-        "root series and the running chain at the moment a site crosses the threshold.",
+        "root series and the running chain at the moment a site crosses the threshold. Lines: what "
+        f"the paper states of it, its limits and its value at ζ = 0. {NO_NUMBERS}",
         figure,
-        {
-            "zeta": zeta,
-            "abs_phi": amplitude * np.abs(integral.phi),
-            "zeta_roots": few,
-            "abs_phi_roots": amplitude * np.abs(series.phi),
-            "site": sites[near],
-            "abs_phi_chain": amplitude * np.abs(chain),
-        },
+        long_table(
+            {
+                "closed integral": {"zeta": zeta, "abs_phi": amplitude * np.abs(integral.phi)},
+                "root series (49)": {"zeta": few, "abs_phi": amplitude * np.abs(series.phi)},
+                "chain (44)": {"zeta": sites[near], "abs_phi": amplitude * np.abs(chain)},
+                "paper, at 0": {"zeta": 0.0, "abs_phi": amplitude * r},
+                "paper, far behind": {"zeta": -np.inf, "abs_phi": amplitude},
+                "paper, far ahead": {"zeta": np.inf, "abs_phi": 0.0},
+            }
+        ),
     )
     fine = bool(verdict.admissible) and off < 1e-8 and difference <= series.error
     return Finding(

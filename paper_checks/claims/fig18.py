@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.pictures import new_panels, picture
+from paper_checks.data_table import long_table
+from paper_checks.pictures import NO_NUMBERS, new_panels, picture
 from paper_checks.velocity_plot import (
     curve_of,
     draw_curve,
@@ -43,11 +44,11 @@ def _velocity() -> Finding:
     crossing = [0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221]
     moving = [simulate_front(C, eta) for eta in crossing]
     resting = [simulate_front(C, eta, "resting") for eta in crossing]
-    figure, (left, right) = new_panels(2, height=3.2)
+    figure, (left, right) = new_panels(1, 2, width="column", height=5.6)
     draw_curve(left, whole)
-    left.plot(etas[:90], limit, color="0.6", lw=0.8, label=r"$\sqrt{c/8r}$, the limit η → 0")
+    left.plot(etas[:90], limit, "k--", lw=0.8, label="√(c/(8r)), the limit η → 0")
     draw_runs(left, [eta for eta, _ in runs], [run for _, run in runs], "s", "chain (44)")
-    left.set(xscale="log", ylim=(0, 2), title="the range of the figure")
+    left.set(xscale="log", ylim=(0, 2.2), title="down to small η")
     draw_curve(right, near)
     draw_thresholds(right, {"fold": fold.value, "pin": pin}, r"\eta")
     draw_runs(right, crossing, moving, "s", "chain, moving start")
@@ -59,18 +60,24 @@ def _velocity() -> Finding:
         axes.legend()
     drawn = picture(
         "fig18-velocity",
-        "Every solution of (54) at c = 0.3 against η, with the running chain; right, the fold and "
-        "the hysteresis between η_pin and η_fold.",
+        "Every solution of (54) at c = 0.3 against η, with the running chain; below, the fold and "
+        f"the hysteresis between η_pin and η_fold. {NO_NUMBERS}",
         figure,
-        {
-            **whole.columns("", "eta"),
-            **near.columns("_near", "eta"),
-            "eta_chain": [eta for eta, _ in runs],
-            "v_chain": velocities([run for _, run in runs]),
-            "eta_start": crossing,
-            "v_moving": velocities(moving),
-            "v_resting": velocities(resting),
-        },
+        long_table(
+            {
+                "solutions of (54)": whole.columns("eta"),
+                "solutions of (54), near the thresholds": near.columns("eta"),
+                "limit, (c/(8r))^(1/2)": {"eta": etas[:90], "v": limit},
+                "chain (44)": {
+                    "eta": [eta for eta, _ in runs],
+                    "v": velocities([run for _, run in runs]),
+                },
+                "chain, moving start": {"eta": crossing, "v": velocities(moving)},
+                "chain, resting start": {"eta": crossing, "v": velocities(resting)},
+                "fold": {"eta": fold.value},
+                "pinning": {"eta": pin},
+            }
+        ),
     )
     shape = np.array([answer.branches[-1].v for answer in answers if answer.branches])
     if gap > 1e-9:
@@ -194,6 +201,9 @@ CLAIMS = (
         "fronts kinetic --c 2 --eta 0.11",
         _forward,
         weight=2,
+        because=(
+            "for η above 2/25 no front advances, and at strong coupling the rest state invades."
+        ),
     ),
     Claim(
         "eq54-explicit",

@@ -68,8 +68,9 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float] | None:
         path.append(((-second[order] + sign * root) / (2.0 * first[order]), w[order]))
     S, w = (np.concatenate(each) for each in zip(*path, strict=True))
     s = S * w
-    c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
-    falls = np.flatnonzero(np.diff(c) < -1e-13 * c[:-1])
+    with np.errstate(all="ignore"):  # beyond double precision nothing falls
+        c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
+        falls = np.flatnonzero(np.diff(c) < -1e-13 * c[:-1])
     return (float(S[falls[0]]), float(w[falls[0]])) if falls.size else None
 
 

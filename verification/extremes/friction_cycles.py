@@ -6,23 +6,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from theory.friction_cell import FrictionCell
 from theory.friction_chain import FrictionChain
+from verification.extremes.chains import friction_cell
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 _LONGEST = 400.0
 """τ that the slow reference follows."""
 
 
-def _cell(at: Mapping[str, float]) -> FrictionCell:
-    return FrictionCell(at["v_d"], at["mu_st"], 0.5, at["v0"], at["xi"])
-
-
 def stable_cycle(at: Mapping[str, float]) -> Claim:
     """Period and stick time; both zero where there is no cycle."""
     from verification.friction.cell_orbits import stick_slip_cycle
 
-    found = stick_slip_cycle(_cell(at))
+    found = stick_slip_cycle(friction_cell(at))
     if found is None:
         return Claim(np.zeros(2), 0.0, note="no cycle")
     value = np.array([found.period, found.stick_time])
@@ -34,7 +30,7 @@ def cycle_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     from verification.friction.events import run_events
     from verification.integrators.friction import STICK_BEGINS, STICK_ENDS
 
-    cell = _cell(at)
+    cell = friction_cell(at)
     period = float(claim.value[0])
     end = 2.2 * period if period else _LONGEST
     if end > _LONGEST or cell.v0 < 1e-3 or cell.v_d < 1e-2:

@@ -168,16 +168,27 @@ class Quantity:
         return points
 
     def point(self, seed: int, index: int) -> Values:
-        """Return the point of that number: fixed ones first, then at random, reproducibly."""
-        fixed = self.fixed_points()
-        if index < len(fixed):
-            return fixed[index]
+        """Return the point of that number: fixed and random ones in turn, reproducibly."""
+        if not self.is_random(index):
+            return self.fixed_points()[index // 2]
         rng = np.random.default_rng([seed, zlib.crc32(self.name.encode()), index])
         values = {axis.name: axis.draw(rng) for axis in self.axes}
         if index % BAD_EVERY == BAD_EVERY - 1:
             axis = self.axes[int(rng.integers(len(self.axes)))]
             values[axis.name] = axis.bad(rng)
         return values
+
+    def is_random(self, index: int) -> bool:
+        """Tell whether the point of that number is at random: every other one, and all in the end.
+
+        Examples
+        --------
+        >>> from verification.extremes.discover import quantity_named
+        >>> quantity = quantity_named("c-pin")
+        >>> [quantity.is_random(number) for number in (0, 1, 2, 3, 10_000)]
+        [False, True, False, True, True]
+        """
+        return index % 2 == 1 or index // 2 >= len(self.fixed_points())
 
     @staticmethod
     def _plain(axis: Axis) -> float:

@@ -31,18 +31,20 @@ class Line:
     ----------
     quantity : str
         Its name.
-    points : int
-        How many were tried.
+    points, random : int
+        How many were tried, and how many of them at random; the others are named scenes and
+        corners.
     counts : dict
         How many came to each outcome.
     tightest : float
         Largest distance over what was allowed, of those that are right; at most one.
     slowest : float
-        Seconds of the slowest value.
+        Processor seconds of the slowest value.
     """
 
     quantity: str
     points: int
+    random: int
     counts: dict[str, int]
     tightest: float
     slowest: float
@@ -112,7 +114,8 @@ def stability(
     names : sequence of str
         Quantities; all if empty.
     points : int
-        In all; every quantity gets its share, named scenes and corners first.
+        In all; every quantity gets its share, half of it named scenes and corners while there are
+        any, the rest at random.
     seed : int
         Of the points at random.
     out, resume, workers, progress
@@ -138,13 +141,13 @@ def stability(
         workers=workers,
         progress=progress,
     )
-    lines = tuple(_line(q.name, table) for q in chosen(names))
+    lines = tuple(_line(quantity, table) for quantity in chosen(names))
     bad = {outcome.value for outcome in BAD}
     return Stability(lines, tuple(dict(r) for r in table.rows() if r["outcome"] in bad), table)
 
 
-def _line(name: str, table: Table) -> Line:
-    mine = table["quantity"] == name
+def _line(quantity: Quantity, table: Table) -> Line:
+    mine = table["quantity"] == quantity.name
     outcome = table["outcome"][mine]
     counts = {o.value: int(np.count_nonzero(outcome == o.value)) for o in Outcome}
     right = outcome == Outcome.RIGHT.value
@@ -152,8 +155,9 @@ def _line(name: str, table: Table) -> Line:
     ratio = table["distance"][mine][right] / np.where(allowed > 0, allowed, math.inf)[right]
     seconds = table["seconds"][mine]
     return Line(
-        name,
+        quantity.name,
         int(mine.sum()),
+        sum(quantity.is_random(int(number)) for number in table["number"][mine]),
         counts,
         float(ratio.max(initial=0.0)),
         float(seconds.max(initial=0.0)),

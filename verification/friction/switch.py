@@ -89,7 +89,7 @@ def run_switch(
     t_end : float
         τ, positive.
     step : float, optional
-        Fixed step; by default steps are chosen by the tolerances.
+        Fixed step, at most 1/(√(1 + 4c) + 2ξ); by default steps are chosen by the tolerances.
     relative, absolute : float
         Tolerances of the adaptive rule.
     band : float
@@ -116,9 +116,12 @@ def run_switch(
     within("relative tolerance", relative, 1e-13, 1e-1)
     positive("absolute tolerance", absolute)
     within("number of samples", samples, 2, 1_000_000)
-    if step is not None and not 0.0 < step <= t_end:
-        raise ParameterError("step", step, f"positive, at most {t_end:g}", "give a smaller step")
     cell = chain.cell
+    # The implicit equation is solved by iteration, which shrinks errors by half a step times the
+    # fastest rate of the chain; to a half or better, fifty iterations are enough.
+    longest = min(t_end, 1.0 / (math.sqrt(1.0 + 4.0 * chain.c) + 2.0 * cell.xi))
+    if step is not None and not 0.0 < step <= longest:
+        raise ParameterError("step", step, f"positive, at most {longest:.3g}", "give a smaller one")
     times = np.linspace(0.0, t_end, samples)
     kept = np.zeros((samples, 2, chain.sites))
     arrivals = np.full(chain.sites, np.nan)

@@ -148,10 +148,7 @@ class PiecewiseChain:
             if self._relaying:  # a relay ends once the site has left the threshold
                 self._relay[gap[0] > 3 * self._relay] = 0
                 self._relaying = bool(self._relay.any())
-            # gap > 0 means: on its own side; a chord minus F h^2/8 bounds it between two samples
-            suspect = np.minimum(gap[:-1], gap[1:]) < curvature * step**2 / 8
-            for crowded in np.nonzero(suspect.sum(axis=1) > _MANY)[0].tolist():
-                suspect[crowded] &= ~self._clear(parts[crowded], phi[crowded], step)
+            suspect = self._suspects(gap, curvature * step**2 / 8, parts, phi, step)
             found: tuple[int, float, int] | None = None
             for j, n in zip(*(index.tolist() for index in np.nonzero(suspect)), strict=True):
                 if found is not None and j > found[0]:
@@ -190,6 +187,23 @@ class PiecewiseChain:
             times = step * np.arange(_SAMPLES + 1)
             self._samplers[level] = np.exp(np.outer(times, self._rates))
         return step, curvature, level
+
+    def _suspects(
+        self,
+        gap: npt.NDArray[np.float64],
+        least: float,
+        parts: Complex,
+        phi: Complex,
+        step: float,
+    ) -> npt.NDArray[np.bool_]:
+        """Tell which sites may cross in which interval.
+
+        gap > 0 means: on its own side. A chord minus ``least``, F h^2/8, bounds it between samples.
+        """
+        suspect: npt.NDArray[np.bool_] = np.minimum(gap[:-1], gap[1:]) < least
+        for crowded in np.nonzero(suspect.sum(axis=1) > _MANY)[0].tolist():
+            suspect[crowded] &= ~self._clear(parts[crowded], phi[crowded], step)
+        return suspect
 
     def _clear(self, modes: Complex, phi: Complex, step: float) -> npt.NDArray[np.bool_]:
         """Tell which sites cannot reach the threshold within ``step``, each by its own Taylor sum.

@@ -212,6 +212,7 @@ class Lane:
             self.tolerance,
             self.rest,
             self.margin,
+            self.stiff_steps,
         )
         part, end = slice(piece.first, piece.last), float(piece.times[-1])
         while not self.finished and self.sample_times[self.counters[2]] <= end:

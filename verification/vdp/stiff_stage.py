@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from theory.parameters import RunError
 from theory.vdp_chain import Ends, VdpChain
 
 FloatArray = npt.NDArray[np.float64]
@@ -24,6 +25,9 @@ GENTLE = 2e3
 _PIECE = 2.0
 """Longest time passed in one call, so that a run can be watched, stopped and resumed, and so that
 the part that moves is small for as long as it can be."""
+
+MOST_STEPS = 20_000
+"""Steps of Radau in one run, at most: about a minute."""
 
 _MOST_DENSE = 100
 _PAD = 4
@@ -68,15 +72,23 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
     return jacobian if n > _MOST_DENSE else jacobian.toarray()
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Gentle:
     """Event of scipy that ends the stage: the largest damping rate falls through GENTLE."""
 
     chain: VdpChain
+    steps_left: int
     terminal: bool = True
     direction: float = -1.0
 
-    def __call__(self, _: float, state: FloatArray) -> float:
+    def __call__(self, time: float, state: FloatArray) -> float:
+        self.steps_left -= 1
+        if self.steps_left < 0:
+            size = float(np.abs(state[: self.chain.sites]).max())
+            raise RunError(
+                f"the run at t = {time:.6g}, |y| = {size:.3g} is so stiff that it needs more than "
+                f"{MOST_STEPS} implicit steps: take a larger tolerance, or a smaller displacement."
+            )
         square = state[: self.chain.sites] ** 2
         largest = np.max(np.abs(1.0 - self.chain.a * square + self.chain.b * square**2))
         return float(self.chain.eps * largest - GENTLE)
@@ -137,6 +149,7 @@ def solve_stiff_piece(
     tolerance: float,
     rest: float,
     margin: int,
+    steps_taken: int = 0,
 ) -> StiffPiece:
     """Solve (8) from ``begin`` until it is stiff no more, for a piece of time at most.
 
@@ -156,9 +169,13 @@ def solve_stiff_piece(
         |Ψ| below which a site is at rest; negative if all sites are stepped.
     margin : int
         Sites at rest on either side of what moves. The part is widened until they stay at rest.
+    steps_taken : int
+        Stiff steps of the run so far.
 
     Raises
     ------
+    RunError
+        If the run needs more than ``MOST_STEPS`` of them.
     ArithmeticError
         If scipy's Radau gives up.
     """
@@ -166,7 +183,8 @@ def solve_stiff_piece(
     while True:
         lo, hi = max(0, moving[0] - pad), min(chain.sites, moving[1] + pad)
         part = replace(chain, sites=hi - lo)
-        solved = _radau(part, state[:, lo:hi], begin, min(begin + _PIECE, end), tolerance)
+        gentle = _Gentle(part, MOST_STEPS - steps_taken)
+        solved = _radau(part, state[:, lo:hi], begin, min(begin + _PIECE, end), tolerance, gentle)
         sizes = np.hypot(*np.split(solved.y, 2)).max(axis=1)
         left = sizes[:margin].max() if lo > 0 else 0.0
         right = sizes[-margin:].max() if hi < chain.sites else 0.0
@@ -175,7 +193,14 @@ def solve_stiff_piece(
         pad *= 4
 
 
-def _radau(chain: VdpChain, state: FloatArray, begin: float, end: float, tolerance: float) -> Any:
+def _radau(
+    chain: VdpChain,
+    state: FloatArray,
+    begin: float,
+    end: float,
+    tolerance: float,
+    gentle: _Gentle,
+) -> Any:
     """Return what scipy's Radau finds up to the end, or to where (8) is stiff no more."""
     from scipy.integrate import solve_ivp
 
@@ -188,7 +213,7 @@ def _radau(chain: VdpChain, state: FloatArray, begin: float, end: float, toleran
         jac=lambda _, x: full_jacobian(chain, x),
         rtol=tolerance,
         atol=tolerance * float(np.abs(state).max()) * 1e-3,
-        events=_Gentle(chain),
+        events=gentle,
         dense_output=True,
     )
     if not solved.success or not np.all(np.isfinite(solved.y[:, -1])):

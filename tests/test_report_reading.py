@@ -1,0 +1,235 @@
+"""The report is quick to read: reasons and figures first, short text, formulas typeset."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from dataclasses import replace
+from html import escape
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from fronts.cli import main
+from paper_checks import discover, measurements, report_text
+from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.discover import Entry
+from paper_checks.figure_links import modules_named
+from paper_checks.inline_math import typeset
+from paper_checks.mathml import formula
+from paper_checks.outcome import Judgement, Outcome, judge
+from paper_checks.report import make_report, pictures_listed
+from paper_checks.report_text import report_as_text
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def example_claims(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Six made-up claims in place of the paper's."""
+    monkeypatch.syspath_prepend(str(HERE / "report_example"))
+    monkeypatch.setattr(discover, "PACKAGE", "example_claims")
+    monkeypatch.setattr(measurements, "RESULTS", HERE / "report_example" / "measured")
+    monkeypatch.delenv("EXAMPLE_TROUBLE", raising=False)
+    monkeypatch.delenv("EXAMPLE_LOG", raising=False)
+
+
+def test_what_the_paper_rests_on_and_does_not_hold_says_why() -> None:
+    for entry in discover.find_entries():
+        claim = entry.claim
+        if claim.weight == 2 and not claim.follows and claim.recorded is not Verdict.REPRODUCED:
+            assert claim.because, claim.key
+            assert "\n" not in claim.because
+            assert len(claim.because) < 200
+
+
+@pytest.mark.usefixtures("example_claims")
+def test_a_headline_says_why_and_leads_to_its_row_and_to_a_figure(tmp_path: Path) -> None:
+    assert main(["check", "--out", str(tmp_path)]) == 0
+    page = (tmp_path / "index.html").read_text()
+    headlines = re.findall(r"<li.*?</li>", page[page.index('<ol class="headlines">') :])[:3]
+    assert "Because a fold looks straight over a &lt;short&gt; range" in headlines[0]
+    for headline, key, figure in zip(
+        headlines,
+        ("fig16-speed", "fig9-monotone", "fig16-misprint"),
+        ("fig16-speed", "fig9-decay", "fig16-speed"),
+        strict=True,
+    ):
+        assert f'href="#claim-{key}"' in headline
+        assert f'href="#figure-{figure}"' in headline
+        assert f'id="figure-{figure}"' in page
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert all(claim["shown_by"] for claim in report["claims"])
+
+
+@pytest.mark.usefixtures("example_claims")
+def test_a_reason_is_not_given_for_a_verdict_that_has_changed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import example_claims.fig16
+
+    claim = example_claims.fig16.CLAIMS[0]
+    monkeypatch.setitem(claim.__dict__, "recorded", Verdict.REPRODUCED)
+    assert main(["check", "fig16-speed", "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["claims"][0]["because"] == ""
+
+
+def test_figures_named_by_a_place_are_found() -> None:
+    assert modules_named("Section 2.2, Fig. 11") == ("fig11",)
+    assert modules_named("Figures without numbers, Eq. (5)") == ()
+
+
+@pytest.mark.usefixtures("example_claims")
+def test_the_text_starts_with_counts_and_findings_and_ends_with_measurements(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(report_text, "FEW", 2)
+    assert main(["check"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("6 claims in ")
+    order = ["To read first", "Because a fold looks", "errata", "claim  ", "Error against run time"]
+    places = [text.index(part) for part in order]
+    assert places == sorted(places)
+    for title in ("The default methods", "Cost as the work", "Stiff and", "What a scene does not"):
+        assert f"{title}" in text
+    assert all(len(line) <= 100 for line in text.splitlines())
+
+
+@pytest.mark.usefixtures("example_claims")
+def test_a_single_claim_is_shown_whole(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "fig16-speed"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for part in (
+        "Because a fold",
+        "Error: 4e-7",
+        "By: derivative of the closed form; and slope",
+        "one decade further the exponent",
+        "Figure: fig16-speed",
+        "Reproduce with: fronts",
+    ):
+        assert part in text
+
+
+def test_claims_that_say_the_same_are_told_in_one_sentence() -> None:
+    claim = Claim("a", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", lambda: FINDING)
+    outcomes = [
+        Outcome(Entry("equations", replace(claim, key=key)), Judgement(FINDING, None, 0.0, "now"))
+        for key in "abcdefghijkl"
+    ]
+    report = make_report(outcomes, 1.0, 12, {}, "0")
+    text = report_as_text(report)
+    assert "reproduced (as printed): a, b, c, d, e, f, g, h, i, j, k, l" in text
+    assert text.count(FINDING.error) == 0
+    other = replace(outcomes[4], judgement=Judgement(None, "It broke.", 0.0, "now"))
+    text = report_as_text(make_report([*outcomes[:4], other, *outcomes[5:]], 1.0, 12, {}, "0"))
+    assert "a, b, c, d, f, g" in text
+    assert "e: its judge failed: It broke." in text
+
+
+FINDING = Finding(
+    Verdict.REPRODUCED, "as printed", "none: symbolic", ("one", "two"), "none", "It is so."
+)
+
+
+@pytest.mark.usefixtures("example_claims")
+def test_a_smaller_report_leaves_no_pictures_of_a_larger_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", "--out", str(tmp_path)]) == 0
+    (tmp_path / "mine.csv").write_text("kept")
+    assert "removed" not in capsys.readouterr().out
+    assert main(["check", "fig9", "--out", str(tmp_path)]) == 0
+    assert "2 pictures and data files of that one" in " ".join(capsys.readouterr().out.split())
+    there = {path.name for path in tmp_path.iterdir() if path.is_file()}
+    assert there == {"index.html", "report.json", "fig9-decay.svg", "fig9-decay.csv", "mine.csv"}
+    assert main(["check", "fig9", "--out", str(tmp_path)]) == 0
+    assert "removed" not in capsys.readouterr().out
+
+
+def test_a_report_that_names_files_elsewhere_removes_none(tmp_path: Path) -> None:
+    path = tmp_path / "report.json"
+    names = ["../a.svg", "/etc/passwd", "a.svg", 3, ".hidden"]
+    pictures = [{"svg": name, "data": "a.csv"} for name in names]
+    path.write_text(json.dumps({"claims": [{"pictures": pictures}]}))
+    assert pictures_listed(path) == {"a.svg", "a.csv"}
+    for broken in ("", "[]", "{}", '{"claims": [{}]}', '{"claims": 1}'):
+        path.write_text(broken)
+        assert pictures_listed(path) == set()
+
+
+def test_shared_work_is_not_charged_to_the_first_claim() -> None:
+    done: list[int] = []
+
+    def work() -> None:
+        if not done:
+            time.sleep(0.2)
+        done.append(1)
+
+    claim = Claim(
+        "a", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", lambda: FINDING, shared=work
+    )
+    first, second = judge(claim), judge(claim)
+    assert first.shared >= 0.2 > first.seconds
+    assert second.shared < 0.2 > second.seconds
+    outcomes = [Outcome(Entry("one", claim), first), Outcome(Entry("one", claim), second)]
+    assert make_report(outcomes, 1.0, 2, {}, "0").shared == first.shared + second.shared
+
+
+def test_shared_work_that_fails_fails_the_claim() -> None:
+    def broken() -> None:
+        raise ArithmeticError("no root")
+
+    claim = Claim(
+        "a", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", lambda: FINDING, shared=broken
+    )
+    assert judge(claim).failure == "ArithmeticError: no root."
+
+
+@pytest.mark.parametrize(
+    ("prose", "shown"),
+    [
+        ("v_d", "<msub><mi>v</mi><mi>d</mi></msub>"),
+        ("c_fold", "<msub><mi>c</mi><mrow><mi>fold</mi></mrow></msub>"),
+        ("A_nn", "<msub><mi>A</mi><mrow><mi>n</mi><mi>n</mi></mrow></msub>"),
+        ("mu_st,", "<msub><mi>μ</mi><mrow><mi>st</mi></mrow></msub>"),
+        ("b x^4", "<msup><mi>x</mi><mrow><mn>4</mn></mrow></msup>"),
+        ("rate^(2/3)", "<msup><mtext>rate</mtext>"),
+        ("e^{-2 pi rho}", "<mi>π</mi><mi>ρ</mi>"),
+        ("e^{-2 i omega t}", "<mi>i</mi><mi>ω</mi><mi>t</mi>"),
+        ("eta = 1/32", "<mi>η</mi>"),
+        ("distance^1.00", "<mn>1.00</mn>"),
+        ("..x_{2N}", "<msub><mi>x</mi><mrow><mn>2</mn><mi>N</mi></mrow></msub>"),
+    ],
+)
+def test_mathematics_in_prose_is_typeset(prose: str, shown: str) -> None:
+    assert shown in typeset(prose)
+
+
+@pytest.mark.parametrize(
+    "prose",
+    ["tests/test_sums.py::test_x_y", "--eta 0.1", "eta-pin", "beta and theory", "a_b_c", "x^", "_d",
+     "snake_case", "1e-4", "it's phi's"],
+)  # fmt: skip
+def test_names_of_files_and_options_stay_as_they_are(prose: str) -> None:
+    assert typeset(prose) == escape(prose)
+
+
+def test_markup_in_prose_is_escaped_beside_formulas() -> None:
+    text = typeset("<b>v_d</b> & e^{<i>}")
+    assert text.startswith("&lt;b&gt;<math>")
+    assert "<b>" not in text
+    assert "<i>" not in text
+
+
+def test_a_long_equation_may_break_where_no_bracket_is_open() -> None:
+    terms = " + ".join(rf"\frac{{a_{n}}}{{b_{n}}}" for n in range(9))
+    assert formula(terms).count("<wbr>") == 8
+    assert formula(f"f({terms})").count("<wbr>") == 0
+    cut = formula(rf"x = \left({terms}\right)")
+    assert cut.count("<wbr>") == 9
+    assert cut.count("minsize") == 2
+    assert formula(rf"x = \left({terms}").startswith("<code>")
+    for part in re.findall(r"<math>.*?</math>", cut):
+        ElementTree.fromstring(part)

@@ -1,0 +1,31 @@
+"""The chains and cells that a point of the stability table describes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from theory.friction_cell import FrictionCell
+from theory.friction_chain import FrictionChain
+from theory.vdp_chain import VdpChain
+
+
+def vdp_chain(at: Mapping[str, float]) -> VdpChain:
+    """Return the chain of (8) with b = η a²."""
+    return VdpChain(at["a"], at["eta"] * at["a"] ** 2, at["c"], at["eps"], _whole(at["sites"]))
+
+
+def friction_cell(at: Mapping[str, float]) -> FrictionCell:
+    """Return one cell of (5), with μ_d = 1/2."""
+    return FrictionCell(at["v_d"], at["mu_st"], 0.5, at["v0"], at["xi"])
+
+
+def friction_chain(at: Mapping[str, float]) -> FrictionChain:
+    """Return the chain (5)."""
+    return FrictionChain(at["c"], friction_cell(at), _whole(at["sites"]))
+
+
+def _whole(number: float) -> Any:
+    """Return a whole number as int; what is none as it is, for the toolkit to refuse."""
+    return int(number) if math.isfinite(number) else number

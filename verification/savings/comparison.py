@@ -1,0 +1,52 @@
+"""One computation done twice: with something left out, and with nothing left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Both costs of a result, how far the two results are apart, and how far they may be.
+
+    Attributes
+    ----------
+    spent, whole : float
+        Cost with the omission and without it, in the unit of the row.
+    changed : float
+        Distance of the two results; inf where they differ in kind.
+    bound : float
+        What the distance may be at most: the bound of the row, and the error of the result
+        without the omission where it has one. Both were known before the results were compared.
+    """
+
+    spent: float
+    whole: float
+    changed: float
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the bound does.
+
+        Examples
+        --------
+        >>> Comparison(1.0, 2.0, 0.0, 0.0).holds, Comparison(1.0, 2.0, 1e-9, 1e-12).holds
+        (True, False)
+        """
+        return self.changed <= self.bound
+
+
+def timed(compute: Callable[[], T], times: int = 2) -> tuple[T, float]:
+    """Return a result and the shortest of some times, in seconds."""
+    shortest = float("inf")
+    for _ in range(times):
+        begin = perf_counter()
+        found = compute()
+        shortest = min(shortest, perf_counter() - begin)
+    return found, shortest

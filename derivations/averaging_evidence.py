@@ -120,11 +120,16 @@ def _sites_point(rng: random.Random) -> Point:
     return point
 
 
-def _separated_point(rng: random.Random) -> Point:
-    """Solve the direct average of the decaying motion for cos k_2 and sin k_2."""
+def _separated_point(rng: random.Random, displacement: bool = False) -> Point:
+    """Solve the direct average of the decaying motion for cos k_2 and sin k_2.
+
+    alpha_0 is the amplitude of phi, or that of y, which is 1/omega of it.
+    """
     point, p = _tail_numbers(rng)
     p["w"] = 1 + p["e"] * p["c"]
     size, shrink = p["alpha"] * math.exp(p["k1"] * p["n"]), math.exp(p["k1"])
+    if displacement:
+        size *= p["w"]
 
     def balance(cosine: float, sine: float) -> complex:
         step = complex(cosine, sine)
@@ -216,6 +221,10 @@ decaying = equals(_decaying_point, _DIRECT)
 two_sites = vanishes_at(_sites_point, "the averaged damping at two amplitudes, sampled")
 three_sites = vanishes_at(_sites_point, "the averaged damping at three amplitudes, sampled")
 separated = vanishes_at(_separated_point, _DIRECT + ", solved for the two phases", parts=2)
+separated_by_displacement = vanishes_at(
+    lambda rng: _separated_point(rng, displacement=True),
+    _DIRECT + ", with alpha_0 the amplitude of y", parts=2,
+)  # fmt: skip
 limit = vanishes_at(_limit_point, _DIRECT + ", for phase steps of -pi/2", parts=2)
 amplitude = vanishes_at(_amplitude_point, "the amplitude of the sine of (9)")
 staggered = equals(lambda rng: _staggered(rng, centre=False), _DIRECT)

@@ -57,11 +57,9 @@ def of_the_site(decay: sp.Tuple) -> tuple[Reading, ...]:
         Reading("n = 0, the centre", decay.subs(n, 0), False,
                 "with (29) no solution: its bracket is negative on the cycle", _solves(0)),
         Reading("n = 1, the first neighbour", decay.subs(n, 1), True,
-                "alpha_0 to 2e-6 and the amplitude of the neighbour to 6e-4: the reading that "
-                "agrees with the close match claimed for Fig. 8", _solves(1)),
+                "the reading that agrees with the close match claimed for Fig. 8", _solves(1)),
         Reading("n large, the linear tail", far, False,
-                "right for the tail, 2 c sinh k_1 = -1, but the neighbour's amplitude is 5 percent "
-                "low", _solves(None)),
+                "right for the tail, 2 c sinh k_1 = -1, but not for the neighbour", _solves(None)),
     )  # fmt: skip
 
 

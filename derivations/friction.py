@@ -141,10 +141,18 @@ def _limits_of_friction(candidate: sp.Basic) -> Evidence:
     )
 
 
+_SHARES = (sp.Rational(999, 1000), sp.Integer(1), sp.Rational(1001, 1000))
+"""Of the limit: below it, at it, above it."""
+
+
 def _stick(bound: sp.Basic, point: Point, force: sp.Symbol, limit: float) -> bool:
     numbers = {**point, force: 0}
-    inside = bound.xreplace({a: sp.Float(v) for a, v in numbers.items() if a != force})
-    return bool(inside.subs(force, 0.999 * limit)) and not bool(inside.subs(force, 1.001 * limit))
+    exact = {a: sp.nsimplify(v, rational=True) for a, v in numbers.items() if a != force}
+    inside = bound.xreplace(exact)
+    most = sp.nsimplify(limit, rational=True)
+    # The slip law tends to the limit as slip vanishes: at the limit itself a site still sticks.
+    allowed = [bool(inside.subs(force, most * share)) for share in _SHARES]
+    return allowed == [True, True, False]
 
 
 def _friction_law(candidate: sp.Basic) -> Evidence:
@@ -154,9 +162,14 @@ def _friction_law(candidate: sp.Basic) -> Evidence:
     for speed in (-1.3, -1e-9, 0.4, 2.0):
         point = {**base, v_rel: speed, F: 1.7 * _law(speed, 0.9, 0.35, 0.7)}
         worst = max(worst, abs(value(law.lhs, point) - value(law.rhs, point)))
-    holds = worst < 1e-9 and _stick(bound, base, F, 0.9 * 1.7)
+    stick = _stick(bound, base, F, 0.9 * 1.7)
+    holds = worst < 1e-9 and stick
+    if worst < 1e-9 and not stick:
+        return Evidence(False, "at |F| = mu_st F_N, where slip begins, it gives no law")
     return Evidence(
-        holds, f"opposes slip at four velocities, meets the stick limit at zero: {worst:.1e}"
+        holds,
+        "opposes slip at four velocities, and in stick allows |F| up to the limit that slip starts "
+        f"from, that included: {worst:.1e}",
     )
 
 

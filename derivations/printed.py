@@ -2,7 +2,8 @@
 
 A verdict is never only on record: `judge` puts the printed equation in the place of the derived
 one and runs the same check. For a misprint the check must fail on print and pass on the
-correction; an ambiguous equation lists its readings and what becomes of each.
+correction; an ambiguous equation lists its readings and what becomes of each; an inconsistent one
+passes its own check, and fails that of another place of the paper.
 """
 
 from __future__ import annotations
@@ -23,18 +24,19 @@ from derivations.rendering import equation_latex
 
 
 class Verdict(StrEnum):
-    """The five possible verdicts on a printed equation."""
+    """The possible verdicts on a printed equation."""
 
     HOLDS = "holds"
     MISPRINT = "misprint"
     AMBIGUOUS = "ambiguous"
+    INCONSISTENT = "inconsistent"
     DEFINITION = "definition"
     ASSUMPTION = "assumption"
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read an ambiguous equation.
+    """One way to read an ambiguous equation, or what another place asks of an inconsistent one.
 
     Attributes
     ----------
@@ -76,7 +78,11 @@ class Printed:
     affects : str
         What later in the paper hangs on it; empty for nothing.
     readings : tuple of Reading
-        For an ambiguous equation.
+        For an ambiguous equation. For an inconsistent one: what another place makes of it, which
+        fails, and the form that does not.
+    slip : (Basic, Basic, Basic) or None
+        For a misprint of one term: as printed, as it should be, and the equation with that change
+        alone, which must be the derived one.
     """
 
     number: int
@@ -86,6 +92,7 @@ class Printed:
     note: str
     affects: str = ""
     readings: tuple[Reading, ...] = ()
+    slip: tuple[sp.Basic, sp.Basic, sp.Basic] | None = None
 
 
 @dataclass(frozen=True)
@@ -122,9 +129,13 @@ class Judgement:
             return False
         if self.printed.verdict is Verdict.MISPRINT:
             return not self.on_print.holds
+        expected = [reading.holds for reading in self.printed.readings]
+        as_expected = expected == [found.holds for found in self.on_readings]
         if self.printed.verdict is Verdict.AMBIGUOUS:
-            expected = [reading.holds for reading in self.printed.readings]
-            return expected == [found.holds for found in self.on_readings] and any(expected)
+            return as_expected and any(expected)
+        if self.printed.verdict is Verdict.INCONSISTENT:
+            both = any(expected) and not all(expected)
+            return self.on_print.holds and as_expected and both
         return self.on_print.holds
 
     def record(self) -> dict[str, Any]:

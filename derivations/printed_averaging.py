@@ -6,6 +6,7 @@ import sympy as sp
 
 from derivations import averaging_readings as readings
 from derivations import linearisation
+from derivations.averaging_evidence import separated_by_displacement
 from derivations.averaging_symbols import A_n, phi, phi_rate, psi, psi_rate, y, y_rate, y_second
 from derivations.derivation import equation
 from derivations.printed import Printed, Reading, Verdict
@@ -32,6 +33,15 @@ def _bracket(square_sign: int) -> sp.Expr:
     return 1 + a * second / (4 * omega**2) + b * fourth / (16 * omega**4)
 
 
+def _rotating(square_sign: int) -> sp.Eq:
+    """(33); print has -1 for the sign of the last a-term."""
+    return equation(
+        phi_rate + i * omega * _p / 2 - i * omega * _q * _fast / 2
+        - i * (1 + 2 * epsilon * c) * _mixed(0) / (2 * omega)
+        + i * epsilon * c / (2 * omega) * (_mixed(-1) + _mixed(1))
+        + epsilon * (_p + _q * _fast) / 2 * _bracket(square_sign), 0)  # fmt: skip
+
+
 _DECAY = sp.Tuple(
     equation(2 / (c * _lean) * (sp.Rational(1, 2) - a * alpha_0**2 * sp.exp(2 * k_1 * n) / 8
                                 + b * alpha_0**4 * sp.exp(4 * k_1 * n) / 16), -1),
@@ -43,6 +53,18 @@ _BALANCE = equation(
     + epsilon * (sp.Rational(1, 2) - a * alpha_0**2 * sp.exp(2 * k_1 * n) / (8 * omega**2)
                  + b * alpha_0**4 * sp.exp(4 * k_1 * n) / (16 * omega**4)), 0,
 )  # fmt: skip
+
+
+def _phases(omega_of_bracket: sp.Expr) -> sp.Tuple:
+    """(36), with 1 + eps c in the bracket as printed, or with 1."""
+    size = alpha_0**2 * sp.exp(2 * k_1 * n)
+    damped = sp.Rational(1, 2) - a * size / (8 * omega_of_bracket**2)
+    damped += b * size**2 / (16 * omega_of_bracket**4)
+    return sp.Tuple(
+        equation(sp.sin(k_2), 2 * (1 + epsilon * c) / (c * _lean) * damped),
+        equation(sp.cos(k_2), -epsilon * c / (sp.exp(k_1) + sp.exp(-k_1))),
+    )
+
 
 _AVERAGED = (
     Printed(
@@ -76,13 +98,11 @@ _AVERAGED = (
             r"b\frac{\varphi_n^4e^{4i\omega t} - 4|\varphi_n|^2\varphi_n^2e^{2i\omega t} + "
             r"6|\varphi_n|^4 - 4|\varphi_n|^2(\varphi_n^*)^2e^{-2i\omega t} + (\varphi_n^*)^4"
             r"e^{-4i\omega t}}{16\omega^4}\right) = 0",
-        equation(phi_rate + i * omega * _p / 2 - i * omega * _q * _fast / 2
-                 - i * (1 + 2 * epsilon * c) * _mixed(0) / (2 * omega)
-                 + i * epsilon * c / (2 * omega) * (_mixed(-1) + _mixed(1))
-                 + epsilon * (_p + _q * _fast) / 2 * _bracket(-1), 0),
+        _rotating(-1),
         Verdict.MISPRINT,
         "In the a-term the sign of (phi*)^2 e^{-2 i omega t} must be plus: it is a square.",
         "Nothing: this term has no mean, so (34) is the same with either sign.",
+        slip=(-(_q**2) * _fast, _q**2 * _fast, _rotating(1)),
     ),
     Printed(
         34, r"\dot\varphi_n + i\left(\omega - \frac{1}{\omega}\right)\frac{\varphi_n}{2} - "
@@ -102,7 +122,7 @@ _AVERAGED = (
             r"\right) = 0",
         _BALANCE, Verdict.AMBIGUOUS,
         "n is left open while k_1 and k_2 are constants. The ansatz is written with n, not |n|: it "
-        "is meant for n >= 1.",
+        "is meant for n >= 1. Its alpha_0 is an amplitude of phi, omega times that of y: see (36).",
         "(36), (37), (38) and Fig. 8 inherit the open n.",
         (
             Reading("at one site n >= 1", _BALANCE, True, "the substitution is right"),
@@ -117,13 +137,20 @@ _AVERAGED = (
             r"\frac{\alpha_0^2e^{2k_1n}}{8(1+\varepsilon c)^2} + b\frac{\alpha_0^4e^{4k_1n}}"
             r"{16(1+\varepsilon c)^4}\right),\ \cos k_2 = -\frac{\varepsilon c}{e^{k_1} "
             r"+ e^{-k_1}}",
-        sp.Tuple(
-            equation(sp.sin(k_2), 2 * (1 + epsilon * c) / (c * _lean)
-                     * (sp.Rational(1, 2) - a * alpha_0**2 * sp.exp(2 * k_1 * n)
-                        / (8 * (1 + epsilon * c) ** 2)
-                        + b * alpha_0**4 * sp.exp(4 * k_1 * n) / (16 * (1 + epsilon * c) ** 4))),
-            equation(sp.cos(k_2), -epsilon * c / (sp.exp(k_1) + sp.exp(-k_1)))),
-        Verdict.HOLDS, "The parts of (35) at the same single site n, with omega = 1 + eps c.",
+        _phases(1 + epsilon * c), Verdict.INCONSISTENT,
+        "The parts of (35) at the same single site n, with omega = 1 + eps c; right for alpha_0 as "
+        "an amplitude of phi. By (31) |phi| = omega |y|, so this alpha_0 is omega times the "
+        "alpha_0 of (9), (29) and (38), which is an amplitude of y.",
+        "(35) in the same way. (29) and (36) may not be solved together as they stand at eps > 0; "
+        "in the limit (37) the two are the same.",
+        (
+            Reading("alpha_0 as in (9), (29) and (38), an amplitude of y", _phases(1 + epsilon * c),
+                    False, "the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4 are then too many",
+                    separated_by_displacement),
+            Reading("with alpha_0 of (9): without the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4, "
+                    "and without 1/omega^2 and 1/omega^4 in (35)", _phases(sp.Integer(1)), True,
+                    "one alpha_0 throughout", separated_by_displacement),
+        ),
     ),
     Printed(
         37, r"\frac{2}{c(e^{k_1} - e^{-k_1})}\left(\frac12 - a\frac{\alpha_0^2e^{2k_1n}}{8} + "
@@ -137,8 +164,7 @@ _AVERAGED = (
     Printed(
         38, r"A_n = \alpha_0 e^{k_1|n|}", equation(A_n, alpha_0 * sp.exp(k_1 * sp.Abs(n))),
         Verdict.HOLDS,
-        "The amplitude of (9), said again. For the averaged breather the ratio of neighbours is "
-        "not constant: at a = 2.5, b = 0.5, c = 0.1 it is 0.1046, then 0.0991, then 0.0990.",
+        "The amplitude of (9), said again, with its one ratio of neighbours.",
     ),
 )  # fmt: skip
 
@@ -171,6 +197,17 @@ def _field_as_printed() -> sp.Eq:
     return equation(linearisation.field_name, sp.ImmutableMatrix(rows))
 
 
+def _field_with_open_ends() -> sp.Eq:
+    """(40) with the spring between sites 1 and N taken away, and nothing else."""
+    sites = linearisation.SITES
+    x = linearisation.states(sites)
+    rows = list(_field_as_printed().rhs)
+    pull = epsilon * c * (x[0] - x[sites - 1])
+    rows[sites] += pull
+    rows[-1] -= pull
+    return equation(linearisation.field_name, sp.ImmutableMatrix(rows))
+
+
 def _change_of_first_row() -> sp.Eq:
     x, d = linearisation.states(3), linearisation.perturbations(3)
     row = d[0] * (-1 - 2 * epsilon * c - epsilon * x[3] * (-2 * a * x[0] + 4 * b * x[0] ** 3))
@@ -191,21 +228,18 @@ _LINEARISED = (
             r"c(2x_2 - x_3 - x_1) - \varepsilon x_{N+2}(1 - ax_2^2 + bx_2^4) \\ \vdots \\ -x_N - "
             r"\varepsilon c(2x_N - x_1 - x_{N-1}) - \varepsilon x_{2N}(1 - ax_N^2 + bx_N^4)"
             r"\end{pmatrix}",
-        _field_as_printed(), Verdict.AMBIGUOUS,
-        "The printed corners close the chain to a ring; Figs. 12 and 15 have open ends, and (8) "
-        "does not say.",
+        _field_as_printed(), Verdict.INCONSISTENT,
+        "The printed corners, like those of (42), close the chain to a ring; Figs. 12 and 15 state "
+        "open ends, and (8) does not say.",
         "Fig. 9. For a breather far from the ends the difference is of the size of its tail.",
         (
-            Reading("a ring: sites 1 and N are neighbours", _field_as_printed(), True,
-                    "(40) and the corners of (42) are consistent"),
-            Reading("free ends, as in model I and in Figs. 12 and 15", _field_as_printed(), False,
-                    "rows 1 and N must be -x_1 - eps c (x_1 - x_2) - ... and its mirror; uniform "
-                    "states are then as on the ring, the others are not",
+            Reading("the open ends of Figs. 12 and 15", _field_as_printed(), False,
+                    "the rows of sites 1 and N have a neighbour too many",
                     linearisation.matrix_check("free", 1)),
-            Reading("the field with free ends",
-                    equation(linearisation.field_name,
-                             linearisation.vector_field(linearisation.SITES, "free")), True,
-                    "what to use for Figs. 12 and 15", linearisation.matrix_check("free", 1)),
+            Reading("for an open chain: rows -x_1 - eps c (x_1 - x_2) - ... and its mirror for N",
+                    _field_with_open_ends(), True,
+                    "what Figs. 12 and 15 need; uniform states are as on the ring",
+                    linearisation.matrix_check("free", 1)),
         ),
     ),
     Printed(

@@ -37,9 +37,10 @@ def _friction(speed: sp.Symbol, scale: sp.Symbol) -> sp.Expr:
     return mu_d + (mu_st - mu_d) * sp.exp(-sp.Abs(speed) / scale)
 
 
-def _scaled(scale: sp.Symbol) -> sp.Tuple:
+def _scaled(scale: sp.Symbol, *, closed: bool = False) -> sp.Tuple:
     law = -sp.sign(v_tilde_rel) * _friction(v_tilde_rel, scale)
-    return sp.Tuple(equation(F_tilde, law), sp.Lt(sp.Abs(F_tilde), mu_st))
+    bound = sp.Le if closed else sp.Lt
+    return sp.Tuple(equation(F_tilde, law), bound(sp.Abs(F_tilde), mu_st))
 
 
 EQUATIONS = (
@@ -66,9 +67,11 @@ EQUATIONS = (
            r"|F| < \mu_{st} F_N,\ v_{rel} = 0",
         sp.Tuple(equation(F, -sp.sign(v_rel) * F_N * _friction(v_rel, v_0)),
                  sp.Lt(sp.Abs(F), mu_st * F_N)),
-        Verdict.DEFINITION,
-        "The friction law, with mu of the corrected (2). The bound should include equality: at the "
-        "instant of breaking away |F| = mu_st F_N.",
+        Verdict.MISPRINT,
+        "The bound must include equality: at the instant of breaking away |F| = mu_st F_N, the "
+        "value from which slip goes on, and as printed there is no law for it. mu is that of the "
+        "corrected (2).",
+        "(6). In a run nothing: the instant has no duration.",
     ),
     Printed(
         4, r"\omega_n = \sqrt{k/m},\ y_0 = F_N/k,\ c = \eta_c/k,\ \xi = \frac{d}{2\sqrt{dm}},\ "
@@ -96,12 +99,15 @@ EQUATIONS = (
            r"\quad |\tilde F| < \mu_{st},\ \tilde v_{rel} = 0",
         _scaled(v_0),
         Verdict.AMBIGUOUS,
-        "mu of (2) contains v_0; at the scaled velocity it must contain the scaled v_0.",
+        "mu of (2) contains v_0; at the scaled velocity it must contain the scaled v_0. The bound "
+        "must include equality, as in (3).",
         "All numbers of model I: they use the scaled v_0 = 0.5 of (7).",
         (
-            Reading("the same function mu, with the dimensional v_0", _scaled(v_0), False,
+            Reading("the same function mu, with the dimensional v_0", _scaled(v_0, closed=True),
+                    False,
                     "right only if omega_n y_0 = 1"),
-            Reading("mu with v_0 / (omega_n y_0) in the place of v_0", _scaled(v_tilde_0), True,
+            Reading("mu with v_0 / (omega_n y_0) in the place of v_0",
+                    _scaled(v_tilde_0, closed=True), True,
                     "(6) is (3) divided by F_N; (7) names this scaled velocity"),
         ),
     ),

@@ -77,7 +77,7 @@ EQUATIONS = (
         _lines(_own, phi_us), Verdict.AMBIGUOUS,
         "An inequality between complex numbers has no meaning. The model also fixes the phase of "
         "phi_s, which (43) leaves free, and gives the cycle the decay rate of the rest state; in "
-        "(43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2: 12.9, not 0.5, at a = 4, b = 0.5.",
+        "(43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2.",
         "(45), (47), (53), (54): the reading decides which kinetic relation follows.",
         (
             Reading("|phi_n| against |phi_us|", _lines(sp.Abs(_own), sp.Abs(phi_us)), True,

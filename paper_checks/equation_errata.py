@@ -18,6 +18,7 @@ LONG = 420
 
 AMENDED: dict[int, tuple[tuple[str, str], ...]] = {
     2: ((r"\mu_{st} + (", r"\mu_d + ("),),
+    3: ((r"|F| < \mu_{st}", r"|F| \leq \mu_{st}"),),
     4: ((r"\frac{d}{2\sqrt{dm}}", r"\frac{d}{2\sqrt{km}}"),),
     6: ((r"\mu(\tilde v_{rel})", r"\mu(\omega_n y_0\tilde v_{rel})"),),
     32: ((r"^4\right)", r"^4\right) = 0"),),
@@ -73,7 +74,7 @@ def amended(number: int, latex: str) -> str | None:
 
 
 def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
-    """Return the erratum of an equation that is misprinted or ambiguous, None for another one.
+    """Return the erratum of a misprinted, ambiguous or inconsistent equation, None for another.
 
     Parameters
     ----------
@@ -97,17 +98,23 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
             f"same check: {found.on_derived.statement}."
         )
         differs = f" The derivation differs from print in this: {differs}." if line else ""
-    elif printed.verdict is Verdict.AMBIGUOUS:
-        fault = Fault.AMBIGUOUS
+    elif printed.verdict in (Verdict.AMBIGUOUS, Verdict.INCONSISTENT):
+        ambiguous = printed.verdict is Verdict.AMBIGUOUS
+        fault = Fault.AMBIGUOUS if ambiguous else Fault.INCONSISTENT
         tried = list(zip(printed.readings, found.on_readings, strict=True))
         right = [reading for reading, evidence in tried if evidence.holds]
         # Where the line is changed it has one reading, the last; otherwise all that hold are named.
         named = right[-1:] if line else right
-        corrected = readable("; or ".join(f"read: {reading.meaning}" for reading in named))
-        corrected = f"${line or printed.latex}$; {corrected}"
-        proof = f"Compared with {step}. " + " ".join(
-            f"The reading “{reading.meaning}” {'holds' if evidence.holds else 'fails'}: "
-            f"{evidence.statement}."
+        mark = "read: " if ambiguous else ""
+        corrected = readable("; or ".join(f"{mark}{reading.meaning}" for reading in named))
+        if line or ambiguous:
+            corrected = f"${line or printed.latex}$; {corrected}"
+        proof = f"Compared with {step}. "
+        if not ambiguous:
+            proof += f"By itself the print passes: {found.on_print.statement}. "
+        proof += " ".join(
+            f"{'The reading ' if ambiguous else ''}“{reading.meaning}” "
+            f"{'holds' if evidence.holds else 'fails'}: {evidence.statement}."
             for reading, evidence in tried
         )
     else:
@@ -125,8 +132,8 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
 def correction(found: Judgement) -> str:
     """Return the part of the derived equation that differs from print, between dollar signs.
 
-    Of a system, the equations that differ; of a matrix, the first entry that differs; of a long
-    equation, the difference of its two sides from those of print.
+    Of a system, the equations that differ; of a matrix, the first entry that differs; where one
+    term is named as wrong, that term; of another long equation, the difference from print.
     """
     import sympy as sp
 
@@ -134,12 +141,17 @@ def correction(found: Judgement) -> str:
     from derivations.rendering import equation_latex
 
     printed, derived = found.printed.equation, found.step.equation
+    if found.printed.slip is not None:
+        before, after, whole = found.printed.slip
+        if sp.expand(_side(whole) - _side(derived)) != 0:
+            raise ArithmeticError(f"({found.printed.number}): the slip is not all that is wrong")
+        return f"${equation_latex(after)}$ in place of ${equation_latex(before)}$"
     if not isinstance(printed, sp.Eq | sp.Tuple):
         if sp.expand(printed - _side(derived)) == 0:
             return "add $= 0$ at the end"
         return f"${found.corrected}$"
     pairs = list(zip(parts_of(printed), parts_of(derived), strict=False))
-    wrong = [(old, new) for old, new in pairs if sp.simplify(_side(old) - _side(new)) != 0]
+    wrong = [(old, new) for old, new in pairs if _differ(old, new)]
     if len(pairs) > 1 and wrong:
         return "; ".join(f"${equation_latex(new)}$" for _, new in wrong)
     if isinstance(printed.rhs, sp.MatrixBase):
@@ -148,6 +160,15 @@ def correction(found: Judgement) -> str:
         return f"${found.corrected}$"
     missing = sp.factor(sp.expand(_side(derived) - _side(printed)))
     return f"add to the left side ${equation_latex(missing)}$"
+
+
+def _differ(old: sp.Basic, new: sp.Basic) -> bool:
+    """Whether two parts of a system differ; bounds differ where their signs do."""
+    import sympy as sp
+
+    if isinstance(old, sp.Eq) or not isinstance(old, sp.core.relational.Relational):
+        return bool(sp.simplify(_side(old) - _side(new)) != 0)
+    return bool(old != new)
 
 
 def _side(equation: sp.Basic) -> sp.Expr:

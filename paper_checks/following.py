@@ -157,12 +157,23 @@ def judgement_by_following(
         verdict=verdict,
         value=single.value if single else f"as judged under {names}",
         error=single.error if single else "see there",
-        methods=single.methods if single else ("the first method there", "the second method there"),
+        methods=single.methods if single else _methods(keys, findings),
         tolerance="that of the claims it follows; all of them must hold",
         explanation="\n\n".join(lines),
     )
     stored = any(outcome.judgement.stored for outcome in others)
     return Judgement(finding, None, 0.0, now(), stored, followed=keys)
+
+
+def _methods(keys: Sequence[str], findings: Sequence[Finding]) -> tuple[str, str]:
+    """Name the methods of each followed claim."""
+    first, second = (
+        "; ".join(
+            f"{key}: {finding.methods[place]}" for key, finding in zip(keys, findings, strict=True)
+        )
+        for place in (0, 1)
+    )
+    return first, second
 
 
 def _never() -> Finding:

@@ -68,6 +68,12 @@ def test_a_wrong_sum_fails_the_claim_instead_of_judging_it(
         _claim(key).judge()
 
 
+def test_without_its_limits_the_velocity_is_not_explicit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("theory.limits.strong_coupling_velocity", lambda eta: 0.7)
+    claim = _claim("eq54-explicit")
+    assert claim.judge().verdict is not claim.recorded
+
+
 def test_a_wrong_series_fails_the_claim_on_explicitness(monkeypatch: pytest.MonkeyPatch) -> None:
     from theory.kinetic_sum import KineticSum
 

@@ -44,7 +44,7 @@ def test_all_in_json_has_one_entry_for_each_number(capsys):
     data = json.loads(out)
     assert code == 0
     assert [entry["number"] for entry in data["equations"]] == list(range(1, 55))
-    verdicts = {"holds", "misprint", "ambiguous", "definition", "assumption"}
+    verdicts = {"holds", "misprint", "ambiguous", "inconsistent", "definition", "assumption"}
     assert {entry["verdict"] for entry in data["equations"]} == verdicts
     assert all(isinstance(entry["corrected"], (str, type(None))) for entry in data["equations"])
     assert data["seconds"] > 0

@@ -15,7 +15,7 @@ from derivations.evidence import value
 from derivations.friction import d, k, m, mu_d, mu_st, v_0, v_tilde_0, xi
 from derivations.front_symbols import c as coupling
 from derivations.front_symbols import phi_s, phi_us
-from derivations.symbols import a, epsilon, i, omega, t
+from derivations.symbols import a, alpha_0, c, epsilon, i, omega, t
 
 CLOSE = 1e-12
 """Rounding of numbers of order one."""
@@ -47,6 +47,21 @@ def same(one, other):
 
 def test_2_has_one_mu_st_in_the_place_of_mu_d():
     same(printed.printed(2).equation.rhs - derived(2).rhs, mu_st - mu_d)
+
+
+def test_3_has_the_strict_sign_in_the_bound_and_nothing_else():
+    (law, bound), (ours, closed) = printed.printed(3).equation.args, derived(3).args
+    same(law.rhs, ours.rhs)
+    assert (type(bound), type(closed)) == (sp.StrictLessThan, sp.LessThan)
+    assert bound.args == closed.args
+
+
+def test_36_and_its_form_for_displacements_differ_by_omega_in_the_amplitude():
+    """By hand: |phi| = omega |y|, so alpha_0 of the print is (1 + eps c) times that of (9)."""
+    as_printed, for_y = (reading.equation for reading in printed.printed(36).readings)
+    scaled = as_printed.subs(alpha_0, alpha_0 * (1 + epsilon * c))
+    for one, other in zip(scaled.args, for_y.args, strict=True):
+        same(one.rhs, other.rhs)
 
 
 def test_4_has_a_d_in_the_place_of_k_and_nothing_else():

@@ -179,7 +179,24 @@ def _vdp(options: argparse.Namespace) -> Answer:
         write_whole(options.out, lambda path: _save(path, result))
     if options.picture is not None:
         write_whole(options.picture, lambda path: _draw(path, result))
-    return Answer(_payload(result), _in_words(result))
+    payload, words = _payload(result), _in_words(result)
+    if chain.bistable and chain.ends is Ends.FREE:
+        from verification.breathers.fate import growth_of
+
+        grown = growth_of(result)
+        payload["nucleus"] = {
+            "end": grown.end.value,
+            "size": grown.size,
+            "sizes": [list(station) for station in grown.sizes],
+            "longest_pause": grown.longest_pause,
+        }
+        stations = [f"{size} from {joined:.4g}" for joined, size in grown.sizes]
+        listed = stations if len(stations) < 9 else [*stations[:6], "…", *stations[-2:]]
+        words += (
+            f"\n  nucleus: {grown.end.value}; sites that had joined by slow time: "
+            + ", ".join(listed)
+        )
+    return Answer(payload, words)
 
 
 def _payload(run: VdpRun) -> dict[str, object]:

@@ -6,26 +6,30 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from paper_checks.claim import Claim, Finding, Formula, Verdict
+from paper_checks.claims._assumptions import ASSUMED
 from paper_checks.equation_errata import LONG, erratum_of, readable
 
 if TYPE_CHECKING:
     from derivations.printed import Judgement
 
-MISPRINTS = frozenset({2, 4, 32, 33, 42})
+MISPRINTS = frozenset({2, 3, 4, 32, 33, 42})
 """Right after a correction that the derivation proves."""
 
-OPEN = frozenset({6, 9, 27, 35, 37, 40, 44, 45, 47, 51, 53})
+INCONSISTENT = frozenset({36, 40})
+"""Right by itself, and another place of the paper asks for something else."""
+
+OPEN = frozenset({6, 9, 35, 37, 38, 44, 45, 47, 51, 53})
 """Ambiguous, or an assumption that does not always hold: right under one reading or in places."""
 
 _VERDICT_OF = {
     "holds": Verdict.REPRODUCED,
     "definition": Verdict.REPRODUCED,
     "misprint": Verdict.CORRECTED,
+    "inconsistent": Verdict.CORRECTED,
     "ambiguous": Verdict.PARTIAL,
-    "assumption": Verdict.PARTIAL,
+    "assumption": Verdict.REPRODUCED,
 }
-_EXPANSIONS = frozenset({12, 17})
-"""Assumptions of form that hold at every order that was taken."""
+"""For an equation that passes as said there and assumes nothing more; see ``_assumptions``."""
 
 
 @cache
@@ -38,10 +42,18 @@ def _judgements() -> dict[int, Judgement]:
 def _judge(number: int) -> Finding:
     found = _judgements()[number]
     kind = found.printed.verdict.value
-    verdict = Verdict.REPRODUCED if number in _EXPANSIONS else _VERDICT_OF[kind]
+    verdict = _VERDICT_OF[kind]
+    lines = [found.printed.note]
+    second = readable(found.on_derived.statement)
+    value = f"{kind}; print {'passes' if found.on_print.holds else 'fails'} its check"
+    if number in ASSUMED:
+        holds, words = ASSUMED[number]()
+        verdict = verdict if holds else Verdict.PARTIAL
+        value += f"; what it assumes {'holds' if holds else 'does not hold throughout'}"
+        lines.append(f"What it assumes: {words}.")
+        second += f"; {words}"
     if not found.confirmed:
         verdict = Verdict.NOT_REPRODUCED
-    lines = [found.printed.note]
     if found.printed.affects:
         lines.append(f"What it affects: {found.printed.affects}")
     lines += [
@@ -57,9 +69,9 @@ def _judge(number: int) -> Finding:
         formulas.append(Formula("As derived", found.corrected))
     return Finding(
         verdict=verdict,
-        value=f"{kind}; print {'passes' if found.on_print.holds else 'fails'} its check",
+        value=value,
         error="none: the comparison is symbolic, or to rounding at random points",
-        methods=("derived step by step in computer algebra", readable(found.on_derived.statement)),
+        methods=("derived step by step in computer algebra", second),
         tolerance="a printed equation must pass the same check as the derived one, or fail it",
         explanation=readable("\n\n".join(line for line in lines if line)),
         formulas=tuple(formulas),
@@ -68,7 +80,7 @@ def _judge(number: int) -> Finding:
 
 
 def _recorded(number: int) -> Verdict:
-    if number in MISPRINTS:
+    if number in MISPRINTS | INCONSISTENT:
         return Verdict.CORRECTED
     return Verdict.PARTIAL if number in OPEN else Verdict.REPRODUCED
 

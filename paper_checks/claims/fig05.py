@@ -29,6 +29,13 @@ CHECKED = ((0.095, 1.05), (0.095, 1.45), (0.005, 1.55))
 
 @lru_cache(maxsize=1)
 def _checked() -> float:
+    """Compare arrivals with scipy, and count them: all sites of a front, else the nucleus only."""
+    from paper_checks.claims._friction import arrivals_by_scipy
+
+    for (c, v_d), expected in zip(CHECKED, (7, 1, 1), strict=True):
+        seen = int(np.isfinite(arrivals_by_scipy(chain_of(c, 7, v_d), (4,), 80.0)).sum())
+        if seen != expected:
+            raise ArithmeticError(f"scipy sees {seen} sites stick at c = {c:g}, v_d = {v_d:g}")
     return max(disagreement(chain_of(c, 7, v_d), (4,), 80.0) for c, v_d in CHECKED)
 
 

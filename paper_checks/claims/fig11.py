@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,9 @@ from paper_checks.data_table import long_table
 from paper_checks.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from verification.breathers.escape_range import EscapeRange
     from verification.breathers.nucleation import EscapeThreshold
     from verification.breathers.slow_sweep import Delay
@@ -268,15 +272,36 @@ def _converged() -> Finding:
     )
 
 
+def _growth_by_differences(phi: NDArray[np.complex128], omega: float, c: float) -> float:
+    """Return the largest growth rate per unit εt: (43) written out here, with differences."""
+    import numpy as np
+
+    sites = len(phi)
+    springs = 2.0 * np.eye(sites) - np.eye(sites, k=1) - np.eye(sites, k=-1)
+    springs[0, 0] = springs[-1, -1] = 1.0
+
+    def rate(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        z = x[:sites] + 1j * x[sites:]
+        drag = 0.5 * z * (1.0 - A * abs(z) ** 2 / 4.0 + B * abs(z) ** 4 / 8.0)
+        out = 0.5j * c * (springs @ z) - drag - 1j * omega * z
+        return np.concatenate([out.real, out.imag])
+
+    x, step = np.concatenate([phi.real, phi.imag]), 1e-5
+    columns = [(rate(x + step * row) - rate(x - step * row)) / (2 * step) for row in np.eye(len(x))]
+    found = np.linalg.eigvals(np.array(columns).T)
+    # One of them is zero: the phase of the whole.
+    return float(np.sort(np.delete(found, np.argmin(abs(found))).real)[-1])
+
+
 def _patterns() -> Finding:
     """Follow every pattern of steps ±π/2 of sizes 3, 5, 7 and look for a stable one."""
     from theory.vdp_chain import VdpChain
-    from verification.breathers.envelope import staggered_branch
+    from verification.breathers.envelope import solve_envelope_breather, staggered_branch
     from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
     from verification.breathers.threshold import breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
-    rows, gaps = [], []
+    rows, gaps, rates = [], [], []
     for size in (3, 5, 7):
         for pattern in right_angle_patterns(size):
             # Reflection turns a pattern into its reverse with signs changed: follow one of the two.
@@ -289,8 +314,17 @@ def _patterns() -> Finding:
                 here = VdpChain(A, B, 0.0, EPS, sites_for(size))
                 fold = staggered_branch(here, Nucleus(size, pattern)).fold
                 gaps.append(abs(fold.c - found.c) if fold is not None else 1.0)
+                half = replace(here, c=0.5 * found.c)
+                breather = solve_envelope_breather(half, Nucleus(size, pattern))
+                if breather.exponents is None:
+                    raise ArithmeticError(f"no breather {pattern} half way to its fold")
+                growth = _growth_by_differences(breather.phi, breather.omega, half.c)
+                rates.append((growth, abs(growth - breather.exponents.growth)))
     if max(gaps) > 1e-8:
         raise ArithmeticError(f"staggered reduction and full envelope differ by {max(gaps):.1e}")
+    least, apart = min(growth for growth, _ in rates), max(gap for _, gap in rates)
+    if apart > 1e-7:
+        raise ArithmeticError(f"growth rates by differences are off by {apart:.1e}")
     stable = [row for row in rows if row.c_stable is not None]
     slowest = min(rows, key=lambda row: row.growth)
     last = max(rows, key=lambda row: row.c)
@@ -303,15 +337,16 @@ def _patterns() -> Finding:
         f"{max(gaps):.0e}",
         methods=(
             "continuation and exponents of the full averaged chain",
-            "continuation of the real staggered reduction (sizes 3 and 5)",
+            "sizes 3 and 5: folds of the real staggered reduction; growth rates from (43) "
+            f"differentiated by steps, {apart:.0e} apart, the least {least:.1e}",
         ),
         tolerance="a growth rate above 1e-9 counts as unstable; the smallest found is far above",
         explanation=(
             f"The weakest instability half way to a fold is {slowest.growth:.1e} per unit εt "
             f"(size {slowest.nucleus.size}, pattern {slowest.nucleus.pattern}: all steps one "
             f"way). Folds lie between {first.c:.6f} ({first.nucleus.pattern}) and {last.c:.6f} "
-            f"({last.nucleus.pattern}); that of size 1 is at {single:.6f}. So it is not a "
-            "succession of stable breathers that ends where the front begins."
+            f"({last.nucleus.pattern}); that of size 1 is at {single:.6f}. What a nucleus "
+            "that is lost becomes is judged under text-to-larger."
         ),
     )
 

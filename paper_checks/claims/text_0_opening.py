@@ -25,9 +25,8 @@ CLAIMS = (
         "text-abstract-nucleation",
         "Abstract",
         "In both models breathers give way to propagation through a nucleation process.",
-        "fig04-edge",
-        "fig11-order",
-        "fig11-patterns",
+        "text-to-larger",
+        "text-friction-nucleation",
     ),
     following(
         "text-abstract-velocity",
@@ -90,9 +89,8 @@ CLAIMS = (
         "text-intro-nucleation",
         "Introduction",
         "In both models the transition occurs through a nucleation process.",
-        "fig04-edge",
-        "fig11-order",
-        "fig11-patterns",
+        "text-to-larger",
+        "text-friction-nucleation",
     ),
     following(
         "text-intro-velocity",

@@ -33,9 +33,8 @@ CLAIMS = (
         "text-end-nucleation",
         "Conclusions",
         "In both models breathers give way to propagation through a nucleation process.",
-        "fig04-edge",
-        "fig11-order",
-        "fig11-patterns",
+        "text-to-larger",
+        "text-friction-nucleation",
     ),
     following(
         "text-end-velocity",

@@ -3,6 +3,10 @@
 Runs are of the averaged chain (43), in slow time, the coupling held. A nucleus *holds* while every
 site outside it stays below the unstable cycle |φ_us|, and *escapes* when one passes.
 A perturbation is seeded noise, the same relative size in both parts of every φ_n.
+
+An escape tells that the breather of this size is lost, and at which coupling. It does not tell what
+comes after: the run ends when the first new site passes, and the nucleus may then stand at a larger
+size, grow by jumps or become a front. ``fate`` goes on from there, in (8).
 """
 
 from __future__ import annotations

@@ -48,11 +48,14 @@ def test_fig_4_is_as_recorded_and_the_verdicts_depend_on_the_readings(
 
 
 def test_fig_5_is_as_recorded_on_a_part_of_the_map(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fig05, "COUPLINGS", (0.005, 0.055, 0.095))
-    monkeypatch.setattr(fig05, "VELOCITIES", (1.05, 1.25, 1.55, 1.95))
+    monkeypatch.setattr(fig05, "COUPLINGS", (0.005, 0.025, 0.055, 0.095))
+    monkeypatch.setattr(fig05, "VELOCITIES", (1.05, 1.25, 1.45, 1.55, 1.95))
     monkeypatch.setattr(fig05, "WIDE_COUPLINGS", (0.03, 0.095))
     for claim in fig05.CLAIMS:
         assert claim.judge().verdict is claim.recorded
+    # without the point that is in none of the three states
+    monkeypatch.setattr(fig05, "COUPLINGS", (0.005, 0.055, 0.095))
+    assert _claim(fig05, "fig05-regions").judge().verdict is Verdict.REPRODUCED
     # without a coupling low enough for a breather a region is missing
     monkeypatch.setattr(fig05, "COUPLINGS", (0.055, 0.095))
     assert _claim(fig05, "fig05-regions").judge().verdict is Verdict.PARTIAL

@@ -12,7 +12,6 @@ CLAIMS = (
         "Both models have discrete breathers at low coupling.",
         "fig03-breather",
         "fig07-localised",
-        "fig15-regions",
     ),
     following(
         "text-abstract-fronts",
@@ -41,8 +40,7 @@ CLAIMS = (
         "text-abstract-similar",
         "Abstract",
         "The two models show very similar dynamical features.",
-        "fig05-regions",
-        "fig15-regions",
+        "models",
     ),
     untestable(
         "text-abstract-others",
@@ -64,13 +62,6 @@ CLAIMS = (
         "Weakly coupled chains of frictional oscillators can have localised stick-slip.",
         "fig03-breather",
     ),
-    following(
-        "text-intro-bistable",
-        "Introduction",
-        "Many patterns coexist because the friction cell is bistable over a range of speeds.",
-        "fig02-regions",
-        "fig02-subcritical",
-    ),
     untestable(
         "text-intro-difficult",
         "Introduction",
@@ -82,9 +73,10 @@ CLAIMS = (
         "text-intro-regimes",
         "Introduction",
         "Both models have stable regimes of localised solutions and of travelling waves.",
-        "fig05-regions",
-        "fig15-regions",
-        "fig10-stable",
+        "fig03-breather",
+        "fig03-front",
+        "fig07-localised",
+        "fig12-steady",
     ),
     following(
         "text-intro-nucleation",

@@ -138,8 +138,7 @@ CLAIMS = (
         "text-linear-both",
         "Section 2.3.1",
         "This is similar to the friction-excited system.",
-        "fig06-linear",
-        "fig13-scaling",
+        "models-velocity",
     ),
     Claim(
         "text-collapse",

@@ -9,6 +9,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
+from paper_checks.claims._fronts import outran
 from paper_checks.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def _linear() -> Finding:
     worst_line = max(abs(ahead[each] / velocity[each] - 1.0) for each in LARGE)
     worst_waves = max(abs(follows[each] / velocity[each] - 1.0) for each in LARGE)
     error = max(front.error or 0.0 for each, front in fronts.items() if each <= c[-1])
-    outran = any((front.v or 0.0) > group[each] for each, front in fronts.items())
+    faster = [c for c, front in fronts.items() if outran(velocity[c], front.error or 0.0, group[c])]
     verdict = Verdict.NOT_REPRODUCED
     if fine:
         verdict = Verdict.PARTIAL if worst_line > 0.1 else Verdict.REPRODUCED
@@ -131,7 +132,12 @@ def _linear() -> Finding:
             f"{100 * worst_waves:.0f} %). v/v_g rises from {velocity[0.02] / group[0.02]:.2f} at c "
             f"= 0.02 to {velocity[0.1] / group[0.1]:.2f} at 0.1 and "
             f"{velocity[LARGE[-1]] / group[LARGE[-1]]:.3f} at {LARGE[-1]:g}; "
-            + ("some fronts outran the waves." if outran else "no front outran the waves.")
+            + (
+                f"beyond its error the front outran the waves at c = "
+                f"{', '.join(f'{each:g}' for each in faster)}."
+                if faster
+                else "beyond its error no front outran the waves."
+            )
         ),
         pictures=(drawn,),
     )

@@ -23,8 +23,8 @@ CLAIMS = (
         "text-end-loss",
         "Conclusions",
         "With more coupling the breather loses stability and limit cycles spread in the chain.",
-        "fig03-front",
-        "fig11-values",
+        "text-coupling-promotes",
+        "text-two-values",
         "fig12-steady",
     ),
     following(

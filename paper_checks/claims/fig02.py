@@ -401,7 +401,7 @@ CLAIMS = (
     ),
     Claim(
         "fig02-subcritical",
-        "Section 1",
+        "Introduction",
         "Steady sliding of the cell loses stability in a subcritical Hopf bifurcation.",
         None,
         Verdict.REPRODUCED,

@@ -66,9 +66,11 @@ def test_fig_5_is_as_recorded_on_a_part_of_the_map(monkeypatch: pytest.MonkeyPat
 def test_fig_6_is_as_recorded_and_a_shorter_range_of_c_would_look_linear(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(fig06, "COUPLINGS", (0.014, 0.02, 0.04, 0.06, 0.08, 0.1))
+    monkeypatch.setattr(fig06, "COUPLINGS", (0.011, 0.012, 0.02, 0.04, 0.06, 0.08, 0.1))
     for claim in fig06.CLAIMS:
         assert claim.judge().verdict is claim.recorded
+    monkeypatch.setattr(fig06, "STEEPER", 3.0)
+    assert _claim(fig06, "fig06-rapid").judge().verdict is Verdict.NOT_REPRODUCED
     fig06._fronts.cache_clear()
     monkeypatch.setattr(fig06, "LARGE", (0.12,))
     assert _claim(fig06, "fig06-linear").judge().verdict is Verdict.REPRODUCED

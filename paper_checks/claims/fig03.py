@@ -118,7 +118,7 @@ CLAIMS = (
         "Fig. 3a, section 1.2",
         "At c = 0.004 three excited sites stay a breather: the envelopes at τ = 200, 400 and 600 "
         "cannot be told apart.",
-        "c = 0.4 %, N_dof = 31, N_size = 3, τ = 200, 400, 600",
+        "at c = 0.4 %, N_dof = 31, N_size = 3, τ = 200, 400, 600",
         Verdict.REPRODUCED,
         "fronts simulate friction --n 31 --c 0.004 --excite 15:17 --t-end 600 --json",
         _breather,

@@ -191,7 +191,7 @@ CLAIMS = (
         "Fig. 5, section 1.3",
         "The plane (c, v_d) has three regions: fronts, steady sliding, and breathers at low "
         "coupling only, which become fewer as c grows.",
-        None,
+        "at N_dof = 31, N_size = 1, c from 0 to 0.1, v_d from 1 to 2",
         Verdict.PARTIAL,
         "fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png",
         _regions,

@@ -217,7 +217,7 @@ CLAIMS = (
         "fig13-scaling",
         "Fig. 13, section 2.3.1",
         "The scaled front velocity is asymptotically linear in the coupling.",
-        None,
+        "at a = 4, b = 0.5",
         Verdict.PARTIAL,
         "fronts front vdp --a 4 --b 0.5 --c 100 --accuracy 5e-3",
         _scaling,

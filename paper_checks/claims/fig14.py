@@ -171,7 +171,7 @@ CLAIMS = (
         "fig14-velocity",
         "Fig. 14",
         "The scaled front velocity varies with η at c = 0.3.",
-        None,
+        "at c = 0.3",
         Verdict.REPRODUCED,
         "fronts front envelope --eta 0.05 --c 0.3",
         _velocity,

@@ -128,7 +128,7 @@ CLAIMS = (
         "Fig. 15",
         "The plane (η, c) has three regions: fronts, breathers at low coupling only, and the "
         "fixed point.",
-        None,
+        "at 16 oscillators, displacement 6, ε = 0.01",
         Verdict.PARTIAL,
         "fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png",
         _regions,

@@ -270,7 +270,7 @@ CLAIMS = (
         "fig17-linear",
         "Fig. 17, section 2.3.2",
         "The velocity of the simplified model is asymptotically linear in c.",
-        None,
+        "at a = 4, b = 0.5",
         Verdict.NOT_REPRODUCED,
         "fronts kinetic --c 0.46:10000:60 --a 4 --b 0.5 --out curve.csv",
         _scaling,

@@ -176,7 +176,7 @@ CLAIMS = (
         "fig18-velocity",
         "Fig. 18, section 2.3.2",
         "In the simplified model too the velocity varies with η, its one parameter beside c.",
-        None,
+        "at c = 0.3",
         Verdict.REPRODUCED,
         "fronts kinetic --c 0.3 --eta 0.001:0.022:100 --out curve.png",
         _velocity,

@@ -63,6 +63,19 @@ CLAIMS = (
         "fig03-breather",
     ),
     untestable(
+        "text-intro-irregular",
+        "Introduction",
+        "The localised patterns of [18] had periodic and irregular stick-slip motion.",
+        "It is about the model of [18], whose parameters and starts are not repeated here. That "
+        "many patterns coexist is judged under text-intro-bistable.",
+    ),
+    untestable(
+        "text-intro-two-dimensions",
+        "Introduction",
+        "Propagating stick-slip was also observed in a model in two dimensions [20].",
+        "It is about a model of others; neither model of the paper has two dimensions.",
+    ),
+    untestable(
         "text-intro-difficult",
         "Introduction",
         "Analytical approximations are difficult for friction-excited systems.",

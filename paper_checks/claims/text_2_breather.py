@@ -235,6 +235,13 @@ CLAIMS = (
         _extraction,
     ),
     following(
+        "text-self-consistent-amplitude",
+        "Section 2.1.1, before Eq. (26)",
+        "For self-consistency α_0 = 2R.",
+        "eq26",
+        printed="α_0 = 2R",
+    ),
+    following(
         "text-all-amplitudes",
         "Section 2.1.3, Eq. (38)",
         "(38) gives the amplitudes of all particles.",

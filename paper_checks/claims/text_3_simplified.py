@@ -7,6 +7,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 from paper_checks.claim import Claim, Erratum, Fault, Finding, Verdict
+from paper_checks.claims._text import untestable
 from paper_checks.following import following
 
 A, B = 4.0, 0.5
@@ -145,6 +146,15 @@ CLAIMS = (
         "Section 2.3.2, before Eq. (44)",
         "The two linear equations keep the two equilibria of the envelope and its bistability.",
         "eq44",
+    ),
+    untestable(
+        "text-resembles",
+        "Section 2.3.2, before Eq. (44)",
+        "(44) somewhat resembles the Atkinson-Cabrera equations, and (48) a system with viscosity "
+        "[31] in that its dispersion relation is complex.",
+        "How much alike is not said. (44) is of first order in time and complex, and has no "
+        "energy; the chains cited are of second order and real. That (50) is complex on the real "
+        "axis is seen from its real part, 1/2.",
     ),
     following(
         "text-fourier",

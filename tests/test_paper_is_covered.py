@@ -59,8 +59,8 @@ def test_every_printed_result_is_the_printed_value_of_a_claim(number: str) -> No
 
 @pytest.mark.parametrize(
     "part", ["Abstract", "Introduction", "Section 1.1", "Section 1.2", "Section 1.3", "Section 2,",
-             "Section 2.1.1", "Section 2.1.3", "Section 2.1.4", "Section 2.2", "Section 2.3.1", "Section 2.3.2",
-             "Conclusions"],
+             "Section 2.1.1", "Section 2.1.3", "Section 2.1.4", "Section 2.2", "Section 2.3.1",
+             "Section 2.3.2", "Conclusions"],
 )  # fmt: skip
 def test_every_part_of_the_text_has_a_claim(part: str) -> None:
     assert any(entry.claim.place.startswith(part) for entry in ENTRIES)

@@ -146,7 +146,7 @@ class Claim:
     statement : str
         The claim in one short sentence.
     printed : str or None
-        The paper's value where it gives one.
+        The paper's value where it gives one; the parameters of a figure as ``at a = 4, …``.
     recorded : Verdict
         The verdict on record; a run that finds another one says so and exits with 1.
     command : str

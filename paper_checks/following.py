@@ -30,9 +30,9 @@ def following(
     key, place, statement, printed, weight
         As in `Claim`.
     *follows : str
-        Keys of claims, or names of modules for all claims in them. All of them together must
-        hold for the statement to hold. The verdict on record is found from theirs, by
-        `resolved`.
+        Keys of claims, or names of modules for all claims in them: those that carry the sentence
+        and no others. The verdict is `combined` from theirs; that on record is found in the same
+        way, by `resolved`.
 
     Examples
     --------
@@ -52,15 +52,24 @@ def following(
     )
 
 
+_HOLDS = {Verdict.REPRODUCED, Verdict.CORRECTED, Verdict.PARTIAL}
+
+
 def combined(verdicts: Iterable[Verdict]) -> Verdict:
-    """Return the verdict on a statement that holds if several others do.
+    """Return the verdict on a statement that says several things at once.
+
+    Where all have one verdict, it is that. Reproduced beside reproduced with a correction is the
+    latter. Where some hold, if only in part, and others do not, the statement holds only in part:
+    the finding names which. Where nothing holds and one is not reproduced, neither is it.
+
+    So a sentence follows only what it needs: any fault in a claim it follows is a fault in it.
 
     Examples
     --------
     >>> [combined(pair).name for pair in (
     ...     ("reproduced", "reproduced with a correction"),
     ...     ("reproduced", "not reproduced"),
-    ...     ("not reproduced", "not reproduced"),
+    ...     ("not reproduced", "cannot be tested from the text"),
     ... ) for pair in [map(Verdict, pair)]]
     ['CORRECTED', 'PARTIAL', 'NOT_REPRODUCED']
     """
@@ -69,7 +78,7 @@ def combined(verdicts: Iterable[Verdict]) -> Verdict:
         return found.pop()
     if found == {Verdict.REPRODUCED, Verdict.CORRECTED}:
         return Verdict.CORRECTED
-    return Verdict.PARTIAL
+    return Verdict.PARTIAL if found & _HOLDS else Verdict.NOT_REPRODUCED
 
 
 def followed(claim: Claim, entries: Sequence[Entry]) -> tuple[Entry, ...]:
@@ -158,7 +167,7 @@ def judgement_by_following(
         value=single.value if single else f"as judged under {names}",
         error=single.error if single else "see there",
         methods=single.methods if single else _methods(keys, findings),
-        tolerance="that of the claims it follows; all of them must hold",
+        tolerance="that of the claims it follows; 'in part' if some of them hold and others do not",
         explanation="\n\n".join(lines),
     )
     stored = any(outcome.judgement.stored for outcome in others)

@@ -289,10 +289,13 @@ def test_bad_parameters_are_refused(make: object) -> None:
 
 
 def test_the_claim_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.11, 0.13))
+    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.1, 0.11, 0.13))
     monkeypatch.setattr(fig15, "COUPLINGS", (0.05, 0.15, 0.5))
     claim = fig15.CLAIMS[0]
-    assert claim.judge().verdict is claim.recorded is Verdict.REPRODUCED
+    assert claim.judge().verdict is claim.recorded is Verdict.PARTIAL
+    # without the column that has states of none of the three kinds
+    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.11, 0.13))
+    assert claim.judge().verdict is Verdict.REPRODUCED
     # without a coupling low enough for a breather, a region is missing
     monkeypatch.setattr(fig15, "ETAS", (0.01, 0.05, 0.13))
     monkeypatch.setattr(fig15, "COUPLINGS", (0.05, 0.5))

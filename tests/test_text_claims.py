@@ -15,6 +15,7 @@ from paper_checks.claim import Claim, Verdict
 from paper_checks.claims import (
     _friction_cell,
     text_1_setup,
+    text_1_states,
     text_2_breather,
     text_2_cells,
     text_2_nucleation,
@@ -26,6 +27,7 @@ from theory.breather import Reading
 
 MODULES = (
     text_1_setup,
+    text_1_states,
     text_2_breather,
     text_2_cells,
     text_2_nucleation,
@@ -112,6 +114,24 @@ def test_a_wrong_closed_form_is_not_found_by_the_search(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(breather, "solve_breather", wrong)
     assert claim("text-extraction").judge().verdict is Verdict.NOT_REPRODUCED
+
+
+def test_outside_of_the_bistable_range_patterns_do_not_coexist(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(text_1_states, "V_D", 1.95)
+    assert claim("text-intro-bistable").judge().verdict is Verdict.NOT_REPRODUCED
+
+
+def test_where_a_strong_coupling_extinguishes_the_nucleus_it_does_not_promote(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    right = text_1_states.chain_of
+    monkeypatch.setattr(
+        text_1_states, "chain_of", lambda c, sites=31, belt=1.35: right(c, sites, belt)
+    )
+    monkeypatch.setattr(text_1_states, "LADDER", (0.005, 0.03, 0.2))
+    assert claim("text-coupling-promotes").judge().verdict is Verdict.NOT_REPRODUCED
 
 
 def test_a_wrong_sign_of_the_coupling_in_the_average_is_seen(

@@ -418,7 +418,7 @@ CLAIMS = (
         "fig02-states",
         "Fig. 2",
         "At v_d = 1.25 the cell has two stable states: steady sliding and a stick-slip cycle.",
-        None,
+        "at μ_st = 1, μ_d = 0.5, v_0 = 0.5, ξ = 0.05, v_d = 1.25",
         Verdict.REPRODUCED,
         "fronts cell friction --v-d 1.25",
         _two_states,
@@ -435,7 +435,7 @@ CLAIMS = (
     ),
     Claim(
         "fig02-subcritical",
-        "Section 1",
+        "Introduction",
         "Steady sliding of the cell loses stability in a subcritical Hopf bifurcation.",
         None,
         Verdict.REPRODUCED,

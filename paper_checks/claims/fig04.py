@@ -250,7 +250,7 @@ CLAIMS = (
         "fig04-bulk",
         "Fig. 4, section 1.3",
         "For bulk excitation the critical coupling is almost insensitive to the nucleus size.",
-        None,
+        "at N_size = 1, 3, 5, 7, 9, N_dof = 31",
         Verdict.PARTIAL,
         "fronts threshold friction --place bulk --nucleus 1 --accuracy 2e-5; "
         "fronts threshold friction --place bulk --nucleus 3 --accuracy 2e-5",

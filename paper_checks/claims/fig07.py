@@ -131,7 +131,7 @@ CLAIMS = (
         "fig07-localised",
         "Fig. 7, section 2.1",
         "One site placed near the limit cycle gives a localised periodic solution at c = 0.1.",
-        None,
+        "at a = 2.5, b = 0.5, c = 0.1, ε = 0.01",
         Verdict.REPRODUCED,
         "fronts breather --c 0.1 --method simulation",
         _localised,

@@ -174,7 +174,7 @@ CLAIMS = (
         "fig10-in-phase",
         "Fig. 10, section 2.2",
         "Nuclei of 3 and 7 sites prepared in phase reach a steady breather at c = 0.1.",
-        None,
+        "at a = 2.5, b = 0.5, c = 0.1, ε = 0.01",
         Verdict.PARTIAL,
         "fronts breather --c 0.1 --nucleus 3 --method simulation",
         _in_phase,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,13 @@ if TYPE_CHECKING:
 
 SIZES = (1, 2, 3, 5, 7, 9)
 PRINTED = {1: 0.1916, 3: 0.2011}
+
+SWEPT_FROM = 0.1
+"""Coupling of Fig. 10, from which the paper's sweeps may have begun."""
+
+AFFORDED = (1e3, 1e6)
+"""Periods of (8) that a sweep "gradually and slowly" from there may have taken. The chain relaxes
+in some hundred periods, so with less it is not slow; 1e6 periods of 31 sites are hours of work."""
 
 
 @lru_cache(maxsize=1)
@@ -92,10 +99,20 @@ def _values() -> Finding:
             raise ArithmeticError(f"size {size}: the sweeps do not follow the law of a fold")
         if abs(sweep.c_0 - envelope[size]) > sweep.error:
             raise ArithmeticError(f"size {size}: sweeps give {sweep.c_0}, fold {envelope[size]}")
+    stable_to = orbit[1].c if orbit[1].c_stable is None else orbit[1].c_stable
     late = {size: PRINTED[size] - orbit[size].c for size in PRINTED}
     slowest = {size: sweep.escapes[-1] - envelope[size] for size, sweep in sweeps.items()}
     close = max(abs(value) for value in late.values()) < 5e-5
-    delayed = all(0.0 < late[size] < slowest[size] for size in PRINTED)
+    # The delay is K rate^(2/3): the rate at which it would be the printed one.
+    rates = {
+        size: sweep.rates[-1] * (max(late[size], 0.0) / slowest[size]) ** 1.5
+        for size, sweep in sweeps.items()
+    }
+    periods = {
+        size: (PRINTED[size] - SWEPT_FROM) / (2.0 * math.pi * EPS * rate) if rate else math.inf
+        for size, rate in rates.items()
+    }
+    delayed = all(AFFORDED[0] < each < AFFORDED[1] for each in periods.values())
     if close:
         verdict = Verdict.REPRODUCED
     else:
@@ -110,14 +127,25 @@ def _values() -> Finding:
             "continuation of periodic orbits of (8) and of averaged breathers through their folds",
             f"bisection of runs of the averaged chain ({gap:.0e} from the folds) and slow sweeps",
         ),
-        tolerance="5e-5: the last printed digit; late by less than our slowest sweep: a delay",
+        tolerance=(
+            "5e-5: half of the last printed digit. A larger value is the delay of a sweep if from "
+            f"c = {SWEPT_FROM:g} it took {AFFORDED[0]:g} to {AFFORDED[1]:g} periods of (8)"
+        ),
         explanation=(
             "The printed values lie above the folds by "
             + " and ".join(f"{late[size]:.5f} (size {size})" for size in PRINTED)
             + ". They were found by slowly increasing c, which is late at a fold: sweeps at "
             f"dc/d(εt) = {sweeps[1].rates[-1]:g} are late by {slowest[1]:.5f} and "
-            f"{slowest[3]:.5f}; the delay grows like rate^(2/3) (observed {exponents}). The two "
-            "printed delays differ, so the two sweeps were not alike; the text gives no rates."
+            f"{slowest[3]:.5f}; the delay grows like rate^(2/3) (observed {exponents}). By this "
+            "law the printed values are those of sweeps at "
+            + " and ".join(f"{rates[size]:.1e} (size {size})" for size in PRINTED)
+            + f", which take {periods[1]:.1e} and {periods[3]:.1e} periods from c = "
+            f"{SWEPT_FROM:g} on: "
+            + ("both can be. " if delayed else "not both can be. ")
+            + f"The rates differ by a factor of {rates[3] / rates[1]:.2g}; the text gives none. "
+            "A fold is where the breather ceases to exist, and what a sweep finds; that of size 1 "
+            f"is unstable to an odd mode from c = {stable_to:.6f} on (text-two-values), "
+            f"{orbit[1].c - stable_to:.1e} before. Size 3 is never stable (fig11-patterns)."
         ),
         pictures=(_drawn(sweeps, envelope),),
     )
@@ -248,9 +276,11 @@ def _order() -> Finding:
 
 
 def _converged() -> Finding:
-    """See from which size on the fold no longer moves."""
+    """See from which size on the threshold no longer moves, with and without mirror symmetry."""
     gap = _agree()
     folds = _folds()
+    perturbed = [found for size, found in _perturbed().items() if size >= 5]
+    wide = max(each.high for each in perturbed) - min(each.low for each in perturbed)
     spread = {
         method: max(f.c for f in found if f.nucleus.size >= 5)
         - min(f.c for f in found if f.nucleus.size >= 5)
@@ -258,16 +288,25 @@ def _converged() -> Finding:
     }
     step = {method: abs(found[2].c - found[3].c) for method, found in folds.items()}
     steady = all(spread[method] < 0.1 * step[method] for method in folds)
+    verdict = Verdict.NOT_REPRODUCED
+    if steady:
+        verdict = Verdict.REPRODUCED if wide < 0.1 * step["envelope"] else Verdict.PARTIAL
     return Finding(
-        verdict=Verdict.REPRODUCED if steady else Verdict.NOT_REPRODUCED,
+        verdict=verdict,
         value="; ".join(f"size {fold.nucleus.size}: {fold.c:.8f}" for fold in folds["orbit"][3:]),
         error=f"{max(fold.error for fold in folds['orbit']):.0e}; ε → 0: "
         + ", ".join(f"{fold.c:.8f}" for fold in folds["envelope"][3:]),
         methods=("folds by continuation", f"bisection of runs, {gap:.0e} from the folds"),
-        tolerance="a spread over sizes 5, 7, 9 below a tenth of the step from size 3 to 5",
+        tolerance=(
+            "a spread over sizes 5, 7, 9 below a tenth of the step from size 3 to 5, for folds and "
+            "for perturbed runs; 'in part' if for folds only"
+        ),
         explanation=(
             f"Among mirror-symmetric breathers sizes 5, 7, 9 differ by {spread['orbit']:.1e} "
-            f"(ε → 0: {spread['envelope']:.1e}), and size 3 lies {step['orbit']:.5f} above."
+            f"(ε → 0: {spread['envelope']:.1e}), and size 3 lies {step['orbit']:.5f} above. These "
+            "are unstable (fig11-patterns). Perturbed by 1e-6, sizes 5, 7, 9 escape between "
+            + ", ".join(f"{each.low:.5f} and {each.high:.5f}" for each in perturbed)
+            + f", by seed: {wide:.5f} apart in all, in which no constant value is to be seen."
         ),
     )
 
@@ -293,15 +332,33 @@ def _growth_by_differences(phi: NDArray[np.complex128], omega: float, c: float) 
     return float(np.sort(np.delete(found, np.argmin(abs(found))).real)[-1])
 
 
-def _patterns() -> Finding:
-    """Follow every pattern of steps ±π/2 of sizes 3, 5, 7 and look for a stable one."""
+def _growth_half_way(fold: BreatherThreshold) -> tuple[float, float]:
+    """Return the growth rate half way to a fold, and how far another one is from it."""
     from theory.vdp_chain import VdpChain
-    from verification.breathers.envelope import solve_envelope_breather, staggered_branch
+    from verification.breathers.envelope import solve_envelope_breather
+    from verification.breathers.nucleus import sites_for
+
+    half = VdpChain(A, B, 0.5 * fold.c, EPS, sites_for(fold.nucleus.size))
+    breather = solve_envelope_breather(half, fold.nucleus)
+    if breather.exponents is None:
+        raise ArithmeticError(f"no breather {fold.nucleus.pattern} half way to its fold")
+    growth = _growth_by_differences(breather.phi, breather.omega, half.c)
+    return growth, abs(growth - breather.exponents.growth)
+
+
+@lru_cache(maxsize=1)
+def pattern_folds() -> tuple[list[BreatherThreshold], float]:
+    """Return the folds of every pattern of steps ±π/2 of sizes 3, 5, 7, as ε → 0.
+
+    And how far those of the staggered reduction are from them, for sizes 3 and 5.
+    """
+    from theory.vdp_chain import VdpChain
+    from verification.breathers.envelope import staggered_branch
     from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
     from verification.breathers.threshold import breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
-    rows, gaps, rates = [], [], []
+    rows, gaps = [], []
     for size in (3, 5, 7):
         for pattern in right_angle_patterns(size):
             # Reflection turns a pattern into its reverse with signs changed: follow one of the two.
@@ -314,15 +371,16 @@ def _patterns() -> Finding:
                 here = VdpChain(A, B, 0.0, EPS, sites_for(size))
                 fold = staggered_branch(here, Nucleus(size, pattern)).fold
                 gaps.append(abs(fold.c - found.c) if fold is not None else 1.0)
-                half = replace(here, c=0.5 * found.c)
-                breather = solve_envelope_breather(half, Nucleus(size, pattern))
-                if breather.exponents is None:
-                    raise ArithmeticError(f"no breather {pattern} half way to its fold")
-                growth = _growth_by_differences(breather.phi, breather.omega, half.c)
-                rates.append((growth, abs(growth - breather.exponents.growth)))
     if max(gaps) > 1e-8:
         raise ArithmeticError(f"staggered reduction and full envelope differ by {max(gaps):.1e}")
-    least, apart = min(growth for growth, _ in rates), max(gap for _, gap in rates)
+    return rows, max(gaps)
+
+
+def _patterns() -> Finding:
+    """Follow every pattern of steps ±π/2 of sizes 3, 5, 7 and look for a stable one."""
+    rows, gap = pattern_folds()
+    rates = [_growth_half_way(row) for row in rows if row.nucleus.size < 7]
+    least, apart = min(growth for growth, _ in rates), max(off for _, off in rates)
     if apart > 1e-7:
         raise ArithmeticError(f"growth rates by differences are off by {apart:.1e}")
     stable = [row for row in rows if row.c_stable is not None]
@@ -334,7 +392,7 @@ def _patterns() -> Finding:
         verdict=Verdict.NOT_REPRODUCED if not stable else Verdict.PARTIAL,
         value=f"{len(stable)} of {len(rows)} patterns of sizes 3, 5, 7 are ever stable",
         error=f"folds: {max(row.error for row in rows):.0e}; the two computations differ by "
-        f"{max(gaps):.0e}",
+        f"{gap:.0e}",
         methods=(
             "continuation and exponents of the full averaged chain",
             "sizes 3 and 5: folds of the real staggered reduction; growth rates from (43) "
@@ -387,7 +445,7 @@ CLAIMS = (
         "Fig. 11, section 2.2",
         "The critical coupling is constant from nucleus size 5 on.",
         None,
-        Verdict.REPRODUCED,
+        Verdict.PARTIAL,
         "fronts threshold vdp --nucleus 5 --method orbit; "
         "fronts threshold vdp --nucleus 9 --method orbit",
         _converged,

@@ -109,7 +109,7 @@ CLAIMS = (
         "Fig. 12, section 2.3.1",
         "Above the critical coupling a front runs steadily along the chain, site after site going "
         "over from rest to the stable cycle.",
-        None,
+        "at a = 4, b = 0.5, c = 0.6, ε = 0.01",
         Verdict.REPRODUCED,
         "fronts front vdp --a 4 --b 0.5 --c 0.6 --eps 0.01",
         _steady,

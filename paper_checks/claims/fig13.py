@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.claims._fronts import EPS, A, B, staggered_velocity
+from paper_checks.claims._fronts import (
+    EPS,
+    A,
+    B,
+    staggered_velocity,
+    velocity_on_few_sites,
+    wave_velocity,
+)
 from paper_checks.data_table import long_table
 from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 
@@ -13,8 +22,8 @@ AVERAGED = (
     0.115, 0.12, 0.135, 0.15, 0.175, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4, 2.0, 3.0,
     4.5, 7.0, 10.0, 15.0, 22.0, 33.0, 50.0, 70.0, 100.0,
 )  # fmt: skip
-FULL = (0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0)
-"""Couplings; the range of the paper's axis cannot be read."""
+FULL = (0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+"""Couplings; the range of the paper's axis cannot be read, so the last ones go far beyond any."""
 
 SLOW = (0.1024, 0.1028, 0.1032)
 """Couplings just above the one at which fronts stop."""
@@ -22,25 +31,64 @@ SLOW = (0.1024, 0.1028, 0.1032)
 CHECKED = (0.3, 0.6, 1.0)
 """Couplings at which scipy's velocity is compared."""
 
+STRONG = 100.0
+"""Coupling at which the velocity of (8) is compared with scipy's, and with that of (43)."""
+
 _LINEAR = 0.02
+_SHORT = 0.02
+"""What the velocity of (8) on 160 sites may differ from that on 500: the front is some tens of
+sites wide at c = 100 and has not quite settled."""
+
+
+def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
+    """Return v̂ of (8) with its error, by c, checked by scipy for strong coupling."""
+    from theory.vdp_chain import VdpChain
+    from verification.vdp.front import measure_front
+    from verification.vdp.run import Model
+
+    fronts = []
+    for c in FULL:
+        # Where c is large the front is wide, and settles on a long chain only.
+        wide = c >= 30.0
+        fronts.append(
+            measure_front(
+                VdpChain(A, B, c, eps=EPS, sites=500 if wide else 31),
+                Model.FULL,
+                accuracy=5e-3 if wide else 1e-2 if c > 3.0 else 1e-3,
+                most_sites=500 if wide else 250,
+            )
+        )
+    if not all(each.v and each.error is not None for each in fronts):
+        raise ArithmeticError("a front of (8) did not run")
+    v = np.array([each.v for each in fronts])
+    short = velocity_on_few_sites(STRONG)
+    if abs(short / v[FULL.index(STRONG)] - 1.0) > _SHORT:
+        raise ArithmeticError(
+            f"(8) at c = {STRONG:g}: {v[FULL.index(STRONG)]:.3f}, scipy {short:.3f}"
+        )
+    q = np.linspace(1e-4, np.pi, 20001)
+    for c in FULL:
+        by_slope = np.gradient(np.sqrt(1.0 + 2.0 * EPS * c * (1.0 - np.cos(q))), q).max() / EPS
+        if abs(by_slope / wave_velocity(c) - 1.0) > 1e-6:
+            raise ArithmeticError(f"group velocity at c = {c:g}: {by_slope:.6f} by the slope")
+    return v, np.array([each.error for each in fronts])
 
 
 def _scaling() -> Finding:
-    """Measure v̂ up to c = 100; compare the exponent with one, and v̂ with the law."""
+    """Measure v̂ of (8) and of (43) for strong coupling; compare the exponents with one."""
     from theory.envelope_front import strong_coupling_front
     from theory.vdp_chain import VdpChain
     from verification.arrival_fit import FrontStatus
     from verification.vdp.front import Behind, measure_front
-    from verification.vdp.run import Model
 
     law = strong_coupling_front(B / A**2)
     fronts = [
         measure_front(VdpChain(A, B, c), accuracy=2e-4, most_sites=2000 if c > 1.0 else 250)
         for c in AVERAGED
     ]
-    full = [measure_front(VdpChain(A, B, c, eps=EPS), Model.FULL, most_sites=250) for c in FULL]
-    if not all(each.v and each.error is not None for each in (*fronts, *full)):
+    if not all(each.v and each.error is not None for each in fronts):
         raise ArithmeticError("a front did not run")
+    v_full, error_full = _full_velocities()
     slow = [measure_front(VdpChain(A, B, each), behind=Behind.WAVE).v or 0.0 for each in SLOW]
     rise, foot = np.polyfit(SLOW, np.square(slow), 1)
     stop = -foot / rise
@@ -49,7 +97,6 @@ def _scaling() -> Finding:
         raise ArithmeticError(f"a front is {below.status} where it should have stopped")
     c, v = np.array(AVERAGED), np.array([each.v for each in fronts])
     error = np.array([each.error for each in fronts])
-    v_full = np.array([each.v for each in full])
     gap = max(
         abs(each.v / staggered_velocity(A, B, each.chain.c) - 1.0)
         for each in fronts
@@ -63,34 +110,63 @@ def _scaling() -> Finding:
     near = c >= 0.2
     slope, offset = np.polyfit(c[near & (c <= 3.0)], v[near & (c <= 3.0)], 1)
     rest = v[near & (c <= 3.0)] - slope * c[near & (c <= 3.0)] - offset
-    linear = abs(exponent[-1] - 1.0) < _LINEAR and abs(predicted - v[-1]) < 0.05
+    of_full = np.diff(np.log(v_full)) / np.diff(np.log(FULL))
+    waves = np.array([wave_velocity(each) for each in FULL])
+    averaged = abs(exponent[-1] - 1.0) < _LINEAR and abs(predicted - v[-1]) < 0.05
+    itself = abs(of_full[-1] - 1.0) < _LINEAR
+    verdict = Verdict.REPRODUCED if itself else Verdict.NOT_REPRODUCED
+    if averaged and not itself:
+        verdict = Verdict.PARTIAL
+    couplings = np.array(FULL)
+    strong = couplings >= 10.0
+    at = FULL.index(STRONG)
     return Finding(
-        verdict=Verdict.REPRODUCED if linear else Verdict.NOT_REPRODUCED,
-        value=f"d ln v̂/d ln c = {exponent[-1]:.4f} at c = {middle[-1]:.0f}; v̂(100) = {v[-1]:.2f}",
+        verdict=verdict,
+        value=(
+            "(8) at ε = 0.01: v̂/c = "
+            + ", ".join(f"{ratio:.3f}" for ratio in v_full[strong] / couplings[strong])
+            + " at c = "
+            + ", ".join(f"{each:g}" for each in couplings[strong])
+            + f"; ε → 0: d ln v̂/d ln c = {exponent[-1]:.4f} at c = {middle[-1]:.0f}"
+        ),
         error=(
-            f"v̂(100) uncertain by {error[-1]:.2g}; the law v̂ = c + {law.kappa:.6f} (c/6)^(1/3) "
-            f"gives {predicted:.2f}"
+            f"v̂ of (8) to {float(np.max(error_full / v_full)):.1%}; ε → 0: v̂(100) = {v[-1]:.2f} ± "
+            f"{error[-1]:.2g}, the law v̂ = c + {law.kappa:.6f} (c/6)^(1/3) gives {predicted:.2f}"
         ),
         methods=(
-            "(43) run directly, arrival times fitted; on the whole chain where v̂ < c",
-            "the law, from a boundary-value problem without time; and scipy's DOP853 on the real "
-            f"staggered chain at c = {', '.join(map(str, CHECKED))}: the same v̂ to {gap:.0e}",
+            "(8) and (43) run directly, arrival times fitted; on the whole chain where v̂ < c",
+            f"scipy's DOP853: (8) on 160 sites at c = {STRONG:g}, the same to {_SHORT:.0%}, and "
+            f"the real staggered chain at c = {', '.join(map(str, CHECKED))}, to {gap:.0e}; for "
+            "ε → 0 the law, from a boundary-value problem without time",
         ),
-        tolerance=f"{_LINEAR:g} in the exponent: the law has {law.exponent(100.0):.4f} there",
+        tolerance=(
+            f"{_LINEAR:g} in the exponent: the law has {law.exponent(100.0):.4f} at c = 100. 'In "
+            "part' if it is one as ε → 0 only"
+        ),
         explanation=(
-            "A front has a phase step of -π/2 a site. Its linear waves then move at c, and it is "
-            "wide against the spacing when c is large, which leads to the law; its second term "
-            "grows as a cube root only, so that v̂/c tends to one. The exponent is "
+            "The caption names (8), and (8) is linear while εc ≪ 1 only. Its front goes on with "
+            "the fastest waves about rest, which move at (√(1+4εc) - 1)/(2ε): "
+            + ", ".join(f"{each:.1f}" for each in waves[strong])
+            + " at these c, where we measure "
+            + ", ".join(f"{each:.1f}" for each in v_full[strong])
+            + f". This grows like √c: the exponent is {of_full[0]:.2f} at c = "
+            f"{math.sqrt(FULL[0] * FULL[1]):.2f} and "
+            f"{of_full[-1]:.2f} at c = {math.sqrt(FULL[-1] * FULL[-2]):.0f}, still falling. It is "
+            "the law of Model I with εc for c (fig06-linear). As ε → 0 it becomes c: a front of "
+            "(43) has a phase step of -π/2 a site, its waves move at c, and v̂/c tends to one. "
+            f"At c = {STRONG:g} the two differ by {1 - v_full[at] / v[-1]:.0%}, at 3 by "
+            f"{1 - v_full[FULL.index(3.0)] / v[AVERAGED.index(3.0)]:.1%}, at 0.3 by "
+            f"{1 - v_full[FULL.index(0.3)] / v[AVERAGED.index(0.3)]:.1%}.\n\n"
+            "In the averaged chain the exponent is "
             f"{exponent[0]:.2f} at c = {middle[0]:.3f}, near where fronts stop, passes one near "
             f"c = {middle[int(np.argmax(exponent < 1.0))]:.2f}, is smallest, {exponent.min():.3f}, "
             f"at c = {middle[int(np.argmin(exponent))]:.2f} and returns to one. "
             f"Fronts stop at c = {stop:.4f}, where v̂² falls to zero in a straight line, and are "
             "pinned below. "
             f"From c = 0.2 to 3 a straight line {slope:.3f} c + {offset:.3f} leaves residuals up "
-            f"to {np.abs(rest).max():.3f}. At ε = 0.01 the chain (8) has a v̂ lower by "
-            f"{1 - v_full[1] / v[AVERAGED.index(0.3)]:.1%} at c = 0.3 and "
-            f"{1 - v_full[-1] / v[AVERAGED.index(3.0)]:.1%} at c = 3, where εc is no longer small. "
-            "The simplified model behind Fig. 17 does not share this law: there v̂ grows like √c."
+            f"to {np.abs(rest).max():.3f}: what the figure shows may well be straight. "
+            "The simplified model behind Fig. 17 does not share the law of (43): there v̂ grows "
+            "like √c at any ε."
         ),
         pictures=(_picture(c, v, error, v_full, middle, exponent, law.kappa),),
     )
@@ -110,7 +186,10 @@ def _picture(
     law = c + kappa * np.cbrt(c / 6.0)
     for axes, part in ((first, c <= 3.0), (second, c > 0.0)):
         axes.plot(c[part], v[part], "o-", color=COLOURS["blue"], label="averaged (43)")
-        axes.plot(FULL, v_full, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
+        shown = len(FULL) if part.all() else FULL.index(3.0) + 1
+        axes.plot(
+            FULL[:shown], v_full[:shown], "s", color=COLOURS["vermilion"], label="(8), ε = 0.01"
+        )
         strong = part & (c >= 0.3)
         axes.plot(c[strong], law[strong], ":", color=COLOURS["black"], label=r"$c+κ(c/6)^{1/3}$")
         axes.set(xlabel="coupling c", ylabel=r"front velocity $\hat v$")
@@ -148,11 +227,15 @@ CLAIMS = (
         "fig13-scaling",
         "Fig. 13, section 2.3.1",
         "The scaled front velocity is asymptotically linear in the coupling.",
-        None,
-        Verdict.REPRODUCED,
-        "fronts front envelope --a 4 --b 0.5 --c 70 --accuracy 2e-4; "
+        "at a = 4, b = 0.5",
+        Verdict.PARTIAL,
+        "fronts front vdp --a 4 --b 0.5 --c 100 --accuracy 5e-3; "
         "fronts front envelope --a 4 --b 0.5 --c 100 --accuracy 2e-4",
         _scaling,
         2,
+        because=(
+            "that is the law of the averaged chain; the chain (8) leaves it as εc grows, and its "
+            "velocity ends like √c."
+        ),
     ),
 )

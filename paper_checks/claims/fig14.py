@@ -90,6 +90,8 @@ def _velocity() -> Finding:
     beyond = front(high).status.value
     strength = effective_epsilon(VdpChain(1.0, FULL[0], C, eps=0.01))
     falls = bool(np.all(np.diff(v) < 0.0))
+    worst = max(each.error or 0.0 for each in free)
+    varies = float(np.ptp(v)) > 10.0 * worst
     outrun = ETAS[int(np.argmax(v_wave < C))]
     figure, axes = new_axes(height=2.8, xlabel="η = b/a²", ylabel=r"front velocity $\hat v$")
     axes.plot(ETAS, v, "o-", color=COLOURS["blue"], label="averaged (43), free end")
@@ -126,15 +128,19 @@ def _velocity() -> Finding:
         ),
     )
     return Finding(
-        verdict=Verdict.REPRODUCED if falls else Verdict.PARTIAL,
-        value=f"v̂ falls from {v[0]:.3f} at η = {ETAS[0]} to {v[-1]:.4f} at η = {ETAS[-1]}",
-        error=f"each v̂ to {max(each.error or 0.0 for each in free):.0e} or better",
+        verdict=Verdict.REPRODUCED if varies else Verdict.NOT_REPRODUCED,
+        value=(
+            f"v̂ {'falls' if falls else 'goes'} from {v[0]:.3f} at η = {ETAS[0]} to {v[-1]:.4f} at "
+            f"η = {ETAS[-1]}"
+        ),
+        error=f"each v̂ to {worst:.0e} or better",
         methods=(
             "(43) run directly, arrival times fitted",
             f"scipy's DOP853 on the real staggered chain: the same v̂ to {gap:.0e}, wave behind",
         ),
-        tolerance="a rise of v̂ anywhere would change the verdict",
+        tolerance="ten times the largest error: less is no variation",
         explanation=(
+            "That it falls is our finding; the paper says no more than that η scales it. "
             f"At η = {ETAS[0]} to about {outrun}, v̂ > c: the front outruns all waves behind it. "
             "Beyond it is overtaken by what the free end sends after it, and its velocity depends "
             f"on what is behind: {v_wave[-1]:.4f} with a wave that goes on, {v[-1]:.4f} with a "
@@ -185,8 +191,8 @@ CLAIMS = (
     Claim(
         "fig14-velocity",
         "Fig. 14",
-        "The scaled front velocity depends on η; the front slows as η grows.",
-        None,
+        "The scaled front velocity varies with η at c = 0.3.",
+        "at c = 0.3",
         Verdict.REPRODUCED,
         "fronts front envelope --eta 0.002 --c 0.3; fronts front envelope --eta 0.09 --c 0.3",
         _velocity,

@@ -137,7 +137,7 @@ CLAIMS = (
         "fig16-admissible",
         "Fig. 16, after Eq. (54)",
         "The solution clearly satisfies the admissibility condition.",
-        None,
+        "at a = 4, b = 0.5, c = 0.5",
         Verdict.REPRODUCED,
         "fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png",
         _profile,

@@ -12,7 +12,6 @@ CLAIMS = (
         "Both models have discrete breathers at low coupling.",
         "fig03-breather",
         "fig07-localised",
-        "fig15-regions",
     ),
     following(
         "text-abstract-fronts",
@@ -40,8 +39,7 @@ CLAIMS = (
         "text-abstract-similar",
         "Abstract",
         "The two models show very similar dynamical features.",
-        "fig05-regions",
-        "fig15-regions",
+        "models",
     ),
     untestable(
         "text-abstract-others",
@@ -63,12 +61,18 @@ CLAIMS = (
         "Weakly coupled chains of frictional oscillators can have localised stick-slip.",
         "fig03-breather",
     ),
-    following(
-        "text-intro-bistable",
+    untestable(
+        "text-intro-irregular",
         "Introduction",
-        "Many patterns coexist because the friction cell is bistable over a range of speeds.",
-        "fig02-regions",
-        "fig02-subcritical",
+        "The localised patterns of [18] had periodic and irregular stick-slip motion.",
+        "It is about the model of [18], whose parameters and starts are not repeated here. That "
+        "many patterns coexist is judged under text-intro-bistable.",
+    ),
+    untestable(
+        "text-intro-two-dimensions",
+        "Introduction",
+        "Propagating stick-slip was also observed in a model in two dimensions [20].",
+        "It is about a model of others; neither model of the paper has two dimensions.",
     ),
     untestable(
         "text-intro-difficult",
@@ -81,9 +85,10 @@ CLAIMS = (
         "text-intro-regimes",
         "Introduction",
         "Both models have stable regimes of localised solutions and of travelling waves.",
-        "fig05-regions",
-        "fig15-regions",
-        "fig10-stable",
+        "fig03-breather",
+        "fig03-front",
+        "fig07-localised",
+        "fig12-steady",
     ),
     following(
         "text-intro-nucleation",

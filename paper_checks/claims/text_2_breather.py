@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from paper_checks.claim import Claim, Erratum, Fault, Finding, Verdict
-from paper_checks.claims._breathers import EPS, A, B
+from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
 from paper_checks.following import following
 
 SETS = ((2.5, 0.5), (4.0, 0.5))
@@ -137,7 +137,68 @@ def _solutions(site: int, c: float, starts: np.ndarray) -> list[tuple[float, flo
     return sorted(found, reverse=True)
 
 
+STABLE, UNSTABLE = (1, 0.15), (3, 0.15)
+"""Nucleus sizes and couplings of a stable breather and of one that a multiplier has left."""
+
+
+def _escape() -> Finding:
+    """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
+    from theory.vdp_chain import VdpChain
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.breathers.orbits import solve_orbit
+
+    turns, rows = 8, []
+    for size, c in (STABLE, UNSTABLE):
+        nucleus = Nucleus(size, outward_pattern(size))
+        orbit = solve_orbit(VdpChain(A, B, c, EPS, 9), nucleus)
+        if orbit.multipliers is None:
+            raise ArithmeticError(f"no multipliers of size {size}")
+        values, vectors = np.linalg.eig(monodromy_by_differences(orbit.state, c, orbit.period))
+        ours = np.sort(np.abs(orbit.multipliers.values))[::-1]
+        apart = np.argsort(np.abs(values - 1.0))[1:]
+        lead = apart[int(np.argmax(np.abs(values[apart])))]
+        kick = 1e-5 * np.real(vectors[:, lead] / np.linalg.norm(vectors[:, lead]))
+        starts = np.column_stack([orbit.state, orbit.state + kick, orbit.state - kick])
+        ends = flow(starts, c, turns * orbit.period)
+        grown = np.linalg.norm(ends[:, 1] - ends[:, 2]) / np.linalg.norm(2.0 * kick)
+        rows.append((size, c, float(np.abs(values[lead])), float(grown ** (1.0 / turns))))
+        if np.abs(ours - np.abs(values[lead])).min() > 1e-6:
+            raise ArithmeticError(f"size {size}: no multiplier {np.abs(values[lead]):.7f} by ours")
+    gap = max(abs(multiplier - growth) for _, _, multiplier, growth in rows)
+    right = gap < 1e-4 and rows[0][3] < 1.0 < rows[1][3]
+    return Finding(
+        verdict=Verdict.REPRODUCED if right else Verdict.NOT_REPRODUCED,
+        value="; ".join(
+            f"size {size}, c = {c:g}: multiplier {multiplier:.6f}, a perturbation changes by "
+            f"{growth:.6f} a period"
+            for size, c, multiplier, growth in rows
+        ),
+        error=f"{gap:.0e} between the two",
+        methods=(
+            "multipliers of the periodic orbit, trivial one apart: variational equations and "
+            "differences of scipy's flow",
+            f"scipy's runs of (8) from the orbit perturbed by 1e-5, over {turns} periods",
+        ),
+        tolerance="1e-4: a perturbation of 1e-5 is linear to about as much",
+        explanation=(
+            "As theory has it: inside the unit circle a perturbation decays, outside it grows, at "
+            "the rate of the multiplier. The multiplier one along the orbit is always there. Along "
+            "an orbit that is only approximate it is not exactly one (fig09-multipliers)."
+        ),
+    )
+
+
 CLAIMS = (
+    Claim(
+        "text-escape",
+        "Section 2.1.4, before Fig. 9",
+        "Loss of stability corresponds to the escape of multipliers from the unit circle.",
+        None,
+        Verdict.REPRODUCED,
+        "fronts breather --a 2.5 --b 0.5 --c 0.15 --method all",
+        _escape,
+        weight=0,
+    ),
     following(
         "text-constant-rates",
         "Section 2.1, after Eq. (9)",
@@ -172,6 +233,13 @@ CLAIMS = (
         Verdict.PARTIAL,
         "fronts breather --c 0.1 --method closed-form",
         _extraction,
+    ),
+    following(
+        "text-self-consistent-amplitude",
+        "Section 2.1.1, before Eq. (26)",
+        "For self-consistency α_0 = 2R.",
+        "eq26",
+        printed="α_0 = 2R",
     ),
     following(
         "text-all-amplitudes",

@@ -9,6 +9,8 @@ import numpy as np
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._breathers import EPS
 from paper_checks.claims._one_cell import trajectory
+from paper_checks.claims._text import untestable
+from paper_checks.following import following
 
 SETS = ((2.5, 0.5), (4.0, 0.5))
 """The (a, b) of Figs. 7-11, and of Figs. 12, 13, 16, 17."""
@@ -196,5 +198,18 @@ CLAIMS = (
         Verdict.REPRODUCED,
         "fronts check text-small",
         _small,
+    ),
+    untestable(
+        "text-simplest",
+        "Section 2, before Eq. (8)",
+        "The Van der Pol cell is probably the simplest model with a limit cycle and a fixed point.",
+        "What counts as simple is not said. That it has both is judged under text-cell.",
+    ),
+    following(
+        "text-smooth",
+        "Section 2, before Eq. (8)",
+        "The smoothness of Model II allows the application of several analytical techniques.",
+        "eq26",
+        "eq34",
     ),
 )

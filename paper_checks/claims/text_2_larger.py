@@ -248,6 +248,10 @@ CLAIMS = (
         f"fronts simulate vdp --n {CHAIN_SITES} --c 0.195 --excite 21 --t-end 100000",
         _to_larger,
         weight=2,
+        because=(
+            "larger nuclei stand, and only where the start is exactly mirror-symmetric; otherwise "
+            "the nucleus creeps on."
+        ),
         expensive=True,
     ),
     Claim(

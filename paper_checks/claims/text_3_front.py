@@ -138,8 +138,7 @@ CLAIMS = (
         "text-linear-both",
         "Section 2.3.1",
         "This is similar to the friction-excited system.",
-        "fig06-linear",
-        "fig13-scaling",
+        "models-velocity",
     ),
     Claim(
         "text-collapse",
@@ -155,14 +154,7 @@ CLAIMS = (
         "text-forcing",
         "Section 2.3.1",
         "η is in a sense the equivalent of the belt speed.",
-        "The sense is not given. What can be compared, the two maps, is under text-alike.",
-    ),
-    following(
-        "text-alike",
-        "Section 2.3.1, Fig. 15",
-        "The map looks qualitatively like that of Fig. 5.",
-        "fig05-regions",
-        "fig15-regions",
+        "The sense is not given. What can be compared, the two maps, is under models-maps.",
     ),
     Claim(
         "text-gauge",

@@ -10,8 +10,7 @@ CLAIMS = (
         "text-end-similar",
         "Conclusions",
         "The two models are different, but their dynamical behaviour is very similar.",
-        "fig05-regions",
-        "fig15-regions",
+        "models",
     ),
     following(
         "text-end-breathers",
@@ -19,14 +18,13 @@ CLAIMS = (
         "In both models discrete breathers are observed at low coupling.",
         "fig03-breather",
         "fig07-localised",
-        "fig15-regions",
     ),
     following(
         "text-end-loss",
         "Conclusions",
         "With more coupling the breather loses stability and limit cycles spread in the chain.",
-        "fig03-front",
-        "fig11-values",
+        "text-coupling-promotes",
+        "text-two-values",
         "fig12-steady",
     ),
     following(

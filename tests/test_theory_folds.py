@@ -1,0 +1,55 @@
+"""The search for the velocity at which moving fronts begin."""
+
+import numpy as np
+import pytest
+
+from theory import thresholds
+from theory.limits import static_sum
+from theory.sum_integral import sums
+
+
+@pytest.mark.parametrize("c", [1.0, 1.2, 1.5, 1.9])
+def test_where_no_front_moves_below_pinning_none_is_found(c: float) -> None:
+    # |Sum| stays below its limit at rest, which it meets to within rounding for small v.
+    height = np.abs(sums(np.geomspace(0.018, 5, 3000), c, 1e-14).value)
+    assert abs(height.max() - abs(static_sum(c))) < 2e-13
+    assert thresholds._maxima(c).size == 0
+    assert thresholds.fold_eta(c).velocity == 0.0
+
+
+def test_from_beside_a_minimum_the_climb_leads_up_and_not_down(monkeypatch) -> None:
+    # e^{-x^2/2}, x = (t - 1)/0.1: beyond x = 1 it is bent upwards, and Newton's step leads away.
+    def hill(t: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, ...]:
+        x = (t - 1.0) / 0.1
+        height = np.exp(-x * x / 2)
+        return height, -x / 0.1 * height, np.ones_like(t), np.zeros_like(t)
+
+    monkeypatch.setattr(thresholds, "_height", hill)
+    found = thresholds._climb(np.array([0.84, 0.97, 1.2]), np.full(3, 0.5))
+    np.testing.assert_allclose(found, 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("c", [0.05, 0.4, 0.7, 0.822, 0.826, 0.83, 0.838, 0.842, 0.848, 0.85])
+def test_the_maximum_found_is_the_highest_of_all(c: float) -> None:
+    # Near c = 0.826 and 0.838 two maxima are as high to a millionth, and the scan meets neither.
+    v = 1.0 / np.linspace(1.0 / 4.0, 1.0 / 0.018, 40_000)
+    height = np.abs(sums(v, c, 1e-14).value)
+    t = thresholds._maxima(c)
+    found = thresholds._height(t, np.full(t.shape, c))[0]
+    assert found[0] >= height.max() - 1e-13
+    assert np.all(np.diff(found) <= 0)
+
+
+def test_the_fold_in_c_and_the_fold_in_eta_are_inverse_where_maxima_change_places() -> None:
+    etas = np.linspace(0.0425, 0.0445, 21)
+    folds = thresholds.fold_couplings(etas)
+    changes = 0
+    for eta, fold, after in zip(etas.tolist(), folds, [*folds[1:], None], strict=True):
+        assert fold is not None
+        back = thresholds.fold_eta(fold.value)
+        assert back.value == pytest.approx(eta, rel=1e-12)
+        # no front moves below the fold: the sum stays below 2r there
+        below = thresholds.fold_eta(fold.value - 2 * fold.error - 1e-13)
+        assert below.value < eta
+        changes += after is not None and abs(after.velocity - fold.velocity) > 0.005
+    assert changes >= 2

@@ -53,3 +53,32 @@ def test_the_fold_in_c_and_the_fold_in_eta_are_inverse_where_maxima_change_place
         assert below.value < eta
         changes += after is not None and abs(after.velocity - fold.velocity) > 0.005
     assert changes >= 2
+
+
+@pytest.mark.parametrize("c", [0.3, 0.5, 0.7, 0.82])
+def test_the_climb_begins_at_the_tops_of_the_scan(c: float, monkeypatch) -> None:
+    monkeypatch.setattr(thresholds, "_climb", lambda t, c: t)
+    t = thresholds._maxima(c)
+    assert t.size > 0
+    height = thresholds._height(t, np.full(t.shape, c))[0]
+    wave = np.pi / (4 * c + 1)  # of |Sum| over 1/v, a half
+    for side in (-1, 1):
+        beside = np.log(1 / (np.exp(-t) + side * wave))
+        assert np.all(thresholds._height(beside, np.full(t.shape, c))[0] < height)
+
+
+def test_a_maximum_that_is_as_high_as_the_limit_to_within_rounding_is_none(monkeypatch) -> None:
+    c = 0.5
+    height = thresholds._height
+
+    def level(excess: float):
+        def heights(t: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, ...]:
+            _, *rest = height(t, c)
+            return np.full(t.shape, abs(static_sum(0.5)) + excess), *rest
+
+        return heights
+
+    monkeypatch.setattr(thresholds, "_climb", lambda t, c: t)
+    for excess, some in ((1e-13, False), (-1e-13, False), (3e-13, True)):
+        monkeypatch.setattr(thresholds, "_height", level(excess))
+        assert (thresholds._maxima(c).size > 0) == some

@@ -153,7 +153,7 @@ def test_the_labels_kept_are_those_nearer_than_the_distance(
 
 
 def test_twenty_thousand_roots_to_many_digits_and_a_million_to_few() -> None:
-    # below the axis S = 0 near k = -2c/v: some 10^5 strips away
+    # S = 0 near k = -2c/v: some 10^5 strips away
     place = scene(1.0, 3e5)
     with mp.workdps(30):
         first, last = sum_series._kept_labels(place, 5.0)

@@ -82,3 +82,31 @@ def test_a_maximum_that_is_as_high_as_the_limit_to_within_rounding_is_none(monke
     for excess, some in ((1e-13, False), (-1e-13, False), (3e-13, True)):
         monkeypatch.setattr(thresholds, "_height", level(excess))
         assert (thresholds._maxima(c).size > 0) == some
+
+
+def test_beyond_the_last_fold_none_is_sought() -> None:
+    fold = thresholds.fold_eta(2 * thresholds.LAST_FOLD)
+    assert fold.velocity == 0.0
+
+
+def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypatch) -> None:
+    eta = 0.03125
+    (fold,) = thresholds.fold_couplings([eta])
+    pin = thresholds.pinning_coupling(eta)
+    assert fold is not None
+    assert pin is not None
+    height = thresholds._height
+    # by this much the height may be off; the fold is then uncertain by twice that over d|Sum|/dc
+    by_c = height(np.log([fold.velocity]), np.array([fold.value]))[2][0]
+    gap = pin - fold.value
+    for share, moving in ((0.9, True), (1.1, False)):
+
+        def uncertain(t, c, error=share * gap * by_c / 2):
+            *rest, _ = height(t, c)
+            return *rest, np.full(t.shape, error)
+
+        monkeypatch.setattr(thresholds, "_height", uncertain)
+        (found,) = thresholds.fold_couplings([eta])
+        assert found is not None
+        assert (found.velocity > 0) == moving
+        assert found.value == (pytest.approx(fold.value, rel=1e-13) if moving else pin)

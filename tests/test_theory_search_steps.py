@@ -213,3 +213,38 @@ def test_a_dip_far_narrower_than_the_spacing_of_points_is_found() -> None:
     # it is sqrt(1e-9/0.05) = 1.4e-4 wide, between points 0.125 apart
     fails_at = Shape(depth=-1e-9, curvature=0.05).judged()
     assert fails_at == pytest.approx(1.3, abs=2e-4)
+
+
+class FirstCell(Shape):
+    """h = d x (1 - 3.35 x + 2.5 x²), x = ζ/w over the first cell of width w: below 0 within it.
+
+    It rises at both ends of the cell, at the far one 1.8 times as steeply, and from there on.
+    """
+
+    width = 0.125
+    steepness = 0.03
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 0.0)
+
+    def h(self, zeta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x = np.clip(zeta / self.width, 0.0, 1.0)
+        beyond = np.maximum(zeta / self.width - 1.0, 0.0)
+        inside = x * (1.0 - 3.35 * x + 2.5 * x * x) + 1.8 * beyond
+        slope = 1.0 - 6.7 * x + 7.5 * x * x
+        ahead = self.steepness * self.width * inside
+        return (
+            np.where(zeta > 0, ahead, -0.1 * zeta),
+            np.where(zeta >= 0, self.steepness * slope, -0.1),
+        )
+
+    def slope(self, zeta: np.ndarray, phi: np.ndarray, _: np.ndarray) -> np.ndarray:
+        _, slope = self.h(zeta)
+        return np.where(zeta >= 0, -slope, slope) / (2.0 * phi)
+
+
+def test_rising_at_both_ends_of_the_first_cell_does_not_hide_a_dip_between() -> None:
+    fails_at = FirstCell().judged()
+    low, high = ((3.35 - s * math.sqrt(3.35**2 - 10.0)) / 5.0 * FirstCell.width for s in (1, -1))
+    assert fails_at is not None
+    assert low < fails_at < high

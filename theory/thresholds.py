@@ -73,18 +73,18 @@ def fold_coupling(eta: float) -> Fold | None:
 def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     """Return :func:`fold_coupling` for many η at once.
 
-    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: Newton in (ln v, c) from the highest maximum at c_pin.
+    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: Newton in (ln v, c) from each maximum at c_pin. The
+    least c is the fold; near c = 0.82 two maxima are as high as each other.
     """
     etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
     pins = [pinning_coupling(value) for value in etas]
     folds = [None if pin is None else Fold(pin, 4e-16 * pin, 0.0) for pin in pins]
-    start = {i: _highest(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
-    start = {i: v for i, v in start.items() if v is not None}
-    if not start:
+    start = {i: _maxima(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
+    some = [i for i, maxima in start.items() for _ in maxima]
+    if not some:
         return folds
-    some = list(start)
     target = np.array([2.0 * threshold_ratio(etas[i]) for i in some])
-    t = np.log(np.array([start[i] for i in some], dtype=float))
+    t = np.concatenate(list(start.values()))
     c = np.array([pins[i] for i in some], dtype=float)
     height = by_c = error = np.zeros_like(t)
     for _ in range(12):
@@ -97,8 +97,8 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     # The height is stationary in v, so only its own error matters.
     spread = 2.0 * (np.abs(height - target) + error) / by_c
     for i, c_, e_, v_ in zip(some, c.tolist(), spread.tolist(), np.exp(t).tolist(), strict=True):
-        pin = pins[i]
-        if pin is not None and c_ < pin - e_:
+        least = folds[i]
+        if least is not None and c_ < least.value - e_:
             folds[i] = Fold(c_, e_, v_)
     return folds
 
@@ -113,25 +113,34 @@ def fold_eta(c: float) -> Fold:
     True
     """
     c = positive("coupling c", c)
-    v = _highest(c) if c < LAST_FOLD else None
-    if v is None:
+    maxima = _maxima(c) if c < LAST_FOLD else np.empty(0)
+    if maxima.size == 0:
         return Fold(pinning_eta(c), 1e-15, 0.0)
-    t = _climb(np.log([v]), np.array([c]))
+    t = maxima[:1]
     height, _, _, error = (float(row[0]) for row in _height(t, np.array([c])))
     r = 0.5 * height
     by_r = r * (1.0 - r * r) / (1.0 + r * r) ** 3
     return Fold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
 
 
-def _highest(c: float) -> float | None:
-    """Return v near the highest maximum of |Σ(v, c)| above the static limit, if there is one."""
+def _maxima(c: float) -> FloatArray:
+    """Return ln v of the maxima of |Σ(v, c)| above the static limit, the highest first."""
     fastest = 2.0 * math.sqrt(c) + 1.0
     wiggle = math.pi / (4.0 * c + 1.0) / 2.0
     even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, wiggle)
     v = np.unique(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
     size = np.abs(sums(v, c, 1e-14).value)
-    best = int(np.argmax(size))
-    return float(v[best]) if size[best] > abs(static_sum(c)) + _EXCESS else None
+    still = abs(static_sum(c))
+    # Which is the highest shows at the tops only: the scan meets one of them and passes another by.
+    rises = np.diff(size) > 0
+    crest = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
+    crest = crest[np.abs(size[crest] - still) > _EXCESS]  # the rest is rounding
+    couplings = np.full(crest.shape, c)
+    t = _climb(np.log(v[crest]), couplings)
+    height = _height(t, couplings)[0]
+    order = np.argsort(-height)
+    found: FloatArray = t[order[height[order] > still + _EXCESS]]
+    return found
 
 
 def _climb(t: FloatArray, c: FloatArray) -> FloatArray:

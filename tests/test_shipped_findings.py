@@ -142,7 +142,9 @@ def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, pack
     assert report["stale"] == ["slow"]
     assert claims["slow"]["provenance"]["stale"] is True
     assert main(["check", "--out", str(tmp_path / "out")]) == 0
-    assert "slow: stored, and stale" in capsys.readouterr().out
+    assert "Stored, and stale: found by other code than that of this run: slow." in (
+        " ".join(capsys.readouterr().out.split())
+    )
     page = (tmp_path / "out" / "index.html").read_text()
     assert "stale; stored" in page.split('id="claim-slow"')[1]
     assert "Stale: the code it depends on has changed since." in page
@@ -175,7 +177,7 @@ def test_other_versions_do_not_make_it_stale(capsys, tmp_path):
     ("arguments", "sentence"),
     [
         (["--record"], "--record keeps what was computed in this run: add --full."),
-        (["--list", "--full"], "leave out --out, --resume and --full"),
+        (["--list", "--full"], "leave out --full"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(capsys, arguments, sentence):

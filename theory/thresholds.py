@@ -59,7 +59,7 @@ def fold_coupling(eta: float) -> Fold | None:
     -------
     Fold or None
         ``velocity`` is 0 and c_fold = c_pin where no moving front exists below c_pin to within
-        1e-12. None for η ≥ 2/25, where no front advances.
+        the error stated. None for η ≥ 2/25, where no front advances.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     """
     etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
     pins = [pinning_coupling(value) for value in etas]
-    folds = [None if pin is None else Fold(pin, 4e-16 * pin, 0.0) for pin in pins]
+    folds = [None if pin is None else Fold(pin, _pinned_error(pin), 0.0) for pin in pins]
     start = {i: _maxima(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
     some = [i for i, maxima in start.items() for _ in maxima]
     if not some:
@@ -115,12 +115,21 @@ def fold_eta(c: float) -> Fold:
     c = positive("coupling c", c)
     maxima = _maxima(c) if c < LAST_FOLD else np.empty(0)
     if maxima.size == 0:
-        return Fold(pinning_eta(c), 1e-15, 0.0)
+        return Fold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)
     t = maxima[:1]
     height, _, _, error = (float(row[0]) for row in _height(t, np.array([c])))
     r = 0.5 * height
     by_r = r * (1.0 - r * r) / (1.0 + r * r) ** 3
     return Fold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
+
+
+def _pinned_error(pin: float) -> float:
+    """Bound the error of a fold at pinning: its rounding, and maxima too low to be looked for."""
+    rounding = 4e-16 * pin
+    if pin >= LAST_FOLD:
+        return rounding
+    slope = (abs(static_sum(1.001 * pin)) - abs(static_sum(pin))) / (0.001 * pin)
+    return rounding + 2.0 * _EXCESS / slope
 
 
 def _maxima(c: float) -> FloatArray:

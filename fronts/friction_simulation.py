@@ -97,8 +97,8 @@ def _in_words(run: FrictionRun) -> str:
             f"tau = {run.times[-1]:g}: {reached} of {run.chain.sites} sites have stuck at some "
             f"time, {np.count_nonzero(run.stuck)} stick now",
             f"  largest amplitude {last[loudest]:.8g} at site {loudest + 1}",
-            f"  error of the states at most {run.error:.1e} (run beside it at a hundred times the "
-            f"tolerance: {run.status.value})",
+            f"  error of the states at most {run.error:.1e} (from two less exact runs beside it: "
+            f"{run.status.value})",
             f"  {run.sticks} sticks, {run.releases} releases, {run.reversals} reversals",
             f"  {run.steps} steps of {run.mean_active:.1f} sites, {run.seconds:.3f} s",
         ]

@@ -216,7 +216,7 @@ QUANTITIES = (
         full_run,
         full_by_scipy,
         60.0,
-        share=1.0,
+        share=0.3,
     ),
     Quantity(
         "run-envelope",
@@ -225,7 +225,7 @@ QUANTITIES = (
         averaged_run,
         averaged_by_scipy,
         60.0,
-        share=1.0,
+        share=0.3,
     ),
     Quantity(
         "run-friction",
@@ -242,6 +242,6 @@ QUANTITIES = (
         friction_state,
         friction_by_scipy,
         60.0,
-        share=1.0,
+        share=0.3,
     ),
 )

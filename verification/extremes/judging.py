@@ -23,7 +23,7 @@ from verification.sweeps.table import Point, Scalar
 PATIENCE = 5.0
 """A value is given up after so many times its limit."""
 
-CHECK_SECONDS = 30.0
+CHECK_SECONDS = 15.0
 """A reference is given up after so long."""
 
 

@@ -1,0 +1,68 @@
+"""Small steps of the derivations that no other test looks at one by one."""
+
+import random
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from derivations.averaging_readings import _averaged_breather
+from derivations.errors import DerivationInputError
+from derivations.evidence import equals, value
+from derivations.front_numbers import profile
+from derivations.polynomial_text import DEEPEST, read_polynomial
+from derivations.symbols import a, b, damping_factor
+from theory.front_profile import front_profile
+from theory.vdp_chain import VdpChain
+from verification.breathers.envelope import solve_envelope_breather
+from verification.breathers.nucleus import Nucleus
+
+x = sp.Symbol("x")
+
+
+@pytest.mark.parametrize("mark", ["(", "-"])
+def test_nesting_is_counted_by_depth_and_not_by_number(mark: str) -> None:
+    def nested(deep: int) -> str:
+        return mark * deep + "y" + ")" * (deep if mark == "(" else 0)
+
+    assert read_polynomial(nested(DEEPEST), "damping")
+    with pytest.raises(DerivationInputError, match=f"more than {DEEPEST} deep"):
+        read_polynomial(nested(DEEPEST + 1), "damping")
+    # one after the other they are not nested
+    one = "(y)" if mark == "(" else "-y"
+    many = "*".join([one] * (DEEPEST + 5))
+    assert len(read_polynomial(many, "damping")) == 1
+
+
+def test_the_damping_of_the_paper_at_numbers() -> None:
+    # 1 - 3 * 4 + 5 * 16, by hand
+    assert damping_factor(sp.Integer(2)).subs({a: 3, b: 5}) == 69
+
+
+@pytest.mark.parametrize(("tolerance", "holds"), [(0.34, True), (0.33, False)])
+def test_a_difference_counts_relative_to_both_sides(tolerance: float, holds: bool) -> None:
+    def draw(_: random.Random) -> tuple[dict, list[complex]]:
+        return {x: 1.0}, [0.5]
+
+    # found 1, expected 1/2: a half, of terms of size 1 and 1/2
+    evidence = equals(draw, "a half", tolerance=tolerance)(sp.Eq(x, 0, evaluate=False))
+    assert evidence.holds is holds
+
+
+def test_a_complex_number_of_mpmath_keeps_its_sign() -> None:
+    assert complex(value(x, {x: mpmath.mpc(1, 2)})) == 1 + 2j
+
+
+@pytest.mark.parametrize("zeta", [-1.5, 0.7])
+def test_the_profile_by_history_is_that_of_the_integral_at_strong_coupling(zeta: float) -> None:
+    v, c = 2.5, 6.0
+    exact = front_profile([zeta], v, c, 1e-12)
+    assert abs(profile(zeta, v, c) - exact.phi[0]) < 1e-9
+
+
+def test_the_sampled_breather_is_that_of_the_averaged_chain() -> None:
+    found = abs(_averaged_breather())
+    chain = VdpChain(2.5, 0.5, 0.1, sites=23)
+    exact = abs(solve_envelope_breather(chain, Nucleus(1)).phi)[11:]
+    np.testing.assert_allclose(found[:8], exact[:8], rtol=1e-8, atol=1e-12)

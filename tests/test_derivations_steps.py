@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from derivations import front_limits
 from derivations.averaging_readings import _averaged_breather
 from derivations.errors import DerivationInputError
 from derivations.evidence import equals, value
@@ -66,3 +67,9 @@ def test_the_sampled_breather_is_that_of_the_averaged_chain() -> None:
     chain = VdpChain(2.5, 0.5, 0.1, sites=23)
     exact = abs(solve_envelope_breather(chain, Nucleus(1)).phi)[11:]
     np.testing.assert_allclose(found[:8], exact[:8], rtol=1e-8, atol=1e-12)
+
+
+def test_both_half_planes_and_the_residue_at_zero_add_to_zero() -> None:
+    first = front_limits.steps()[0]
+    evidence = first.check(first.equation)
+    assert evidence.holds, evidence.statement

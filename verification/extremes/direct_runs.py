@@ -27,8 +27,8 @@ _FIRST_COMPARED, _MOST_COMPARED = 30, 400
 _STILL = 1e-14
 """Share of the displacement below which a site that the reference left out is at rest."""
 
-_MOST_STICKING = 24
-"""Sites that the event-located reference of the friction chain follows at most."""
+_FIRST_STICKING, _MOST_STICKING = 6, 24
+"""The same for the event-located reference of the friction chain."""
 
 _ROUNDED, _DECIDED = 4e-15, 1e-3
 """By how much a start is moved to see what rounding does; above which rounding decides."""
@@ -124,6 +124,24 @@ def averaged_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     return _compared(claim, last, chain.sites, at["displacement"], "scipy's DOP853")
 
 
+def _followed(
+    run: Callable[[int], npt.NDArray[Any]],
+    at_rest: Callable[[npt.NDArray[Any]], bool],
+    sites: int,
+    first: int,
+    most: int,
+) -> tuple[int, npt.NDArray[Any]]:
+    """Run a reference on more and more sites until its last ones stay at rest, or on all."""
+    kept = min(sites, first)
+    while True:
+        answer = run(kept)
+        if kept == sites or at_rest(answer):
+            return kept, answer
+        if kept == most:
+            raise NoReferenceError("motion leaves the part that a slow reference follows")
+        kept = min(sites, 2 * kept, most)
+
+
 def _compared(
     claim: Claim,
     last: Callable[[int, float], ComplexArray],
@@ -132,14 +150,13 @@ def _compared(
     by: str,
 ) -> Check:
     """Hold the claim against a reference on so many sites that its last ones stay at rest."""
-    kept = min(sites, _FIRST_COMPARED)
-    while True:
-        answer = last(kept, _REFERENCE)
-        if kept == sites or float(np.abs(answer[-2:]).max()) <= _STILL * displacement:
-            break
-        if kept == _MOST_COMPARED:
-            raise NoReferenceError("motion leaves the part that a slow reference follows")
-        kept = min(sites, 2 * kept, _MOST_COMPARED)
+    kept, answer = _followed(
+        lambda kept: last(kept, _REFERENCE),
+        lambda answer: float(np.abs(answer[-2:]).max()) <= _STILL * displacement,
+        sites,
+        _FIRST_COMPARED,
+        _MOST_COMPARED,
+    )
     distance = float(np.abs(claim.value[:kept] - answer).max())
     distance = max(distance, float(np.abs(claim.value[kept:]).max(initial=0.0)))
     uncertainty = float(np.abs(answer - last(kept, 30.0 * _REFERENCE)).max())
@@ -180,14 +197,13 @@ def friction_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
         answer: FloatArray = run.y[-1]
         return answer
 
-    kept = min(chain.sites, 6)
-    while True:
-        answer = last(kept, 1e-13, claim.extra)
-        if kept == chain.sites or abs(answer[-1] - rest) <= _STILL * (at["displacement"] + rest):
-            break
-        if kept == _MOST_STICKING:
-            raise NoReferenceError("motion leaves the part that a slow reference follows")
-        kept = min(chain.sites, 2 * kept, _MOST_STICKING)
+    kept, answer = _followed(
+        lambda kept: last(kept, 1e-13, claim.extra),
+        lambda answer: bool(abs(answer[-1] - rest) <= _STILL * (at["displacement"] + rest)),
+        chain.sites,
+        _FIRST_STICKING,
+        _MOST_STICKING,
+    )
     distance = float(np.abs(claim.value[:kept] - answer).max())
     distance = max(distance, float(np.abs(claim.value[kept:] - rest).max(initial=0.0)))
     nearby = claim.extra.copy()

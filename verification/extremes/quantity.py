@@ -7,6 +7,7 @@ import math
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -154,6 +155,10 @@ class Quantity:
 
     def fixed_points(self) -> list[Values]:
         """Return named scenes in its ranges, then the corners; of more than 64 some, evenly."""
+        return list(self._fixed)
+
+    @cached_property
+    def _fixed(self) -> tuple[Values, ...]:
         names = [axis.name for axis in self.axes]
         middle = {axis.name: self._plain(axis) for axis in self.axes}
         ranges = {axis.name: axis for axis in self.axes}
@@ -165,12 +170,12 @@ class Quantity:
         corners = list(itertools.product(*(axis.ends() for axis in self.axes)))
         some = np.unique(np.linspace(0, len(corners) - 1, MOST_CORNERS).astype(int))
         points += [dict(zip(names, corners[i], strict=True)) for i in some]
-        return points
+        return tuple(points)
 
     def point(self, seed: int, index: int) -> Values:
         """Return the point of that number: fixed and random ones in turn, reproducibly."""
         if not self.is_random(index):
-            return self.fixed_points()[index // 2]
+            return dict(self._fixed[index // 2])
         rng = np.random.default_rng([seed, zlib.crc32(self.name.encode()), index])
         values = {axis.name: axis.draw(rng) for axis in self.axes}
         if index % BAD_EVERY == BAD_EVERY - 1:
@@ -188,7 +193,7 @@ class Quantity:
         >>> [quantity.is_random(number) for number in (0, 1, 2, 3, 10_000)]
         [False, True, False, True, True]
         """
-        return index % 2 == 1 or index // 2 >= len(self.fixed_points())
+        return index % 2 == 1 or index // 2 >= len(self._fixed)
 
     @staticmethod
     def _plain(axis: Axis) -> float:

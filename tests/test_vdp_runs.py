@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mpmath import mp
 from scipy.integrate import simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
@@ -42,6 +43,26 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
     assert run.error is not None
     # Below 1e-9 the reference is no better than the run.
     assert true <= max(run.error, 1e-9)
+
+
+@pytest.mark.parametrize("slow_time", [20.0, 40.0, 60.0])
+def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: float) -> None:
+    """On its unstable cycle a cell of (43) stands still: runs at any tolerance are the same run."""
+    cell = VdpChain(1.0, 0.11, 0.0, sites=2)
+    start = np.array([cell.unstable_amplitude, 0.0], dtype=complex)
+    end = slow_time / cell.eps
+    run = run_vdp(cell, start, end, model=Model.ENVELOPE, tolerance=1e-12, samples=2)
+    a, b = mp.mpf(cell.a), mp.mpf(cell.b)
+
+    def rate(u: mp.mpf) -> mp.mpf:
+        """Of u = |φ|², in slow time."""
+        return -u * (1 - a * u / 4 + b * u**2 / 8)
+
+    with mp.workdps(40):
+        squared = mp.odefun(lambda _, u: rate(u), 0, mp.mpf(float(start[0].real)) ** 2)
+        exact = float(mp.sqrt(squared(slow_time)))
+    assert run.error is not None
+    assert abs(abs(run.psi[-1, 0]) - exact) <= run.error
 
 
 @pytest.mark.parametrize(

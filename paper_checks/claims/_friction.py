@@ -58,7 +58,7 @@ def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> 
     ArithmeticError
         If by more than 1e-3, or if one saw an arrival that the other did not.
     """
-    from verification.friction.run import difference
+    from verification.companions import difference
 
     gap = difference(arrivals_by_scipy(chain, excited, end), arrivals_compiled(chain, excited, end))
     if not gap < 1e-3:

@@ -38,7 +38,8 @@ from numpy.typing import NDArray
 
 from theory.parameters import count_within, positive, within
 from theory.vdp_chain import VdpChain
-from verification.vdp.run import COMPANION, Model, VdpRun, run_vdp
+from verification.companions import COMPANION
+from verification.vdp.run import Model, VdpRun, run_vdp
 from verification.vdp.start import displaced, perturbed
 
 FloatArray = NDArray[np.float64]

@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 
 from theory.friction_cell import FrictionCell
 from theory.parameters import within
+from verification.companions import COMPANION
 from verification.friction.cell_cycles import (
     ROUND_OFF,
     Cycle,
@@ -31,7 +32,6 @@ FloatArray = npt.NDArray[np.float64]
 
 _SLOWEST_BELT, _FASTEST_BELT = 1e-9, 1e9
 """Beyond these a cycle and the round-off of y can no longer be told apart."""
-COMPANION = 100.0
 
 
 class CellStatus(StrEnum):

@@ -25,8 +25,8 @@ from theory.friction_chain import FrictionChain, FrictionEnds
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.arrival_fit import FrontStatus, Trial, settle
 from verification.friction.lane import FrictionLane
-from verification.friction.run import COMPANION
 from verification.friction.start import Place, StartPoint, nucleus, nucleus_sites
+from verification.front_watch import RunningFront, Watch
 from verification.integrators import friction
 
 FloatArray = npt.NDArray[np.float64]
@@ -137,7 +137,7 @@ def measure_friction_front(
     >>> front.status.value, abs(front.v - 0.0438) < front.error < 5e-4
     ('steady', True)
     """
-    begin = perf_counter()
+    started = perf_counter()
     checked_sites(chain.sites, size, most_sites)
     within("tolerance", tolerance, 1e-12, 1e-4)
     positive("patience", patience)
@@ -151,16 +151,13 @@ def measure_friction_front(
     def trial(sites: int) -> Trial:
         longer = replace(chain, sites=sites)
         start = nucleus(longer, nucleus_sites(sites, Place.EDGE, size), point)
-        far = range(sites - MARGIN, sites + 1)
-        lanes: list[FrictionLane] = []
-        for each in (tolerance, min(1e-2, COMPANION * tolerance)):
-            lanes.append(FrictionLane(longer, start, each, watched=far))
-            stopped = _follow(lanes[-1], patience, progress)
-            if stopped is not None:
-                break
-        steps = sum(int(lane.counters[friction.STEPS]) for lane in lanes)
-        first, last = (lane.arrivals[size : sites - MARGIN] for lane in (lanes[0], lanes[-1]))
-        return Trial(stopped, first, last, steps)
+
+        def begin(each: float) -> RunningFront:
+            far = range(sites - MARGIN, sites + 1)
+            lane = FrictionLane(longer, start, each, watched=far)
+            return _Running(lane, slice(size, sites - MARGIN), patience / _LOOKS)
+
+        return Watch(patience, _STILL, sites, progress).trial(begin, tolerance)
 
     found = settle(trial, chain.sites, most_sites, accuracy, 1.0 / patience)
     return FrictionFront(
@@ -171,28 +168,40 @@ def measure_friction_front(
         found.error,
         found.arrivals,
         found.steps,
-        perf_counter() - begin,
+        perf_counter() - started,
     )
 
 
-def _follow(
-    lane: FrictionLane, patience: float, progress: Callable[[float], None] | None
-) -> FrontStatus | None:
-    """Step until the far end is near (None), or until the front has stopped."""
-    furthest, when = 0, 0.0
-    early: FloatArray | None = None
-    while True:
-        if lane.go_to(lane.time + patience / _LOOKS, wanted=1):
-            return None
-        reached = int(np.flatnonzero(~np.isnan(lane.arrivals)).max(initial=0))
-        if progress is not None:
-            progress(reached / lane.chain.sites)
-        if reached > furthest:
-            furthest, when, early = reached, lane.time, None
-        if lane.going_to_rest():
-            return FrontStatus.COLLAPSED
-        if lane.time - when > patience and early is None:
-            early = lane.amplitude
-        if lane.time - when > 2.0 * patience and early is not None:
-            change = float(np.max(np.abs(lane.amplitude - early)))
-            return FrontStatus.PINNED if change < _STILL else FrontStatus.CREEPING
+@dataclass(frozen=True)
+class _Running:
+    """A lane, the sites of which v is made, and how far to step between two looks."""
+
+    lane: FrictionLane
+    used: slice
+    piece: float
+
+    @property
+    def time(self) -> float:
+        return self.lane.time
+
+    @property
+    def steps(self) -> int:
+        return int(self.lane.counters[friction.STEPS])
+
+    @property
+    def reached(self) -> int:
+        return int(np.flatnonzero(~np.isnan(self.lane.arrivals)).max(initial=0))
+
+    @property
+    def amplitude(self) -> FloatArray:
+        return self.lane.amplitude
+
+    @property
+    def arrivals(self) -> FloatArray:
+        return self.lane.arrivals[self.used]
+
+    def going_to_rest(self) -> bool:
+        return self.lane.going_to_rest()
+
+    def go_on(self) -> bool:
+        return self.lane.go_to(self.lane.time + self.piece, wanted=1)

@@ -1,10 +1,8 @@
 """A direct run of the friction chain (5): samples, arrivals, envelopes, events, and its error.
 
-The stepper is ``verification.integrators.friction``. Two companions run beside it, at a hundred and
-at a thousand times the tolerance. The error reported is the larger of the difference from the first
-and a tenth of the difference from the second: an event may make one difference small by accident.
-The first companion also starts a few roundings of y away. Where steady sliding is unstable,
-rounding alone grows by e^{λτ}, and no tolerance helps; so the error says it.
+The stepper is ``verification.integrators.friction``. The error comes from two companions
+(``verification.companions``). Where steady sliding is unstable, rounding alone grows, and the error
+says so.
 """
 
 from __future__ import annotations
@@ -21,17 +19,16 @@ import numpy.typing as npt
 from theory.friction_chain import FrictionChain
 from theory.parameters import ParameterError, end_time, within
 from verification.checkpoint import check_samples, run_through
+from verification.companions import (
+    ROUNDINGS,
+    arrival_error_from,
+    companion_tolerances,
+    error_from,
+)
 from verification.friction.lane import FrictionLane
 from verification.integrators import friction
 
 FloatArray = npt.NDArray[np.float64]
-
-COMPANION = 100.0
-"""The first companion has the tolerance times this."""
-
-_SECOND = 1000.0
-_ROUNDINGS = 8
-"""Units in the last place of y by which the start of the first companion is moved."""
 
 
 class RunStatus(StrEnum):
@@ -178,18 +175,20 @@ def run_friction(
         raise ParameterError(
             "times of the samples", "not ascending from 0 to the end", "ascending", "sort them"
         )
-    beside = [(COMPANION, _ROUNDINGS), (_SECOND, 0)] if companion else []
+    runs = [(tolerance, 0)]
+    if companion:
+        runs += zip(companion_tolerances(tolerance), (ROUNDINGS, 0), strict=True)
     lanes = [
         FrictionLane(
             chain,
             moved(chain, start, roundings),
-            min(0.1, factor * tolerance),
+            each,
             window=window,
             times=wanted,
             events=events,
             end=t_end,
         )
-        for factor, roundings in [(1.0, 0), *beside]
+        for each, roundings in runs
     ]
     spent = run_through(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
@@ -198,16 +197,10 @@ def run_friction(
     states = first.samples
     kinds = first.counters[friction.KINDS :]
     if companion:
-        shares = [1.0, COMPANION / _SECOND]
-        error = max(
-            share * float(np.max(np.abs(states - other.samples)[:, :2], initial=0.0))
-            for share, other in zip(shares, lanes[1:], strict=True)
-        )
-        arrival_error = max(
-            share * difference(first.arrivals, other.arrivals)
-            for share, other in zip(shares, lanes[1:], strict=True)
-        )
-        if any(np.any(kinds != other.counters[friction.KINDS :]) for other in lanes[1:]):
+        others = lanes[1:]
+        error = error_from(states[:, :2], [other.samples[:, :2] for other in others])
+        arrival_error = arrival_error_from(first.arrivals, [other.arrivals for other in others])
+        if any(np.any(kinds != other.counters[friction.KINDS :]) for other in others):
             status = RunStatus.EVENTS_DIFFER
     steps = int(first.counters[friction.STEPS])
     return FrictionRun(
@@ -247,17 +240,3 @@ def moved(chain: FrictionChain, start: FloatArray, roundings: int) -> FloatArray
     if roundings and new.ndim:
         new[0] += roundings * np.spacing(np.maximum(np.abs(new[0]), chain.cell.steady_sliding))
     return new
-
-
-def difference(first: FloatArray, second: FloatArray) -> float:
-    """Return the largest difference of arrival times; inf where only one of them is known.
-
-    Examples
-    --------
-    >>> difference(np.array([1.0, np.nan]), np.array([1.5, np.nan]))
-    0.5
-    """
-    one, other = np.isnan(first), np.isnan(second)
-    if np.any(one != other):
-        return float("inf")
-    return float(np.max(np.abs(first - second)[~one], initial=0.0))

@@ -24,8 +24,8 @@ from time import perf_counter
 from theory.friction_cell import check_sliding_stable
 from theory.friction_chain import FrictionChain
 from theory.parameters import ParameterError, count_within, positive, within
+from verification.companions import COMPANION
 from verification.friction.lane import FrictionLane
-from verification.friction.run import COMPANION
 from verification.friction.start import Place, StartPoint, nucleus, nucleus_sites
 
 GROWTH = 1.25

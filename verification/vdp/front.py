@@ -29,16 +29,21 @@ import numpy.typing as npt
 from theory.parameters import ParameterError, count_within, positive, within
 from theory.vdp_chain import Ends, VdpChain
 from verification.arrival_fit import FrontStatus, Trial, settle
+from verification.front_watch import RunningFront, Watch
 from verification.vdp.lane import Lane
-from verification.vdp.run import COMPANION, Model
+from verification.vdp.run import Model
 from verification.vdp.start import staggered_front
 
 FloatArray = npt.NDArray[np.float64]
 
 LONGEST = 1000
 """Sites beyond the start of the longest chain tried."""
-_BUDGET = 200_000
+_BUDGET = 5000
+"""Sites times steps between two looks."""
+_END = 8
+"""Sites at the far end that need not be reached: the end itself speeds the front up."""
 _DECAYED = 0.5
+_STILL = 1e-3
 
 
 class Behind(StrEnum):
@@ -184,15 +189,10 @@ def _measure(
 
     def trial(sites: int) -> Trial:
         longer = sized(sites)
-        lanes: list[Lane] = []
-        for each in (rule.tolerance, min(1e-2, COMPANION * rule.tolerance)):
-            lanes.append(_lane(longer, rule, each, behind))
-            stopped = _follow(lanes[-1], longer, rule)
-            if stopped is not None:
-                break
-        steps = sum(int(lane.counters[3]) for lane in lanes)
-        first, last = (lane.arrivals[rule.filled :] for lane in (lanes[0], lanes[-1]))
-        return Trial(stopped, first, last, steps)
+        watch = Watch(
+            rule.patience / chain.eps, _STILL * chain.stable_amplitude, longer.sites, rule.progress
+        )
+        return watch.trial(lambda each: _begin(longer, rule, each, behind), rule.tolerance)
 
     found = settle(
         trial,
@@ -230,10 +230,10 @@ def _overtaken(c: float, v: float, filled: int, behind: Behind) -> float:
     return 4.0 * v * filled / (c - v) if v < c else np.inf
 
 
-def _lane(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> Lane:
+def _begin(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> RunningFront:
     """Return a run long enough for every site to be reached just in time."""
     t_end = (chain.sites + 4) * 2.0 * rule.patience / chain.eps
-    return Lane(
+    lane = Lane(
         chain,
         rule.model is Model.FULL,
         staggered_front(chain, rule.filled),
@@ -244,36 +244,42 @@ def _lane(chain: VdpChain, rule: _Rule, tolerance: float, behind: Behind) -> Lan
         behind=rule.filled if behind is Behind.WAVE else 0,
         wave=behind is Behind.WAVE,
     )
+    return _Running(lane, rule.filled, chain.sites - _END, _DECAYED * chain.unstable_amplitude)
 
 
-def _follow(lane: Lane, chain: VdpChain, rule: _Rule) -> FrontStatus | None:
-    """Step until the last site but eight is reached (None), or until the front has stopped."""
-    wanted = chain.sites - 8
-    patience = rule.patience / chain.eps
-    reached, when = rule.filled, 0.0
-    early: FloatArray | None = None
-    while True:
-        lane.go_on(_BUDGET // 40)
-        arrivals = lane.arrivals
-        if not np.isnan(arrivals[wanted - 1]):
-            return None
-        now = int(np.count_nonzero(~np.isnan(arrivals)))
-        if rule.progress is not None:
-            rule.progress(now / chain.sites)
-        if now > reached:
-            reached, when, early = now, lane.time, None
-        if lane.time - when > patience:
-            current = _amplitudes(lane)
-            if current.max() < _DECAYED * chain.unstable_amplitude:
-                return FrontStatus.COLLAPSED
-            if early is None:
-                early = current
-            if lane.time - when > 2.0 * patience:
-                change = float(np.max(np.abs(current - early)))
-                still = change < 1e-3 * chain.stable_amplitude
-                return FrontStatus.PINNED if still else FrontStatus.CREEPING
+@dataclass(frozen=True)
+class _Running:
+    """A lane, its first site of which v is made, how many are wanted, and what counts as rest."""
 
+    lane: Lane
+    first: int
+    wanted: int
+    rest: float
 
-def _amplitudes(lane: Lane) -> FloatArray:
-    amplitudes: FloatArray = np.hypot(lane.state[0], lane.state[1])
-    return amplitudes
+    @property
+    def time(self) -> float:
+        return self.lane.time
+
+    @property
+    def steps(self) -> int:
+        return int(self.lane.counters[3])
+
+    @property
+    def reached(self) -> int:
+        return int(np.count_nonzero(~np.isnan(self.lane.arrivals)))
+
+    @property
+    def amplitude(self) -> FloatArray:
+        amplitude: FloatArray = np.hypot(self.lane.state[0], self.lane.state[1])
+        return amplitude
+
+    @property
+    def arrivals(self) -> FloatArray:
+        return self.lane.arrivals[self.first :]
+
+    def going_to_rest(self) -> bool:
+        return bool(self.amplitude.max() < self.rest)
+
+    def go_on(self) -> bool:
+        self.lane.go_on(_BUDGET)
+        return not np.isnan(self.lane.arrivals[self.wanted - 1])

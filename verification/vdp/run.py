@@ -3,13 +3,11 @@
 Both are stepped by the Runge-Kutta method of order 8, the fastest of those measured
 (``benchmarks/``). Where steps would become too short because the damping is stiff (a site
 displaced far beyond the cycle), ``verification.vdp.stiff_stage`` takes over until they would not.
-Two runs go side by side, one at a hundred times the tolerance; twice their difference is the error
-that is reported.
+The error comes from two companions (``verification.companions``).
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -22,13 +20,16 @@ import numpy.typing as npt
 from theory.parameters import ParameterError, end_time, positive, within
 from theory.vdp_chain import Ends, VdpChain
 from verification.checkpoint import check_samples, run_through
+from verification.companions import (
+    ROUNDINGS,
+    arrival_error_from,
+    companion_tolerances,
+    error_from,
+)
 from verification.vdp.lane import Lane
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
-
-COMPANION = 100.0
-"""The companion run has the tolerance times this."""
 
 
 class Model(StrEnum):
@@ -60,8 +61,7 @@ class VdpRun:
     level : float
         Amplitude that counts as an arrival.
     error : float or None
-        Bound on the error of ``psi``: twice its largest difference from the companion run. None if
-        there was no companion.
+        Bound on the error of ``psi``, from the companions; None if there were none.
     arrival_error : float or None
         The same of ``arrivals``; inf if one run saw an arrival that the other did not.
     tolerance : float
@@ -148,7 +148,7 @@ def run_vdp(
         last one kept is coupled to a continued wave. 0 keeps all. What is left behind stays as it
         was in later samples.
     companion : bool
-        Run beside it at a hundred times the tolerance, for the error.
+        Run two companions beside it, for the error.
     checkpoint : Path, optional
         File in which the run is kept every few seconds and when it is interrupted. If it exists,
         the run goes on from it, to the same bits.
@@ -184,18 +184,22 @@ def run_vdp(
     if behind and chain.ends is Ends.PERIODIC:
         raise ParameterError("sites kept behind", behind, "0 on a ring", "take free ends")
     threshold = chain.unstable_amplitude if level is None else positive("level", level)
-    tolerances = [tolerance, min(0.1, COMPANION * tolerance)] if companion else [tolerance]
+    runs = [(tolerance, psi)]
+    if companion:
+        moved = psi * (1.0 + ROUNDINGS * np.finfo(float).eps)
+        runs += zip(companion_tolerances(tolerance), (moved, psi), strict=True)
     times = np.linspace(0.0, t_end, int(samples))
     lanes = [
-        Lane(chain, model is Model.FULL, psi, times, each, threshold, window, behind)
-        for each in tolerances
+        Lane(chain, model is Model.FULL, each_psi, times, each, threshold, window, behind)
+        for each, each_psi in runs
     ]
     spent = run_through(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
     error = arrival_error = None
     if companion:
-        error = 2.0 * float(np.max(np.abs(first.psi - lanes[1].psi)))
-        arrival_error = _difference(first.arrivals, lanes[1].arrivals)
+        others = lanes[1:]
+        error = error_from(first.psi, [other.psi for other in others])
+        arrival_error = arrival_error_from(first.arrivals, [other.arrivals for other in others])
     steps = int(first.counters[3])
     return VdpRun(
         chain,
@@ -212,10 +216,3 @@ def run_vdp(
         float(first.counters[4]) / max(1, steps),
         spent + perf_counter() - begin,
     )
-
-
-def _difference(first: FloatArray, second: FloatArray) -> float:
-    one, other = np.isnan(first), np.isnan(second)
-    if np.any(one != other):
-        return math.inf
-    return float(np.max(np.abs(first - second)[~one], initial=0.0))

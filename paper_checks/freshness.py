@@ -8,12 +8,10 @@ is one that has none.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
-from paper_checks.imports import closure, essence
+from paper_checks.imports import closure, digest
 
 SOURCES = ("theory", "derivations", "verification", "benchmarks")
 """Packages whose code may change a measurement."""
@@ -44,17 +42,10 @@ def fingerprint(modules: Iterable[str]) -> dict[str, object]:
         If there is no such module.
     """
     names = sorted(set(modules))
-    files: dict[str, Path] = {}
     for name in names:
-        found = closure(name, SOURCES)
-        if name not in found:
+        if name not in closure(name, SOURCES):
             raise ValueError(f"there is no module {name} whose code could be measured")
-        files |= found
-    total = hashlib.sha256()
-    for name, path in sorted(files.items()):
-        if name not in DRAWING:
-            total.update(f"{name}\0{essence(path)}\0".encode())
-    return {"modules": names, "digest": total.hexdigest()}
+    return {"modules": names, "digest": digest(names, SOURCES, DRAWING)}
 
 
 def staleness(record: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ import hashlib
 import importlib.util
 import io
 import tokenize
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
 
@@ -55,13 +55,15 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
     return dict(sorted(found.items()))
 
 
-def digest(module: str, packages: Collection[str]) -> str:
-    """Return a digest of the text of all files in the `closure` of a module."""
+def digest(modules: Iterable[str], packages: Collection[str], without: Collection[str] = ()) -> str:
+    """Return a digest of the `essence` of all files in the `closure` of modules, some left out."""
+    files: dict[str, Path] = {}
+    for module in modules:
+        files |= closure(module, packages)
     total = hashlib.sha256()
-    for name, path in closure(module, packages).items():
-        content = path.read_bytes().replace(b"\r\n", b"\n")
-        total.update(f"{name}\0{len(content)}\0".encode())
-        total.update(content)
+    for name, path in sorted(files.items()):
+        if name not in without:
+            total.update(f"{name}\0{essence(path)}\0".encode())
     return total.hexdigest()
 
 

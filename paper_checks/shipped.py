@@ -48,7 +48,9 @@ class Shipped:
 
     def fingerprint(self, entry: Entry) -> str:
         """Return a digest of the claim's key and of the code its module depends on."""
-        return digest_of([entry.claim.key, digest(f"{self.package}.{entry.group}", self.packages)])
+        return digest_of(
+            [entry.claim.key, digest([f"{self.package}.{entry.group}"], self.packages)]
+        )
 
     def load(self, entry: Entry) -> Judgement | None:
         """Return the shipped judgement of an expensive claim, to be shown as stored.

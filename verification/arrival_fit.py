@@ -6,9 +6,12 @@ It is the same for every chain. The rule:
   later;
 * the first half of the arrivals is transient and is not used;
 * v is the slope of the regression line of the rest;
-* its error is the largest of twice the standard error of that slope, the difference between the
-  slopes of the third and the fourth quarter, and the difference from a run at a hundred times the
-  tolerance;
+* its error is the largest of three times the standard error of that slope, the difference between
+  the slopes of the third and the fourth quarter, and the difference from a run at a hundred times
+  the tolerance;
+* a difference between the quarters beyond what their standard errors explain is a drift, and counts
+  six times: the velocity of a front that drifts like n^{-2/3}, as the head of a wave does, is still
+  4.5 times that difference away from its limit;
 * the front is steady if that error is below a stated part of v; if not, the chain is made longer.
 
 Velocities are in sites per unit of the time in which the arrivals are given.
@@ -16,6 +19,7 @@ Velocities are in sites per unit of the time in which the arrivals are given.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -24,6 +28,9 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
+
+
+_NOISE, _DRIFT = 3.0, 6.0
 
 
 class FrontStatus(StrEnum):
@@ -179,10 +186,11 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     site = np.arange(late.size)
     slope, noise = line(site, late)
     half = late.size // 2
-    first, _ = line(site[:half], late[:half])
-    second, _ = line(site[half:], late[half:])
-    uncertain = max(2.0 * noise, abs(first - second))
-    return 1.0 / slope, uncertain / slope**2
+    first, first_noise = line(site[:half], late[:half])
+    second, second_noise = line(site[half:], late[half:])
+    apart = abs(first - second)
+    drift = _DRIFT * (apart - 2.0 * math.hypot(first_noise, second_noise))
+    return 1.0 / slope, max(_NOISE * noise, apart, drift) / slope**2
 
 
 def line(x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[float, float]:

@@ -226,8 +226,7 @@ def _in_words(run: VdpRun) -> str:
             f"t = {run.times[-1]:g}: {run.width[-1]} of {run.chain.sites} sites above "
             f"{run.level:.4g} (at the start {run.width[0]}), {reached} were at some time",
             f"  largest amplitude {last[loudest]:.8g} at site {loudest + 1}",
-            f"  error of the states at most {run.error:.1e} (run beside it at a hundred times the "
-            "tolerance)",
+            f"  error of the states at most {run.error:.1e} (from two less exact runs beside it)",
             f"  {run.steps} steps of {run.mean_active:.1f} sites, {run.stiff_steps} stiff steps, "
             f"{run.seconds:.3f} s",
         ]

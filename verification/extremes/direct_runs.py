@@ -47,8 +47,7 @@ def _run(at: Mapping[str, float], full: bool) -> Claim:
         tolerance=at["tolerance"],
     )  # fmt: skip
     assert run.error is not None
-    size = max(1.0, float(np.abs(start).max()))
-    return Claim(run.psi[-1], run.error + 1e-15 * size * max(run.steps, 10), extra=start)
+    return Claim(run.psi[-1], run.error, extra=start)
 
 
 def full_run(at: Mapping[str, float]) -> Claim:
@@ -114,7 +113,7 @@ def averaged_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     def last(kept: int, tolerance: float) -> ComplexArray:
         run = solve_ivp(
             rate, (0.0, _END), claim.extra[:kept], method="DOP853", rtol=tolerance,
-            atol=tolerance * at["displacement"],
+            atol=tolerance * abs(at["displacement"]),
         )  # fmt: skip
         if not run.success:
             raise NoReferenceError(run.message)
@@ -174,7 +173,7 @@ def friction_state(at: Mapping[str, float]) -> Claim:
     assert run.error is not None
     if run.status is not RunStatus.RESOLVED:
         raise RunError("the run says that its companions see other events: rounding decides.")
-    return Claim(run.y[-1], run.error + 1e-12, extra=start)
+    return Claim(run.y[-1], run.error, extra=start)
 
 
 def friction_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:

@@ -61,7 +61,8 @@ class VdpRun:
     level : float
         Amplitude that counts as an arrival.
     error : float or None
-        Bound on the error of ``psi``, from the companions; None if there were none.
+        Bound on the error of ``psi``, from the companions; None if there were none. Where the
+        stiff method has run, at least a tenth of its tolerance times the largest |Ψ(0)|.
     arrival_error : float or None
         The same of ``arrivals``; inf if one run saw an arrival that the other did not.
     tolerance : float
@@ -199,6 +200,10 @@ def run_vdp(
     if companion:
         others = lanes[1:]
         error = error_from(first.psi, [other.psi for other in others])
+        if first.stiff_steps:
+            from verification.vdp.stiff_stage import least_error
+
+            error = max(error, least_error(tolerance, float(np.abs(psi).max())))
         arrival_error = arrival_error_from(first.arrivals, [other.arrivals for other in others])
     steps = int(first.counters[3])
     return VdpRun(

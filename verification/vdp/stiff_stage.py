@@ -34,6 +34,20 @@ _PAD = 4
 """Margins of sites at rest that are solved for at first, on either side."""
 
 _TIGHTEST = 1e-12
+_LEAST = 0.1
+
+
+def least_error(tolerance: float, displacement: float) -> float:
+    """Return what the error of a run through a stage is at least: a tenth of the tolerance.
+
+    Its error comes in leaps far below the tolerance, so that companions may agree by accident.
+
+    Examples
+    --------
+    >>> least_error(1e-6, 100.0) == 0.1 * 1e-6 * 100.0
+    True
+    """
+    return _LEAST * max(_TIGHTEST, tolerance) * displacement
 
 
 def full_right_side(chain: VdpChain, state: FloatArray) -> FloatArray:

@@ -189,6 +189,24 @@ def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:
     assert leading(np.array([1.0, np.nan, 3.0, np.nan])).tolist() == [1.0, 3.0, 3.0]
 
 
+@pytest.mark.parametrize("power", [2 / 3, 1.0, 2.0])
+@pytest.mark.parametrize("sites", [64, 1024])
+def test_the_error_of_a_velocity_that_drifts_bounds_the_way_to_its_limit(
+    power: float, sites: int
+) -> None:
+    """The head of a dispersive wave comes to its velocity like n^{-2/3}."""
+    local = 1.0 - 0.5 * np.arange(1, sites + 1) ** -power
+    v, error = velocity_of_arrivals(np.cumsum(1.0 / local))
+    assert abs(v - 1.0) <= error <= 6.0 * abs(v - 1.0)
+
+
+@pytest.mark.parametrize("period", [2.3, 7.1, 16.0])
+def test_a_ripple_of_the_arrivals_is_no_drift(period: float) -> None:
+    n = np.arange(256)
+    v, error = velocity_of_arrivals(n + 0.2 * np.sin(2 * np.pi * n / period))
+    assert abs(v - 1.0) <= error < 2e-3
+
+
 def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
     asked = []
 

@@ -110,3 +110,15 @@ def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypa
         assert found is not None
         assert (found.velocity > 0) == moving
         assert found.value == (pytest.approx(fold.value, rel=1e-13) if moving else pin)
+
+
+@pytest.mark.parametrize("eta", [1e-3, 0.03, 0.05])
+def test_the_error_of_a_fold_at_pinning_is_the_excess_overlooked_over_the_slope(eta: float) -> None:
+    """A maximum higher by less than the least excess moves the fold by that over d|Σ|/dc."""
+    pin = thresholds.pinning_coupling(eta)
+    assert pin is not None
+    root = 1.0 / np.sqrt(1.0 - 4.0j * pin)
+    size = abs(root - 1.0)
+    slope = np.real(np.conj(root - 1.0) * 2.0j * root**3) / size  # closed form, by hand
+    overlooked = 2.0 * thresholds._EXCESS / slope
+    assert thresholds._pinned_error(pin) == pytest.approx(overlooked + 4e-16 * pin, rel=2e-3)

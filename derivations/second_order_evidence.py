@@ -206,14 +206,20 @@ def _amplitude_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any
 
 
 def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
-    """Y minus its fundamental, against eps y1, over one period."""
+    """Y minus its fundamental, against eps y1, over one period.
+
+    Time is counted from an arbitrary origin: from a zero of y, A is imaginary and y1 the same
+    forwards and backwards.
+    """
     first = complex(harmonic(y, 1))
     times = 2 * np.pi * np.arange(len(y)) / len(y)
     rest = y - 2 * (first * np.exp(1j * times)).real
-    numbers = {**point, sp.Symbol("A"): -0.5j * math.sqrt(point[under_test.square])}
+    origin = times[11]
+    amplitude = -0.5j * math.sqrt(point[under_test.square]) * np.exp(1j * origin)
+    numbers = {**point, sp.Symbol("A"): amplitude}
     worst = 0.0
     for place in (7, 31, 58):
-        here = {**numbers, under_test.turn: np.exp(1j * times[place])}
+        here = {**numbers, under_test.turn: np.exp(1j * (times[place] - origin))}
         found = solved_for(candidate, under_test.y_next, here)
         worst = max(worst, abs(rest[place] - point[epsilon] * found))
     return float(worst)

@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve, root
 
+from fronts.cli import main
 from theory.breather import BreatherStatus, solve_breather
 from theory.vdp_chain import Ends, VdpChain
 from verification.breathers.envelope import (
@@ -324,3 +325,12 @@ def test_amplitudes_are_where_the_velocities_vanish() -> None:
     )
     largest = [np.abs(states[:, site]).max() for site, states in enumerate(run.y_events)]
     assert np.abs(orbit.amplitudes - largest).max() < 1e-11
+
+
+def test_a_branch_that_cannot_be_followed_is_no_defect_but_one_sentence(capsys) -> None:
+    """Next to eta = 1/8 both cycles of a cell are one."""
+    line = "breather --a 1 --b 0.12499999999333289 --c 7.601881158205481e-06 --eps 2.4e-06"
+    code = main([*line.split(), "--method", "orbit"])
+    said = capsys.readouterr().err
+    assert code == 2
+    assert "could not be followed past c = 3.8" in said and "eta farther from 1/8." in said

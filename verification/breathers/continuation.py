@@ -137,7 +137,10 @@ def trace(
         if bent:
             length *= 0.5
             if length < 1e-5:
-                raise NotConvergedError(f"the branch could not be followed past c = {point.c:.6g}")
+                raise NotConvergedError(
+                    f"the branch of breathers could not be followed past c = {point.c:.6g}: "
+                    "take a smaller eps, or an eta farther from 1/8."
+                )
             continue
         if new.tangent[-1] <= 0.0:
             try:
@@ -153,7 +156,9 @@ def trace(
         if new.iterations <= 5:
             length = min(1.5 * length, longest)
         point = new
-    raise NotConvergedError(f"the branch did not fold in {most} steps")
+    raise NotConvergedError(
+        f"the branch of breathers did not fold in {most} steps: end it at a smaller coupling."
+    )
 
 
 def find_fold(

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.parameters import RunError
+
 Real = NDArray[np.float64]
 System = Callable[[Real, float], tuple[Real, Real, Real]]
 
@@ -19,7 +21,7 @@ COUPLING_WEIGHT = 10.0
 MOST_NEWTON = 20
 
 
-class NotConvergedError(ArithmeticError):
+class NotConvergedError(RunError):
     """Newton's method found no solution from this start."""
 
 
@@ -93,7 +95,9 @@ def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) ->
         value, slope, by_c = trial
         u = u - share * change
         correction = float(np.abs(share * change).max())
-    raise NotConvergedError(f"no solution found at c = {c:.6g}")
+    raise NotConvergedError(
+        f"no solution was found at c = {c:.6g}: take a smaller coupling, or a smaller eps."
+    )
 
 
 def step_along(
@@ -123,7 +127,9 @@ def step_along(
         correction = float(np.abs(change).max())
         u = u - change[:-1]
         c -= float(change[-1]) / COUPLING_WEIGHT
-    raise NotConvergedError(f"no step of length {length:.2g} from c = {start.c:.6g}")
+    raise NotConvergedError(
+        f"no step of length {length:.2g} leads on from c = {start.c:.6g}: take a smaller coupling."
+    )
 
 
 def _bordered(slope: Real, by_c: Real, row: Real) -> Real:

@@ -21,6 +21,7 @@ from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError,
 
 ETA = Axis("eta", 1e-12, ETA_END, near=(ETA_END,))
 A, C, EPSILON = Axis("a", 1e-6, 1e6), Axis("c", 1e-8, 1e6), Axis("eps", 1e-6, 1.0)
+WEAK = Axis("c", 1e-8, 1e2)
 READING = Axis("reading", 1, 2, whole=True)
 _SITES = 9
 
@@ -320,7 +321,7 @@ QUANTITIES = (
     Quantity(
         "envelope-breather",
         "a breather of the averaged chain (34)",
-        (Axis("eta", 1e-4, ETA_END, near=(ETA_END,), closest=1e-3), Axis("c", 1e-8, 1.0)),
+        (ETA, C),
         _envelope,
         _check_envelope,
         seconds=5.0,
@@ -330,31 +331,31 @@ QUANTITIES = (
     Quantity(
         "orbit",
         "a true periodic orbit of (8)",
-        (Axis("eta", 5e-3, 0.12), Axis("c", 1e-6, 0.15), EPSILON),
+        (ETA, WEAK, EPSILON),
         _orbit,
         _check_orbit,
         seconds=20.0,
-        share=0.04,
+        share=0.1,
         scenes="breather",
     ),
     Quantity(
         "multipliers",
         "Floquet multipliers of a true orbit",
-        (Axis("eta", 5e-3, 0.12), Axis("c", 1e-6, 0.15), EPSILON),
+        (ETA, WEAK, EPSILON),
         _multipliers,
         _check_multipliers,
         seconds=20.0,
-        share=0.04,
+        share=0.1,
         scenes="breather",
     ),
     Quantity(
         "envelope-threshold",
         "the coupling at which a breather of (34) ends",
-        (Axis("eta", 1e-3, 0.12),),
+        (ETA,),
         _threshold,
         _check_threshold,
         seconds=20.0,
-        share=0.04,
+        share=0.1,
         scenes="breather",
     ),
 )

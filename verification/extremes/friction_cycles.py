@@ -35,7 +35,8 @@ def cycle_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     end = 2.2 * period if period else _LONGEST
     if end > _LONGEST or cell.v0 < 1e-3 or cell.v_d < 1e-2:
         raise NoReferenceError("too many steps for scipy")
-    carried = 0.5 * float(claim.value[1]) or 0.01  # from the middle of the stick phase
+    # From the middle of the stick phase; where there is none, from shortly before its end.
+    carried = 0.5 * float(claim.value[1]) or min(0.01, cell.mu_st / cell.v_d)
     start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
     try:
         with np.errstate(all="ignore"):  # scipy tries steps that overflow
@@ -57,10 +58,10 @@ QUANTITIES = (
         "cycle-friction",
         "period and stick time of the stick-slip cycle of a friction cell",
         (
-            Axis("v_d", 1e-2, 1e2),
-            Axis("v0", 1e-3, 1e1),
+            Axis("v_d", 1e-8, 1e8),
+            Axis("v0", 1e-6, 1e6),
             Axis("xi", 1e-6, 1.0),
-            Axis("mu_st", 0.51, 1e1),
+            Axis("mu_st", 0.51, 1e3),
         ),
         stable_cycle,
         cycle_by_scipy,

@@ -142,7 +142,7 @@ QUANTITIES = (
     Quantity(
         "front-averaged",
         "velocity of a front of (43) on the running chain",
-        (Axis("c", 1e-2, 1e2), Axis("eta", 1e-3, 0.12)),
+        (Axis("c", 1e-6, 1e6), Axis("eta", 1e-6, 0.125, near=(0.125,))),
         _averaged_front,
         _check_averaged,
         seconds=60.0,

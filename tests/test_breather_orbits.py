@@ -333,4 +333,5 @@ def test_a_branch_that_cannot_be_followed_is_no_defect_but_one_sentence(capsys) 
     code = main([*line.split(), "--method", "orbit"])
     said = capsys.readouterr().err
     assert code == 2
-    assert "could not be followed past c = 3.8" in said and "eta farther from 1/8." in said
+    assert "could not be followed past c = 3.8" in said
+    assert "eta farther from 1/8." in said

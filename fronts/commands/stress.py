@@ -169,6 +169,7 @@ def _list() -> Answer:
             "quantity": quantity.name,
             "what": quantity.what,
             "axes": [{"name": a.name, "low": a.low, "high": a.high} for a in quantity.axes],
+            "ends": quantity.ends,
             "seconds": quantity.seconds,
         }
         for quantity in all_quantities()
@@ -177,6 +178,8 @@ def _list() -> Answer:
     for quantity in all_quantities():
         axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
         lines.append(f"{quantity.name:26}{quantity.what}\n{'':26}{axes}")
+        if quantity.ends:
+            lines.append(f"{'':26}({quantity.ends})")
     return Answer({"quantities": rows}, "\n".join(lines))
 
 

@@ -36,11 +36,12 @@ QUANTITIES = (
     Quantity(
         "front-velocity",
         "velocity of a front of (44) from event to event",
-        (Axis("c", 0.05, 5.0), Axis("eta", 1e-4, 0.07)),
+        (Axis("c", 0.05, 5.0), Axis("eta", 1e-6, 0.125, near=(0.08, 0.125))),
         _front,
         _check_front,
         seconds=60.0,
         share=0.05,
         scenes="relation",
+        ends="outside, a run takes several minutes: tails are long, or fronts slow",
     ),
 )

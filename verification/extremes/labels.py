@@ -117,6 +117,8 @@ _AXES = (
     Axis("displacement", 0.3, 1e1),
 )
 
+_ENDS = "smaller displacements go to rest; stronger couplings and smaller eps take scipy minutes"
+
 QUANTITIES = (
     Quantity(
         "label-averaged",
@@ -127,6 +129,7 @@ QUANTITIES = (
         seconds=20.0,
         share=0.2,
         scenes="map",
+        ends=_ENDS,
     ),
     Quantity(
         "label-vdp",
@@ -137,5 +140,6 @@ QUANTITIES = (
         seconds=20.0,
         share=0.2,
         scenes="map",
+        ends=_ENDS,
     ),
 )

@@ -142,6 +142,8 @@ class Quantity:
         How many points it gets beside the others; costly ones get fewer.
     scenes : str
         Name of its scenes in ``verification.scenes``.
+    ends : str
+        Why a range ends before its parameter does; empty if none does.
     """
 
     name: str
@@ -152,6 +154,7 @@ class Quantity:
     seconds: float
     share: float = 1.0
     scenes: str = ""
+    ends: str = ""
 
     def fixed_points(self) -> list[Values]:
         """Return named scenes in its ranges, then the corners; of more than 64 some, evenly."""

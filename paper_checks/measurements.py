@@ -124,13 +124,15 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
     rows = [
         (
             line["quantity"],
+            line["what"],
+            line["over"] + (f" ({line['ends']})" if line["ends"] else ""),
             str(line["points"]),
             *(str(line["counts"][outcome]) for outcome in OUTCOMES),
             f"{line['slowest']:.2g} s",
         )
         for line in record["quantities"]
     ]
-    total = ("all", str(record["points"]), *(str(record["counts"][one]) for one in OUTCOMES), "")
+    total = ("all", "", "", str(record["points"]), *(str(record["counts"][one]) for one in OUTCOMES), "")
     return Section(
         "stability",
         "Stiff and extreme cases",
@@ -139,10 +141,11 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
             "and at random, each value held against another method. Unchecked: no other method "
             "reaches there. "
             "The last four kinds must be zero: a stated error exceeded, not a number, a crash, "
-            "slower than its limit.",
+            "slower than its limit. Where a range ends before its parameter does, the reason is "
+            "beside it.",
             {"the table": record},
         ),
-        ("Quantity", "Points", *(one.capitalize() for one in OUTCOMES), "Slowest"),
+        ("Quantity", "What", "Over", "Points", *(one.capitalize() for one in OUTCOMES), "Slowest"),
         (*rows, total),
         (stamp_of(record),),
     )

@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> Answer:
         "points": len(found.table),
         "seed": seed,
         "counts": found.counts,
-        "quantities": [vars(line) for line in found.lines],
+        "quantities": [vars(line) | _range_of(line.quantity) for line in found.lines],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
         "out": None if options.out is None else str(options.out),
@@ -161,6 +161,14 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
+def _range_of(name: str) -> dict[str, str]:
+    from verification.extremes.discover import quantity_named
+
+    quantity = quantity_named(name)
+    axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
+    return {"what": quantity.what, "over": axes, "ends": quantity.ends}
+
+
 def _list() -> Answer:
     from verification.extremes.discover import all_quantities
 
@@ -176,10 +184,10 @@ def _list() -> Answer:
     ]
     lines = []
     for quantity in all_quantities():
-        axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
-        lines.append(f"{quantity.name:26}{quantity.what}\n{'':26}{axes}")
+        said = _range_of(quantity.name)
+        lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
         if quantity.ends:
-            lines.append(f"{'':26}({quantity.ends})")
+            lines.append(f"{'':26}({said['ends']})")
     return Answer({"quantities": rows}, "\n".join(lines))
 
 

@@ -132,7 +132,14 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
         )
         for line in record["quantities"]
     ]
-    total = ("all", "", "", str(record["points"]), *(str(record["counts"][one]) for one in OUTCOMES), "")
+    total = (
+        "all",
+        "",
+        "",
+        str(record["points"]),
+        *(str(record["counts"][one]) for one in OUTCOMES),
+        "",
+    )
     return Section(
         "stability",
         "Stiff and extreme cases",

@@ -414,8 +414,8 @@ BENCHMARK = Quantity(
         SPLIT: "its step was found by trial at this scene: it knows no error and adapts to none",
         "heyoka": "it compiles in every process, for every number of sites and every tolerance, "
         "and is an optional extra; sites at rest are not left out",
-        SERIES: "faster at an error of 1e-9 and at this scene only, of 31 sites that all move, where "
-        "the settings of the default are a factor of 100 apart: one stepper serves all",
+        SERIES: "faster at an error of 1e-9 and at this scene only, of 31 sites that all move, "
+        "where the settings of the default are a factor of 100 apart: one stepper serves all",
         "jitcode dop853": "it needs a C compiler and compiles anew for every chain",
     },
     first={

@@ -13,7 +13,7 @@ from theory.vdp_chain import VdpChain
 
 def vdp_chain(at: Mapping[str, float]) -> VdpChain:
     """Return the chain of (8) with b = η a²."""
-    return VdpChain(at["a"], at["eta"] * at["a"] ** 2, at["c"], at["eps"], _whole(at["sites"]))
+    return VdpChain(at["a"], at["eta"] * at["a"] ** 2, at["c"], at["eps"], whole(at["sites"]))
 
 
 def friction_cell(at: Mapping[str, float]) -> FrictionCell:
@@ -23,9 +23,9 @@ def friction_cell(at: Mapping[str, float]) -> FrictionCell:
 
 def friction_chain(at: Mapping[str, float]) -> FrictionChain:
     """Return the chain (5)."""
-    return FrictionChain(at["c"], friction_cell(at), _whole(at["sites"]))
+    return FrictionChain(at["c"], friction_cell(at), whole(at["sites"]))
 
 
-def _whole(number: float) -> Any:
+def whole(number: float) -> Any:
     """Return a whole number as int; what is none as it is, for the toolkit to refuse."""
     return int(number) if math.isfinite(number) else number

@@ -10,6 +10,7 @@ from theory.sum_integral import sum_by_integral
 from theory.sum_integral_precise import precise_sum_by_integral
 from theory.sum_quadrature import sum_by_quadrature
 from theory.sum_series import sum_by_roots
+from verification.extremes.chains import whole
 from verification.extremes.quantity import Axis, Check, Claim, Quantity
 from verification.extremes.references import distance, needed_digits, reference_sum
 
@@ -34,7 +35,7 @@ def _by_integral(at: Mapping[str, float]) -> Claim:
 
 
 def _by_series(at: Mapping[str, float]) -> Claim:
-    return _claim(sum_by_roots(at["v"], at["c"], int(at["digits"])))
+    return _claim(sum_by_roots(at["v"], at["c"], whole(at["digits"])))
 
 
 def _by_bessel(at: Mapping[str, float]) -> Claim:
@@ -46,7 +47,7 @@ def _by_quadrature(at: Mapping[str, float]) -> Claim:
 
 
 def _by_precise_integral(at: Mapping[str, float]) -> Claim:
-    return _claim(precise_sum_by_integral(at["v"], at["c"], int(at["digits"])))
+    return _claim(precise_sum_by_integral(at["v"], at["c"], whole(at["digits"])))
 
 
 QUANTITIES = (

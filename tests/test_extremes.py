@@ -230,3 +230,10 @@ def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture
     assert "quantity = nothing" in capsys.readouterr().err
     assert main(["stress", "--resume"]) == 2
     assert main(["stress", "--list"]) == 0
+
+
+def test_what_a_reference_is_called_can_be_written_to_a_table() -> None:
+    """Text with commas and quotes would be misread in CSV."""
+    known = quantity_named("c-pin")
+    named = replace(known, check=lambda *_: Check(0.0, 0.0, 'scipy, "timed"'))
+    assert judge(named, {"eta": 0.03})["by"] == "scipy; 'timed'"

@@ -164,13 +164,17 @@ def _row(
     check: Check | None = None,
     seconds: float = 0.0,
 ) -> dict[str, Scalar]:
-    word = " ".join("".join("'" if x == '"' else ";" if x in ",#" else x for x in said).split())
     return {
         "outcome": str(outcome),
         "stated": claim.error if claim else math.nan,
         "distance": check.distance if check else math.nan,
         "uncertainty": check.uncertainty if check else math.nan,
-        "by": check.by if check else "-",
+        "by": _for_csv(check.by) if check else "-",
         "seconds": seconds,
-        "said": word or "-",
+        "said": _for_csv(said) or "-",
     }
+
+
+def _for_csv(said: str) -> str:
+    """Return a text without what a table of commas and quotes would misread."""
+    return " ".join("".join("'" if x == '"' else ";" if x in ",#" else x for x in said).split())

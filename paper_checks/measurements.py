@@ -117,6 +117,12 @@ def _growth(records: Mapping[str, Json], folder: Path) -> Section | None:
 OUTCOMES = ("right", "refused", "unchecked", "exceeded", "nan", "crash", "slow")
 
 
+def _tried_over(line: Json) -> tuple[str, str]:
+    """Return what the quantity is and its ranges; a record from before they were kept has none."""
+    ends = f" ({line['ends']})" if line.get("ends") else ""
+    return line.get("what", ""), line.get("over", "") + ends
+
+
 def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
     if "stability" not in records:
         return None
@@ -124,8 +130,7 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
     rows = [
         (
             line["quantity"],
-            line["what"],
-            line["over"] + (f" ({line['ends']})" if line["ends"] else ""),
+            *_tried_over(line),
             str(line["points"]),
             *(str(line["counts"][outcome]) for outcome in OUTCOMES),
             f"{line['slowest']:.2g} s",

@@ -301,6 +301,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "beside-the-foldstiff",
         "Stale: sum; it does not say which code was measured.",
         "sites, 10 to 100",
+        " (faster ones take minutes)10",
         "all107210000",
         "15 in place of 2000 roots: 133 times",
         "quad: gave up <here> (narrow: 1e-9)",

@@ -17,7 +17,7 @@
 ``savings``
     What a scene does not need: each omission run against the same computation without it.
 
-Shared by both models are ``companions`` (the error of a run), ``front_watch`` (a front until it has
-passed or stopped), ``arrival_fit`` (its velocity), ``checkpoint`` (runs that go on after a stop) and
-``label`` (the names of states). ``scenes`` are shared by tests, benchmarks and report.
+Shared by both models are ``companions`` (the error of a run), ``front_watch`` (a front until it
+has passed or stopped), ``arrival_fit`` (its velocity), ``checkpoint`` (runs that go on after a
+stop) and ``label`` (the names of states). ``scenes`` are shared by tests, benchmarks and report.
 """

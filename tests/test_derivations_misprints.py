@@ -91,6 +91,10 @@ def test_33_has_the_other_sign_of_one_term():
     square = sp.conjugate(phi[0]) ** 2 * sp.exp(-2 * i * omega * t)
     wrong = -2 * epsilon * velocity * a * square / (4 * omega**2)
     same(printed.printed(33).equation.lhs - derived(33).lhs, wrong)
+    before, after, whole = printed.printed(33).slip
+    same(before, -square)
+    same(after, square)
+    same(whole.lhs, derived(33).lhs)
 
 
 def test_42_has_a_one_too_many_in_each_entry_below_the_zero_block():

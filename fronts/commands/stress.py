@@ -11,6 +11,7 @@ from fronts.arguments import check_seed, check_writable, given, whole
 from fronts.progress import Fraction, kept_by_journal
 
 if TYPE_CHECKING:
+    from verification.extremes.quantity import Quantity
     from verification.extremes.table import Stability
 
 EXAMPLE = """examples:
@@ -65,6 +66,7 @@ def run(options: argparse.Namespace) -> Answer:
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
+    from verification.extremes.discover import quantity_named
     from verification.extremes.table import stability
 
     if options.out is not None:
@@ -87,7 +89,9 @@ def run(options: argparse.Namespace) -> Answer:
         "points": len(found.table),
         "seed": seed,
         "counts": found.counts,
-        "quantities": [vars(line) | _range_of(line.quantity) for line in found.lines],
+        "quantities": [
+            vars(line) | _range_of(quantity_named(line.quantity)) for line in found.lines
+        ],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
         "out": None if options.out is None else str(options.out),
@@ -161,10 +165,7 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
-def _range_of(name: str) -> dict[str, str]:
-    from verification.extremes.discover import quantity_named
-
-    quantity = quantity_named(name)
+def _range_of(quantity: Quantity) -> dict[str, str]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
     return {"what": quantity.what, "over": axes, "ends": quantity.ends}
 
@@ -184,7 +185,7 @@ def _list() -> Answer:
     ]
     lines = []
     for quantity in all_quantities():
-        said = _range_of(quantity.name)
+        said = _range_of(quantity)
         lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
         if quantity.ends:
             lines.append(f"{'':26}({said['ends']})")

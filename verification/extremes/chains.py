@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import Any
 
 from theory.friction_cell import FrictionCell
 from theory.friction_chain import FrictionChain
 from theory.vdp_chain import VdpChain
+from verification.extremes.quantity import whole
 
 
 def vdp_chain(at: Mapping[str, float]) -> VdpChain:
@@ -24,8 +23,3 @@ def friction_cell(at: Mapping[str, float]) -> FrictionCell:
 def friction_chain(at: Mapping[str, float]) -> FrictionChain:
     """Return the chain (5)."""
     return FrictionChain(at["c"], friction_cell(at), whole(at["sites"]))
-
-
-def whole(number: float) -> Any:
-    """Return a whole number as int; what is none as it is, for the toolkit to refuse."""
-    return int(number) if math.isfinite(number) else number

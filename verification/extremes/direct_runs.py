@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from theory.parameters import RunError
 from verification.extremes.chains import friction_chain, vdp_chain
+from verification.extremes.equations import as_state, averaged_rate, full_rate
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -24,8 +25,11 @@ _REFERENCE = 1e-12
 _FIRST_COMPARED, _MOST_COMPARED = 30, 400
 """Sites that a slow reference follows at first, and at most: those that move."""
 
-_STILL = _ROUNDING = 1e-14
+_STILL = 1e-14
 """Share of the displacement below which a site that the reference left out is at rest."""
+
+_ROUNDING = 1e-14
+"""Share of the displacement that rounding may add to a reference."""
 
 _FIRST_STICKING, _MOST_STICKING = 6, 24
 """The same for the event-located reference of the friction chain."""
@@ -64,7 +68,7 @@ def full_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     """(8) by Radau where the damping is stiff, else by DOP853."""
     from scipy.integrate import solve_ivp
 
-    from verification.vdp.stiff_stage import full_jacobian, full_right_side
+    from verification.vdp.stiff_stage import full_jacobian
 
     square = at["displacement"] ** 2
     chain = vdp_chain(at)
@@ -75,10 +79,10 @@ def full_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
 
     def last(kept: int, tolerance: float) -> ComplexArray:
         part, start = replace(chain, sites=kept), claim.extra[:kept]
-        state = np.concatenate([start.imag, start.real])
+        state = as_state(start)
         options: Any = {"jac": lambda _, x: full_jacobian(part, x)} if stiff else {}
         run = solve_ivp(
-            lambda _, x: full_right_side(part, x),
+            full_rate(part),
             (0.0, _END),
             state,
             method="Radau" if stiff else "DOP853",
@@ -100,19 +104,13 @@ def averaged_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     from scipy.integrate import solve_ivp
 
     chain = vdp_chain(at)
-    a, b, c = chain.a, chain.b, chain.c
-    if max(a * at["displacement"] ** 2, b * at["displacement"] ** 4, c) > 1e4:
+    square = at["displacement"] ** 2
+    if max(chain.a * square, chain.b * square**2, chain.c) > 1e4:
         raise NoReferenceError("too stiff for DOP853")
-
-    def rate(_: float, phi: ComplexArray) -> ComplexArray:
-        pull = -np.diff(phi, prepend=phi[:1], append=phi[-1:], n=2)
-        s = np.abs(phi) ** 2
-        out: ComplexArray = 0.5j * c * pull - 0.5 * phi * (1 - a * s / 4 + b * s**2 / 8)
-        return out
 
     def last(kept: int, tolerance: float) -> ComplexArray:
         run = solve_ivp(
-            rate, (0.0, _END), claim.extra[:kept], method="DOP853", rtol=tolerance,
+            averaged_rate(chain), (0.0, _END), claim.extra[:kept], method="DOP853", rtol=tolerance,
             atol=tolerance * abs(at["displacement"]),
         )  # fmt: skip
         if not run.success:

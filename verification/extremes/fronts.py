@@ -9,12 +9,14 @@ by how uneven they are.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.vdp_chain import VdpChain
+from verification.extremes.equations import amplitude_of, as_state, full_rate
 from verification.extremes.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 
 FloatArray = npt.NDArray[np.float64]
@@ -43,14 +45,6 @@ def _front(at: Mapping[str, float], full: bool) -> Claim:
     return Claim(found.v, found.error, note="pinned" * (found.v == 0.0))
 
 
-def _averaged_front(at: Mapping[str, float]) -> Claim:
-    return _front(at, False)
-
-
-def _full_front(at: Mapping[str, float]) -> Claim:
-    return _front(at, True)
-
-
 def _check_averaged(at: Mapping[str, float], claim: Claim) -> Check:
     """Step the real amplitudes behind which phases are locked at a quarter of a turn a site."""
     chain = _chain(at)
@@ -68,21 +62,13 @@ def _check_averaged(at: Mapping[str, float], claim: Claim) -> Check:
 
 
 def _check_full(at: Mapping[str, float], claim: Claim) -> Check:
-    """Step (8); to the left of the first site a wave goes on, where y_0 is ẏ_1."""
+    """Step (8), with a wave that goes on behind."""
     chain = _chain(at)
-    a, b, c, eps = chain.a, chain.b, chain.c, chain.eps
-
-    def rate(_: float, x: FloatArray) -> FloatArray:
-        y, w = x[:_SITES], x[_SITES:]
-        left, right = np.concatenate([w[:1], y[:-1]]), np.concatenate([y[1:], y[-1:]])
-        square = y * y
-        damping = eps * w * (1.0 - a * square + b * square * square)
-        return np.concatenate([w, -y - eps * c * (2.0 * y - left - right) - damping])
-
-    turns = 1j * (-1j) ** np.arange(_SITES)  # y + iẏ, each a quarter of a turn behind
+    turns = 1j * (-1j) ** np.arange(_SITES)  # each site a quarter of a turn behind the one before
     psi = np.where(np.arange(_SITES) < _FILLED, chain.stable_amplitude * turns, 0.0)
-    start = np.concatenate([psi.imag, psi.real])
-    return _by_scipy(chain, claim, rate, start, eps, lambda x: np.hypot(x[:_SITES], x[_SITES:]))
+    return _by_scipy(
+        chain, claim, full_rate(chain, wave=True), as_state(psi), chain.eps, amplitude_of
+    )
 
 
 def _by_scipy(
@@ -146,7 +132,7 @@ QUANTITIES = (
         "front-averaged",
         "velocity of a front of (43) on the running chain",
         (Axis("c", 1e-3, 1e2), Axis("eta", 1e-4, 0.125, near=(0.125,))),
-        _averaged_front,
+        partial(_front, full=False),
         _check_averaged,
         seconds=60.0,
         share=0.08,
@@ -157,7 +143,7 @@ QUANTITIES = (
         "front-vdp",
         "velocity of a front of (8) on the running chain",
         (Axis("c", 1e-1, 1e1), Axis("eta", 1e-2, 0.1), Axis("eps", 1e-2, 0.3)),
-        _full_front,
+        partial(_front, full=True),
         _check_full,
         seconds=60.0,
         share=0.05,

@@ -202,3 +202,8 @@ class Quantity:
     def _plain(axis: Axis) -> float:
         value = math.sqrt(axis.low * axis.high)
         return float(round(value)) if axis.whole else value
+
+
+def whole(number: float) -> Any:
+    """Return a whole number as int; what is none as it is, for the toolkit to refuse."""
+    return int(number) if math.isfinite(number) else number

@@ -10,8 +10,7 @@ from theory.sum_integral import sum_by_integral
 from theory.sum_integral_precise import precise_sum_by_integral
 from theory.sum_quadrature import sum_by_quadrature
 from theory.sum_series import sum_by_roots
-from verification.extremes.chains import whole
-from verification.extremes.quantity import Axis, Check, Claim, Quantity
+from verification.extremes.quantity import Axis, Check, Claim, Quantity, whole
 from verification.extremes.references import distance, needed_digits, reference_sum
 
 V, C = Axis("v", 1e-8, 1e8), Axis("c", 1e-8, 1e8)

@@ -11,8 +11,8 @@ from fronts.arguments import check_seed, check_writable, given, whole
 from fronts.progress import Fraction, kept_by_journal
 
 if TYPE_CHECKING:
-    from verification.extremes.quantity import Quantity
-    from verification.extremes.table import Stability
+    from verification.quantities.quantity import Quantity
+    from verification.quantities.table import Stability
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
@@ -25,8 +25,8 @@ in twenty with a value that is not allowed. Exit code 1: a stated error was exce
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
-STABILITY_CODE = ("verification.extremes.table", "verification.extremes.discover")
-SAVINGS_CODE = ("verification.savings.table",)
+STABILITY_CODE = ("verification.quantities.table", "verification.quantities.discover")
+SAVINGS_CODE = ("verification.work_reduction.table",)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -66,8 +66,8 @@ def run(options: argparse.Namespace) -> Answer:
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
-    from verification.extremes.discover import quantity_named
-    from verification.extremes.table import stability
+    from verification.quantities.discover import quantity_named
+    from verification.quantities.table import stability
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -171,7 +171,7 @@ def _range_of(quantity: Quantity) -> dict[str, str]:
 
 
 def _list() -> Answer:
-    from verification.extremes.discover import all_quantities
+    from verification.quantities.discover import all_quantities
 
     rows = [
         {
@@ -193,7 +193,7 @@ def _list() -> Answer:
 
 
 def _savings(record: bool) -> Answer:
-    from verification.savings.table import measured_savings
+    from verification.work_reduction.table import measured_savings
 
     rows = measured_savings()
     lines = []

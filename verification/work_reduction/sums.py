@@ -86,8 +86,7 @@ def few_points(c: float = 0.5, tolerance: float = 1e-13) -> Comparison:
 
 
 def _integrand(v: FloatArray, c: float, count: int) -> tuple[ComplexArray, int]:
-    """Return G of ``theory.piecewise.sums.integral`` on a period, as it stands there, and half the
-    points.
+    """Return G of ``sums.integral`` on a period, as it stands there, and half the points.
 
     The other half is its mirror image and would not be computed by anybody.
     """

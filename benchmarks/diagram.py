@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.record import WorkPoint, write_whole
-from paper_checks.pictures import COLOURS, new_panels, picture
+from paper_checks.report.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from paper_checks.data_table import Column
+    from paper_checks.report.data_table import Column
 
 _FLOOR = 1e-17
 _PALE = 0.35

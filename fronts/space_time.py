@@ -38,7 +38,7 @@ def draw_space_time(
     """
     from matplotlib.figure import Figure
 
-    from paper_checks.pictures import save
+    from paper_checks.report.pictures import save
 
     figure = Figure(figsize=(5.0, 3.6), layout="constrained")
     axes = figure.subplots()

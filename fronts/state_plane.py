@@ -120,8 +120,8 @@ def _boundary(
 
 
 def _draw(path: Path, plane: Plane, states: Table, boundary: Table | None) -> None:
-    from paper_checks.pictures import new_axes, save
-    from paper_checks.state_picture import draw_states
+    from paper_checks.report.pictures import new_axes, save
+    from paper_checks.report.state_picture import draw_states
 
     figure, axes = new_axes("page", height=4.2, xlabel=plane.titles[0], ylabel=plane.titles[1])
     draw_states(axes, states, *plane.axes, boundary)

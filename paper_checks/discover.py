@@ -48,8 +48,6 @@ def find_entries(package: str | None = None) -> tuple[Entry, ...]:
     -------
     tuple of Entry
         Modules in natural order (``fig9`` before ``fig16``), claims as their module lists them.
-        The verdict on record of a claim that follows others is not yet that of the others; see
-        ``paper_checks.following.resolved``.
 
     Raises
     ------

@@ -65,12 +65,9 @@ class Judgement:
     judged : str
         When it ended: UTC, ISO 8601, to the second.
     stored : bool
-        Whether it was kept from an earlier run instead of computed in this one. For a claim that
-        follows others: whether one of them was.
+        Whether it was kept from an earlier run instead of computed in this one.
     provenance : Provenance or None
         Of a finding that comes with the toolkit.
-    followed : tuple of str
-        Keys of the claims that it was taken from.
     shared : float
         Wall-clock time of the shared work; next to nothing where an earlier judge of the same
         process has done it.
@@ -82,7 +79,6 @@ class Judgement:
     judged: str
     stored: bool = False
     provenance: Provenance | None = None
-    followed: tuple[str, ...] = ()
     shared: float = 0.0
 
     @property
@@ -120,8 +116,8 @@ class Outcome:
 
     @property
     def because(self) -> str:
-        """Why the verdict is what it is; empty where it is not the one on record."""
-        return "" if self.changed else self.claim.because
+        """Why the verdict is what it is; empty for a plain 'reproduced'."""
+        return self.finding.because if self.finding else ""
 
     @property
     def change(self) -> str:
@@ -180,8 +176,8 @@ def _checked(finding: object) -> Finding:
     for name in ("value", "error", "tolerance", "explanation"):
         if not isinstance(getattr(finding, name), str):
             raise TypeError(f"the finding's {name} must be text.")
-    if len(finding.methods) != 2 or not all(isinstance(method, str) for method in finding.methods):
-        raise ValueError("a finding names exactly two methods.")
+    if len(finding.methods) not in (1, 2):
+        raise ValueError("a finding names one method or two.")
     for picture in finding.pictures:
         _check_picture(picture)
     return finding

@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from typing import Protocol
 
 from paper_checks.discover import PACKAGE, Entry, find_entries
-from paper_checks.following import judgement_by_following
 from paper_checks.outcome import Judgement, Outcome, judge, now
 from paper_checks.shipped import Shipped
 from paper_checks.store import Store
@@ -54,7 +53,7 @@ def run(
     Parameters
     ----------
     entries : sequence of Entry
-        The claims, those that others of them follow included.
+        The claims.
     jobs : int, optional
         Number of processes; 1 judges in this process. More than one finds each claim again by
         its key in ``package``, since a judge need not be picklable.
@@ -94,7 +93,7 @@ def run(
             found = shipped.load(entry) if entry.claim.key not in judged else None
             if found is not None:
                 keep(entry, found)
-    left = [e for e in entries if e.claim.key not in judged and not e.claim.follows]
+    left = [e for e in entries if e.claim.key not in judged]
     if jobs == 1:
         for entry in left:
             progress.start(entry.claim.key)
@@ -102,11 +101,6 @@ def run(
     else:
         for entry, judgement in _in_processes(left, jobs, package or PACKAGE, progress):
             keep(entry, judgement)
-    for entry in entries:
-        # They take no time and are never kept: what they follow may have another verdict now.
-        if entry.claim.follows:
-            judged[entry.claim.key] = judgement_by_following(entry, entries, judged)
-            progress.done(Outcome(entry, judged[entry.claim.key]))
     return tuple(Outcome(entry, judged[entry.claim.key]) for entry in entries)
 
 

@@ -113,12 +113,12 @@ def judgement_from(record: dict[str, object]) -> Judgement:
     fields = record["finding"]
     if not isinstance(fields, dict):
         raise TypeError("finding")
-    first, second = fields["methods"]
     finding = Finding(
         **{
             **fields,
             "verdict": Verdict(fields["verdict"]),
-            "methods": (first, second),
+            "methods": tuple(fields["methods"]),
+            "remarks": tuple(fields["remarks"]),
             "pictures": tuple(Picture(**picture) for picture in fields["pictures"]),
             "formulas": tuple(Formula(**formula) for formula in fields["formulas"]),
             "erratum": _erratum(fields["erratum"]),

@@ -13,8 +13,8 @@ from derivations import printed as printed_module
 from derivations.printed import Judgement, report
 from paper_checks.claim import Fault, Finding
 from paper_checks.claims import equations
-from paper_checks.equation_errata import correction, readable
-from paper_checks.mathml import LatexError, mathml, with_formulas
+from paper_checks.claims._equation_errata import correction, readable
+from paper_checks.report.mathml import LatexError, mathml, with_formulas
 
 MISPRINTED = {2, 3, 4, 32, 33, 42}
 AMBIGUOUS = {6, 35, 37, 44, 45, 51, 53}

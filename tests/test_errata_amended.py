@@ -14,7 +14,7 @@ import pytest
 import sympy as sp
 
 from derivations.printed import Judgement, report
-from paper_checks.equation_errata import AMENDED, amended
+from paper_checks.claims._equation_errata import AMENDED, amended
 
 TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\d+|\S")
 ENDS = frozenset({"}", ")", "\\right", ",", "=", "\\\\", "+", "-"})

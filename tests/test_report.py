@@ -17,8 +17,8 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
-from paper_checks.data_table import columns_as_csv, long_table
-from paper_checks.pictures import new_axes, picture
+from paper_checks.report.data_table import columns_as_csv, long_table
+from paper_checks.report.pictures import new_axes, picture
 from paper_checks.store import Store
 
 HERE = Path(__file__).parent
@@ -477,7 +477,7 @@ def test_curves_of_one_table_stand_below_each_other():
 
 def test_claim_records_and_pictures_do_not_import_matplotlib():
     code = (
-        "import sys, paper_checks.claim, paper_checks.pictures, fronts.commands.check;"
+        "import sys, paper_checks.claim, paper_checks.report.pictures, fronts.commands.check;"
         "assert not any(name.startswith('matplotlib') for name in sys.modules)"
     )
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent)}

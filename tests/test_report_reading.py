@@ -16,12 +16,12 @@ from fronts.cli import main
 from paper_checks import discover, measurements, report_text
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.discover import Entry
-from paper_checks.figure_links import modules_named
-from paper_checks.inline_math import typeset
-from paper_checks.mathml import formula
+from paper_checks.report.figure_links import modules_named
+from paper_checks.report.inline_math import typeset
+from paper_checks.report.mathml import formula
 from paper_checks.outcome import Judgement, Outcome, judge
-from paper_checks.report import make_report, pictures_listed
-from paper_checks.report_text import report_as_text
+from paper_checks.report.document import make_report, pictures_listed
+from paper_checks.report.terminal import report_as_text
 
 HERE = Path(__file__).parent
 

@@ -202,8 +202,8 @@ def _write_table(path: Path, rows: list[list[float]]) -> None:
 
 
 def _draw(path: Path, cell: FrictionCell, diagram: Continuation) -> None:
-    from paper_checks.cell_picture import draw_bifurcation
-    from paper_checks.pictures import new_axes, save
+    from paper_checks.report.cell_picture import draw_bifurcation
+    from paper_checks.report.pictures import new_axes, save
 
     figure, axes = new_axes("page", height=3.2)
     draw_bifurcation(axes, cell, diagram)

@@ -16,11 +16,10 @@ from fronts.answer import Answer, UsageError
 from fronts.progress import Progress, kept
 from paper_checks import discover
 from paper_checks.claim import Verdict
-from paper_checks.following import resolved, with_followed
-from paper_checks.measurements import stored_sections
+from paper_checks.report.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
-from paper_checks.page import page
-from paper_checks.report import (
+from paper_checks.report.page import page
+from paper_checks.report.document import (
     Report,
     installed_versions,
     make_report,
@@ -28,11 +27,11 @@ from paper_checks.report import (
     pictures_listed,
     to_json,
 )
-from paper_checks.report_text import report_as_text
+from paper_checks.report.terminal import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
 from paper_checks.store import SOURCES, Store, source_hash, write_text
-from paper_checks.table import duration, entries_as_text
+from paper_checks.report.table import duration, entries_as_text
 
 EXAMPLE = """\
 examples:
@@ -89,7 +88,7 @@ def run(options: argparse.Namespace) -> Answer:
     if os.environ.get("FRONTS_TRACEBACK"):
         logging.basicConfig(level=logging.INFO)
         logging.getLogger("matplotlib").setLevel(logging.WARNING)
-    every = resolved(discover.find_entries())
+    every = discover.find_entries()
     if not every:
         raise UsageError(f"no claims were found in {discover.PACKAGE}: the installation is broken.")
     entries = _chosen(every, options)
@@ -173,12 +172,12 @@ def _chosen(
     except discover.UnknownKeyError as error:
         raise UsageError(str(error)) from None
     if options.verdict is None:
-        return entries if options.list else with_followed(entries, every)
+        return entries
     kept = tuple(entry for entry in entries if entry.claim.recorded is options.verdict)
     if not kept:
         where = f"of {', '.join(options.keys)} " if options.keys else ""
         raise UsageError(f"no claim {where}has the verdict '{slug(options.verdict)}' on record.")
-    return kept if options.list else with_followed(kept, every)
+    return kept
 
 
 def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:

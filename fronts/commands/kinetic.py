@@ -189,7 +189,7 @@ def _write_table(path: Path, answers: list[KineticRelation]) -> None:
 
 
 def _draw(path: Path, answers: list[KineticRelation], along: str) -> None:
-    from paper_checks.pictures import COLOURS, new_axes, save
+    from paper_checks.report.pictures import COLOURS, new_axes, save
 
     label = "coupling c" if along == "c" else "η = b/a²"
     figure, axes = new_axes("page", height=3.2, xlabel=label, ylabel="front velocity v")

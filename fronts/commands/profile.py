@@ -140,7 +140,7 @@ def _write_table(path: Path, zeta: Any, phi: Any, branch: Branch, r: float) -> N
 def _draw(path: Path, zeta: Any, phi: Any, branch: Branch, r: float) -> None:
     import numpy as np
 
-    from paper_checks.pictures import COLOURS, new_axes, save
+    from paper_checks.report.pictures import COLOURS, new_axes, save
 
     figure, axes = new_axes("page", height=3.0, xlabel="ζ (sites)", ylabel=r"$\varphi/\varphi_s$")
     axes.plot(zeta, np.abs(phi), color=COLOURS["blue"], label=r"$|\varphi|$")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from paper_checks.claim import Claim, Finding, Formula, Verdict
 from paper_checks.claims._assumptions import ASSUMED
-from paper_checks.equation_errata import LONG, erratum_of, readable
+from paper_checks.claims._equation_errata import LONG, erratum_of, readable
 
 if TYPE_CHECKING:
     from derivations.printed import Judgement

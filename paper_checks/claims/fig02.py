@@ -1,36 +1,38 @@
-"""Fig. 2 and section 1.1-1.2: the cell of Model I, its two states, and where each exists.
-
-Equations (1) to (7) are judged one by one in ``equations.py``; here is what they imply.
-"""
+"""Fig. 2 and sections 1.1 and 1.2: the cell of Model I, its two states, and where each exists."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, picture
+from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
+from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
+    from verification.cells.friction_continuation import CycleDiagram
     from verification.cells.friction_orbits import CellOrbits
     from verification.references.friction_events import EventRun
 
-FloatArray = npt.NDArray[np.float64]
-
 V_D = 1.25
-VELOCITIES = (0.3, 0.7, 1.0, 1.2, 1.5, 1.8, 1.85, 2.2)
-"""Belt velocities run from both starts: three below the Hopf velocity, three between, two above."""
-
-LONG = 300.0
+VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
+"""Belt velocities run from both starts: on either side of both ends of bistability."""
+LONG = 200.0
 AGREE = 1e-8
 """Between shooting and runs with scipy; both are good to 1e-9."""
+SETTLED = 500.0
+"""τ after which sliding is steady on the scale of the picture: beats decay as exp(-0.009 τ)."""
+
+ORBITS = Method("both cycles by shooting, Taylor series from event to event",
+                "verification.cells.friction_orbits:cell_orbits")  # fmt: skip
+EVENTS = "verification.references.friction_events:run_events"
+EVENT_RUNS = Method("runs with scipy's DOP853, events located on its dense output", EVENTS)
 
 
 @lru_cache(maxsize=1)
@@ -57,7 +59,7 @@ def _scipy(
     )
 
 
-def _measured(run: EventRun, v_d: float) -> tuple[float, float]:
+def _measured(run: EventRun) -> tuple[float, float]:
     """Return period and time in stick of the last cycle of a run, from its events."""
     begins = run.log[run.log[:, 2] == 0, 0]
     ends = run.log[run.log[:, 2] == 1, 0]
@@ -65,171 +67,193 @@ def _measured(run: EventRun, v_d: float) -> tuple[float, float]:
     return float(ends[-1] - ends[-2]), float(ends[-1] - began)
 
 
-def _two_states() -> Finding:
-    """Draw Fig. 2, and compare both cycles with scipy runs on either side of the basin boundary."""
+@dataclass(frozen=True, kw_only=True)
+class TwoStates:
+    """Both states of the cell at v_d = 1.25."""
+
+    low: float
+    high: float
+    period: float
+    stick: float
+    sliding: float
+    inner: tuple[float, float]
+    error: float
+    gap: float
+    inside_slides: bool
+    outside_sticks: bool
+    settles: bool
+    cycle: Any
+    rest: Any
+    unstable: Any
+
+
+def two_states() -> TwoStates:
+    """Find both cycles by shooting; run from both sides of the inner one with scipy."""
     orbits = _orbits()
     stable, unstable, basin = orbits.stable, orbits.unstable, orbits.basin
     if stable is None or unstable is None or basin is None:
         raise ArithmeticError("the cell of Fig. 2 has no two cycles")
     cell = orbits.cell
     cycle = _scipy(cell, 2.0, 40.0)
-    rest = _scipy(cell, 1.0, 40.0)
-    period, stick = _measured(cycle, V_D)
-    gap = max(abs(period - stable.period), abs(stick - stable.stick_time))
-    if gap > AGREE:
-        raise ArithmeticError(f"shooting and the run differ by {gap:.1e}")
-    # A start just inside the unstable cycle goes to steady sliding, one just outside sticks.
+    rest = _scipy(cell, 1.0, SETTLED, 8001, rough=True)
+    period, stick = _measured(cycle)
     step = 5e-3
     inside, outside = (
         _scipy(cell, edge, LONG, 3, rough=True).log.size > 0
         for edge in (basin[1] - step, basin[1] + step)
-    )  # fmt: skip
-    if inside or not outside:
-        raise ArithmeticError("the basin boundary is not where shooting puts it")
-    early, late = (float(np.ptp(half)) for half in np.split(rest.y[:1000, 0], 2))
-    sliding = late < early and rest.log.size == 0
-    return Finding(
-        verdict=Verdict.REPRODUCED if sliding else Verdict.NOT_REPRODUCED,
-        value=(
-            f"cycle: y from {stable.min:.8f} to {stable.max:.8f}, period {stable.period:.8f}, in "
-            f"stick {stable.stick_time:.8f}; steady sliding y = {cell.steady_sliding:.8f}"
-        ),
-        error=f"{orbits.error:.0e}; the scipy run differs by {gap:.0e}",
-        methods=(
-            "both cycles by shooting, Taylor series from event to event",
-            "runs with scipy's DOP853, events located on its dense output",
-        ),
-        tolerance=f"{AGREE:g} in period and stick time; the boundary is tested {step:g} either way",
-        explanation=(
-            "Both states are stable. What divides them is an unstable cycle without stick, from "
-            f"y = {unstable.min:.6f} to {unstable.max:.6f}: started at rest in this range the cell "
-            "goes to steady sliding, else to the cycle. The paper does not show it. It does not "
-            "give the initial conditions of Fig. 2 either; ours are y = 2 and y = 1."
-        ),
-        pictures=(_figure(cycle, rest),),
+    )
+    late = rest.y[-600:, 0]
+    return TwoStates(
+        low=stable.min,
+        high=stable.max,
+        period=stable.period,
+        stick=stable.stick_time,
+        sliding=cell.steady_sliding,
+        inner=(unstable.min, unstable.max),
+        error=orbits.error,
+        gap=max(abs(period - stable.period), abs(stick - stable.stick_time)),
+        inside_slides=not inside,
+        outside_sticks=outside,
+        settles=rest.log.size == 0 and float(np.abs(late - cell.steady_sliding).max()) < 0.02,
+        cycle=cycle,
+        rest=rest,
+        unstable=_scipy(cell, unstable.max, unstable.period, 401),
     )
 
 
-def _figure(cycle: EventRun, rest: EventRun) -> Picture:
-    orbits = _orbits()
-    figure, (above, below) = new_panels(1, 2, width="column", height=5.6)
+def rule_two_states(e: TwoStates) -> Ruling:
+    """Both states must attract from either side of the cycle that divides their basins."""
+    if e.gap < AGREE and e.inside_slides and e.outside_sticks and e.settles:
+        return holds()
+    return fails("runs from the two sides of the basin boundary do not end in the two states.")
+
+
+def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
+    """Draw time series on the left and the state space on the right, as Fig. 2 has them."""
+    figure, (top, right, bottom, spare) = new_panels(2, 2, width="page", height=3.6)
+    spare.remove()
+    right.set_subplotspec(right.get_subplotspec().get_gridspec()[:, 1])
     blue, black = COLOURS["blue"], COLOURS["black"]
-    y, v = cycle.y[:, 0], cycle.velocity[:, 0]
-    above.plot(cycle.times, y, color=blue, label="limit cycle, start y = 2")
-    above.plot(rest.times, rest.y[:, 0], color=black, label="to steady sliding, start y = 1")
-    above.set(xlabel=r"time $\tau$", ylabel=r"$\tilde{y}$", ylim=(-1.2, 2.4))
-    below.plot(y[600:], v[600:], color=blue)
-    below.plot(rest.y[:, 0], rest.velocity[:, 0], color=black, lw=0.5)
-    below.plot([orbits.cell.steady_sliding], [0.0], "o", color=black, label="steady sliding")
-    series: dict[str, dict[str, Any]] = {
-        "limit cycle": {"tau": cycle.times, "y": y, "velocity": v},
-        "to steady sliding": {
-            "tau": rest.times,
-            "y": rest.y[:, 0],
-            "velocity": rest.velocity[:, 0],
-        },
-        "steady sliding": {"y": orbits.cell.steady_sliding, "velocity": 0.0},
+    y, v = e.cycle.y[:, 0], e.cycle.velocity[:, 0]
+    top.plot(e.cycle.times, y, color=blue)
+    top.set(ylabel=r"$\tilde{y}$", xlabel=r"$\tau$", title="stick-slip limit cycle, from y = 2")
+    bottom.plot(e.rest.times, e.rest.y[:, 0], color=black, lw=0.5)
+    bottom.axhline(e.sliding, color=COLOURS["green"], lw=0.9)
+    bottom.set(ylabel=r"$\tilde{y}$", xlabel=r"$\tau$", title="steady sliding, from y = 1")
+    right.plot(y[600:], v[600:], color=blue, label="stick-slip limit cycle (LC)")
+    right.plot(
+        e.unstable.y[:, 0], e.unstable.velocity[:, 0], "--", color=COLOURS["vermilion"],
+        label="unstable pure-slip limit cycle",
+    )  # fmt: skip
+    right.plot(e.rest.y[:1600, 0], e.rest.velocity[:1600, 0], color=black, lw=0.4)
+    right.plot([e.sliding], [0.0], "o", color=COLOURS["green"], label="steady sliding (SS)")
+    right.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"stick, $\tilde{v}_d$ = 1.25")
+    right.set(xlabel=r"$\tilde{y}$", ylabel=r"$d\tilde{y}/d\tau$", ylim=(-1.6, 2.5))
+    right.legend(loc="upper center", ncols=2, columnspacing=1.0)
+    series = {
+        name: {"tau": run.times, "y": run.y[:, 0], "velocity": run.velocity[:, 0]}
+        for name, run in (("limit cycle", e.cycle), ("to steady sliding", e.rest),
+                          ("unstable cycle", e.unstable))  # fmt: skip
     }
-    if orbits.unstable is not None:
-        run = _scipy(orbits.cell, orbits.unstable.max, orbits.unstable.period, 401)
-        across, up = run.y[:, 0], run.velocity[:, 0]
-        below.plot(across, up, "--", color=COLOURS["vermilion"], label="unstable cycle")
-        series["unstable cycle"] = {"tau": run.times, "y": across, "velocity": up}
-    below.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"paper, $\tilde{v}_d$ = 1.25: stick")
-    below.set(xlabel=r"$\tilde{y}$", ylabel=r"velocity of $\tilde{y}$", ylim=(-1.6, 1.6))
-    figure.legend(loc="outside lower center", ncols=2, columnspacing=0.8)
-    return picture(
-        "fig02-cell",
-        "Fig. 2 at v_d = 1.25: both states in time (above) and in the plane of states (below), "
-        "with the unstable cycle that divides their basins; the paper has no such cycle and does "
-        f"not give its two starts. {NO_NUMBERS}",
-        figure,
-        long_table(series),
-    )
+    return (picture("fig02-cell", "", figure, long_table(series)),)
 
 
-def _three_regions() -> Finding:
-    """Find both ends of bistability by shooting, and run from both starts at eight velocities."""
+@dataclass(frozen=True, kw_only=True)
+class Regions:
+    """Where each state of the cell is stable."""
+
+    hopf: float
+    end: float
+    error: float
+    amplitude_at_end: float
+    stick_at_end: float
+    seen: tuple[tuple[bool, bool], ...]
+    """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
+    diagram: CycleDiagram
+    cell: FrictionCell
+
+    @property
+    def expected(self) -> tuple[tuple[bool, bool], ...]:
+        """What the two ends of bistability say of the same starts."""
+        return tuple((v > self.hopf, v < self.end) for v in VELOCITIES)
+
+
+def regions() -> Regions:
+    """Find both ends of bistability by shooting, and run from both starts at six velocities."""
     from theory.cells.friction import FrictionCell
     from verification.cells.friction_continuation import continue_cycles
+    from verification.cells.friction_orbits import stick_slip_cycle
 
     cell = FrictionCell(V_D)
     end = _orbits().cycle_end_velocity
-    hopf = cell.hopf_velocity
-    seen, wanted = [], []
+    seen = []
     for v_d in VELOCITIES:
         here = replace(cell, v_d=v_d)
-        near, far = here.steady_sliding + 0.1, 2.5
-        sticks = [_scipy(here, y, LONG, 3, rough=True) for y in (near, far)]
-        slips = [bool(run.log.size and run.log[-1, 0] > 0.9 * LONG) for run in sticks]
-        seen.append((not slips[0], slips[1]))
-        wanted.append((v_d > hopf, v_d < end))
-    if seen != wanted:
-        raise ArithmeticError(f"runs say {seen}, shooting {wanted}")
-    diagram = continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist())
-    close = replace(cell, v_d=end * (1.0 - 1e-6))
-    from verification.cells.friction_orbits import stick_slip_cycle
-
-    last = stick_slip_cycle(close)
+        runs = [_scipy(here, y, LONG, 3, rough=True) for y in (here.steady_sliding + 0.1, 2.5)]
+        near, far = (bool(run.log.size and run.log[-1, 0] > 0.9 * LONG) for run in runs)
+        seen.append((not near, far))
+    last = stick_slip_cycle(replace(cell, v_d=end * (1.0 - 1e-6)))
     if last is None:
         raise ArithmeticError("no cycle just below its end")
-    from paper_checks.cell_picture import draw_bifurcation
+    return Regions(
+        hopf=cell.hopf_velocity,
+        end=end,
+        error=_orbits().cycle_end_error,
+        amplitude_at_end=last.amplitude,
+        stick_at_end=last.stick_time,
+        seen=tuple(seen),
+        diagram=continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist()),
+        cell=cell,
+    )
 
-    figure, axes = new_axes("column", height=3.9)
-    draw_bifurcation(axes, cell, diagram)
-    axes.axvline(V_D, color=COLOURS["purple"], lw=1.2, label="paper, Fig. 2: both stable")
+
+def rule_regions(e: Regions) -> Ruling:
+    """Three ranges in this order, and every run must end where they say."""
+    if e.hopf < e.end and e.seen == e.expected:
+        return holds()
+    return fails("runs do not end in the states that the three ranges predict.")
+
+
+def draw_regions(e: Regions) -> tuple[Picture, ...]:
+    """Draw the turning points of all states against the belt velocity."""
+    from paper_checks.report.cell_picture import draw_bifurcation
+
+    figure, axes = new_axes("column", height=3.6)
+    draw_bifurcation(axes, e.cell, e.diagram)
+    axes.axvline(V_D, color=COLOURS["purple"], lw=1.2, label=r"Fig. 2, $\tilde{v}_d$ = 1.25")
     legend = axes.get_legend()
     if legend is not None:
         legend.remove()  # it has no room beside a column
     figure.legend(loc="outside lower center", ncols=2)
-    drawn = picture(
-        "fig02-bifurcation",
-        "Turning points of both cycles and steady sliding against the belt velocity, parameters "
-        "of (7). Of its three regions the paper gives one velocity, 1.25 in the middle one, and no "
-        "limits.",
-        figure,
-        long_table(
-            {
-                "steady sliding": {"v_d": diagram.v_d, "y": diagram.sliding},
-                "stick-slip cycle, lower": {"v_d": diagram.v_d, "y": diagram.stable[:, 0]},
-                "stick-slip cycle, upper": {"v_d": diagram.v_d, "y": diagram.stable[:, 1]},
-                "unstable cycle, lower": {"v_d": diagram.v_d, "y": diagram.unstable[:, 0]},
-                "unstable cycle, upper": {"v_d": diagram.v_d, "y": diagram.unstable[:, 1]},
-                "Hopf": {"v_d": hopf},
-                "grazing": {"v_d": end},
-                "paper, both stable": {"v_d": V_D},
-            }
-        ),
-    )
-    three = hopf < end
-    return Finding(
-        verdict=Verdict.REPRODUCED if three else Verdict.NOT_REPRODUCED,
-        value=f"bistable from v_d = {hopf:.8f} to {end:.8f}",
-        error=f"closed form; {_orbits().cycle_end_error:.0e}",
-        methods=(
-            "closed form of the Hopf velocity, and shooting for the end of the cycle",
-            f"scipy runs of {LONG:g} from near steady sliding and from far, at v_d = "
-            + ", ".join(f"{v:g}" for v in VELOCITIES),
-        ),
-        tolerance="every one of the 16 runs must end in the state that shooting predicts",
-        explanation=(
-            "Below the Hopf velocity v₀ ln[(μ_st - μ_d)/(2ξv₀)] only the cycle is stable, above "
-            "the other only steady sliding. The cycle does not shrink before it ends: it ends by "
-            f"grazing, at amplitude {last.amplitude:.4f}. Its stick phase shrinks to nothing "
-            f"({last.stick_time:.4f} at one part in a million below the end), where it meets the "
-            "unstable cycle."
-        ),
-        pictures=(drawn,),
-    )
+    d = e.diagram
+    columns = {
+        "steady sliding": d.sliding,
+        "stick-slip cycle, lower": d.stable[:, 0],
+        "stick-slip cycle, upper": d.stable[:, 1],
+        "unstable cycle, lower": d.unstable[:, 0],
+        "unstable cycle, upper": d.unstable[:, 1],
+    }
+    table = long_table({name: {"v_d": d.v_d, "y": y} for name, y in columns.items()})
+    return (picture("fig02-bifurcation", "", figure, table),)
 
 
-def _subcritical() -> Finding:
+@dataclass(frozen=True, kw_only=True)
+class Subcritical:
+    """The unstable cycle just above the Hopf velocity."""
+
+    ratios: tuple[float, ...]
+    """Its amplitude over its expansion, 1e-2, 1e-3 and 1e-4 above."""
+    repels: tuple[bool, bool]
+    """Whether a run from inside moves in, and one from outside moves out."""
+
+
+def subcritical() -> Subcritical:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
     from theory.cells.friction import FrictionCell, friction_slope
     from verification.cells.friction_orbits import unstable_cycle
 
     hopf = FrictionCell(V_D).hopf_velocity
-    ratios, tested = [], 0
+    ratios, repels = [], []
     for distance in (1e-2, 1e-3, 1e-4):
         cell = FrictionCell(hopf + distance)
         cycle = unstable_cycle(cell)
@@ -238,133 +262,122 @@ def _subcritical() -> Finding:
         third = -friction_slope(cell, cell.v_d) / cell.v0**2
         ratios.append(cycle.amplitude / math.sqrt(8.0 * cell.effective_damping / third))
         if distance == 1e-2:
-            step = 0.05 * cycle.amplitude
             for side in (-1.0, 1.0):
-                run = _scipy(cell, cycle.max + side * step, 200.0, 4001, rough=True)
+                start = cycle.max + side * 0.05 * cycle.amplitude
+                run = _scipy(cell, start, 200.0, 4001, rough=True)
                 early, late = (float(np.ptp(part)) for part in np.split(run.y[:4000, 0], 2))
-                if (late > early) != (side > 0.0):
-                    raise ArithmeticError("a run does not move away from the unstable cycle")
-                tested += 1
-    nearest = abs(ratios[-1] - 1.0)
-    return Finding(
-        verdict=Verdict.REPRODUCED if nearest < 1e-3 else Verdict.NOT_REPRODUCED,
-        value="amplitude over its expansion √(8δ/F₃) at 1e-2, 1e-3, 1e-4 above: "
-        + ", ".join(f"{ratio:.6f}" for ratio in ratios),
-        error="1e-6; the expansion is of first order in the distance",
-        methods=(
-            "the cycle by shooting, beside its expansion about the Hopf velocity",
-            f"{tested} scipy runs from 5 per cent inside and outside of it: in, and out",
-        ),
-        tolerance="1e-3 in the ratio at the smallest distance",
-        explanation=(
-            "The unstable cycle exists on the stable side of the Hopf velocity and shrinks to "
-            "steady sliding there like the square root of the distance: the bifurcation is "
-            "subcritical. Here δ = 2ξ + μ'(v_d), F₃ = (μ_st - μ_d)e^(-v_d/v₀)/v₀³ > 0 for all "
-            "parameters, so it is subcritical for all of them."
-        ),
-    )
+                repels.append((late > early) == (side > 0.0))
+    return Subcritical(ratios=tuple(ratios), repels=(repels[0], repels[1]))
 
 
-def _friction_law() -> Finding:
+def rule_subcritical(e: Subcritical) -> Ruling:
+    """The unstable cycle must shrink to steady sliding like the root of the distance."""
+    if abs(e.ratios[-1] - 1.0) < 1e-3 and all(e.repels):
+        return holds()
+    return fails("no unstable cycle shrinks to steady sliding on its stable side.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionLaw:
+    """(2) at both ends, as printed and with μ_d in front; and the slopes of both at v_d."""
+
+    printed: tuple[float, float]
+    corrected: tuple[float, float]
+    wanted: tuple[float, float]
+    slope_gap: float
+
+
+def friction_law() -> FrictionLaw:
     """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
-    from derivations import catalogue
-    from derivations.printed import judge
-    from derivations.printed import printed as equation
     from theory.cells.friction import FrictionCell, friction_coefficient
 
     cell = FrictionCell(V_D)
-    found = judge(equation(2), catalogue.load("friction"))
-    if found.on_print.holds or not found.on_derived.holds:
-        raise ArithmeticError(f"the limits of (2): {found.on_print.statement}")
 
     def printed(v: float) -> float:
         return cell.mu_st + (cell.mu_st - cell.mu_d) * math.exp(-abs(v) / cell.v0)
 
-    ends = [(law(0.0), law(1e3)) for law in (printed, lambda v: friction_coefficient(cell, v))]
-    right = [pair == (cell.mu_st, cell.mu_d) for pair in ends]
-    # The slope at v_d, by differences: print and correction differ by a constant only.
+    def ours(v: float) -> float:
+        return friction_coefficient(cell, v)
+
     step = 1e-5
-    slopes = [
-        (law(V_D + step) - law(V_D - step)) / (2.0 * step)
-        for law in (printed, lambda v: friction_coefficient(cell, v))
-    ]
-    same = abs(slopes[0] - slopes[1]) < 1e-9
-    verdict = Verdict.CORRECTED if right == [False, True] and same else Verdict.NOT_REPRODUCED
-    if right[0]:
-        verdict = Verdict.REPRODUCED
-    return Finding(
-        verdict=verdict,
-        value=(
-            f"as printed μ(0) = {ends[0][0]:g}, μ(∞) = {ends[0][1]:g}; with μ_d in front "
-            f"{ends[1][0]:g} and {ends[1][1]:g}"
-        ),
-        error="none",
-        methods=(
-            "evaluation of (2) at both ends",
-            f"the derivation of (2): {found.on_derived.statement}; as printed not",
-        ),
-        tolerance="both limits exactly",
-        explanation=(
-            "The first μ_st of (2) must be μ_d. As printed, friction just after release, "
-            f"{ends[0][0]:g}, would exceed what holds the cell, {cell.mu_st:g}, and no stick phase "
-            "could end smoothly. The Hopf velocity is the same for both, since their slopes are."
-        ),
+    slopes = [(law(V_D + step) - law(V_D - step)) / (2.0 * step) for law in (printed, ours)]
+    return FrictionLaw(
+        printed=(printed(0.0), printed(1e3)),
+        corrected=(ours(0.0), ours(1e3)),
+        wanted=(cell.mu_st, cell.mu_d),
+        slope_gap=abs(slopes[0] - slopes[1]),
     )
 
 
-def _stick_interval() -> Finding:
+def rule_friction_law(e: FrictionLaw) -> Ruling:
+    """Both limits must be those of the text, by the printed line or by the corrected one."""
+    if e.printed == e.wanted:
+        return holds()
+    if e.corrected == e.wanted and e.slope_gap < 1e-9:
+        return corrected("the limits are those of (2) with $\\mu_d$ for its first $\\mu_{st}$.")
+    return fails("neither the printed nor the corrected (2) has these limits.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stick:
+    """The friction force while the cell sticks, over μ_st."""
+
+    largest: float
+    at_release: float
+    """How far |F| is from μ_st at the releases."""
+    releases: int
+    gap: float
+
+
+def stick() -> Stick:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
     from verification.runs.friction import run_friction
 
     cell = _orbits().cell
-    largest, begins = [], []
-    chain, start_at = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])
-    run = _scipy(cell, 2.0, 40.0)
-    ours = run_friction(chain, start_at, 40.0, samples=1001, events=1000)
-    for each in (run, ours):
+    chain, start = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])
+    runs = (_scipy(cell, 2.0, 40.0), run_friction(chain, start, 40.0, samples=1001, events=1000))
+    largest, sticks = [], []
+    for each in runs:
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
-    for log in (run.log, ours.log):
-        start = log[log[:, 2] == 0, 0]
-        stop = log[log[:, 2] == 1, 0]
-        begins.append([float(b - a) for a, b in zip(start, stop, strict=False)])
-    gap = max(abs(a - b) for a, b in zip(*begins, strict=True))
-    if gap > AGREE:
-        raise ArithmeticError(f"stick times of the two runs differ by {gap:.1e}")
-    stops = [log[log[:, 2] == 1, 0] for log in (run.log, ours.log)]
+        begin, end = (each.log[each.log[:, 2] == kind, 0] for kind in (0, 1))
+        sticks.append([float(b - a) for a, b in zip(begin, end, strict=False)])
+    stops = [run.log[run.log[:, 2] == 1, 0] for run in runs]
     ends = (
-        run_events(chain, start_at, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
-        run_friction(chain, start_at, 40.0, times=stops[1].tolist()),
+        run_events(chain, start, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
+        run_friction(chain, start, 40.0, times=stops[1].tolist()),
     )
-    released = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
-    off = max(float(np.abs(force - cell.mu_st).max()) for force in released)
-    inside = max(largest) < cell.mu_st
-    reached = off < AGREE
-    if inside:
-        verdict = Verdict.CORRECTED if reached else Verdict.REPRODUCED
-    else:
-        verdict = Verdict.NOT_REPRODUCED
-    return Finding(
-        verdict=verdict,
-        value=(
-            f"largest |F| at samples within stick: {max(largest):.6f}; at the {len(stops[0])} "
-            f"releases |F| = μ_st = {cell.mu_st:g}, off by {off:.0e}"
-        ),
-        error=f"{off:.0e} at the releases; stick times of the two runs differ by {gap:.0e}",
-        methods=("event-exact Taylor steps", "scipy's DOP853 with events"),
-        tolerance=f"below μ_st at every sample; equal to it at a release: to {AGREE:g}",
-        explanation=(
-            "(3) and (6) have a strict inequality; at the instant of release |F| = μ_st, which is "
-            "what ends the phase: read “at most μ_st” (eq03). There both acceleration and "
-            "relative velocity are zero, so motion leaves stick smoothly."
-        ),
+    forces = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
+    return Stick(
+        largest=max(largest) / cell.mu_st,
+        at_release=max(float(np.abs(force - cell.mu_st).max()) for force in forces),
+        releases=len(stops[0]),
+        gap=max(abs(a - b) for a, b in zip(*sticks, strict=True)),
     )
 
 
-def _switch_model() -> Finding:
-    """Run the cell by the paper's method, and measure how far its cycle is from the exact one."""
+def rule_stick(e: Stick) -> Ruling:
+    """Below μ_st throughout stick; equality at the one instant of release is a remark."""
+    if e.gap < AGREE and e.largest < 1.0 and e.at_release < AGREE:
+        return holds()
+    return fails("the force exceeds what holds the cell, or does not reach it at release.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SwitchModel:
+    """Error of the period of the cycle by the paper's method."""
+
+    defaults: float
+    """At ode23t's default tolerances, over the period."""
+    tight: float
+    order: float
+    """Of the error in the band, at tight tolerances."""
+
+
+def switch_model() -> SwitchModel:
+    """Run the cell by the paper's method, and measure how far its period is from the exact one."""
     from theory.chains.friction import FrictionChain
     from verification.references.switch_model import PAPER_BAND, run_switch
 
@@ -372,9 +385,6 @@ def _switch_model() -> Finding:
     stable = orbits.stable
     if stable is None:
         raise ArithmeticError("no cycle")
-    period, _ = _measured(_scipy(orbits.cell, 2.0, 40.0), V_D)
-    if abs(period - stable.period) > AGREE:
-        raise ArithmeticError("shooting and the run differ")
     chain = FrictionChain(0.0, orbits.cell, 1)
     rows = []
     for relative, absolute in ((1e-3, 1e-6), (1e-9, 1e-11)):
@@ -383,29 +393,11 @@ def _switch_model() -> Finding:
                 chain, np.array([[stable.max], [0.0]]), 40.0 * stable.period, band=band,
                 relative=relative, absolute=absolute, samples=100_001,
             )  # fmt: skip
-            rows.append((relative, band, _switch_period(run.times, run.velocity) - stable.period))
-    defaults, tight = rows[2][2], rows[5][2]
-    order = math.log10(rows[3][2] / rows[4][2])
-    small = abs(defaults) < 0.01 * stable.period
-    return Finding(
-        verdict=Verdict.REPRODUCED if small else Verdict.NOT_REPRODUCED,
-        value=(
-            f"error of the period at band {PAPER_BAND:g}: {defaults:+.1e} at ode23t's default "
-            f"tolerances, {tight:+.1e} at tight ones"
-        ),
-        error="1e-6, from 20 periods of the run",
-        methods=("the switch model, adaptive trapezoidal rule", "shooting and scipy with events"),
-        tolerance="1 per cent of the period: more than that would show in Fig. 2",
-        explanation=(
-            "The paper names no tolerances; at MATLAB's defaults (relative 1e-3) these are what "
-            "limits its runs, and not the band. At tight tolerances the error is proportional to "
-            f"the band (order {order:.3f} from 1e-2 to 1e-3): the cell leaves the band with the "
-            "relative velocity it entered it with, less what decays in stick."
-        ),
-    )
+            rows.append(_switch_period(run.times, run.velocity) / stable.period - 1.0)
+    return SwitchModel(defaults=rows[2], tight=rows[5], order=math.log10(rows[3] / rows[4]))
 
 
-def _switch_period(times: FloatArray, velocity: FloatArray) -> float:
+def _switch_period(times: np.ndarray, velocity: np.ndarray) -> float:
     v = velocity[:, 0]
     k = np.flatnonzero((v[:-1] > 0.0) & (v[1:] <= 0.0))
     turns = times[k] + v[k] / (v[k] - v[k + 1]) * (times[1] - times[0])
@@ -413,63 +405,110 @@ def _switch_period(times: FloatArray, velocity: FloatArray) -> float:
     return float((turns[-1] - turns[half]) / (turns.size - 1 - half))
 
 
+def rule_switch_model(e: SwitchModel) -> Ruling:
+    """The method must give the period to one per cent: more would show in Fig. 2."""
+    if abs(e.defaults) < 0.01 and abs(e.tight) < 0.01:
+        return holds()
+    return fails("the switch model misses the period by more than one per cent.")
+
+
 CLAIMS = (
     Claim(
-        "fig02-states",
-        "Fig. 2",
-        "At v_d = 1.25 the cell has two stable states: steady sliding and a stick-slip cycle.",
-        "at μ_st = 1, μ_d = 0.5, v_0 = 0.5, ξ = 0.05, v_d = 1.25",
-        Verdict.REPRODUCED,
-        "fronts cell friction --v-d 1.25",
-        _two_states,
+        key="fig02-states",
+        place="Fig. 2",
+        quote="both states SS and stick-slip LC are stable for this parameters set",
+        statement="At v_d = 1.25 the cell has two stable states.",
+        printed="at μ_st = 1, μ_d = 0.5, v_0 = 0.5, ξ = 0.05, v_d = 1.25",
+        recorded=Verdict.REPRODUCED,
+        command="fronts cell friction --v-d 1.25",
+        evidence=two_states,
+        rule=rule_two_states,
+        figure=draw_two_states,
+        text=__name__,
+        methods=(ORBITS, EVENT_RUNS),
     ),
     Claim(
-        "fig02-regions",
-        "Section 1.2",
-        "At low belt velocity only the cycle is stable, at high only steady sliding, in between "
-        "both are.",
-        None,
-        Verdict.REPRODUCED,
-        "fronts cell friction --v-d 0.9:2:200 --out cell.png",
-        _three_regions,
+        key="fig02-regions",
+        place="Section 1.2",
+        quote="there exist three regions with different dynamics",
+        statement="At low belt velocity the cycle is stable, at high steady sliding, in between "
+        "both.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts cell friction --v-d 0.9:2:200 --out cell.png",
+        evidence=regions,
+        rule=rule_regions,
+        figure=draw_regions,
+        text=__name__,
+        methods=(ORBITS, replace(EVENT_RUNS, covers="six belt velocities, two starts each")),
     ),
     Claim(
-        "fig02-subcritical",
-        "Introduction",
-        "Steady sliding of the cell loses stability in a subcritical Hopf bifurcation.",
-        None,
-        Verdict.REPRODUCED,
-        "fronts cell friction --v-d 1.1513",
-        _subcritical,
+        key="fig02-subcritical",
+        place="Introduction",
+        quote="for certain range of substrate velocity, experienced a subcritical "
+        "Hopf-bifurcation",
+        statement="Steady sliding of the cell loses stability in a subcritical Hopf bifurcation.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts cell friction --v-d 1.1513",
+        evidence=subcritical,
+        rule=rule_subcritical,
+        text=__name__,
+        methods=(
+            Method("the unstable cycle by shooting", "verification.cells.friction_orbits:"
+                   "unstable_cycle"),
+            replace(EVENT_RUNS, covers="the two sides of the cycle at 0.01 above the Hopf "
+                    "velocity"),
+        ),
     ),
     Claim(
-        "fig02-friction-law",
-        "Eq. (2)",
-        "From (2) it follows that μ(0) = μ_st and μ → μ_d at large relative velocity.",
-        "μ(0) = μ_st, μ(∞) = μ_d",
-        Verdict.CORRECTED,
-        "fronts derive --equation 2",
-        _friction_law,
+        key="fig02-friction-law",
+        place="Eq. (2), text below it",
+        quote="from equation (2) it follows that $\\mu(0) = \\mu_{st}$ and "
+        "$\\mu(v_{rel} \\to \\infty) = \\mu_d$",
+        statement="The limits of (2) are μ_st at rest and μ_d at large relative velocity.",
+        printed="μ(0) = μ_st, μ(∞) = μ_d",
+        recorded=Verdict.CORRECTED,
+        command="fronts derive --equation 2",
+        evidence=friction_law,
+        rule=rule_friction_law,
+        text=__name__,
+        methods=(Method("(2) evaluated at both ends",
+                        "theory.cells.friction:friction_coefficient"),),
         weight=0,
     ),
     Claim(
-        "fig02-stick",
-        "Eqs. (3), (6)",
-        "While the cell sticks, |F| stays below μ_st.",
-        None,
-        Verdict.CORRECTED,
-        "fronts cell friction --v-d 1.25",
-        _stick_interval,
+        key="fig02-stick",
+        place="Eqs. (3), (6)",
+        quote="$|F| < \\mu_{st} F_N$ at $v_{rel} = 0$",
+        statement="While the cell sticks, |F| stays below μ_st.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts cell friction --v-d 1.25",
+        evidence=stick,
+        rule=rule_stick,
+        text=__name__,
+        methods=(
+            Method("Taylor steps from event to event", "verification.runs.friction:run_friction"),
+            EVENT_RUNS,
+        ),
         weight=0,
     ),
     Claim(
-        "fig02-switch-model",
-        "Section 1.1",
-        "The switch model with a stick band of 1e-4 and the trapezoidal rule gives the motion.",
-        "1e-4",
-        Verdict.REPRODUCED,
-        "fronts check fig02-switch-model",
-        _switch_model,
+        key="fig02-switch-model",
+        place="Section 1.1",
+        quote="we assumed that the oscillator sticks to the substrate for "
+        "$|\\tilde{v}_{rel}| < 10^{-4}$",
+        statement="The switch model with a stick band of 1e-4 and the trapezoidal rule gives the "
+        "motion.",
+        printed="10⁻⁴",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check fig02-switch-model",
+        evidence=switch_model,
+        rule=rule_switch_model,
+        text=__name__,
+        methods=(
+            Method("the switch model, adaptive trapezoidal rule",
+                   "verification.references.switch_model:run_switch"),
+            ORBITS,
+        ),
         weight=0,
     ),
-)
+)  # fmt: skip

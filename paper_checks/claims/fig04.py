@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
 from paper_checks.claims._friction import chain_of, disagreement
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, new_panels, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from verification.thresholds.friction import FrictionThreshold

@@ -10,9 +10,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, picture
-from paper_checks.state_picture import draw_states
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_axes, picture
+from paper_checks.report.state_picture import draw_states
 
 COUPLINGS = (0.005, 0.015, 0.025, 0.035, 0.045, 0.055, 0.065, 0.075, 0.085, 0.095)
 VELOCITIES = (1.05, 1.15, 1.25, 1.35, 1.45, 1.55, 1.65, 1.75, 1.85, 1.95)

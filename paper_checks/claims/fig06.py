@@ -10,8 +10,8 @@ import numpy as np
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.claims._fronts import outran
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

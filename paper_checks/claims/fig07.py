@@ -8,8 +8,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._breathers import EPS, A, B, flow
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 
 C, SITES = 0.1, 11
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from paper_checks.claim import Claim, Finding, Picture, Verdict
 from paper_checks.claims._breathers import EPS, A, B
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
     import numpy as np

@@ -8,8 +8,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._fronts import EPS, A, B, arrivals_of_chain
-from paper_checks.data_table import long_table
-from paper_checks.pictures import NO_NUMBERS, new_panels, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import NO_NUMBERS, new_panels, picture
 
 C = 0.6
 TIMES = (14000.0, 17000.0, 20000.0)

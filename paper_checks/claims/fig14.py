@@ -6,8 +6,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._fronts import staggered_velocity
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_axes, picture
 
 C = 0.3
 ETAS = (0.002, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.06, 0.07, 0.08, 0.085, 0.09)

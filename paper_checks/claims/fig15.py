@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.data_table import long_table
-from paper_checks.pictures import NO_NUMBERS, new_axes, picture
-from paper_checks.state_picture import draw_states
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import NO_NUMBERS, new_axes, picture
+from paper_checks.report.state_picture import draw_states
 
 if TYPE_CHECKING:
     from verification.execution.table import Scalar

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_axes, picture
 
 A, B, C = 4.0, 0.5, 0.5
 """Parameters of Fig. 16."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.data_table import long_table
-from paper_checks.pictures import NO_NUMBERS, new_panels, picture
-from paper_checks.velocity_plot import (
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import NO_NUMBERS, new_panels, picture
+from paper_checks.report.velocity_plot import (
     curve_of,
     draw_curve,
     draw_runs,

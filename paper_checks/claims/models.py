@@ -9,8 +9,8 @@ from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._breathers import A, B
 from paper_checks.claims._friction import chain_of, disagreement
 from paper_checks.claims._fronts import outran
-from paper_checks.data_table import long_table
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import COLOURS, new_axes, picture
 
 STEEP = 4.0
 """a of Figs. 13 and 16 to 18, beside that of Figs. 7 to 11."""

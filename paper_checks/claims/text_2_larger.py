@@ -11,7 +11,7 @@ import numpy as np
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.pictures import COLOURS, new_axes, picture
+from paper_checks.report.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
     from verification.breathers.outcome import Fate, Growth

@@ -4,8 +4,8 @@ import numpy as np
 
 from example_claims._trouble import visit
 from paper_checks.claim import Claim, Erratum, Fault, Finding, Formula, Verdict
-from paper_checks.data_table import long_table
-from paper_checks.pictures import new_panels, picture
+from paper_checks.report.data_table import long_table
+from paper_checks.report.pictures import new_panels, picture
 
 
 def _speed():

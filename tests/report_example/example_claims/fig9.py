@@ -4,7 +4,7 @@ import numpy as np
 
 from example_claims._trouble import visit
 from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.pictures import new_axes, picture
+from paper_checks.report.pictures import new_axes, picture
 
 
 def _decay():

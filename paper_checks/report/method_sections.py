@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from paper_checks.section import Json, Section, Stamp, stamp_of, warned
+from paper_checks.report.section import Json, Section, Stamp, stamp_of, warned
 from verification.quantities.scenes import FAMILIES, REFERENCES
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.pictures import COLOURS
+from paper_checks.report.pictures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

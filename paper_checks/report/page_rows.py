@@ -6,11 +6,11 @@ import base64
 from html import escape
 
 from paper_checks.claim import Finding, Picture
-from paper_checks.inline_math import typeset
-from paper_checks.inline_svg import inline_svg, width_of
-from paper_checks.mathml import formula
+from paper_checks.report.inline_math import typeset
+from paper_checks.report.inline_svg import inline_svg, width_of
+from paper_checks.report.mathml import formula
 from paper_checks.outcome import Outcome
-from paper_checks.page_parts import (
+from paper_checks.report.page_parts import (
     STATUS,
     because,
     facts_list,
@@ -19,8 +19,8 @@ from paper_checks.page_parts import (
     moment,
     place,
 )
-from paper_checks.report import Report
-from paper_checks.table import duration
+from paper_checks.report.document import Report
+from paper_checks.report.table import duration
 
 WIDE = 300
 """Pictures wider than this, in points, do not fit a phone."""

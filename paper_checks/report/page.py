@@ -6,10 +6,10 @@ from html import escape
 from importlib import resources
 
 from paper_checks.claim import Verdict
-from paper_checks.inline_math import typeset
+from paper_checks.report.inline_math import typeset
 from paper_checks.outcome import FAILED, Outcome, slug
-from paper_checks.page_measurements import contents, measurement_sections
-from paper_checks.page_parts import (
+from paper_checks.report.page_measurements import contents, measurement_sections
+from paper_checks.report.page_parts import (
     STATUS,
     because,
     errata,
@@ -18,9 +18,9 @@ from paper_checks.page_parts import (
     place,
     sentence,
 )
-from paper_checks.page_rows import row
-from paper_checks.report import Report
-from paper_checks.table import duration
+from paper_checks.report.page_rows import row
+from paper_checks.report.document import Report
+from paper_checks.report.table import duration
 
 TITLE = "What the paper claims, and what we found"
 
@@ -45,7 +45,7 @@ def page(report: Report) -> str:
 <meta name="color-scheme" content="light dark">
 <title>{TITLE}</title>
 <style>
-{_resource("page.css")}</style>
+{_resource("style.css")}</style>
 </head>
 <body>
 <header>
@@ -72,14 +72,14 @@ def page(report: Report) -> str:
 {measurement_sections(report.measurements)}</main>
 {_footer(report)}
 <script>
-{_resource("page.js")}</script>
+{_resource("script.js")}</script>
 </body>
 </html>
 """
 
 
 def _resource(name: str) -> str:
-    return resources.files("paper_checks").joinpath(name).read_text(encoding="utf-8")
+    return resources.files("paper_checks.report").joinpath(name).read_text(encoding="utf-8")
 
 
 def _standfirst(report: Report) -> str:

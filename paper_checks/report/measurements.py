@@ -11,10 +11,10 @@ import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from paper_checks.method_sections import defaults, first_calls, scenes
-from paper_checks.section import Diagram, Failure, Json, Section, stamp_of, warned
+from paper_checks.report.method_sections import defaults, first_calls, scenes
+from paper_checks.report.section import Diagram, Failure, Json, Section, stamp_of, warned
 
-RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
+RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
 
 def stored_sections() -> tuple[Section, ...]:

@@ -7,9 +7,9 @@ import re
 from collections.abc import Sequence
 from html import escape
 
-from paper_checks.inline_math import typeset
-from paper_checks.inline_svg import inline_svg
-from paper_checks.section import Diagram, Failure, Section, Stamp
+from paper_checks.report.inline_math import typeset
+from paper_checks.report.inline_svg import inline_svg
+from paper_checks.report.section import Diagram, Failure, Section, Stamp
 
 WORDS = {
     "sum": "Sum of (53)",

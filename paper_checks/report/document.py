@@ -12,9 +12,9 @@ from importlib import metadata
 from pathlib import Path
 
 from paper_checks.claim import NAME, Erratum, Verdict
-from paper_checks.figure_links import pictures_of
+from paper_checks.report.figure_links import pictures_of
 from paper_checks.outcome import FAILED, Outcome, now, slug
-from paper_checks.section import Section
+from paper_checks.report.section import Section
 
 FORMAT = 1
 """Version of the JSON document; raised when a reader of the old one would break."""

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from paper_checks.claim import NAME, Picture
-from paper_checks.data_table import columns_as_csv
+from paper_checks.report.data_table import columns_as_csv
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from paper_checks.data_table import Column
+    from paper_checks.report.data_table import Column
 
 Width = Literal["column", "page"]
 

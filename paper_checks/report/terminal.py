@@ -6,11 +6,11 @@ Many claims are shown short, a line or two each; a few are shown whole.
 from __future__ import annotations
 
 from paper_checks.claim import Verdict
-from paper_checks.mathml import in_letters
+from paper_checks.report.mathml import in_letters
 from paper_checks.outcome import FAILED, Outcome, slug
-from paper_checks.report import Report
-from paper_checks.section import Section
-from paper_checks.table import NARROWEST, duration, table, wrapped
+from paper_checks.report.document import Report
+from paper_checks.report.section import Section
+from paper_checks.report.table import NARROWEST, duration, table, wrapped
 
 FEW = 8
 """Up to so many claims are shown whole."""

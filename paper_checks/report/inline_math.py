@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from html import escape
 
-from paper_checks.mathml import GREEK, LatexError, formula, mathml
+from paper_checks.report.mathml import GREEK, LatexError, formula, mathml
 
 _NAMES = "|".join(sorted({*GREEK, "eps"} - {"in"}, key=len, reverse=True))
 _GROUP = r"\{(?:[^{}]|\{[^{}]*\})*\}"

@@ -1,6 +1,6 @@
 """What pictures of front velocity have in common: branches of (54), thresholds, runs of the chain.
 
-Matplotlib and the theory are imported on first use, as in ``paper_checks.pictures``.
+Matplotlib and the theory are imported on first use, as in ``paper_checks.report.pictures``.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from paper_checks.pictures import COLOURS
+from paper_checks.report.pictures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

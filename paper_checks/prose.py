@@ -1,0 +1,176 @@
+"""The prose of a claim: a template of plain text beside the code, filled with evidence.
+
+A file has one section a claim, headed ``# key``. In it stand first the short fields, each on a
+line of its own or several, ``value:``, ``error:`` and ``tolerance:``; then paragraphs. A paragraph
+that begins with ``>`` is a remark. ``## picture NAME`` is followed by the caption of that picture,
+``## erratum`` by the fields of `paper_checks.claim.Erratum`. Names in double braces are fields and
+properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or each of several, and
+``{{ values | f(".3f") }}`` joins them with commas.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from paper_checks.claim import Erratum, Fault
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+FIELDS = ("value", "error", "tolerance")
+_FIELD = re.compile(r"^([a-z]+): ?", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Prose:
+    """The filled-in text of one claim.
+
+    Attributes
+    ----------
+    value, error, tolerance : str
+        The short fields.
+    explanation : str
+        Paragraphs, divided by empty lines.
+    remarks : tuple of str
+        One a paragraph.
+    parts : mapping
+        Text of the ``##`` parts by their headings.
+    """
+
+    value: str
+    error: str
+    tolerance: str
+    explanation: str
+    remarks: tuple[str, ...]
+    parts: Mapping[str, str]
+
+    def caption(self, name: str) -> str:
+        """Return the caption of a picture."""
+        try:
+            return _line(self.parts[f"picture {name}"])
+        except KeyError:
+            raise ValueError(f"the template has no '## picture {name}'.") from None
+
+    def erratum(self) -> Erratum | None:
+        """Return the erratum, if there is one."""
+        if "erratum" not in self.parts:
+            return None
+        fields = _fields(self.parts["erratum"])
+        return Erratum(
+            Fault(fields["fault"]),
+            *(fields[name] for name in ("printed", "corrected", "reason", "proof", "affects")),
+        )
+
+
+def written(module: str, key: str, evidence: object) -> Prose:
+    """Fill the section of a claim with its evidence.
+
+    Parameters
+    ----------
+    module : str
+        Dotted name of the module beside which the template is.
+    key : str
+        The claim's key.
+    evidence : object
+        Its fields and properties are the names of the template; ``e`` is all of it.
+
+    Raises
+    ------
+    ValueError
+        If the section, or one of its fields, is missing.
+    """
+    text = _environment().from_string(section(module, key)).render(_names(evidence))
+    head, *rest = re.split(r"^## +", text, flags=re.MULTILINE)
+    parts = {}
+    for part in rest:
+        title, _, body = part.partition("\n")
+        parts[title.strip()] = body
+    top, _, body = head.strip().partition("\n\n")
+    fields = _fields(top)
+    missing = [name for name in FIELDS if not fields.get(name)]
+    if missing:
+        raise ValueError(f"{key}: the template has no {', '.join(missing)}.")
+    paragraphs = [_line(each) for each in body.split("\n\n") if each.strip()]
+    return Prose(
+        **{name: fields[name] for name in FIELDS},
+        explanation="\n\n".join(each for each in paragraphs if not each.startswith("> ")),
+        remarks=tuple(
+            each.removeprefix("> ").replace(" > ", " ")
+            for each in paragraphs
+            if each.startswith("> ")
+        ),
+        parts=parts,
+    )
+
+
+def section(module: str, key: str) -> str:
+    """Return the raw section of a claim."""
+    sections = _sections(_path(module))
+    if key not in sections:
+        raise ValueError(f"{_path(module).name} has no section '# {key}'.")
+    return sections[key]
+
+
+def _path(module: str) -> Path:
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        raise ValueError(f"there is no module {module}.")
+    return Path(spec.origin).with_suffix(".md")
+
+
+@functools.lru_cache(maxsize=256)
+def _sections(path: Path) -> Mapping[str, str]:
+    found = re.split(r"^# +(\S+)\n", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return dict(zip(found[1::2], found[2::2], strict=True))
+
+
+def _fields(text: str) -> dict[str, str]:
+    found = _FIELD.split(text)
+    return {name: _line(value) for name, value in zip(found[1::2], found[2::2], strict=True)}
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _names(evidence: object) -> dict[str, Any]:
+    names = {
+        name: getattr(evidence, name)
+        for name in dir(type(evidence))
+        if isinstance(getattr(type(evidence), name, None), property)
+    }
+    fields = getattr(evidence, "__dataclass_fields__", {})
+    return {**names, **{name: getattr(evidence, name) for name in fields}, "e": evidence}
+
+
+def formatted(value: object, form: str = "g", joint: str = ", ") -> str:
+    """Format a number, or several.
+
+    Examples
+    --------
+    >>> formatted(0.12345, ".2f"), formatted([1.0, 2.5]), formatted(1e-9, ".0e"), formatted(None)
+    ('0.12', '1, 2.5', '1e-09', 'none')
+    """
+    if value is None:
+        return "none"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Iterable):
+        return joint.join(formatted(each, form) for each in value)
+    return format(value, form)
+
+
+@functools.lru_cache(maxsize=1)
+def _environment() -> Environment:
+    from jinja2 import Environment, StrictUndefined
+
+    # The text is escaped when the page is written; here it is plain.
+    made = Environment(undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True)
+    made.filters["f"] = formatted
+    return made

@@ -1,0 +1,320 @@
+"""All phase-locked breathers of the averaged chain (43) of one nucleus size, phase steps free.
+
+As c → 0 the core of a nucleus is on the cycle and only its phases are open. To first order in c a
+step δ_j between neighbours locks when the cosines of the steps around every core site have one
+sum: cos δ_1 = cos δ_1 + cos δ_2 = … = cos δ_last. So every second step is ±π/2; if the number of
+sites is odd the others are too; if it is even they share one cosine, cos δ, which the next order
+fixes. Here δ runs over a grid, every sign is tried, and Newton's method decides what is a solution.
+
+It is written out with numpy alone: it shares nothing with ``verification.breathers.envelope``, so
+that either can be held against the other.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+MARGIN = 9
+"""Sites at rest on each side of the core; amplitudes fall at least fivefold a site."""
+START = 0.03
+"""Coupling at which branches are started."""
+SAME = 1e-5
+"""Breathers closer than this, after a turn of the phase and a reflection, are one."""
+TINY = 1e-7
+"""Growth rates below this, per unit of slow time, are rounding of the zero of the phase."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LockedBreather:
+    """A phase-locked breather φ_n = u_n e^{iΩT} of (43).
+
+    Attributes
+    ----------
+    size : int
+        Sites on the cycle as c → 0.
+    c : float
+        Coupling, dimensionless.
+    phi : complex array, shape (N,)
+        The envelope, N = size + 2 MARGIN sites with free ends.
+    omega : float
+        Ω per unit of slow time.
+    growth : float
+        Largest growth rate per unit of slow time against every perturbation, the turn of the
+        phase left out.
+    """
+
+    size: int
+    c: float
+    phi: Complex = field(repr=False)
+    omega: float
+    growth: float
+
+    @property
+    def steps(self) -> Real:
+        """Phase steps of the core over π, each from -1 to 1."""
+        core = self.phi[MARGIN:-MARGIN]
+        turned: Real = np.angle(core[1:] / core[:-1]) / np.pi
+        return turned
+
+    @property
+    def stable(self) -> bool:
+        """Whether no perturbation grows."""
+        return self.growth < TINY
+
+
+@dataclass(frozen=True, kw_only=True)
+class LockedBranch:
+    """A breather followed in c from `START` until it ceases to exist.
+
+    Attributes
+    ----------
+    first, last : LockedBreather
+        At `START`, and just before the end.
+    c_end : float
+        Coupling of the fold at which the branch ends.
+    stable : tuple of pairs of float
+        Ranges of c, from `START` on, in which it is stable.
+    """
+
+    first: LockedBreather
+    last: LockedBreather
+    c_end: float
+    stable: tuple[tuple[float, float], ...]
+
+
+def residual(u: Real, c: float, a: float, b: float) -> Real:
+    """Return the equations of a breather, u = (Re φ, Im φ, Ω), and the phase of its centre."""
+    sites = (u.size - 1) // 2
+    phi = u[:sites] + 1j * u[sites:-1]
+    rate = 0.5j * c * (_springs(sites) @ phi) - 0.5 * phi * _damping(phi, a, b)
+    equations = rate - 1j * u[-1] * phi
+    return np.concatenate([equations.real, equations.imag, [phi[MARGIN].imag]])
+
+
+def jacobian(u: Real, c: float, a: float, b: float) -> Real:
+    """Return the derivative of `residual` by u, by hand."""
+    sites = (u.size - 1) // 2
+    x, y = u[:sites], u[sites:-1]
+    square = x * x + y * y
+    drag = 0.5 * _damping(x + 1j * y, a, b)
+    bend = 0.5 * (-a / 4.0 + b * square / 4.0)  # derivative of drag by |φ|²
+    springs = 0.5 * c * _springs(sites) - u[-1] * np.eye(sites)
+    matrix = np.zeros((u.size, u.size))
+    matrix[:sites, :sites] = np.diag(-drag - 2.0 * bend * x * x)
+    matrix[:sites, sites:-1] = -springs - np.diag(2.0 * bend * x * y)
+    matrix[sites:-1, :sites] = springs - np.diag(2.0 * bend * x * y)
+    matrix[sites:-1, sites:-1] = np.diag(-drag - 2.0 * bend * y * y)
+    matrix[:sites, -1], matrix[sites:-1, -1] = y, -x
+    matrix[-1, sites + MARGIN] = 1.0
+    return matrix
+
+
+def solve(guess: Real, c: float, a: float, b: float, rounds: int = 40) -> Real | None:
+    """Solve by Newton's method with shortened steps; None where it does not converge."""
+    u = guess.copy()
+    size = float(np.linalg.norm(residual(u, c, a, b)))
+    for _ in range(rounds):
+        if size < 1e-12:
+            return u
+        try:
+            step = np.linalg.solve(jacobian(u, c, a, b), residual(u, c, a, b))
+        except np.linalg.LinAlgError:
+            return None
+        part = min(1.0, 0.5 / float(np.abs(step).max()))
+        trial = u - part * step
+        after = float(np.linalg.norm(residual(trial, c, a, b)))
+        while after > size and part > 1e-3:
+            part *= 0.5
+            trial = u - part * step
+            after = float(np.linalg.norm(residual(trial, c, a, b)))
+        if after >= size and size < 1e-10:
+            return u
+        u, size = trial, after
+    return None
+
+
+def growth_rate(u: Real, c: float, a: float, b: float) -> float:
+    """Return the largest real part of the exponents, the zero of the phase left out."""
+    rates = np.linalg.eigvals(jacobian(u, c, a, b)[:-1, :-1])
+    return float(np.delete(rates, np.argmin(np.abs(rates))).real.max())
+
+
+def phase_patterns(size: int, grid: int = 13) -> Iterator[Real]:
+    """Yield the phase steps that lock to first order in c, δ of even sizes over a grid.
+
+    Examples
+    --------
+    >>> len(list(phase_patterns(3))), len(list(phase_patterns(2, 5)))
+    (4, 5)
+    """
+    links = size - 1
+    seconds = range(1, links, 2)
+    odd = range(0, links, 2)
+    quarter = 0.5 * np.pi
+    deltas = [quarter] if size % 2 else np.linspace(0.0, np.pi, grid)
+    for delta in deltas:
+        loose = (1.0,) if delta in (0.0, np.pi) else (1.0, -1.0)
+        for signs in itertools.product((1.0, -1.0), repeat=len(seconds)):
+            for others in itertools.product(loose, repeat=len(odd)):
+                if size == 2 and others[0] < 0.0:
+                    continue  # the reflection of the same
+                steps = np.empty(links)
+                steps[list(seconds)] = quarter * np.array(signs)
+                steps[list(odd)] = float(delta) * np.array(others)
+                yield steps
+
+
+def locked_breathers(
+    size: int, a: float, b: float, *, c: float = START, grid: int = 13
+) -> list[LockedBreather]:
+    """Enumerate the phase-locked breathers of one nucleus size, each once up to reflection.
+
+    Parameters
+    ----------
+    size : int
+        Sites on the cycle.
+    a, b : float
+        Damping, dimensionless; η = b/a² < 1/8.
+    c : float, optional
+        Coupling at which they are sought, small against that of their folds.
+    grid : int, optional
+        Starting values of δ from 0 to π, for even sizes.
+    """
+    found: list[LockedBreather] = []
+    for steps in phase_patterns(size, grid):
+        u = solve(start_from(steps, a, b, c), c, a, b)
+        if u is None or not _is_nucleus(u, size, a, b):
+            continue
+        here = _breather(u, size, c, a, b)
+        if not any(_same(here.phi, other.phi) for other in found):
+            found.append(here)
+    return found
+
+
+def family(size: int, a: float, b: float, *, c: float = START) -> list[LockedBreather]:
+    """Return the breathers of an even size with steps δ, π/2, δ, π/2, …, of one sense or mirrored.
+
+    For large sizes, where all signs are too many: every second step keeps one sign throughout
+    (running) or changes it at the middle (mirrored), and so does δ.
+    """
+    found: list[LockedBreather] = []
+    links = size - 1
+    middle = links // 2
+    for delta in np.linspace(0.0, np.pi, 25):
+        for mirrored, sense, side in itertools.product((False, True), (1.0, -1.0), (1.0, -1.0)):
+            steps = np.where(np.arange(links) % 2 == 0, sense * delta, side * 0.5 * np.pi)
+            if mirrored:
+                steps[:middle] *= -1.0
+            u = solve(start_from(steps, a, b, c), c, a, b)
+            if u is None or not _is_nucleus(u, size, a, b):
+                continue
+            here = _breather(u, size, c, a, b)
+            if not any(_same(here.phi, other.phi) for other in found):
+                found.append(here)
+    return found
+
+
+def follow(
+    start: LockedBreather, a: float, b: float, *, step: float = 0.004, accuracy: float = 1e-8
+) -> LockedBranch:
+    """Follow a breather in c to its end, halving the step where Newton's method leaves it.
+
+    The end is where two solutions meet: √(c_end - c) is linear there, so the last points give it.
+    """
+    c, u = start.c, _unknowns(start)
+    before: tuple[float, Real] | None = None
+    history = [(c, start.growth)]
+    while step > accuracy:
+        guess = u if before is None else u + (u - before[1]) * step / (c - before[0])
+        trial = solve(guess, c + step, a, b, 12)
+        moved = np.inf if trial is None else float(np.abs(trial - guess).max())
+        if trial is None or moved > 0.05:
+            step *= 0.5
+            continue
+        before, c, u = (c, u), c + step, trial
+        history.append((c, growth_rate(u, c, a, b)))
+        if moved < 0.005:
+            step = min(2.0 * step, 0.004)
+        if c > 1.0:
+            break
+    last = _breather(u, start.size, c, a, b)
+    return LockedBranch(first=start, last=last, c_end=c + step, stable=_ranges(history))
+
+
+def start_from(steps: Real, a: float, b: float, c: float) -> Real:
+    """Return unknowns with the core on the cycle at the phase steps, and the linear tails."""
+    root = np.sqrt(1.0 - 8.0 * b / a**2)
+    cycle = np.sqrt(a / b * (1.0 + root))
+    phases = np.concatenate([[0.0], np.cumsum(steps)])
+    core = cycle * np.exp(1j * phases)
+    decay = -1j * c  # φ_{n+1} ≈ -ic φ_n ahead of the core, to first order
+    tail = decay ** np.arange(1, MARGIN + 1)
+    phi = np.concatenate([core[0] * tail[::-1], core, core[-1] * tail])
+    return np.concatenate([phi.real, phi.imag, [c]])
+
+
+def _springs(sites: int) -> Real:
+    matrix = 2.0 * np.eye(sites) - np.eye(sites, k=1) - np.eye(sites, k=-1)
+    matrix[0, 0] = matrix[-1, -1] = 1.0
+    return matrix
+
+
+def _damping(phi: Complex, a: float, b: float) -> Real:
+    square: Real = np.abs(phi) ** 2
+    return 1.0 - a * square / 4.0 + b * square**2 / 8.0
+
+
+def _unknowns(found: LockedBreather) -> Real:
+    turned = found.phi * np.exp(-1j * np.angle(found.phi[MARGIN]))
+    return np.concatenate([turned.real, turned.imag, [found.omega]])
+
+
+def _breather(u: Real, size: int, c: float, a: float, b: float) -> LockedBreather:
+    sites = (u.size - 1) // 2
+    phi = u[:sites] + 1j * u[sites:-1]
+    return LockedBreather(
+        size=size, c=c, phi=phi, omega=float(u[-1]), growth=growth_rate(u, c, a, b)
+    )
+
+
+def _is_nucleus(u: Real, size: int, a: float, b: float) -> bool:
+    """Whether exactly the core is near the stable cycle."""
+    root = np.sqrt(1.0 - 8.0 * b / a**2)
+    unstable = np.sqrt(a / b * (1.0 - root))
+    sites = (u.size - 1) // 2
+    high = np.hypot(u[:sites], u[sites:-1]) > 1.2 * unstable
+    core = np.zeros(sites, dtype=bool)
+    core[MARGIN : MARGIN + size] = True
+    return bool(np.array_equal(high, core))
+
+
+def _same(one: Complex, other: Complex) -> bool:
+    """Whether two envelopes differ by a turn of the phase and a reflection at most."""
+    for phi in (other, other[::-1]):
+        turn = np.vdot(phi, one)
+        if np.abs(one - phi * turn / abs(turn)).max() < SAME:
+            return True
+    return False
+
+
+def _ranges(history: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of c in which the growth rate is no more than rounding."""
+    ranges: list[tuple[float, float]] = []
+    begin: float | None = None
+    for place, (c, growth) in enumerate(history):
+        if growth < TINY:
+            begin = c if begin is None else begin
+            if place == len(history) - 1:
+                ranges.append((begin, c))
+        elif begin is not None:
+            ranges.append((begin, history[place - 1][0]))
+            begin = None
+    return tuple(ranges)

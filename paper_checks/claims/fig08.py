@@ -1,186 +1,268 @@
-"""Fig. 8: amplitudes of the sites n = 0 and 1 against coupling; assumptions (27), (30), (37)."""
+"""Fig. 8: amplitudes of the sites n = 0 and 1 against coupling; the assumptions behind them."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B, flow
+from paper_checks.claims._orbits import CENTRE, SMALL, averaged_of, orbit_of
 from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, picture
+from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
+from paper_checks.ruling import fails, holds
 
-SITES = 11
-CENTRE = SITES // 2
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from theory.averaged.breather import Reading
+
+COUPLINGS = (0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.175, 0.185, 0.19)
+MARK = 0.02 * 3.0
+"""Two per cent of the axis of Fig. 8: the width of its circles."""
+C = 0.1
+EPSILONS = (0.04, 0.02, 0.01, 0.005)
 
 
-def _amplitudes() -> Finding:
-    """Compare (29) + (37), each reading, with the periodic orbit; check orbits with scipy."""
+def closed_form(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return amplitudes of n = 0 and 1 by (29), (37) and (38)."""
+    from theory.averaged.breather import solve_breather
+    from theory.chains.vdp import VdpChain
+
+    chains = [VdpChain(A, B, float(c), EPS) for c in places]
+    return np.array([solve_breather(chain, reading).amplitudes(2) for chain in chains])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Amplitudes:
+    """Amplitudes of n = 0 and 1 on the orbit and by the closed form, shape (11, 2)."""
+
+    exact: NDArray[np.float64]
+    theory: NDArray[np.float64]
+    tail: NDArray[np.float64]
+    """The closed form with (37) read in the far tail instead of at n = 1."""
+    centre_has_none: bool
+    """Whether (37) read at n = 0 has no solution."""
+    error: float
+    closing: float
+    """How far scipy's flow is from closing two of the orbits."""
+
+    @property
+    def off(self) -> tuple[float, float]:
+        """Largest error of the closed form at n = 0 and n = 1."""
+        worst = np.abs(self.theory - self.exact).max(axis=0)
+        return float(worst[0]), float(worst[1])
+
+    @property
+    def off_tail(self) -> float:
+        """The same at n = 1, (37) in the tail."""
+        return float(np.abs(self.tail - self.exact)[:, 1].max())
+
+
+def amplitudes() -> Amplitudes:
+    """Solve (29) and (37) and the periodic orbit of (8) along the couplings of the figure."""
     from theory.averaged.breather import Reading, solve_breather
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleus import Nucleus
-    from verification.breathers.orbits import solve_orbit
 
-    couplings = np.array([0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.175, 0.185, 0.19])
-    orbits = [solve_orbit(VdpChain(A, B, float(c), EPS, SITES), Nucleus(1)) for c in couplings]
-    exact = np.array([orbit.amplitudes[CENTRE : CENTRE + 2] for orbit in orbits])
-    misses = []
-    for k in (4, 10):
-        after = flow(orbits[k].state, float(couplings[k]), orbits[k].period)
-        misses.append(float(np.abs(after - orbits[k].state).max()))
-    if max(misses) > 1e-8:
-        raise ArithmeticError(f"scipy does not close the orbit: {max(misses):.1e}")
-    fine = np.linspace(0.005, 0.1973, 120)
+    c = np.array(COUPLINGS)
+    orbits = [orbit_of(each) for each in COUPLINGS]
+    closing = [
+        float(np.abs(flow(orbits[k].state, COUPLINGS[k], orbits[k].period)
+                     - orbits[k].state).max())
+        for k in (4, 10)
+    ]  # fmt: skip
+    none = solve_breather(VdpChain(A, B, C, EPS), Reading.CENTRE).status.value == "none"
+    return Amplitudes(
+        exact=np.array([orbit.amplitudes[CENTRE : CENTRE + 2] for orbit in orbits]),
+        theory=closed_form(Reading.NEIGHBOUR, c),
+        tail=closed_form(Reading.TAIL, c),
+        centre_has_none=none,
+        error=max(orbit.error for orbit in orbits),
+        closing=max(closing),
+    )
 
-    def closed(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        chains = [VdpChain(A, B, float(c), EPS) for c in places]
-        return np.array([solve_breather(chain, reading).amplitudes(2) for chain in chains])
 
-    theory = {reading: closed(reading, couplings) for reading in (Reading.NEIGHBOUR, Reading.TAIL)}
-    errors = {reading: np.abs(values - exact) for reading, values in theory.items()}
-    none = solve_breather(VdpChain(A, B, 0.1, EPS), Reading.CENTRE).status.value == "none"
+def rule_amplitudes(e: Amplitudes) -> Ruling:
+    """Every circle of the figure must lie on its curve within its own width."""
+    if e.closing < 1e-8 and max(e.off) < MARK:
+        return holds()
+    return fails("the closed form is off by more than a circle of the figure.")
+
+
+def draw_amplitudes(e: Amplitudes) -> tuple[Picture, ...]:
+    """Draw Fig. 8."""
+    from theory.averaged.breather import Reading
+
     figure, axes = new_axes("column", height=3.0, xlabel="coupling c", ylabel=r"amplitude of $y_n$")
-    series: dict[str, dict[str, Any]] = {
-        f"periodic orbit, n = {site}": {"n": site, "c": couplings, "amplitude": exact[:, site]}
-        for site in (0, 1)
-    }
-    for reading, line in ((Reading.NEIGHBOUR, "-"), (Reading.TAIL, ":")):
-        curve = closed(reading, fine)
-        for site, colour in ((0, COLOURS["blue"]), (1, COLOURS["vermilion"])):
-            label = f"n = {site}, (37) at n {'= 1' if line == '-' else '→ ∞'}"
-            axes.plot(fine, curve[:, site], line, color=colour, label=label)
-            series[f"paper, {label}"] = {"n": site, "c": fine, "amplitude": curve[:, site]}
-    axes.plot(couplings, exact, "o", mfc="none", color=COLOURS["black"], ms=3.5)
-    axes.plot([], [], "o", mfc="none", color=COLOURS["black"], ms=3.5, label="periodic orbit")
-    axes.set(xlim=(0, 0.2), ylim=(0, 3), xticks=(0, 0.05, 0.1, 0.15, 0.2))
-    axes.legend(loc="center left", title="lines: the paper's closed form", title_fontsize=7)
-    drawn = picture(
-        "fig08-amplitudes",
-        "Amplitudes of the central site and its neighbour: the paper's closed form, (29) with (37) "
-        "(lines), and the orbit (circles), as in Fig. 8. The paper leaves the n of (37) open: two "
-        f"readings. {NO_NUMBERS}",
-        figure,
-        long_table(series),
-    )
-    near, far = errors[Reading.NEIGHBOUR], errors[Reading.TAIL]
-    seen = 0.02 * 3.0
-    fits = [bool(error.max() < seen) for error in (near, far)]
-    verdict = Verdict.NOT_REPRODUCED
-    if fits[0]:
-        verdict = Verdict.REPRODUCED if fits[1] and not none else Verdict.CORRECTED
-    return Finding(
-        verdict=verdict,
-        value=(
-            f"largest error {near[:, 0].max():.4f} at n = 0 and {near[:, 1].max():.4f} at n = 1 "
-            "for c up to 0.19, with (37) read at n = 1"
-        ),
-        error=(
-            f"orbits: {max(orbit.error for orbit in orbits):.1e}; scipy closes them to "
-            f"{max(misses):.1e}"
-        ),
-        methods=("closed form (29) + (37)", "periodic orbits of (8), closed by scipy as well"),
-        tolerance=f"{seen:g}: two per cent of the axis, the width of a circle in Fig. 8",
-        explanation=(
-            "Print leaves n in (37) open. At n = 0 there is no solution"
-            f"{'' if none else ' (but one was found)'}; at n = 1 the match is as close as the "
-            f"figure shows, with an error at n = 1 of {near[4, 1]:.4f} at c = 0.1; read in the "
-            f"far tail it is off by {far[:, 1].max():.3f}. Close to the end of the branch the "
-            "closed form goes on beyond the true one."
-        ),
-        pictures=(drawn,),
+    fine = np.concatenate([np.linspace(0.005, 0.18, 60), np.linspace(0.181, 0.1973, 60)])
+    curve = closed_form(Reading.NEIGHBOUR, fine)
+    series: dict[str, dict[str, Any]] = {}
+    for n, colour in ((0, COLOURS["blue"]), (1, COLOURS["vermilion"])):
+        axes.plot(fine, curve[:, n], color=colour, label=f"n = {n}, paper: (29), (37), (38)")
+        axes.plot(COUPLINGS, e.exact[:, n], "o", mfc="none", color=colour, ms=4,
+                  label=f"n = {n}, periodic orbit of (8)")  # fmt: skip
+        series[f"closed form, n = {n}"] = {"c": fine, "amplitude": curve[:, n]}
+        series[f"orbit, n = {n}"] = {"c": COUPLINGS, "amplitude": e.exact[:, n]}
+    axes.set(xlim=(0, 0.2), ylim=(0, 3.05), xticks=(0, 0.05, 0.1, 0.15, 0.2))
+    axes.set(title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
+    axes.legend(loc="center left", bbox_to_anchor=(0.0, 0.6))
+    return (picture("fig08-amplitudes", "", figure, long_table(series)),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assumptions:
+    """δ of (27) and k₂ + π/2 on orbits of (8), at each of `EPSILONS`."""
+
+    detuning: tuple[float, ...]
+    turns: tuple[float, ...]
+    averaged: float
+    """|Ω - c| in the averaged chain."""
+    ratio: float
+    """e^{k_1}, the first ratio of amplitudes."""
+
+    @property
+    def share(self) -> float:
+        """|δ|/c at ε = 0.01."""
+        return abs(self.detuning[2]) / C
+
+    @property
+    def needed(self) -> float:
+        """|δ|/(c e^{k_1}) at ε = 0.01, which (28) needs to be small."""
+        return self.share / self.ratio
+
+    @property
+    def neglected(self) -> float:
+        """What (28) neglects: (δ/(c e^{k_1}))²."""
+        return self.needed**2
+
+    @property
+    def turn(self) -> float:
+        """k₂ + π/2 at ε = 0.01."""
+        return self.turns[2]
+
+    @property
+    def delta(self) -> float:
+        """δ at ε = 0.01."""
+        return self.detuning[2]
+
+    @property
+    def orders(self) -> tuple[float, ...]:
+        """Observed orders in ε of δ and of k₂ + π/2."""
+        return tuple(
+            math.log(abs(row[-2] / row[-1])) / math.log(EPSILONS[-2] / EPSILONS[-1])
+            for row in (self.detuning, self.turns)
+        )
+
+
+@lru_cache(maxsize=1)
+def assumptions() -> Assumptions:
+    """Measure δ and the phase step on orbits at four ε, and in the averaged chain."""
+    orbits = [orbit_of(C, eps) for eps in EPSILONS]
+    pairs = zip(orbits, EPSILONS, strict=True)
+    steps = [np.angle(each.harmonics[CENTRE + 1] / each.harmonics[CENTRE]) for each in orbits]
+    amplitude = orbits[2].amplitudes
+    return Assumptions(
+        detuning=tuple((orbit.frequency - 1.0) / eps - C for orbit, eps in pairs),
+        turns=tuple(float(step) + 0.5 * math.pi for step in steps),
+        averaged=abs(averaged_of(C).omega - C),
+        ratio=float(amplitude[CENTRE + 1] / amplitude[CENTRE]),
     )
 
 
-def _frequency() -> Finding:
-    """Measure δ of (27) and the phase step of (37) on orbits, at several ε."""
-    from theory.chains.vdp import VdpChain
-    from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import Nucleus
-    from verification.breathers.orbits import solve_orbit
+def _sound(e: Assumptions) -> bool:
+    """Whether orbits tend to the averaged chain, where δ = 0 and k₂ = -π/2 hold exactly."""
+    return e.averaged < 1e-9 and min(e.orders) > 0.9
 
-    c = 0.1
-    small = (0.04, 0.02, 0.01, 0.005)
-    detuning, turns = [], []
-    for eps in small:
-        orbit = solve_orbit(VdpChain(A, B, c, eps, SITES), Nucleus(1))
-        detuning.append((orbit.frequency - 1.0) / eps - c)
-        step = np.angle(orbit.harmonics[CENTRE + 1] / orbit.harmonics[CENTRE])
-        turns.append(float(step) + 0.5 * math.pi)
-    limit = solve_envelope_breather(VdpChain(A, B, c, EPS, SITES), Nucleus(1))
-    averaged = abs(limit.omega - c)
-    orders = [
-        math.log(abs(values[-2] / values[-1])) / math.log(small[-2] / small[-1])
-        for values in (detuning, turns)
-    ]
-    if averaged > 1e-9 or min(orders) < 0.9:
-        raise ArithmeticError(f"orbits do not tend to the averaged chain: {averaged}, {orders}")
-    figure, (left, right) = new_panels(1, 2, width="column", height=4.6)
-    ticks = (0, 0.01, 0.02, 0.03, 0.04)
-    left.plot(small, np.abs(detuning), "o-", color=COLOURS["blue"], label="periodic orbit of (8)")
-    left.plot(
-        (0, 0.045), (0.05 * c, 0.05 * c), "--", color=COLOURS["black"],
-        label="0.05 c; the paper: δ ≪ c",
-    )  # fmt: skip
-    left.set(xlabel="ε", ylabel="|δ| of (27)", xlim=(0, 0.045), ylim=(0, 0.007), xticks=ticks)
-    right.plot(
-        small, np.abs(turns), "o-", color=COLOURS["vermilion"], label="periodic orbit of (8)"
-    )
-    right.plot([0.0], [0.0], "s", color=COLOURS["black"], clip_on=False, label="paper, ε → 0")
-    right.set(xlabel="ε", ylabel=r"$|k_2+\pi/2|$", xlim=(0, 0.045), ylim=(0, 0.014), xticks=ticks)
+
+def rule_assumptions(e: Assumptions) -> Ruling:
+    """δ must be small beside c, and k₂ + π/2 small."""
+    if _sound(e) and e.share < SMALL and abs(e.turn) < SMALL:
+        return holds()
+    return fails("δ is not small beside c, or the phase step is not -π/2.")
+
+
+def rule_neglected(e: Assumptions) -> Ruling:
+    """What (28) neglects must be small beside what it keeps."""
+    if _sound(e) and e.neglected < SMALL:
+        return holds()
+    return fails("what (28) neglects is not small.")
+
+
+def draw_assumptions(e: Assumptions) -> tuple[Picture, ...]:
+    """Draw both assumptions against ε."""
+    figure, (left, right) = new_panels(2, width="page", height=2.2)
+    left.plot(EPSILONS, np.abs(e.detuning) / C, "o-", color=COLOURS["blue"], label="|δ|/c")
+    left.plot(EPSILONS, np.abs(e.detuning) / C / e.ratio, "s--", color=COLOURS["vermilion"],
+              label=r"$|\delta|/(c\,e^{k_1})$, as (28) needs")  # fmt: skip
+    left.axhline(SMALL, color="0.4", lw=0.8, ls=":", label="“small”: 0.1")
+    right.plot(EPSILONS, np.abs(e.turns), "o-", color=COLOURS["blue"], label=r"$|k_2+\pi/2|$")
     for axes in (left, right):
-        axes.legend(loc="upper left")
-    drawn = picture(
-        "fig08-assumptions",
-        "Distance of the orbit from ω = 1 + εc and from a phase step of -π/2 at c = 0.1, both of "
-        "which the paper assumes in the limit ε → 0. It does not say how small δ ≪ c is.",
-        figure,
-        long_table(
-            {
-                "periodic orbit": {"eps": small, "delta": detuning, "k2_plus_half_pi": turns},
-                "paper": {"eps": 0.0, "delta": 0.0, "k2_plus_half_pi": 0.0},
-            }
-        ),
-    )
-    share = abs(detuning[2]) / c
-    return Finding(
-        verdict=Verdict.REPRODUCED if share < 0.05 and abs(turns[2]) < 0.05 else Verdict.PARTIAL,
-        value=f"δ = {detuning[2]:.6f} = {share:.1%} of c, k₂ + π/2 = {turns[2]:.6f} at ε = 0.01",
-        error="1e-9; both fall in proportion to ε (observed orders "
-        + ", ".join(f"{order:.3f}" for order in orders)
-        + ")",
-        methods=("periodic orbits of (8) at four ε", f"averaged chain: Ω - c = {averaged:.0e}"),
-        tolerance="δ and k₂ + π/2 below 5 per cent: 'much smaller'",
-        explanation=(
-            "In the averaged chain δ = 0 and k₂ = -π/2 hold exactly. The rest is of order ε, and "
-            "δ does not depend on c: it is the shift of the isolated cell, so δ ≪ c fails only "
-            "for c of the order of 0.001."
-        ),
-        pictures=(drawn,),
-    )
+        axes.set(xlabel="ε", xlim=(0, 0.042), ylim=(0, None))
+        axes.plot([0], [0], "s", color="black", clip_on=False, label="averaged chain, ε → 0")
+        axes.legend()
+    left.set_title(r"$c$ = 0.1, $a$ = 2.5, $b$ = 0.5")
+    table = long_table({"orbit": {"eps": EPSILONS, "delta": e.detuning, "turn": e.turns}})
+    return (picture("fig08-assumptions", "", figure, table),)
 
+
+ORBIT = Method("periodic orbits of (8) by shooting", "verification.breathers.orbits:solve_orbit")
 
 CLAIMS = (
     Claim(
-        "fig08-amplitudes",
-        "Fig. 8, Eqs. (29), (37), (38)",
-        "The closed form matches the numerical amplitudes of n = 0 and n = 1 very well.",
-        None,
-        Verdict.CORRECTED,
-        "fronts breather --c 0.1 --method closed-form",
-        _amplitudes,
-        weight=2,
-        because="the match needs n = 1 in (37), where print leaves n open.",
+        key="fig08-amplitudes",
+        place="Fig. 8, section 2.1.3",
+        quote="Numerical verification for the particles $n=0$, $n=1$ is presented in Figure 8 and "
+        "a very good match is observed",
+        statement="The closed form matches the numerical amplitudes of n = 0 and 1 very well.",
+        printed="at a = 2.5, b = 0.5, ε = 0.01",
+        recorded=Verdict.REPRODUCED,
+        command="fronts breather --c 0.1 --method closed-form",
+        evidence=amplitudes,
+        rule=rule_amplitudes,
+        figure=draw_amplitudes,
+        text=__name__,
+        methods=(
+            ORBIT,
+            Method("scipy's DOP853 over one period", "paper_checks.claims._breathers:flow",
+                   "the orbits at c = 0.1 and 0.19"),
+        ),
+        repeats=(Repeat("Section 2.1.3", "this allows the estimation of the amplitudes of all "
+                        "particles according by the simple expression (38)"),),
     ),
     Claim(
-        "fig08-assumptions",
-        "Eqs. (27), (30), (37)",
-        "The frequency is 1 + εc with δ ≪ c, and neighbours lag by π/2.",
-        None,
-        Verdict.REPRODUCED,
-        "fronts breather --c 0.1 --method orbit",
-        _frequency,
+        key="fig08-assumptions",
+        place="Eqs. (27), (30), (37)",
+        quote="assumption (27) has to verified for self-consistency through numerical simulations",
+        statement="The frequency is 1 + εc with δ ≪ c, and neighbours lag by π/2.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts breather --c 0.1 --method orbit",
+        evidence=assumptions,
+        rule=rule_assumptions,
+        figure=draw_assumptions,
+        text=__name__,
+        methods=(
+            ORBIT,
+            Method("exact breather of the averaged chain",
+                   "verification.breathers.phase_locked:solve"),
+        ),
+        shared=assumptions,
     ),
-)
+    Claim(
+        key="fig08-neglected",
+        place="Section 2.1.1, Eq. (28)",
+        quote="By substitution of (27) into (26), we achieve that […] $\\approx$",
+        statement="With (27) the square of δ can be neglected in (26), which gives (28).",
+        recorded=Verdict.REPRODUCED,
+        command="fronts breather --c 0.1 --method orbit",
+        evidence=assumptions,
+        rule=rule_neglected,
+        text=__name__,
+        methods=(ORBIT,),
+        weight=0,
+        shared=assumptions,
+    ),
+)  # fmt: skip

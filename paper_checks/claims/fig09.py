@@ -2,170 +2,223 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Finding, Verdict
-from paper_checks.claims._breathers import EPS, A, B, monodromy_by_differences
+from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
+from paper_checks.claims._orbits import SITES, orbit_of
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
+from paper_checks.ruling import agrees, fails, holds, partly
 
-SITES = 11
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
-ROUNDING = 0.0005
-"""Half a unit of the last digit of the printed 0.195."""
+PRINTED = "0.195"
+TOGETHER = 0.002
+"""Couplings of crossing so close are one in Fig. 9: one per cent of its axis."""
 
 
-def _approximate(c: float, *, misprinted: bool = False) -> tuple[float, float, float]:
-    """Growth of even and odd modes along the sinusoids (9), and the trivial one's distance."""
+def _approximate(c: float, *, misprinted: bool = False) -> Any:
+    """Multipliers along the sinusoids (9) of the closed form."""
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
     from verification.breathers.floquet import approximate_multipliers
 
     chain = VdpChain(A, B, c, EPS, SITES)
-    found = approximate_multipliers(chain, solve_breather(chain), misprinted=misprinted)
-    return found.symmetric or 0.0, found.antisymmetric or 0.0, found.trivial
+    return approximate_multipliers(chain, solve_breather(chain), misprinted=misprinted)
 
 
-def _crossing(entry: int, *, misprinted: bool = False) -> float:
+def _crossing(parity: str, *, misprinted: bool = False) -> float:
     from scipy.optimize import brentq
 
     def growth(c: float) -> float:
-        return _approximate(c, misprinted=misprinted)[entry]
+        return getattr(_approximate(c, misprinted=misprinted), parity) or 0.0
 
     return float(brentq(growth, 0.19, 0.1973, xtol=1e-9))
 
 
-def _multipliers() -> Finding:
-    """Follow the multipliers along the approximate and the true orbit."""
+@dataclass(frozen=True, kw_only=True)
+class Multipliers:
+    """Where multipliers leave the unit circle, along (9) as in the paper and on the true orbit."""
+
+    even: float
+    odd: float
+    odd_misprinted: float
+    """By the Jacobian as printed in (42)."""
+    true_odd: float
+    true_fold: float
+    trivial: float
+    """|μ - 1| of the trivial multiplier along (9) at the crossing."""
+    gap: float
+    along: tuple[tuple[float, ...], ...]
+    """All moduli along (9), one row a coupling of ``couplings``."""
+    couplings: tuple[float, ...]
+    exact: tuple[tuple[float, ...], ...]
+    exact_couplings: tuple[float, ...]
+
+
+def multipliers() -> Multipliers:
+    """Follow all multipliers along the approximate and the true orbit."""
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
-    from verification.breathers.orbits import solve_orbit
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.breather import Method as By
+    from verification.thresholds.breather import breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS, SITES)
-    even, odd = _crossing(0), _crossing(1)
-    true = breather_threshold(chain, Nucleus(1), Method.ORBIT)
-    envelope = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
-    test = solve_orbit(VdpChain(A, B, 0.19, EPS, SITES), Nucleus(1))
+    true = breather_threshold(VdpChain(A, B, 0.0, EPS, SITES), Nucleus(1), By.ORBIT)
+    test = orbit_of(0.19)
     by_scipy = np.sort(
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))
     )
-    ours = np.sort(np.abs(test.multipliers.values)) if test.multipliers else np.zeros(2 * SITES)
-    gap = float(np.abs(by_scipy[-3:] - ours[-3:]).max())
-    if gap > 1e-6 or true.c_stable is None:
-        raise ArithmeticError(f"multipliers differ from differences of scipy's flow by {gap:.1e}")
-    couplings = np.concatenate([np.arange(0.02, 0.18, 0.02), np.linspace(0.18, 0.1973, 14)])
-    along = np.array([_approximate(float(c)) for c in couplings])
-    exact_c = np.concatenate([np.arange(0.02, 0.18, 0.02), np.linspace(0.18, 0.1911, 8)])
-    exact = []
-    for c in exact_c:
-        multipliers = solve_orbit(VdpChain(A, B, float(c), EPS, SITES), Nucleus(1)).multipliers
-        if multipliers is not None:
-            exact.append((multipliers.symmetric or 0.0, multipliers.antisymmetric or 0.0))
-    grown = np.array(exact)
-    period = 2.0 * np.pi
-    figure, (left, right) = new_panels(1, 2, width="column", height=5.4)
+    ours = _moduli(test.multipliers)
+    c = np.concatenate([np.arange(0.01, 0.18, 0.015), np.linspace(0.18, 0.1973, 24)])
+    exact = np.concatenate([np.arange(0.02, 0.18, 0.02), np.linspace(0.18, 0.191, 9)])
+    return Multipliers(
+        even=_crossing("symmetric"),
+        odd=_crossing("antisymmetric"),
+        odd_misprinted=_crossing("antisymmetric", misprinted=True),
+        true_odd=true.c_stable if true.c_stable is not None else true.c,
+        true_fold=true.c,
+        trivial=_approximate(_crossing("antisymmetric")).trivial,
+        gap=float(np.abs(by_scipy[-3:] - ours[-3:]).max()),
+        along=tuple(tuple(_moduli(_approximate(float(x)))) for x in c),
+        couplings=tuple(c.tolist()),
+        exact=tuple(tuple(_moduli(orbit_of(float(x)).multipliers)) for x in exact),
+        exact_couplings=tuple(exact.tolist()),
+    )
+
+
+def _moduli(found: Any) -> NDArray[np.float64]:
+    if found is None:
+        raise ArithmeticError("an orbit has no multipliers")
+    moduli: NDArray[np.float64] = np.sort(np.abs(found.values))
+    return moduli
+
+
+def rule_multipliers(e: Multipliers) -> Ruling:
+    """Two must cross together, at the printed coupling within its rounding."""
+    if not e.gap < 1e-6 or abs(e.even - e.odd) > TOGETHER:
+        return fails("no two multipliers leave the unit circle together.")
+    if agrees(e.odd, PRINTED) and agrees(e.even, PRINTED):
+        return holds()
+    return partly(
+        "about the value of $c = 0.195$",
+        f"along the approximate orbit the two cross at {e.odd:.4f} and {e.even:.4f}, and the orbit "
+        f"that it approximates loses stability at {e.true_odd:.5f} already.",
+    )
+
+
+def draw(e: Multipliers) -> tuple[Picture, ...]:
+    """Draw all moduli along both orbits, and the crossing enlarged."""
+    figure, (left, right) = new_panels(2, width="page", height=2.7)
     series: dict[str, dict[str, Any]] = {}
-    for name, at, growth in (("along (9)", couplings, along), ("true orbit", exact_c, grown)):
-        for entry, kind in ((0, "even"), (1, "odd")):
-            series[f"{kind}, {name}"] = {
-                "c": at,
-                "modulus": np.exp(EPS * period * growth[:, entry]),
-            }
-    series["true orbit, loss of stability"] = {"c": true.c_stable, "modulus": 1.0}
-    series["paper, loss of stability"] = {"c": 0.195, "modulus": 1.0}
     for axes in (left, right):
-        for entry, colour, name in ((0, COLOURS["blue"], "even"), (1, COLOURS["vermilion"], "odd")):
-            axes.plot(
-                couplings,
-                np.exp(EPS * period * along[:, entry]),
-                color=colour,
-                ls="--",
-                label=f"{name}, along (9)",
-            )
-            axes.plot(
-                exact_c,
-                np.exp(EPS * period * grown[:, entry]),
-                "o",
-                ms=2.8,
-                color=colour,
-                label=f"{name}, true orbit",
-            )
-        axes.axhline(1.0, color="0.5", lw=0.8, label="unit circle")
-        axes.axvline(0.195, color="0", lw=0.9, ls=":", label="paper, about 0.195")
-        axes.axvline(
-            true.c_stable, color=COLOURS["green"], lw=0.9, label=f"true orbit, {true.c_stable:.5f}"
-        )
-        axes.set(xlabel="coupling c", ylabel="largest |multiplier|")
-    left.set(xlim=(0, 0.2), ylim=(0.966, 1.006), xticks=(0, 0.05, 0.1, 0.15, 0.2))
-    left.legend(loc="center left", bbox_to_anchor=(0.02, 0.62))
-    right.set(xlim=(0.185, 0.198), ylim=(0.989, 1.003))
-    drawn = picture(
-        "fig09-multipliers",
-        "Largest multipliers even and odd under reflection, along the approximate orbit (9) and "
-        "along the true one, the trivial one left out; below: near the loss of stability. The "
-        "paper's number is the dotted line; the rest of its figure is a picture without numbers.",
-        figure,
-        long_table(series),
-    )
-    two = abs(even - odd) < 0.002
-    close = min(abs(even - 0.195), abs(odd - 0.195)) < ROUNDING
-    same = abs(true.c_stable - 0.195) < ROUNDING
-    verdict = Verdict.NOT_REPRODUCED
-    if two and close:
-        verdict = Verdict.REPRODUCED if same else Verdict.CORRECTED
-    elif two:
-        verdict = Verdict.PARTIAL
-    trivial = _approximate(odd)[2]
-    misprint = _approximate(0.1, misprinted=True)[2]
-    return Finding(
-        verdict=verdict,
-        value=(
-            f"along (9): {odd:.6f} (odd) and {even:.6f} (even); true orbit: {true.c_stable:.8f} "
-            f"(odd), then its fold at {true.c:.8f}"
-        ),
-        error=(
-            f"{true.error_stable:.0e} on the true orbit; along (9) the trivial multiplier is off 1 "
-            f"by {trivial:.1e}, a growth of {trivial / (EPS * period):.4f} per unit εt"
-        ),
-        methods=(
-            "variational equations by Taylor series",
-            f"differences of scipy's flow at c = 0.19: the three largest agree to {gap:.0e}",
-        ),
-        tolerance=(
-            f"{ROUNDING:g} about the printed 0.195: its rounding; 'in part' if two multipliers "
-            "cross together, within 0.002, but elsewhere"
-        ),
-        explanation=(
-            "Two real multipliers leave the circle almost together, one even and one odd under "
-            "reflection; so far the sentence holds. They do so at 0.195 by neither computation. "
-            f"Along the approximate orbit it is {odd - 0.195:.4f} further on, where the closed "
-            "form ends. The orbit it approximates loses stability earlier: to the odd one at "
-            f"{true.c_stable:.6f}, and at the fold, {true.c - true.c_stable:.1e} further on, it "
-            f"ceases to exist. As ε → 0 the two become {envelope.c_stable:.6f} and "
-            f"{envelope.c:.6f}. With the Jacobian as printed in (42) the trivial multiplier at "
-            f"c = 0.1 is off by {misprint:.1e} instead of {_approximate(0.1)[2]:.1e}; the "
-            f"odd crossing then is at {_crossing(1, misprinted=True):.6f}."
-        ),
-        pictures=(drawn,),
-    )
+        for name, c, rows, style, colour in (
+            ("along (9), as in the paper", e.couplings, e.along, "-", "blue"),
+            ("true periodic orbit", e.exact_couplings, e.exact, "o", "vermilion"),
+        ):
+            moduli = np.array(rows)
+            axes.plot(c, moduli, style, ms=2.2, lw=0.9, color=COLOURS[colour])
+            axes.plot([], [], style, color=COLOURS[colour], label=name)
+            for k in range(moduli.shape[1]):
+                series[f"{name}, {k + 1}"] = {"c": c, "modulus": moduli[:, k]}
+        axes.axhline(1.0, color="0.5", lw=0.8)
+        axes.axvline(float(PRINTED), color="0", lw=0.9, ls=":", label="paper, about 0.195")
+        axes.axvline(e.true_odd, color=COLOURS["green"], lw=0.9,
+                     label=f"true orbit, {e.true_odd:.5f}")  # fmt: skip
+        axes.set(xlabel="coupling c", ylabel="|Floquet multiplier|")
+    left.set(xlim=(0, 0.2), title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01, 11 sites")
+    right.set(xlim=(0.186, 0.1978), ylim=(0.992, 1.0025), title="near the unit circle")
+    left.legend(loc="center left")
+    return (picture("fig09-multipliers", "", figure, long_table(series)),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Escape:
+    """Multiplier, and factor a period by which a perturbation changes, inside and outside."""
+
+    inside: tuple[float, float]
+    outside: tuple[float, float]
+
+    @property
+    def gap(self) -> float:
+        """Largest difference between the two."""
+        return max(abs(pair[0] - pair[1]) for pair in (self.inside, self.outside))
+
+
+def escape() -> Escape:
+    """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.breathers.orbits import solve_orbit
+
+    turns, rows = 8, []
+    for size in (1, 3):
+        orbit = solve_orbit(
+            VdpChain(A, B, 0.15, EPS, 9), Nucleus(size, outward_pattern(size))
+        )  # fmt: skip
+        values, vectors = np.linalg.eig(monodromy_by_differences(orbit.state, 0.15, orbit.period))
+        apart = np.argsort(np.abs(values - 1.0))[1:]
+        lead = apart[int(np.argmax(np.abs(values[apart])))]
+        kick = 1e-5 * np.real(vectors[:, lead] / np.linalg.norm(vectors[:, lead]))
+        ends = flow(np.column_stack([orbit.state + kick, orbit.state - kick]), 0.15,
+                    turns * orbit.period)  # fmt: skip
+        grown = np.linalg.norm(ends[:, 0] - ends[:, 1]) / np.linalg.norm(2.0 * kick)
+        ours = _moduli(orbit.multipliers)
+        nearest = float(ours[np.abs(ours - abs(values[lead])).argmin()])
+        rows.append((nearest, float(grown ** (1.0 / turns))))
+    return Escape(inside=rows[0], outside=rows[1])
+
+
+def rule_escape(e: Escape) -> Ruling:
+    """Inside the circle a perturbation must decay, outside grow, at the multiplier's rate."""
+    if e.gap < 1e-4 and e.inside[1] < 1.0 < e.outside[1]:
+        return holds()
+    return fails("perturbations do not follow the multipliers.")
 
 
 CLAIMS = (
     Claim(
-        "fig09-multipliers",
-        "Fig. 9, section 2.1.4",
-        "At about c = 0.195 two multipliers of the breather cross the unit circle.",
-        "0.195",
-        Verdict.PARTIAL,
-        "fronts threshold vdp --nucleus 1 --method orbit",
-        _multipliers,
-        weight=2,
-        because=(
-            "two multipliers do leave together, but beyond the printed value; the true orbit is "
-            "lost before."
+        key="fig09-multipliers",
+        place="Fig. 9, section 2.1.4",
+        quote="about the value of $c = 0.195$ the two multipliers cross the unit circle, implying "
+        "a loss of stability",
+        statement="At about c = 0.195 two multipliers of the breather cross the unit circle.",
+        printed="0.195",
+        recorded=Verdict.PARTIAL,
+        command="fronts threshold vdp --nucleus 1 --method orbit",
+        evidence=multipliers,
+        rule=rule_multipliers,
+        figure=draw,
+        text=__name__,
+        methods=(
+            Method("variational equations by Taylor series",
+                   "verification.breathers.floquet:approximate_multipliers"),
+            Method("differences of scipy's flow",
+                   "paper_checks.claims._breathers:monodromy_by_differences",
+                   "the three largest at c = 0.19"),
         ),
+        weight=2,
     ),
-)
+    Claim(
+        key="fig09-escape",
+        place="Section 2.1.4, before Fig. 9",
+        quote="loss of stability corresponds to escape of multipliers from the unit circle",
+        statement="Loss of stability corresponds to the escape of multipliers.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts breather --a 2.5 --b 0.5 --c 0.15 --method all",
+        evidence=escape,
+        rule=rule_escape,
+        text=__name__,
+        methods=(
+            Method("multipliers of the periodic orbit by variational equations",
+                   "verification.breathers.orbits:solve_orbit"),
+            Method("runs of (8) by scipy from the perturbed orbit",
+                   "paper_checks.claims._breathers:flow"),
+        ),
+        weight=0,
+    ),
+)  # fmt: skip

@@ -1,0 +1,37 @@
+"""True periodic orbits of (8) at the parameters of Figs. 7 to 11, and what they share."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from paper_checks.claims._breathers import EPS, A, B
+
+if TYPE_CHECKING:
+    from verification.breathers.envelope import EnvelopeBreather
+    from verification.breathers.orbits import Orbit
+
+SITES = 11
+CENTRE = SITES // 2
+SMALL = 0.1
+"""What is below this part of another quantity counts as small beside it, in every claim."""
+
+
+@lru_cache(maxsize=64)
+def orbit_of(c: float, eps: float = EPS, sites: int = SITES) -> Orbit:
+    """Return the breather of one site in (8)."""
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.nucleus import Nucleus
+    from verification.breathers.orbits import solve_orbit
+
+    return solve_orbit(VdpChain(A, B, c, eps, sites), Nucleus(1))
+
+
+@lru_cache(maxsize=16)
+def averaged_of(c: float, sites: int = SITES) -> EnvelopeBreather:
+    """Return the breather of one site in the averaged chain (43)."""
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.envelope import solve_envelope_breather
+    from verification.breathers.nucleus import Nucleus
+
+    return solve_envelope_breather(VdpChain(A, B, c, EPS, sites), Nucleus(1))

@@ -1,465 +1,506 @@
-"""Fig. 11: critical coupling against the size of the nucleus."""
+"""Fig. 11: critical coupling against the size of the nucleus, and which nuclei are stable."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from paper_checks.claim import Claim, Finding, Picture, Verdict
-from paper_checks.claims._breathers import EPS, A, B
+import numpy as np
+
+from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claims._breathers import EPS, A, B, monodromy_by_differences
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
+from paper_checks.ruling import agrees, corrected, fails, holds, partly
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from verification.breathers.phase_locked import LockedBranch
 
-    from verification.breathers.escape_range import EscapeRange
-    from verification.breathers.nucleation import EscapeThreshold
-    from verification.breathers.slow_sweep import Delay
-    from verification.thresholds.breather import BreatherThreshold
+ODD = (1, 3, 5, 7, 9)
+PRINTED = {1: "0.1916", 3: "0.2011"}
+LAST = 0.2011
+RANGE = (1, 2, 3, 4, 5, 6, 7, 8)
+FAMILY = (10, 12)
+"""Sizes enumerated with every sign, and those of the family with steps δ, π/2, δ, π/2, …"""
+ORBIT_AT = 0.195
+"""Coupling, beyond the loss of size 1, at which an even breather is found in (8) as well."""
+SAME_RATE = 1.5
+"""Sweeps of one figure were made alike: at rates within this factor of each other."""
+CONVERGED = 5e-5
+"""Half a unit of the fourth decimal, to which the paper gives its critical couplings."""
 
-SIZES = (1, 2, 3, 5, 7, 9)
-PRINTED = {1: 0.1916, 3: 0.2011}
 
-SWEPT_FROM = 0.1
-"""Coupling of Fig. 10, from which the paper's sweeps may have begun."""
+@dataclass(frozen=True, kw_only=True)
+class Folds:
+    """Where mirror-symmetric breathers of odd sizes end, and escapes of perturbed runs."""
 
-AFFORDED = (1e3, 1e6)
-"""Periods of (8) that a sweep "gradually and slowly" from there may have taken. The chain relaxes
-in some hundred periods, so with less it is not slow; 1e6 periods of 31 sites are hours of work."""
+    orbit: dict[int, float]
+    """In (8) at ε = 0.01, by size."""
+    averaged: dict[int, float]
+    """As ε → 0."""
+    runs: dict[int, float]
+    """Escape by bisection of mirror-symmetric runs of the averaged chain."""
+    run_error: float
+    error: float
+    stable_to: float
+    """Where size 1 of (8) loses stability to an odd mode."""
+
+    @property
+    def gap(self) -> float:
+        """Largest difference between folds and bisection of runs."""
+        return max(abs(self.runs[n] - self.averaged[n]) for n in self.runs)
+
+    @property
+    def values(self) -> str:
+        """The folds of (8) by size."""
+        return ", ".join(f"size {n}: {c:.6f}" for n, c in self.orbit.items())
+
+    @property
+    def spread(self) -> float:
+        """Spread over sizes 5, 7, 9 in (8)."""
+        late = [c for n, c in self.orbit.items() if n >= 5]
+        return max(late) - min(late)
+
+    @property
+    def step(self) -> float:
+        """Step from size 3 to size 5 in (8)."""
+        return self.orbit[3] - self.orbit[5]
+
+    @property
+    def agree(self) -> bool:
+        """Whether bisection of runs confirms the folds within its brackets."""
+        return self.gap <= self.run_error + 1e-8
 
 
 @lru_cache(maxsize=1)
-def _folds() -> dict[str, list[BreatherThreshold]]:
-    from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.thresholds.breather import Method, breather_threshold
-
-    chain = VdpChain(A, B, 0.0, EPS)
-    return {
-        method.value: [
-            breather_threshold(chain, Nucleus(size, outward_pattern(size)), method)
-            for size in SIZES
-        ]
-        for method in (Method.ENVELOPE, Method.ORBIT)
-    }
-
-
-@lru_cache(maxsize=1)
-def _runs() -> dict[int, EscapeThreshold]:
-    """Return thresholds of escape by bisection, with exact mirror symmetry."""
+def folds() -> Folds:
+    """Follow the mirror-symmetric breathers to their folds, and bisect runs for their escape."""
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
+    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from verification.thresholds.breather import Method as By
+    from verification.thresholds.breather import breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
-    return {size: escape_threshold(chain, Preparation(size), tolerance=1e-5) for size in SIZES}
+    nuclei = {n: Nucleus(n, outward_pattern(n)) for n in ODD}
+    orbit = {n: breather_threshold(chain, each, By.ORBIT) for n, each in nuclei.items()}
+    averaged = {n: breather_threshold(chain, each, By.ENVELOPE) for n, each in nuclei.items()}
+    runs = {n: escape_threshold(chain, Preparation(n), tolerance=1e-4) for n in (1, 3, 5)}
+    one = orbit[1]
+    return Folds(
+        orbit={n: found.c for n, found in orbit.items()},
+        averaged={n: found.c for n, found in averaged.items()},
+        runs={n: run.c for n, run in runs.items()},
+        run_error=max(run.error for run in runs.values()),
+        error=max(found.error for found in orbit.values()),
+        stable_to=one.c if one.c_stable is None else one.c_stable,
+    )
 
 
-@lru_cache(maxsize=1)
-def _perturbed() -> dict[int, EscapeRange]:
-    """Return where perturbed nuclei escape, over three seeds."""
-    from theory.chains.vdp import VdpChain
-    from verification.breathers.escape_range import escape_range
-    from verification.breathers.nucleation import Preparation
+@dataclass(frozen=True, kw_only=True)
+class Sweeps:
+    """Slow sweeps of c in the averaged chain, beside the folds."""
 
-    chain = VdpChain(A, B, 0.0, EPS)
-    return {size: escape_range(chain, Preparation(size, perturbation=1e-6)) for size in SIZES}
+    folds: Folds
+    rates: tuple[float, ...]
+    """dc/d(εt)."""
+    escapes: dict[int, tuple[float, ...]]
+    """Coupling at which a sweep leaves the breather, by size."""
+    exponents: dict[int, float]
+
+    @property
+    def late(self) -> dict[int, float]:
+        """How far the printed values lie above the folds of (8)."""
+        return {n: float(text) - self.folds.orbit[n] for n, text in PRINTED.items()}
+
+    @property
+    def implied(self) -> dict[int, float]:
+        """Rate at which a sweep is late by that much: the delay is proportional to rate^(2/3)."""
+        found = {}
+        for n, late in self.late.items():
+            slowest = self.escapes[n][-1] - self.folds.averaged[n]
+            found[n] = self.rates[-1] * (max(late, 0.0) / slowest) ** 1.5
+        return found
+
+    @property
+    def ratio(self) -> float:
+        """Larger implied rate over the smaller one."""
+        low, high = sorted(self.implied.values())
+        return high / low if low else math.inf
 
 
-def _agree() -> float:
-    """Return the largest gap between folds and bisection, each within the error it states."""
-    runs, folds = _runs(), _folds()["envelope"]
-    gaps = []
-    for fold in folds:
-        run = runs[fold.nucleus.size]
-        gaps.append(abs(run.c - fold.c))
-        if gaps[-1] > run.error + fold.error:
-            raise ArithmeticError(
-                f"size {fold.nucleus.size}: bisection {run.c:.6f}, fold {fold.c:.6f}"
-            )
-    return max(gaps)
-
-
-def _values() -> Finding:
-    """Compare the printed couplings with the folds, and see what a sweep would have found."""
+def sweeps() -> Sweeps:
+    """Sweep c slowly through the folds of sizes 1 and 3."""
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation
     from verification.breathers.slow_sweep import measure_delay
 
-    gap = _agree()
-    folds = _folds()
     chain = VdpChain(A, B, 0.0, EPS)
-    sweeps = {size: measure_delay(chain, Preparation(size)) for size in PRINTED}
-    envelope = {fold.nucleus.size: fold.c for fold in folds["envelope"]}
-    orbit = {fold.nucleus.size: fold for fold in folds["orbit"]}
-    for size, sweep in sweeps.items():
-        if sweep.c_0 is None or sweep.error is None:
-            raise ArithmeticError(f"size {size}: the sweeps do not follow the law of a fold")
-        if abs(sweep.c_0 - envelope[size]) > sweep.error:
-            raise ArithmeticError(f"size {size}: sweeps give {sweep.c_0}, fold {envelope[size]}")
-    stable_to = orbit[1].c if orbit[1].c_stable is None else orbit[1].c_stable
-    late = {size: PRINTED[size] - orbit[size].c for size in PRINTED}
-    slowest = {size: sweep.escapes[-1] - envelope[size] for size, sweep in sweeps.items()}
-    close = max(abs(value) for value in late.values()) < 5e-5
-    # The delay is K rate^(2/3): the rate at which it would be the printed one.
-    rates = {
-        size: sweep.rates[-1] * (max(late[size], 0.0) / slowest[size]) ** 1.5
-        for size, sweep in sweeps.items()
-    }
-    periods = {
-        size: (PRINTED[size] - SWEPT_FROM) / (2.0 * math.pi * EPS * rate) if rate else math.inf
-        for size, rate in rates.items()
-    }
-    delayed = all(AFFORDED[0] < each < AFFORDED[1] for each in periods.values())
-    if close:
-        verdict = Verdict.REPRODUCED
-    else:
-        verdict = Verdict.CORRECTED if delayed else Verdict.NOT_REPRODUCED
-    exponents = ", ".join(f"{sweep.exponent:.3f}" for sweep in sweeps.values())
-    return Finding(
-        verdict=verdict,
-        value=", ".join(f"size {size}: {orbit[size].c:.8f}" for size in PRINTED),
-        error=f"{max(orbit[size].error for size in PRINTED):.0e}; as ε → 0 "
-        + ", ".join(f"{envelope[size]:.8f}" for size in PRINTED),
-        methods=(
-            "continuation of periodic orbits of (8) and of averaged breathers through their folds",
-            f"bisection of runs of the averaged chain ({gap:.0e} from the folds) and slow sweeps",
-        ),
-        tolerance=(
-            "5e-5: half of the last printed digit. A larger value is the delay of a sweep if from "
-            f"c = {SWEPT_FROM:g} it took {AFFORDED[0]:g} to {AFFORDED[1]:g} periods of (8)"
-        ),
-        explanation=(
-            "The printed values lie above the folds by "
-            + " and ".join(f"{late[size]:.5f} (size {size})" for size in PRINTED)
-            + ". They were found by slowly increasing c, which is late at a fold: sweeps at "
-            f"dc/d(εt) = {sweeps[1].rates[-1]:g} are late by {slowest[1]:.5f} and "
-            f"{slowest[3]:.5f}; the delay grows like rate^(2/3) (observed {exponents}). By this "
-            "law the printed values are those of sweeps at "
-            + " and ".join(f"{rates[size]:.1e} (size {size})" for size in PRINTED)
-            + f", which take {periods[1]:.1e} and {periods[3]:.1e} periods from c = "
-            f"{SWEPT_FROM:g} on: "
-            + ("both can be. " if delayed else "not both can be. ")
-            + f"The rates differ by a factor of {rates[3] / rates[1]:.2g}; the text gives none. "
-            "A fold is where the breather ceases to exist, and what a sweep finds; that of size 1 "
-            f"is unstable to an odd mode from c = {stable_to:.6f} on (text-two-values), "
-            f"{orbit[1].c - stable_to:.1e} before. Size 3 is never stable (fig11-patterns)."
-        ),
-        pictures=(_drawn(sweeps, envelope),),
+    found = {n: measure_delay(chain, Preparation(n)) for n in PRINTED}
+    return Sweeps(
+        folds=folds(),
+        rates=tuple(found[1].rates),
+        escapes={n: tuple(each.escapes) for n, each in found.items()},
+        exponents={n: each.exponent for n, each in found.items()},
     )
 
 
-def _drawn(sweeps: dict[int, Delay], folds: dict[int, float]) -> Picture:
+def rule_values(e: Sweeps) -> Ruling:
+    """The digits must be right, or be those of sweeps at one rate."""
+    if not e.folds.agree:
+        return fails("folds and runs disagree.")
+    if all(agrees(e.folds.orbit[n], text, e.folds.error) for n, text in PRINTED.items()):
+        return holds()
+    slow = all(abs(x - 2.0 / 3.0) < 0.05 for x in e.exponents.values())
+    if slow and min(e.late.values()) > 0.0 and e.ratio < SAME_RATE:
+        return corrected("a finite sweep rate delays the observed transition.")
+    return fails(
+        "the breathers end at smaller couplings, and the delay of sweeps at one rate does not give "
+        "both printed values."
+    )
+
+
+def draw_sweeps(e: Sweeps) -> tuple[Picture, ...]:
     """Draw where slow sweeps escape against their rate, beside fold and printed value."""
     figure, axes = new_axes(
-        "column", height=3.2, xlabel="(dc/d(εt))$^{2/3}$", ylabel="coupling c at escape"
+        "column", height=2.9, xlabel="(dc/d(εt))$^{2/3}$", ylabel="coupling c at escape"
     )
     series: dict[str, dict[str, Any]] = {}
-    for (size, sweep), colour, mark in zip(
-        sweeps.items(), ("blue", "vermilion"), "os", strict=True
+    for (n, escapes), colour, mark in zip(
+        e.escapes.items(), ("blue", "vermilion"), "os", strict=True
     ):
-        shade, slow = COLOURS[colour], [rate ** (2.0 / 3.0) for rate in sweep.rates]
-        axes.plot(slow, sweep.escapes, mark, color=shade, label=f"size {size}: sweeps")
-        axes.plot([0.0], [folds[size]], mark, mfc="none", ms=6, color=shade, label="fold")
-        axes.axhline(PRINTED[size], color=shade, lw=1.2, ls=":", label=f"paper, {PRINTED[size]}")
-        series[f"sweeps, size {size}"] = {"size": size, "rate": sweep.rates, "c": sweep.escapes}
-        series[f"fold, size {size}"] = {"size": size, "rate": 0.0, "c": folds[size]}
-        series[f"paper, size {size}"] = {"size": size, "c": PRINTED[size]}
+        shade, slow = COLOURS[colour], [rate ** (2.0 / 3.0) for rate in e.rates]
+        axes.plot(slow, escapes, mark, color=shade, label=f"size {n}: sweeps")
+        axes.plot([0.0], [e.folds.averaged[n]], mark, mfc="none", ms=6, color=shade, label="fold")
+        axes.axhline(float(PRINTED[n]), color=shade, lw=1.2, ls=":", label=f"paper, {PRINTED[n]}")
+        series[f"sweeps, size {n}"] = {"rate": e.rates, "c": escapes}
+        series[f"fold, size {n}"] = {"rate": 0.0, "c": e.folds.averaged[n]}
+        series[f"paper, size {n}"] = {"c": float(PRINTED[n])}
     axes.set(ylim=(0.1885, 0.2195), xlim=(-0.0002, None))
     axes.legend(ncols=2, loc="upper left", columnspacing=1.0)
-    return picture(
-        "fig11-sweeps",
-        "Coupling at which a slowly growing c leaves the breather of the averaged chain, against "
-        "the rate to the power 2/3; its fold, which is the limit of rate zero; and the paper's two "
-        "values, found by sweeps of unknown rates in (8).",
-        figure,
-        long_table(series),
-    )
+    return (picture("fig11-sweeps", "", figure, long_table(series)),)
 
 
-def _order() -> Finding:
-    """Compare the order of thresholds with and without mirror symmetry."""
-    gap = _agree()
-    perturbed, folds = _perturbed(), _folds()
-    mirrored = {fold.nucleus.size: fold.c for fold in folds["envelope"]}
-    larger = [size for size in SIZES if size >= 3]
-    order = all(mirrored[size] > mirrored[1] for size in larger)
-    last = max(mirrored, key=lambda size: mirrored[size])
-    survives = all(perturbed[size].low > perturbed[1].high for size in larger)
-    reversed_ = all(perturbed[size].high < perturbed[1].low for size in larger)
-    figure, axes = new_axes(
-        "column", height=3.4, xlabel="nucleus size", ylabel=r"critical coupling $c_{cr}$"
-    )
-    blue, black = COLOURS["blue"], COLOURS["black"]
-    orbits = [fold.c for fold in folds["orbit"]]
-    axes.plot(SIZES, orbits, "o", color=blue, label="fold, orbit of (8)")
-    axes.plot(
-        SIZES, list(mirrored.values()), "o", mfc="none", ms=5.5, color=blue, label="fold, ε → 0"
-    )
-    axes.errorbar(
-        SIZES,
-        [perturbed[size].c for size in SIZES],
-        [perturbed[size].error for size in SIZES],
-        fmt="x",
-        capsize=3,
-        color=COLOURS["vermilion"],
-        label="runs, perturbed by 1e-6",
-    )
-    axes.plot(
-        list(PRINTED), list(PRINTED.values()), "D", mfc="none", ms=5, color=black, label="paper"
-    )
-    for size, value in PRINTED.items():
-        axes.annotate(
-            f"{value}", (size, value), xytext=(6, 2), textcoords="offset points", fontsize=7
+def rule_order(e: Folds) -> Ruling:
+    """Size 1 must end first and size 3 last, as the paper's start has them."""
+    larger = [c for n, c in e.orbit.items() if n != 1]
+    if e.agree and e.orbit[1] < min(larger) and e.orbit[3] == max(larger):
+        return holds()
+    return fails("the breather of size 1 is not the first to be lost.")
+
+
+def rule_converged(e: Folds) -> Ruling:
+    """From size 5 on the values must be one to the paper's four decimals."""
+    if e.agree and e.spread < CONVERGED and e.step > e.spread:
+        return holds()
+    return fails("the critical coupling still changes from size 5 on.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Nuclei:
+    """Every phase-locked breather of `RANGE`, and the family of `FAMILY`, followed to its end."""
+
+    branches: dict[int, tuple[LockedBranch, ...]]
+    growth_by_envelope: dict[int, float]
+    """Growth rate at c = 0.1 of the mirror-symmetric breather of odd sizes, by another solver."""
+    growth_here: dict[int, float]
+    orbit_growth: tuple[float, ...]
+    """In (8) at `ORBIT_AT`: growth rates of the breathers of size 6 that are stable there."""
+    seeded_runs: tuple[int, ...]
+    """Sites in the cycle at the end of runs at c = 0.2011 from nuclei of random phases."""
+
+    @property
+    def counts(self) -> str:
+        """Number of breathers by size."""
+        return ", ".join(f"{len(found)} (size {n})" for n, found in self.branches.items())
+
+    @property
+    def stable(self) -> dict[int, float]:
+        """Largest coupling at which a breather of a size is stable; sizes with none left out."""
+        ends = {
+            n: max((high for each in found for _, high in each.stable), default=0.0)
+            for n, found in self.branches.items()
+        }
+        return {n: c for n, c in ends.items() if c}
+
+    @property
+    def stable_words(self) -> str:
+        """The same in words."""
+        return ", ".join(f"{n} up to c = {c:.4f}" for n, c in self.stable.items())
+
+    @property
+    def odd_stable(self) -> tuple[int, ...]:
+        """Odd sizes above 1 with a stable breather."""
+        return tuple(n for n in self.stable if n % 2 and n > 1)
+
+    @property
+    def last(self) -> tuple[int, float]:
+        """Size and coupling of the last fold of all."""
+        return max(
+            ((n, each.c_end) for n, found in self.branches.items() for each in found),
+            key=lambda pair: pair[1],
         )
-    axes.set(xticks=SIZES, ylim=(0.18, 0.2065))
-    axes.legend(loc="upper right", ncols=2, columnspacing=1.0)
-    drawn = picture(
-        "fig11-thresholds",
-        "Critical coupling against nucleus size: folds of the mirror-symmetric breathers, escape "
-        "of perturbed runs, and the two values in the paper's text; the rest of its figure has "
-        "no numbers.",
-        figure,
-        long_table(
-            {
-                "fold, orbit of (8)": {
-                    "size": SIZES,
-                    "c_crit": orbits,
-                    "error": [fold.error for fold in folds["orbit"]],
-                },
-                "fold, averaged chain": {
-                    "size": SIZES,
-                    "c_crit": list(mirrored.values()),
-                    "error": [fold.error for fold in folds["envelope"]],
-                },
-                "runs, perturbed by 1e-6": {
-                    "size": SIZES,
-                    "c_crit": [perturbed[size].c for size in SIZES],
-                    "error": [perturbed[size].error for size in SIZES],
-                },
-                "paper": {"size": list(PRINTED), "c_crit": list(PRINTED.values())},
-            }
-        ),
-    )
-    if order and survives:
-        verdict = Verdict.REPRODUCED
-    else:
-        verdict = Verdict.PARTIAL if order else Verdict.NOT_REPRODUCED
-    return Finding(
-        verdict=verdict,
-        value="perturbed: "
-        + "; ".join(
-            f"size {n}: {found.low:.6f}-{found.high:.6f}" for n, found in perturbed.items()
-        ),
-        error="every run below held for 2000 of slow time, every run above escaped within 1000, "
-        "over three seeds; unperturbed: " + ", ".join(f"{mirrored[size]:.5f}" for size in SIZES),
-        methods=(
-            "folds by continuation in the averaged chain and in (8)",
-            f"bisection of compiled runs; unperturbed they agree with the folds to {gap:.0e}",
-        ),
-        tolerance="the ranges must not overlap",
-        explanation=(
-            f"With exact mirror symmetry the order of Fig. 11 {'holds' if order else 'fails'}: "
-            f"size 1 is lost first, size {last} last. "
-            + (
-                "Perturbed by 1e-6 the order is reversed: nuclei of 3 or more wander in phase, "
-                "their ends are driven harder, and they escape below the threshold of size 1."
-                if reversed_
-                else "Perturbed by 1e-6 it does not hold for all sizes."
-            )
-            + " Sizes 1 and 2 alone are stable up to near their folds."
-        ),
-        pictures=(drawn,),
-    )
 
+    @property
+    def last_stable(self) -> tuple[int, float]:
+        """Size and coupling of the last stable breather."""
+        return max(self.stable.items(), key=lambda pair: pair[1])
 
-def _converged() -> Finding:
-    """See from which size on the threshold no longer moves, with and without mirror symmetry."""
-    gap = _agree()
-    folds = _folds()
-    perturbed = [found for size, found in _perturbed().items() if size >= 5]
-    wide = max(each.high for each in perturbed) - min(each.low for each in perturbed)
-    spread = {
-        method: max(f.c for f in found if f.nucleus.size >= 5)
-        - min(f.c for f in found if f.nucleus.size >= 5)
-        for method, found in folds.items()
-    }
-    step = {method: abs(found[2].c - found[3].c) for method, found in folds.items()}
-    steady = all(spread[method] < 0.1 * step[method] for method in folds)
-    verdict = Verdict.NOT_REPRODUCED
-    if steady:
-        verdict = Verdict.REPRODUCED if wide < 0.1 * step["envelope"] else Verdict.PARTIAL
-    return Finding(
-        verdict=verdict,
-        value="; ".join(f"size {fold.nucleus.size}: {fold.c:.8f}" for fold in folds["orbit"][3:]),
-        error=f"{max(fold.error for fold in folds['orbit']):.0e}; ε → 0: "
-        + ", ".join(f"{fold.c:.8f}" for fold in folds["envelope"][3:]),
-        methods=("folds by continuation", f"bisection of runs, {gap:.0e} from the folds"),
-        tolerance=(
-            "a spread over sizes 5, 7, 9 below a tenth of the step from size 3 to 5, for folds and "
-            "for perturbed runs; 'in part' if for folds only"
-        ),
-        explanation=(
-            f"Among mirror-symmetric breathers sizes 5, 7, 9 differ by {spread['orbit']:.1e} "
-            f"(ε → 0: {spread['envelope']:.1e}), and size 3 lies {step['orbit']:.5f} above. These "
-            "are unstable (fig11-patterns). Perturbed by 1e-6, sizes 5, 7, 9 escape between "
-            + ", ".join(f"{each.low:.5f} and {each.high:.5f}" for each in perturbed)
-            + f", by seed: {wide:.5f} apart in all, in which no constant value is to be seen."
-        ),
-    )
+    @property
+    def solvers_apart(self) -> float:
+        """Largest difference of growth rates between the two solvers."""
+        return max(abs(self.growth_here[n] - x) for n, x in self.growth_by_envelope.items())
 
-
-def _growth_by_differences(phi: NDArray[np.complex128], omega: float, c: float) -> float:
-    """Return the largest growth rate per unit εt: (43) written out here, with differences."""
-    import numpy as np
-
-    sites = len(phi)
-    springs = 2.0 * np.eye(sites) - np.eye(sites, k=1) - np.eye(sites, k=-1)
-    springs[0, 0] = springs[-1, -1] = 1.0
-
-    def rate(x: NDArray[np.float64]) -> NDArray[np.float64]:
-        z = x[:sites] + 1j * x[sites:]
-        drag = 0.5 * z * (1.0 - A * abs(z) ** 2 / 4.0 + B * abs(z) ** 4 / 8.0)
-        out = 0.5j * c * (springs @ z) - drag - 1j * omega * z
-        return np.concatenate([out.real, out.imag])
-
-    x, step = np.concatenate([phi.real, phi.imag]), 1e-5
-    columns = [(rate(x + step * row) - rate(x - step * row)) / (2 * step) for row in np.eye(len(x))]
-    found = np.linalg.eigvals(np.array(columns).T)
-    # One of them is zero: the phase of the whole.
-    return float(np.sort(np.delete(found, np.argmin(abs(found))).real)[-1])
-
-
-def _growth_half_way(fold: BreatherThreshold) -> tuple[float, float]:
-    """Return the growth rate half way to a fold, and how far another one is from it."""
-    from theory.chains.vdp import VdpChain
-    from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import sites_for
-
-    half = VdpChain(A, B, 0.5 * fold.c, EPS, sites_for(fold.nucleus.size))
-    breather = solve_envelope_breather(half, fold.nucleus)
-    if breather.exponents is None:
-        raise ArithmeticError(f"no breather {fold.nucleus.pattern} half way to its fold")
-    growth = _growth_by_differences(breather.phi, breather.omega, half.c)
-    return growth, abs(growth - breather.exponents.growth)
+    @property
+    def odd_growth(self) -> str:
+        """Growth rates of odd sizes at c = 0.1."""
+        return ", ".join(f"{x:+.3f} (size {n})" for n, x in self.growth_here.items())
 
 
 @lru_cache(maxsize=1)
-def pattern_folds() -> tuple[list[BreatherThreshold], float]:
-    """Return the folds of every pattern of steps ±π/2 of sizes 3, 5, 7, as ε → 0.
-
-    And how far those of the staggered reduction are from them, for sizes 3 and 5.
-    """
+def nuclei() -> Nuclei:
+    """Enumerate, follow and test every phase-locked breather."""
     from theory.chains.vdp import VdpChain
-    from verification.breathers.envelope import staggered_branch
-    from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
-    from verification.thresholds.breather import breather_threshold
+    from verification.breathers import phase_locked
+    from verification.breathers.envelope import solve_envelope_breather
+    from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
 
-    chain = VdpChain(A, B, 0.0, EPS)
-    rows, gaps = [], []
-    for size in (3, 5, 7):
-        for pattern in right_angle_patterns(size):
-            # Reflection turns a pattern into its reverse with signs changed: follow one of the two.
-            mirror = pattern[::-1].translate(str.maketrans("+-", "-+"))
-            if pattern > mirror:
-                continue
-            found = breather_threshold(chain, Nucleus(size, pattern))
-            rows.append(found)
-            if size < 7:
-                here = VdpChain(A, B, 0.0, EPS, sites_for(size))
-                fold = staggered_branch(here, Nucleus(size, pattern)).fold
-                gaps.append(abs(fold.c - found.c) if fold is not None else 1.0)
-    if max(gaps) > 1e-8:
-        raise ArithmeticError(f"staggered reduction and full envelope differ by {max(gaps):.1e}")
-    return rows, max(gaps)
-
-
-def _patterns() -> Finding:
-    """Follow every pattern of steps ±π/2 of sizes 3, 5, 7 and look for a stable one."""
-    rows, gap = pattern_folds()
-    rates = [_growth_half_way(row) for row in rows if row.nucleus.size < 7]
-    least, apart = min(growth for growth, _ in rates), max(off for _, off in rates)
-    if apart > 1e-7:
-        raise ArithmeticError(f"growth rates by differences are off by {apart:.1e}")
-    stable = [row for row in rows if row.c_stable is not None]
-    slowest = min(rows, key=lambda row: row.growth)
-    last = max(rows, key=lambda row: row.c)
-    first = min(rows, key=lambda row: row.c)
-    single = _folds()["envelope"][0].c
-    return Finding(
-        verdict=Verdict.NOT_REPRODUCED if not stable else Verdict.PARTIAL,
-        value=f"{len(stable)} of {len(rows)} patterns of sizes 3, 5, 7 are ever stable",
-        error=f"folds: {max(row.error for row in rows):.0e}; the two computations differ by "
-        f"{gap:.0e}",
-        methods=(
-            "continuation and exponents of the full averaged chain",
-            "sizes 3 and 5: folds of the real staggered reduction; growth rates from (43) "
-            f"differentiated by steps, {apart:.0e} apart, the least {least:.1e}",
-        ),
-        tolerance="a growth rate above 1e-9 counts as unstable; the smallest found is far above",
-        explanation=(
-            f"The weakest instability half way to a fold is {slowest.growth:.1e} per unit εt "
-            f"(size {slowest.nucleus.size}, pattern {slowest.nucleus.pattern}: all steps one "
-            f"way). Folds lie between {first.c:.6f} ({first.nucleus.pattern}) and {last.c:.6f} "
-            f"({last.nucleus.pattern}); that of size 1 is at {single:.6f}. What a nucleus "
-            "that is lost becomes is judged under text-to-larger."
-        ),
+    branches = {}
+    for n in (*RANGE, *FAMILY):
+        found = (phase_locked.locked_breathers if n in RANGE else phase_locked.family)(n, A, B)
+        branches[n] = tuple(phase_locked.follow(each, A, B) for each in found)
+    by_envelope, here = {}, {}
+    for n in (1, 3, 5, 7):
+        chain = VdpChain(A, B, 0.1, EPS, sites_for(n))
+        other = solve_envelope_breather(chain, Nucleus(n, outward_pattern(n)))
+        if other.exponents is None:
+            raise ArithmeticError(f"no breather of size {n} at c = 0.1")
+        by_envelope[n] = other.exponents.growth
+        outward = np.where(np.arange(n - 1) < (n - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
+        u = phase_locked.solve(phase_locked.start_from(outward, A, B, 0.1), 0.1, A, B)
+        if u is None:
+            raise ArithmeticError(f"no mirror-symmetric breather of size {n}")
+        here[n] = phase_locked.growth_rate(u, 0.1, A, B)
+    return Nuclei(
+        branches=branches,
+        growth_by_envelope=by_envelope,
+        growth_here=here,
+        orbit_growth=_orbit_growth(branches[6]),
+        seeded_runs=_seeded_runs(),
     )
 
 
+def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
+    """Return growth rates in (8) of stable breathers of six sites, by shooting and scipy."""
+    from theory.chains.vdp import VdpChain
+    from verification.breathers import phase_locked
+    from verification.breathers.newton import solve_at
+    from verification.breathers.orbits import shooting_system
+
+    found = []
+    for branch in branches:
+        if not any(high > ORBIT_AT for _, high in branch.stable):
+            continue
+        point = phase_locked.follow_to(branch.first, ORBIT_AT, A, B)
+        phi = point.phi
+        centre = int(np.argmax(np.abs(phi)))
+        phi = phi * np.exp(-1j * np.angle(phi[centre]))
+        chain = VdpChain(A, B, ORBIT_AT, EPS, phi.size)
+        period = 2.0 * np.pi / (1.0 + EPS * point.omega)
+        guess = np.concatenate([phi.imag, phi.real, [period]])
+        u = solve_at(shooting_system(chain, centre), guess, ORBIT_AT).u
+        moduli = np.linalg.eigvals(monodromy_by_differences(u[:-1], ORBIT_AT, float(u[-1])))
+        others = np.delete(moduli, np.argmin(np.abs(moduli - 1.0)))
+        found.append(float(np.log(np.abs(others).max()) / (EPS * u[-1])))
+    return tuple(found)
+
+
+def _seeded_runs() -> tuple[int, ...]:
+    """Run the averaged chain at the last printed coupling from nuclei with random phases."""
+    from theory.chains.vdp import VdpChain
+    from verification.steppers.envelope_run import run_envelope
+
+    sites, reached = 41, []
+    chain = VdpChain(A, B, LAST, EPS, sites)
+    for n in range(1, 9):
+        phases = np.random.default_rng(n).uniform(-np.pi, np.pi, n)
+        phi = np.zeros(sites, dtype=complex)
+        first = (sites - n) // 2
+        phi[first : first + n] = chain.stable_amplitude * np.exp(1j * phases)
+        run = run_envelope(chain, phi, 3000.0)
+        reached.append(int(np.count_nonzero(np.abs(run.phi) > chain.unstable_amplitude)))
+    return tuple(reached)
+
+
+def rule_stable(e: Nuclei) -> Ruling:
+    """Some breather of each larger odd size must be stable somewhere."""
+    if e.solvers_apart > 1e-6:
+        return fails("two solvers disagree on growth rates.")
+    if set(e.odd_stable) >= {3, 5, 7}:
+        return holds()
+    return fails(
+        "no breather of 3, 5 or 7 sites is stable at any coupling, since perturbations that break "
+        "the mirror symmetry grow on every one."
+    )
+
+
+def rule_all_lost(e: Nuclei) -> Ruling:
+    """No breather may be left at 0.2011, and runs from nuclei there must not stay localised."""
+    left = e.last[1] >= LAST
+    if not left and e.solvers_apart < 1e-6 and all(n > 8 for n in e.seeded_runs):
+        return holds()
+    return fails("a localised state is left at the largest printed coupling.")
+
+
+def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
+    """Draw Fig. 11."""
+    figure, axes = new_axes("column", height=3.0, xlabel="nucleus size",
+                            ylabel=r"critical coupling $c_{cr}$")  # fmt: skip
+    sizes = list(e.orbit)
+    axes.plot(sizes, list(e.orbit.values()), "o-", color=COLOURS["blue"], lw=0.8,
+              label="end of the breather in (8)")  # fmt: skip
+    axes.plot(sizes, list(e.averaged.values()), "o", mfc="none", ms=6, color=COLOURS["blue"],
+              label="the same, ε → 0")  # fmt: skip
+    axes.plot(list(PRINTED), [float(x) for x in PRINTED.values()], "D", mfc="none", ms=6,
+              color="black", label="paper")  # fmt: skip
+    for n, text in PRINTED.items():
+        axes.annotate(text, (n, float(text)), xytext=(7, -2), textcoords="offset points",
+                      fontsize=7)  # fmt: skip
+    axes.set(xticks=sizes, ylim=(0.19, 0.2035))
+    axes.set(title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01, bulk, mirror-symmetric")
+    axes.legend(loc="lower right")
+    table = long_table(
+        {
+            "(8)": {"size": sizes, "c": list(e.orbit.values())},
+            "averaged": {"size": sizes, "c": list(e.averaged.values())},
+            "paper": {"size": list(PRINTED), "c": [float(x) for x in PRINTED.values()]},
+        }
+    )
+    return (picture("fig11-thresholds", "", figure, table),)
+
+
+def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
+    """Draw where every breather ends, and over which range some are stable."""
+    figure, axes = new_axes("column", height=2.9, xlabel="nucleus size", ylabel="coupling c")
+    ends: dict[str, list[float]] = {"size": [], "c_end": [], "stable": []}
+    for n, found in e.branches.items():
+        for each in found:
+            stable = bool(each.stable)
+            axes.plot(n, each.c_end, "o" if stable else "x", ms=4 if stable else 3,
+                      color=COLOURS["blue"] if stable else "0.55")  # fmt: skip
+            if stable:
+                low, high = each.stable[0]
+                axes.plot([n, n], [max(low, 0.17), high], color=COLOURS["blue"], lw=2)
+            ends["size"].append(n)
+            ends["c_end"].append(each.c_end)
+            ends["stable"].append(max((high for _, high in each.stable), default=0.0))
+    axes.plot([], [], "o-", color=COLOURS["blue"], label="stable up to the end of the bar")
+    axes.plot([], [], "x", color="0.55", label="never stable")
+    axes.axhline(LAST, color="black", ls=":", lw=1.0, label="paper: all lost at 0.2011")
+    axes.set(xticks=[*RANGE, *FAMILY], ylim=(0.17, 0.207))
+    axes.legend(loc="lower left")
+    return (picture("fig11-nuclei", "", figure, {k: np.array(v) for k, v in ends.items()}),)
+
+
+ORBIT = Method("continuation of periodic orbits of (8) through their folds",
+               "verification.thresholds.breather:breather_threshold")
+RUNS = Method("bisection of runs of the averaged chain",
+              "verification.breathers.nucleation:escape_threshold",
+              "sizes 1, 3 and 5 as ε → 0")
+LOCKED = Method("all phase-locked breathers by Newton's method, with their exponents",
+                "verification.breathers.phase_locked:locked_breathers")  # fmt: skip
+
 CLAIMS = (
     Claim(
-        "fig11-values",
-        "Fig. 11, section 2.2",
-        "Nuclei of size 1 and 3 lose stability at c = 0.1916 and 0.2011.",
-        "0.1916, 0.2011",
-        Verdict.CORRECTED,
-        "fronts threshold vdp --nucleus 1 --method orbit; "
+        key="fig11-values",
+        place="Fig. 11, section 2.2",
+        quote="it starts when the solution with nucleus size of 1 loses stability at $c = 0.1916$ "
+        "and the process ends when the coupling reaches the value of $\\bar{c}_{cr} = 0.2011$",
+        statement="Nuclei of size 1 and 3 are lost at c = 0.1916 and 0.2011.",
+        printed="0.1916, 0.2011",
+        recorded=Verdict.NOT_REPRODUCED,
+        command="fronts threshold vdp --nucleus 1 --method orbit; "
         "fronts threshold vdp --nucleus 3 --method orbit",
-        _values,
-        weight=2,
-        expensive=True,
-        because="c was raised slowly, and such a sweep passes a fold before it sees it.",
-        shared=_folds,
-    ),
-    Claim(
-        "fig11-order",
-        "Fig. 11, section 2.2",
-        "The breather of size 1 is lost first, and larger nuclei survive it.",
-        None,
-        Verdict.PARTIAL,
-        "fronts threshold vdp --nucleus 3 --method sweep --perturbation 1e-6",
-        _order,
-        weight=2,
-        expensive=True,
-        because=(
-            "the order is that of exact mirror symmetry; slightly perturbed, the larger "
-            "nuclei escape first."
+        evidence=sweeps,
+        rule=rule_values,
+        figure=draw_sweeps,
+        text=__name__,
+        methods=(ORBIT, RUNS),
+        repeats=(
+            Repeat("Section 2.2", "$c_{cr}$ has a limiting value $\\bar{c}_{cr} = 0.2011$ (obtained"
+                   " for nucleus of size 3)"),
+            Repeat("Section 2.2", "the nucleation process occurs for a very narrow range of "
+                   "parameters"),
         ),
-        shared=_folds,
-    ),
-    Claim(
-        "fig11-converged",
-        "Fig. 11, section 2.2",
-        "The critical coupling is constant from nucleus size 5 on.",
-        None,
-        Verdict.PARTIAL,
-        "fronts threshold vdp --nucleus 5 --method orbit; "
-        "fronts threshold vdp --nucleus 9 --method orbit",
-        _converged,
+        weight=1,
         expensive=True,
-        shared=_folds,
+        shared=folds,
     ),
     Claim(
-        "fig11-patterns",
-        "Section 2.2",
-        "Breathers with nuclei of 3, 5, 7 sites are stable up to their critical coupling.",
-        None,
-        Verdict.NOT_REPRODUCED,
-        "fronts threshold vdp --nucleus 3 --pattern=++",
-        _patterns,
-        shared=_folds,
+        key="fig11-order",
+        place="Fig. 11, section 2.2",
+        quote="it starts when the solution with nucleus size of 1 loses stability […] and the "
+        "process ends when the coupling reaches the value of $\\bar{c}_{cr}$",
+        statement="The breather of size 1 is lost first, that of size 3 last.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts threshold vdp --nucleus 3 --method orbit",
+        evidence=folds,
+        rule=rule_order,
+        figure=draw_thresholds,
+        text=__name__,
+        methods=(ORBIT, RUNS),
+        shared=folds,
     ),
-)
+    Claim(
+        key="fig11-converged",
+        place="Fig. 11, section 2.2",
+        quote="The value of $c_{cr}$ converges to a constant value from nucleus size of 5",
+        statement="The critical coupling is constant from nucleus size 5 on.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts threshold vdp --nucleus 5 --method orbit; "
+        "fronts threshold vdp --nucleus 9 --method orbit",
+        evidence=folds,
+        rule=rule_converged,
+        text=__name__,
+        methods=(ORBIT, RUNS),
+        shared=folds,
+    ),
+    Claim(
+        key="fig11-stable",
+        place="Section 2.2",
+        quote="the value of stability loss. The results for different nucleus size are shown in "
+        "Figure 11",
+        statement="Breathers of 3, 5, 7 sites are stable up to their critical coupling.",
+        recorded=Verdict.NOT_REPRODUCED,
+        command="fronts breather --c 0.1 --nucleus 3 --method orbit",
+        evidence=nuclei,
+        rule=rule_stable,
+        figure=draw_nuclei,
+        text=__name__,
+        methods=(LOCKED, Method("continuation of the averaged chain and its exponents",
+                                "verification.breathers.envelope:solve_envelope_breather",
+                                "the mirror-symmetric breathers at c = 0.1")),
+        weight=2,
+        expensive=True,
+    ),
+    Claim(
+        key="fig11-all-lost",
+        place="Section 2.2",
+        quote="the value of $\\bar{c}_{cr} = 0.2011$, where all possible nuclei lose stability",
+        statement="At c = 0.2011 all possible nuclei have lost stability.",
+        printed="0.2011",
+        recorded=Verdict.REPRODUCED,
+        command="fronts threshold vdp --nucleus 3 --method orbit",
+        evidence=nuclei,
+        rule=rule_all_lost,
+        text=__name__,
+        methods=(LOCKED, Method("runs of the averaged chain from nuclei of random phases",
+                                "verification.steppers.envelope_run:run_envelope",
+                                "sizes 1 to 8 at c = 0.2011")),
+        repeats=(Repeat("Section 2.2", "the propagating front becomes the lone stable solution, "
+                        "when all the possible DBs lose stability"),),
+        expensive=True,
+    ),
+)  # fmt: skip

@@ -318,3 +318,20 @@ def _ranges(history: list[tuple[float, float]]) -> tuple[tuple[float, float], ..
             ranges.append((begin, history[place - 1][0]))
             begin = None
     return tuple(ranges)
+
+
+def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBreather:
+    """Follow a breather to a given coupling.
+
+    Raises
+    ------
+    ArithmeticError
+        If it ends before.
+    """
+    u = _unknowns(start)
+    for here in np.linspace(start.c, c, max(2, round(abs(c - start.c) / 0.004)))[1:]:
+        found = solve(u, float(here), a, b)
+        if found is None:
+            raise ArithmeticError(f"the breather of size {start.size} ends before c = {c:g}")
+        u = found
+    return _breather(u, start.size, c, a, b)

@@ -2,22 +2,61 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import COLOURS, NO_NUMBERS, new_axes, picture
+from paper_checks.report.pictures import COLOURS, new_axes, picture
+from paper_checks.ruling import fails, holds
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 A, B, C = 4.0, 0.5, 0.5
 """Parameters of Fig. 16."""
+AGREE = 1e-8
+"""Between theory and chain: far above both errors, far below the margin of admissibility."""
+FAR = 25
 
 
-def _profile() -> Finding:
-    """Compare the series, the integral and the running chain, and look for a violation of (47)."""
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """The front of Fig. 16, in units of |φ_s|."""
+
+    v: float
+    v_error: float
+    zeta: NDArray[np.float64]
+    phi: NDArray[np.complex128]
+    error: float
+    few: NDArray[np.float64]
+    series: NDArray[np.complex128]
+    series_gap: float
+    series_error: float
+    sites: NDArray[np.float64]
+    chain: NDArray[np.complex128]
+    chain_gap: float
+    admissible: bool
+    proven_beyond: tuple[float, float]
+    threshold: float
+    amplitude: float
+    behind: float
+    """|φ - φ_s| 25 sites behind, and |φ| 25 sites ahead, with the proven bounds."""
+    ahead: float
+    bounds: tuple[float, float]
+    chain_behind: float
+
+
+@lru_cache(maxsize=1)
+def profile() -> Profile:
+    """Compute the profile by the integral, by the root series and by the running chain."""
     from theory.cells.vdp import eta_from_damping, threshold_ratio
     from theory.piecewise.admissibility import check_admissible
     from theory.piecewise.kinetic_relation import kinetic_relation
-    from theory.piecewise.profile import front_profile, front_profile_by_roots
+    from theory.piecewise.profile import front_profile, front_profile_by_roots, tail_bound
     from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
@@ -27,128 +66,122 @@ def _profile() -> Finding:
     integral = front_profile(zeta, branch.v, C)
     few = np.setdiff1d(np.arange(-9.25, 10.0, 0.75), [0.0])
     series = front_profile_by_roots(few, branch.v, C, 4000)
-    difference = float(np.max(np.abs(series.phi - front_profile(few, branch.v, C).phi)))
     run = simulate_front(C, eta)
-    sites = np.arange(run.final.phi.size) - (run.final.latest or 0)
+    latest = run.final.latest or 0
+    sites = np.arange(run.final.phi.size) - latest
     near = np.abs(sites) <= 10
     chain = run.final.phi[near]
-    off = float(np.max(np.abs(chain - front_profile(sites[near], branch.v, C).phi)))
+    ends = front_profile([-FAR, FAR], branch.v, C).phi
     verdict = check_admissible(branch.v, C, r)
-    others = _inadmissible_scenes()
-    amplitude = float(np.sqrt((A / B) * (1.0 + np.sqrt(1.0 - 8.0 * eta))))
-    figure, axes = new_axes("column", height=2.9, xlabel=r"$\zeta$ (sites)", ylabel=r"$|\varphi|$")
-    axes.plot(zeta, amplitude * np.abs(integral.phi), color=COLOURS["blue"], label="integral")
-    axes.plot(
-        few, amplitude * np.abs(series.phi), "x", color=COLOURS["green"], label="root series (49)"
+    pairs = [tail_bound(branch.v, C, way) for way in (False, True)]
+    bounds = [float(K * np.exp(-s * FAR)) for s, K in pairs]
+    return Profile(
+        v=branch.v,
+        v_error=branch.error,
+        zeta=zeta,
+        phi=integral.phi,
+        error=integral.error,
+        few=few,
+        series=series.phi,
+        series_gap=float(np.abs(series.phi - front_profile(few, branch.v, C).phi).max()),
+        series_error=series.error,
+        sites=sites[near],
+        chain=chain,
+        chain_gap=float(np.abs(chain - front_profile(sites[near], branch.v, C).phi).max()),
+        admissible=bool(verdict.admissible),
+        proven_beyond=verdict.proven_beyond,
+        threshold=r,
+        amplitude=float(np.sqrt((A / B) * (1.0 + np.sqrt(1.0 - 8.0 * eta)))),
+        behind=float(abs(ends[0] - 1.0)),
+        ahead=float(abs(ends[1])),
+        bounds=(bounds[0], bounds[1]),
+        chain_behind=float(abs(run.final.phi[latest - FAR] - 1.0)),
     )
-    axes.plot(
-        sites[near],
-        amplitude * np.abs(chain),
-        "o",
-        mfc="none",
-        color=COLOURS["vermilion"],
-        label="chain (44), simulated",
-    )
+
+
+def _agreed(e: Profile) -> bool:
+    return e.chain_gap < AGREE and e.series_gap <= e.series_error
+
+
+def rule_admissible(e: Profile) -> Ruling:
+    """(47) must hold for every ζ, and all three profiles be one."""
+    size = np.abs(e.phi)
+    seen = bool(np.all(size[e.zeta < 0] > e.threshold) and np.all(size[e.zeta > 0] < e.threshold))
+    if _agreed(e) and e.admissible and seen:
+        return holds()
+    return fails("the solution does not satisfy (47) for every ζ.")
+
+
+def rule_limits(e: Profile) -> Ruling:
+    """Both limits within the proven bounds, in theory and in the chain."""
+    near = e.behind <= e.bounds[0] + 1e-11 and e.ahead <= e.bounds[1] + 1e-11
+    if _agreed(e) and near and e.chain_behind < AGREE:
+        return holds()
+    return fails("the profile does not reach its limits.")
+
+
+def draw(e: Profile) -> tuple[Picture, ...]:
+    """Draw Fig. 16."""
+    figure, axes = new_axes("column", height=2.9, xlabel=r"$\zeta$", ylabel=r"$|\varphi|$")
     black = COLOURS["black"]
-    axes.axhline(amplitude * r, color=black, lw=0.8, label=r"paper, $|\varphi_{us}|$")
-    axes.axhline(amplitude, color=black, lw=0.8, ls="--", label=r"paper, $|\varphi_s|$ and 0")
+    axes.plot(e.zeta, e.amplitude * np.abs(e.phi), color=COLOURS["blue"],
+              label="solution of (48), periodised integral")  # fmt: skip
+    axes.plot(e.few, e.amplitude * np.abs(e.series), "x", color=COLOURS["green"],
+              label="root series (49)")  # fmt: skip
+    axes.plot(e.sites, e.amplitude * np.abs(e.chain), "o", mfc="none", color=COLOURS["vermilion"],
+              label="chain (44), simulated")  # fmt: skip
+    axes.axhline(e.amplitude * e.threshold, color=black, lw=0.8, label=r"$|\varphi_{us}|$")
+    axes.axhline(e.amplitude, color=black, lw=0.8, ls="--", label=r"$|\varphi_s|$ and 0")
     axes.axhline(0.0, color=black, lw=0.8, ls="--")
     axes.set_xticks((-10, -5, 0, 5, 10))
+    axes.set(title=r"$a$ = 4, $b$ = 0.5, $c$ = 0.5")
     axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
-    drawn = picture(
-        "fig16-profile",
-        f"Envelope of the front at a = 4, b = 0.5, c = 0.5, v = {branch.v:.9f}: closed integral, "
-        "root series and the running chain at the moment a site crosses the threshold. Lines: what "
-        f"the paper states of it, its limits and its value at ζ = 0. {NO_NUMBERS}",
-        figure,
-        long_table(
-            {
-                "closed integral": {"zeta": zeta, "abs_phi": amplitude * np.abs(integral.phi)},
-                "root series (49)": {"zeta": few, "abs_phi": amplitude * np.abs(series.phi)},
-                "chain (44)": {"zeta": sites[near], "abs_phi": amplitude * np.abs(chain)},
-                "paper, at 0": {"zeta": 0.0, "abs_phi": amplitude * r},
-                "paper, far behind": {"zeta": -np.inf, "abs_phi": amplitude},
-                "paper, far ahead": {"zeta": np.inf, "abs_phi": 0.0},
-            }
-        ),
+    table = long_table(
+        {
+            "integral": {"zeta": e.zeta, "abs_phi": e.amplitude * np.abs(e.phi)},
+            "root series (49)": {"zeta": e.few, "abs_phi": e.amplitude * np.abs(e.series)},
+            "chain (44)": {"zeta": e.sites, "abs_phi": e.amplitude * np.abs(e.chain)},
+        }
     )
-    fine = bool(verdict.admissible) and off < 1e-8 and difference <= series.error
-    return Finding(
-        verdict=Verdict.REPRODUCED if fine else Verdict.NOT_REPRODUCED,
-        value=f"admissible for every ζ at v = {branch.v:.12f}",
-        error=f"profile {integral.error:.1e}, velocity {branch.error:.1e}",
-        methods=(
-            "closed integral, with a proof of the tails beyond "
-            f"ζ = -{verdict.proven_beyond[0]:.0f} and {verdict.proven_beyond[1]:.0f}",
-            f"root series (within {difference:.1e}) and direct simulation (within {off:.1e})",
-        ),
-        tolerance="1e-8 between theory and chain: far above both errors, far below the margin",
-        explanation=(
-            "True at these parameters. It is not true of every solution of (54): " + others
-        ),
-        pictures=(drawn,),
-    )
+    return (picture("fig16-profile", "", figure, table),)
 
 
-def _inadmissible_scenes() -> str:
-    """Name other solutions of (54) that violate (47), found now."""
-    from theory.piecewise.kinetic_relation import kinetic_relation
-
-    found = []
-    for c, eta in ((0.45, 0.03125), (10.0, 0.03125), (100.0, 1e-4), (0.3, 1e-6)):
-        for branch in kinetic_relation(c, eta).branches:
-            if branch.admissible is False:
-                place = "at ζ = 0" if branch.fails_at == 0 else f"near ζ = {branch.fails_at:.2f}"
-                found.append(f"c = {c:g}, η = {eta:g}, v = {branch.v:.6g} fails {place}")
-    return "; ".join(found) + "."
-
-
-def _limits() -> Finding:
-    """Measure how far φ is from its limits, against the proven bound."""
-    from theory.cells.vdp import eta_from_damping
-    from theory.piecewise.kinetic_relation import kinetic_relation
-    from theory.piecewise.profile import front_profile, tail_bound
-    from verification.piecewise.simulation import simulate_front
-
-    eta = eta_from_damping(A, B)
-    (branch,) = kinetic_relation(C, eta).branches
-    far = 25.0
-    phi = front_profile([-far, far], branch.v, C).phi
-    behind, ahead = abs(phi[0] - 1.0), abs(phi[1])
-    bounds = [
-        K * np.exp(-s * far) for s, K in (tail_bound(branch.v, C, way) for way in (False, True))
-    ]
-    run = simulate_front(C, eta)
-    index = run.final.latest or 0
-    chain = abs(run.final.phi[index - int(far)] - 1.0)
-    holds = behind <= bounds[0] + 1e-11 and ahead <= bounds[1] + 1e-11 and chain < 1e-8
-    return Finding(
-        verdict=Verdict.REPRODUCED if holds else Verdict.NOT_REPRODUCED,
-        value=f"|φ - φ_s| = {behind:.1e} φ_s and |φ| = {ahead:.1e} φ_s, {far:.0f} sites away",
-        error=f"proven: below {bounds[0]:.1e} behind and {bounds[1]:.1e} ahead",
-        methods=("contour integral with a bound on the tails", f"running chain: {chain:.1e}"),
-        tolerance="the proven bounds; 1e-8 for the chain, whose window ends cost 1e-12",
-        explanation="Both limits are reached exponentially, at a rate per site that is bounded.",
-    )
-
+METHODS = (
+    Method("closed integral over one period, with a bound on the tails",
+           "theory.piecewise.profile:front_profile"),
+    Method("direct simulation of (44), exact between crossings",
+           "verification.piecewise.simulation:simulate_front", "the sites from -10 to 10"),
+)  # fmt: skip
 
 CLAIMS = (
     Claim(
-        "fig16-admissible",
-        "Fig. 16, after Eq. (54)",
-        "The solution clearly satisfies the admissibility condition.",
-        "at a = 4, b = 0.5, c = 0.5",
-        Verdict.REPRODUCED,
-        "fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png",
-        _profile,
+        key="fig16-admissible",
+        place="Fig. 16, after Eq. (54)",
+        quote="The solution clearly satisfies the admissibility condition",
+        statement="The solution of Fig. 16 satisfies the admissibility condition.",
+        printed="at a = 4, b = 0.5, c = 0.5",
+        recorded=Verdict.REPRODUCED,
+        command="fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png",
+        evidence=profile,
+        rule=rule_admissible,
+        figure=draw,
+        text=__name__,
+        methods=METHODS,
+        shared=profile,
     ),
     Claim(
-        "fig16-limits",
-        "Fig. 16, after Eq. (54)",
-        "The solution converges to 0 ahead and to φ_s behind.",
-        None,
-        Verdict.REPRODUCED,
-        "fronts profile --c 0.5 --a 4 --b 0.5 --from -25 --to 25 --json",
-        _limits,
+        key="fig16-limits",
+        place="Fig. 16, after Eq. (54)",
+        quote="converges to constant values at $\\pm\\infty$ of $\\varphi(\\zeta \\to \\infty) = 0,"
+        "\\ \\varphi(\\zeta \\to -\\infty) = \\varphi_s$",
+        statement="The solution converges to 0 ahead of the front and to φ_s behind it.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts profile --c 0.5 --a 4 --b 0.5 --from -25 --to 25 --json",
+        evidence=profile,
+        rule=rule_limits,
+        text=__name__,
+        methods=METHODS,
+        weight=0,
+        shared=profile,
     ),
-)
+)  # fmt: skip

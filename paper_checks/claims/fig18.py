@@ -277,7 +277,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("periodised integral, trapezoidal rule",
-                   "theory.piecewise.sums.quadrature:sum_by_quadrature"),
+                   "theory.piecewise.sums.integral:sum_by_integral"),
             Method("series over roots", "theory.piecewise.sums.series:sum_by_roots"),
         ),
         weight=0,

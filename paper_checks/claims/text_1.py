@@ -1,0 +1,349 @@
+"""What the text asserts about Model I beside its figures (introduction, sections 1.1 to 1.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from paper_checks.claim import Claim, Method, Repeat, Ruling, Verdict
+from paper_checks.claims._friction import SITES, chain_of, disagreement
+from paper_checks.claims._friction_cell import friction
+from paper_checks.ruling import corrected, fails, holds, partly
+
+if TYPE_CHECKING:
+    from verification.breathers.outcome import Growth
+
+EXACT = 1e-12
+"""Rounding."""
+APART = 1e-3
+"""What a wrong reading must differ by, at least."""
+SPRING = Method("eigenfrequencies of five undamped sites by (1) and by (5)",
+                "paper_checks.claims.text_1:spring")  # fmt: skip
+BY_HAND = Method("computed by hand in a few lines", "paper_checks.claims.text_1:ends")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """How far (1), scaled, is from (5): with the right symbol, and at least with the printed."""
+
+    right: float
+    printed: float
+
+
+def spring() -> Scales:
+    """Compare eigenfrequencies of (1), over ω_n, with those of (5) for c = η_c/k and c = η_c."""
+    generator = np.random.default_rng(4)
+    springs = 2.0 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1)
+    springs[0, 0] = springs[-1, -1] = 1.0
+    off: dict[bool, list[float]] = {True: [], False: []}
+    for m, k, eta_c in generator.uniform(0.5, 3.0, (5, 3)):
+        scaled = np.sqrt(np.linalg.eigvalsh((k * np.eye(5) + eta_c * springs) / m) / (k / m))
+        for right, c in ((True, eta_c / k), (False, eta_c)):
+            expected = np.sqrt(np.linalg.eigvalsh(np.eye(5) + c * springs))
+            off[right].append(float(np.abs(scaled - expected).max()))
+    return Scales(right=max(off[True]), printed=min(off[False]))
+
+
+def length() -> Scales:
+    """Scale a velocity by ω_n y_0 and by ω_n times another length, against a derivative by τ."""
+    generator = np.random.default_rng(5)
+    gaps, others = [], []
+    for omega, y_0, rate, other in generator.uniform(0.5, 3.0, (5, 4)):
+        step = 1e-5
+        slope = (math.sin(rate * step / omega) - math.sin(-rate * step / omega)) / (2 * step * y_0)
+        gaps.append(abs(rate / (omega * y_0) - slope))
+        others.append(abs(rate / (omega * other) - slope))
+    return Scales(right=max(gaps), printed=min(others))
+
+
+def rule_spring(e: Scales) -> Ruling:
+    """The spring of (1) must be η_c, as (1) prints it, and not c."""
+    if e.right < EXACT and e.printed > APART:
+        return corrected("the spring of (1) is $\\eta_c$, and $c = \\eta_c/k$ its scaled value.")
+    return holds() if e.printed < EXACT else fails("neither symbol gives the scaled chain.")
+
+
+def rule_length(e: Scales) -> Ruling:
+    """The length must be y_0; the derivative is good to 1e-8."""
+    if e.right < 1e-8 < e.printed:
+        return corrected("$x_0$ is not defined and must be the $y_0$ of (4).")
+    return holds() if e.printed < 1e-8 else fails("no length gives the scaled velocity.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ends:
+    """Unbalanced force on a uniform chain in steady sliding, c = 0.02."""
+
+    free: float
+    literal: float
+
+
+def ends() -> Ends:
+    """Pull a uniform chain by free ends, and by (1) with missing neighbours at zero."""
+    c, sliding = 0.02, np.full(SITES, friction(1.25))
+    literal = 2.0 * np.eye(SITES) - np.eye(SITES, k=1) - np.eye(SITES, k=-1)
+    free = literal.copy()
+    free[0, 0] = free[-1, -1] = 1.0
+    return Ends(
+        free=float(np.abs(c * free @ sliding).max()),
+        literal=float(np.abs(c * literal @ sliding).max()),
+    )
+
+
+def rule_ends(e: Ends) -> Ruling:
+    """Free ends must leave uniform steady sliding an equilibrium."""
+    return holds() if e.free < EXACT else fails("free ends pull a uniform chain.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trapezoid:
+    """Damping of the trapezoidal rule: amplitude after 200 turns, and amplification factors."""
+
+    drift: float
+    factor: float
+
+
+def trapezoid() -> Trapezoid:
+    """Advance a harmonic oscillator by the trapezoidal rule."""
+    step, turns = 0.1, 200
+    generator, eye = np.array([[0.0, 1.0], [-1.0, 0.0]]), np.eye(2)
+    rule = np.linalg.solve(eye - 0.5 * step * generator, eye + 0.5 * step * generator)
+    state = np.linalg.matrix_power(rule, round(turns * 2 * math.pi / step)) @ [1.0, 0.0]
+    factors = [abs((1 + 0.5j * z) / (1 - 0.5j * z)) for z in np.geomspace(1e-3, 1e3, 61)]
+    return Trapezoid(
+        drift=abs(float(np.hypot(*state)) - 1.0), factor=max(abs(x - 1.0) for x in factors)
+    )
+
+
+def rule_trapezoid(e: Trapezoid) -> Ruling:
+    """The amplitude must be kept to rounding."""
+    return holds() if max(e.drift, e.factor) < 1e-10 else fails("the rule changes amplitudes.")
+
+
+PATTERNS = ((16,), (15, 16, 17), (3, 20), (5, 11, 12, 28), tuple(range(1, 31, 3)))
+WEAK, BISTABLE, SLOW, FAST, LATE = 0.004, 1.25, 1.05, 1.95, 3000.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patterns:
+    """Sites in stick-slip late in runs from several patterns, by belt velocity."""
+
+    late: dict[float, tuple[tuple[int, ...], ...]]
+    gap: float
+
+    @property
+    def kept(self) -> int:
+        """Patterns that persist at v_d = 1.25."""
+        return sum(a == b for a, b in zip(self.late[BISTABLE], PATTERNS, strict=True))
+
+    @property
+    def ends(self) -> dict[float, int]:
+        """Different final patterns by belt velocity."""
+        return {v: len(set(rows)) for v, rows in self.late.items()}
+
+    @property
+    def words(self) -> str:
+        """The patterns."""
+        return "; ".join(", ".join(map(str, each)) for each in PATTERNS)
+
+
+def patterns() -> Patterns:
+    """Start several patterns at three belt velocities and see which sites stick late."""
+    from verification.runs.friction_integration import FrictionLane
+    from verification.runs.friction_start import nucleus
+
+    late: dict[float, tuple[tuple[int, ...], ...]] = {}
+    for v_d in (SLOW, BISTABLE, FAST):
+        chain, rows = chain_of(WEAK, SITES, v_d), []
+        source = chain_of(WEAK)  # the cycle of the bistable cell starts all of them
+        for excited in PATTERNS:
+            lane = FrictionLane(chain, nucleus(source, excited), 1e-9)
+            lane.go_to(LATE)
+            lane.arrivals[:] = np.nan
+            lane.go_to(LATE + 100.0)
+            rows.append(tuple(int(n) + 1 for n in np.flatnonzero(~np.isnan(lane.arrivals))))
+        late[v_d] = tuple(rows)
+    return Patterns(
+        late=late, gap=disagreement(chain_of(WEAK, 7), (2, 6), 60.0)
+    )
+
+
+def rule_patterns(e: Patterns) -> Ruling:
+    """All must persist where the cell is bistable, and none be told apart where it is not."""
+    one = e.ends[SLOW] == e.ends[FAST] == 1
+    if e.kept == len(PATTERNS) and one and e.gap < APART:
+        return holds()
+    return fails("patterns do not coexist, or do so outside bistability.")
+
+
+FRICTION = (0.0079, 0.00796, 0.0085, 0.0095, 0.011)
+"""The single site in the bulk is lost at 0.00794 (fig04-bulk)."""
+END, PAUSE, PUSH = 4000.0, 1000.0, 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Nucleation:
+    """What a single site of Model I ends as, by coupling."""
+
+    outcomes: dict[float, tuple[Growth, ...]]
+    """By displacement of one neighbour."""
+    gap: float
+
+    def words(self, push: float) -> str:
+        """The ends at `FRICTION` for one displacement."""
+        pairs = zip(FRICTION, self.outcomes[push], strict=True)
+        return ", ".join(f"{each.end.value} at {c:g}" for c, each in pairs)
+
+    @property
+    def mirrored(self) -> str:
+        """From the exact start."""
+        return self.words(0.0)
+
+    @property
+    def perturbed(self) -> str:
+        """With one neighbour displaced."""
+        return self.words(PUSH)
+
+    @property
+    def ends(self) -> set[str]:
+        """All ends met."""
+        return {each.end.value for row in self.outcomes.values() for each in row}
+
+
+@lru_cache(maxsize=1)
+def nucleation() -> Nucleation:
+    """Follow the single site through its loss, with and without mirror symmetry."""
+    from verification.breathers.outcome import growth
+    from verification.runs.friction_integration import FrictionLane
+    from verification.runs.friction_start import Place, nucleus, nucleus_sites
+
+    rows: dict[float, tuple[Growth, ...]] = {}
+    excited = nucleus_sites(SITES, Place.BULK, 1)
+    for push in (0.0, PUSH):
+        found = []
+        for c in FRICTION:
+            start = nucleus(chain_of(c), excited)
+            start[0, excited[-1]] += push
+            lane = FrictionLane(chain_of(c), start, 1e-9)
+            lane.go_to(END)
+            joined = lane.arrivals.copy()
+            joined[excited[0] - 1] = 0.0
+            found.append(growth(joined, END, int(np.count_nonzero(~np.isnan(joined))), PAUSE))
+        rows[push] = tuple(found)
+    return Nucleation(outcomes=rows, gap=disagreement(chain_of(FRICTION[-2], 5), (3,), 300.0))
+
+
+def rule_nucleation(e: Nucleation) -> Ruling:
+    """Larger nuclei must stand between the single site and the front, as section 2.2 explains."""
+    if "front" not in e.ends or not e.gap < APART:
+        return fails("the single site does not give way to a front.")
+    if "larger nucleus" in e.ends:
+        return holds()
+    return partly(
+        "in both cases",
+        "in Model I the single site goes over to a front at once, and no larger nucleus stands "
+        "between the two.",
+    )
+
+
+EVENTS = "verification.references.friction_events:run_events"
+LANE = Method("runs from event to event", "verification.runs.friction_integration:FrictionLane")
+
+CLAIMS = (
+    Claim(
+        key="text-patterns",
+        place="Introduction",
+        quote="different localized patterns arose, depending on the initial conditions […] They "
+        "ascribed this multiplicity of solutions to the inherent bi-stability of the “unit cell”",
+        statement="Many localised patterns coexist, because the cell is bistable.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts simulate friction --n 31 --c 0.004 --excite 5,11,12,28 --t-end 1000 --json",
+        evidence=patterns,
+        rule=rule_patterns,
+        text=__name__,
+        methods=(LANE, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
+                              "the arrivals from one pattern")),
+    ),
+    Claim(
+        key="text-nucleation",
+        place="Introduction",
+        quote="in both cases, the transition between the localized solution and the propagating "
+        "one, occurs through a nucleation process, which will be explained in details",
+        statement="In both models breathers give way to fronts through a nucleation process.",
+        recorded=Verdict.PARTIAL,
+        command="fronts simulate friction --c 0.0095 --excite 16 --t-end 4000",
+        evidence=nucleation,
+        rule=rule_nucleation,
+        text=__name__,
+        methods=(LANE, Method("DOP853 with located events on 5 sites to τ = 300", EVENTS,
+                              "the arrivals at one coupling")),
+        repeats=(
+            Repeat("Abstract", "In both models the transition from discrete breathers to "
+                   "propagating limit cycles happens through a nucleation process"),
+            Repeat("Conclusions", "For both models the transition from discrete breathers to "
+                   "propagating limit cycles happens through a nucleation process"),
+        ),
+        weight=1,
+    ),
+    Claim(
+        key="text-spring",
+        place="Section 1.1, before Eq. (1)",
+        quote="elastically coupled to the nearest-neighbor via a linear spring $c$",
+        statement="Neighbours are coupled by a linear spring c.",
+        printed="c",
+        recorded=Verdict.CORRECTED,
+        command="fronts derive --equation 5",
+        evidence=spring,
+        rule=rule_spring,
+        text=__name__,
+        methods=(SPRING,),
+        weight=0,
+    ),
+    Claim(
+        key="text-length",
+        place="Section 1.1, after Eq. (5)",
+        quote="$\\tilde{v}_{rel} = \\frac{v_{rel}}{\\omega_n x_0}$",
+        statement="The relative velocity is scaled by ω_n x_0.",
+        printed="x_0",
+        recorded=Verdict.CORRECTED,
+        command="fronts derive --equation 5",
+        evidence=length,
+        rule=rule_length,
+        text=__name__,
+        methods=(Method("numerical derivative of a scaled displacement",
+                        "paper_checks.claims.text_1:length"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-ends",
+        place="Section 1.1, after Eq. (1)",
+        quote="We assume free-free boundary conditions, hence the last oscillator in the chain is "
+        "not coupled with the first",
+        statement="The chain has free ends.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check text-ends",
+        evidence=ends,
+        rule=rule_ends,
+        text=__name__,
+        methods=(BY_HAND,),
+        weight=0,
+    ),
+    Claim(
+        key="text-trapezoid",
+        place="Section 1.1",
+        quote="adopts the trapezoidal rule without numerical damping",
+        statement="The trapezoidal rule of ode23t has no numerical damping.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check text-trapezoid",
+        evidence=trapezoid,
+        rule=rule_trapezoid,
+        text=__name__,
+        methods=(Method("200 turns of an oscillator, and amplification factors",
+                        "paper_checks.claims.text_1:trapezoid"),),
+        weight=0,
+    ),
+)  # fmt: skip

@@ -1,0 +1,572 @@
+"""What the text asserts about Model II beside its figures (sections 2 to 2.3.1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claims._breathers import EPS, A, B
+from paper_checks.claims._one_cell import trajectory
+from paper_checks.report.pictures import COLOURS, new_axes, picture
+from paper_checks.ruling import corrected, fails, holds, partly
+
+if TYPE_CHECKING:
+    from verification.breathers.outcome import Fate
+
+SETS = ((2.5, 0.5), (4.0, 0.5))
+"""The (a, b) of Figs. 7-11, and of Figs. 12, 13, 16, 17."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cells:
+    """Fixed points of the return maps of one cell of either model, with their multipliers."""
+
+    rest: tuple[float, ...]
+    """Multiplier of the rest state of (8), one a set of `SETS`."""
+    inner: tuple[tuple[float, float], ...]
+    """Amplitude and multiplier of the inner cycle."""
+    outer: tuple[tuple[float, float], ...]
+    predicted: float
+    """Largest relative distance of amplitudes from those of the averaged cell."""
+    friction_inner: tuple[float, float]
+    """ẏ at the centre and multiplier of the unstable slip cycle of Model I at v_d = 1.25."""
+    friction_inside: bool
+    friction_outside: bool
+    sticks: bool
+
+
+def _turn(a: float, b: float, height: float) -> float:
+    """Return the next largest y after one of the given height, for one cell of (8)."""
+    from scipy.optimize import brentq
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        y, w = state
+        return [w, -y - EPS * w * (1.0 - a * y * y + b * y**4)]
+
+    run = trajectory(rate, 9.0, [height, 0.0])
+    return float(run(brentq(lambda t: run(t)[1], 5.0, 8.0))[0])
+
+
+@lru_cache(maxsize=1)
+def cells() -> Cells:
+    """Find the cycles of one cell of either model as fixed points, and their stability."""
+    from scipy.optimize import brentq
+
+    from paper_checks.claims._friction_cell import friction, highest_after_slip, slip_rate
+
+    rows: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
+    off = []
+    for a, b in SETS:
+        for sign, found in rows.items():
+            predicted = math.sqrt(a / b * (1.0 + sign * math.sqrt(1.0 - 8.0 * b / a**2)))
+            cycle = float(
+                brentq(lambda y, a=a, b=b: _turn(a, b, y) - y, 0.8 * predicted, 1.1 * predicted)
+            )
+            slope = (_turn(a, b, cycle + 1e-4) - _turn(a, b, cycle - 1e-4)) / 2e-4
+            found.append((cycle, slope))
+            off.append(abs(cycle / predicted - 1.0))
+    belt = 1.25
+    centre = friction(belt)
+
+    def after(w: float, turns: int = 1) -> float:
+        """Return ẏ at the centre after some turns of slip."""
+        for _ in range(turns):
+            run = trajectory(slip_rate(belt), 7.5, [centre, w])
+            w = float(run(brentq(lambda t, run=run: run(t)[0] - centre, 5.2, 7.4))[1])
+        return w
+
+    slip = float(brentq(lambda w: after(w) - w, 0.2, 1.1, xtol=1e-10))
+    return Cells(
+        rest=tuple(_turn(a, b, 0.01) / 0.01 for a, b in SETS),
+        inner=tuple(rows[-1]),
+        outer=tuple(rows[1]),
+        predicted=max(off),
+        friction_inner=(slip, (after(slip + 1e-4) - after(slip - 1e-4)) / 2e-4),
+        friction_inside=after(0.9 * slip, 5) < 0.9 * slip,
+        friction_outside=after(1.1 * slip, 5) > 1.1 * slip,
+        sticks=highest_after_slip(belt) > -1e-12,
+    )
+
+
+def rule_cells(e: Cells) -> Ruling:
+    """In both: rest inside an unstable cycle inside a stable one."""
+    second = max(e.rest) < 1.0 and min(m for _, m in e.inner) > 1.0 > max(m for _, m in e.outer)
+    first = e.friction_inner[1] > 1.0 and e.friction_inside and e.friction_outside and e.sticks
+    if second and first and e.predicted < 0.05:
+        return holds()
+    return fails("one of the cells has not these three states.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Small:
+    """The number that governs averaging, and the ripple of the cycle, one a set of `SETS`."""
+
+    effective: tuple[float, ...]
+    ripple: tuple[float, ...]
+    orders: tuple[float, ...]
+    """Observed orders of the ripple in ε."""
+
+
+def small() -> Small:
+    """Integrate one cell at ε and ε/4, and compare the ripple with ε max|damping|."""
+    from scipy.integrate import solve_ivp
+
+    from theory.chains.vdp import VdpChain, effective_epsilon
+
+    ripples = []
+    for a, b in SETS:
+        pair = []
+        for eps in (EPS, EPS / 4.0):
+
+            def rate(_: float, x: np.ndarray, a: float = a, b: float = b,
+                     eps: float = eps) -> list[float]:  # fmt: skip
+                y, w = x
+                return [w, -y - eps * w * (1.0 - a * y * y + b * y**4)]
+
+            settle = 2.5 / eps  # the slower cycle forgets e^{-7} of its start
+            high = math.sqrt(a / b * (1.0 + math.sqrt(1.0 - 8.0 * b / a**2)))
+            run = solve_ivp(rate, (0.0, settle), [high, 0.0], method="DOP853", rtol=1e-9,
+                            atol=1e-10,
+                            t_eval=np.linspace(settle - 2 * math.pi, settle, 400))  # fmt: skip
+            size = np.hypot(*run.y)
+            pair.append(float(np.ptp(size) / size.mean()))
+        ripples.append(pair)
+    return Small(
+        effective=tuple(effective_epsilon(VdpChain(a, b, 0.0, EPS)) for a, b in SETS),
+        ripple=tuple(pair[0] for pair in ripples),
+        orders=tuple(math.log(pair[0] / pair[1]) / math.log(4.0) for pair in ripples),
+    )
+
+
+def rule_small(e: Small) -> Ruling:
+    """The cycle must be a sinusoid to a tenth, and tend to one with ε."""
+    if max(e.ripple) < 0.1 and min(e.orders) > 0.8:
+        return holds()
+    return fails("at ε = 0.01 the cycle is far from a sinusoid.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Substitution:
+    """Which of (10), (11), (15) as printed contain the wave of (9); and whether they agree."""
+
+    has_wave: dict[int, bool]
+    same: bool
+
+
+def substitution() -> Substitution:
+    """Look for the forcing of (15) in (10) and in (11), as printed."""
+    import sympy as sp
+
+    from derivations.printed import printed
+    from derivations.symbols import omega, t, t_hat
+
+    sides = {number: printed(number).equation.args[0] for number in (10, 11, 15)}
+    waves = {number: list(side.atoms(sp.sin)) for number, side in sides.items()}
+    same = bool(
+        waves[11] and waves[15]
+        and sp.simplify(waves[11][0].subs(t, t_hat / omega) - waves[15][0]) == 0
+    )  # fmt: skip
+    return Substitution(has_wave={n: bool(found) for n, found in waves.items()}, same=same)
+
+
+def rule_substitution(e: Substitution) -> Ruling:
+    """(15) must come from (10), as printed, or from (11)."""
+    if e.has_wave[10]:
+        return holds()
+    if e.has_wave[11] and e.has_wave[15] and e.same:
+        return corrected("(15) contains the wave of (9) as (11) does, and (10) contains none.")
+    return fails("(15) comes from neither equation.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extraction:
+    """Solutions of (29) with (37) at n = 0 and n = 1, c = 0.1."""
+
+    alpha: float
+    decay: float
+    centre: int
+    """Solutions at n = 0 found by the search."""
+    found: tuple[tuple[float, float], ...]
+    """(α_0, e^{k_1}) with 0 < e^{k_1} < 1 at n = 1."""
+
+    @property
+    def gap(self) -> float:
+        """Nearest solution of the search to the closed branch."""
+        return min(math.hypot(a - self.alpha, z - self.decay) for a, z in self.found)
+
+    @property
+    def number(self) -> int:
+        """Number of solutions at n = 1."""
+        return len(self.found)
+
+    @property
+    def listed(self) -> str:
+        """The solutions."""
+        return ", ".join(f"({a:.4f}, {z:.4f})" for a, z in self.found)
+
+
+@lru_cache(maxsize=1)
+def extraction() -> Extraction:
+    """Solve (29) with (37) in closed form, and search at random as well."""
+    from theory.averaged.breather import solve_breather
+    from theory.chains.vdp import VdpChain
+
+    closed = solve_breather(VdpChain(A, B, 0.1, EPS))
+    generator = np.random.default_rng(37)
+    hits = [
+        _solutions(site, 0.1, generator.uniform((1.0, 0.02), (3.5, 0.95), (150, 2)))
+        for site in (0, 1)
+    ]
+    if closed.alpha_0 is None or closed.decay is None:
+        raise ArithmeticError("no solution at n = 1")
+    return Extraction(
+        alpha=closed.alpha_0, decay=closed.decay, centre=len(hits[0]), found=tuple(hits[1])
+    )
+
+
+def _solutions(site: int, c: float, starts: np.ndarray) -> list[tuple[float, float]]:
+    """Return the solutions of (29) and (37) with 0 < e^{k_1} < 1 that Newton's method finds."""
+    from scipy.optimize import root
+
+    def equations(x: np.ndarray) -> list[float]:
+        alpha, z = x
+        near = alpha * z**site
+        gain = (-B * alpha**4 + 2 * A * alpha**2 - 8) / (16 * c)
+        return [gain - z, 0.5 - A * near**2 / 8 + B * near**4 / 16 - 0.5 * c * (1 / z - z)]
+
+    found: list[tuple[float, float]] = []
+    for start in starts:
+        trial = root(equations, start, tol=1e-13)
+        alpha, z = (float(value) for value in trial.x)
+        fits = max(map(abs, equations(trial.x))) < 1e-10 and 0 < z < 1 and alpha > 0
+        if fits and all(math.hypot(alpha - a, z - b) > 1e-6 for a, b in found):
+            found.append((alpha, z))
+    return sorted(found, reverse=True)
+
+
+def rule_extraction(e: Extraction) -> Ruling:
+    """The pair must have a solution, and the search must find it."""
+    return holds() if e.gap < 1e-8 else fails("(29) and (37) have no common solution.")
+
+
+def rule_uniquely(e: Extraction) -> Ruling:
+    """There must be one solution with a decay."""
+    if e.gap > 1e-8:
+        return fails("(29) and (37) have no common solution.")
+    if e.number == 1:
+        return holds()
+    return partly(
+        "uniquely",
+        f"at c = 0.1 the two equations have {e.number} solutions with a decay, of which one joins "
+        "the stable cycle as c vanishes.",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknowns:
+    """Which of R, k_1, ω_1 (26) as printed contains."""
+
+    names: tuple[str, ...]
+
+
+def unknowns() -> Unknowns:
+    """Count the free symbols of (26) beside its parameters."""
+    from derivations.printed import printed
+
+    free = {str(symbol) for symbol in printed(26).equation.free_symbols} - {"a", "b", "c"}
+    return Unknowns(names=tuple(sorted(free)))
+
+
+def rule_unknowns(e: Unknowns) -> Ruling:
+    """There must be three."""
+    return holds() if len(e.names) == 3 else fails("(26) has another number of unknowns.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Displays:
+    """Largest errors of formulas without a number, at random values."""
+
+    wave: float
+    """sin(t̂ + k_2) in exponentials, before (21)."""
+    envelope: float
+    """Ψ_n = φ_n e^{iωt} put into (31): y and ẏ that belong together."""
+    velocity: float
+    """v_rel,n = y'_n - v_d with (4), and v̂ = v/ε: scaled consistently."""
+
+
+def displays() -> Displays:
+    """Evaluate the displays and in-line formulas that have no number."""
+    t, k, w, e = np.random.default_rng(21).uniform(0.1, 3.0, (4, 50))
+    wave = (np.exp(1j * (k + t)) - np.exp(-1j * (k + t))) / 2j - np.sin(t + k)
+    phi = e * np.exp(1j * k)
+    psi = phi * np.exp(1j * w * t)
+    y, rate = (-1j * (psi - psi.conj()) / (2 * w)).real, ((psi + psi.conj()) / 2).real
+    h = 1e-6
+    later, earlier = (
+        ((phi * np.exp(1j * w * (t + s))).imag / w) for s in (h, -h)
+    )  # fmt: skip
+    # y_0 = F_N/k, τ = ω_n t: a velocity scales by ω_n y_0, as the difference y' - v_d does.
+    scaled = (y - t) / (w * e) - (y / (w * e) - t / (w * e))
+    return Displays(
+        wave=float(np.abs(wave).max()),
+        envelope=float(max(np.abs((later - earlier) / (2 * h) - rate).max(),
+                           np.abs(psi.imag / w - y).max())),
+        velocity=float(np.abs(scaled).max()),
+    )  # fmt: skip
+
+
+def rule_displays(e: Displays) -> Ruling:
+    """All must hold: exactly, or to the error of a difference."""
+    if e.wave < 1e-12 and e.envelope < 1e-8 and e.velocity < 1e-12:
+        return holds()
+    return fails("a formula without a number does not hold.")
+
+
+CHAIN_SITES = 41
+"""Room for twenty new sites on each side: none of the nuclei that stand reaches the ends."""
+COUPLINGS = (0.19, 0.1913, 0.193, 0.195, 0.197, 0.199, 0.201, 0.203)
+NOISE, SEEDS = 1e-3, (1, 2)
+DRAWN = (0.193, 0.197, 0.199, 0.203)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToLarger:
+    """What became of the nucleus by seed (None for exact mirror symmetry) and coupling."""
+
+    ends: dict[int | None, dict[float, str]]
+    sizes: dict[int | None, dict[float, int]]
+    histories: dict[tuple[int | None, float], tuple[float, ...]]
+    """Sites that have joined, at 201 slow times to 1000."""
+    confirmed: bool
+    """Whether runs at a hundred times the tolerance end alike."""
+    gap: float
+    """Amplitudes of nuclei that stand against periodic orbits of their size."""
+    ripple: float
+
+    def words(self, seed: int | None) -> str:
+        """Ends by coupling, for one seed."""
+        named = {"larger nucleus": "{} sites, stationary", "creep": "{} sites, creeping"}
+        return ", ".join(
+            f"{named.get(end, end).format(self.sizes[seed][c])} at {c:g}"
+            for c, end in self.ends[seed].items()
+        )
+
+    @property
+    def mirrored(self) -> str:
+        """With exact mirror symmetry."""
+        return self.words(None)
+
+    @property
+    def noisy(self) -> str:
+        """With noise."""
+        return "; ".join(f"seed {seed}: {self.words(seed)}" for seed in SEEDS)
+
+
+def to_larger() -> ToLarger:
+    """Follow the single nucleus through its loss, with and without mirror symmetry."""
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.outcome import distance_from_breather, follow_nucleus
+
+    fates: dict[tuple[int | None, float], Fate] = {}
+    for seed in (None, *SEEDS):
+        for c in COUPLINGS:
+            chain = VdpChain(A, B, c, EPS, CHAIN_SITES)
+            noise = 0.0 if seed is None else NOISE
+            fates[seed, c] = follow_nucleus(chain, perturbation=noise, seed=seed or 0)
+    stand = [c for c in COUPLINGS if fates[None, c].growth.end.value == "larger nucleus"]
+    every = (None, *SEEDS)
+    return ToLarger(
+        ends={s: {c: fates[s, c].growth.end.value for c in COUPLINGS} for s in every},
+        sizes={s: {c: fates[s, c].growth.size for c in COUPLINGS} for s in every},
+        histories={
+            (s, c): tuple(float(fates[s, c].growth.size_at(at)) for at in np.linspace(0, 1000, 201))
+            for s in (None, SEEDS[0])
+            for c in DRAWN
+        },
+        confirmed=all(fate.confirmed for fate in fates.values()),
+        gap=max((distance_from_breather(fates[None, c])[0] for c in stand), default=0.0),
+        ripple=2.0 * EPS * fates[None, COUPLINGS[0]].run.chain.stable_amplitude,
+    )
+
+
+def succession(ends: Mapping[float, str]) -> bool:
+    """Tell whether larger nuclei stand at some couplings, and fronts run at larger ones only."""
+    stand = [c for c, end in ends.items() if end == "larger nucleus"]
+    run = [c for c, end in ends.items() if end == "front"]
+    return bool(stand and run) and max(stand) < min(run)
+
+
+def rule_to_larger(e: ToLarger) -> Ruling:
+    """Larger nuclei must stand before fronts run, as attractors: with noise as well."""
+    if not e.confirmed or e.gap > e.ripple or not succession(e.ends[None]):
+        return fails("no larger nucleus stands between the single one and the front.")
+    if all(succession(e.ends[seed]) for seed in SEEDS):
+        return holds()
+    return partly(
+        "to DBs with a larger nucleus",
+        "larger nuclei stand only where exact mirror symmetry is kept, and from a slightly "
+        "perturbed start the nucleus creeps on instead.",
+    )
+
+
+def draw_to_larger(e: ToLarger) -> tuple[Picture, ...]:
+    """Draw the size of the nucleus against slow time."""
+    figure, axes = new_axes("column", height=2.8, xlabel="slow time εt",
+                            ylabel="sites in the nucleus")  # fmt: skip
+    times = np.linspace(0.0, 1000.0, 201)
+    data: dict[str, np.ndarray] = {"slow_time": times}
+    for c, colour in zip(DRAWN, ("blue", "green", "purple", "vermilion"), strict=True):
+        for seed, style in ((None, "-"), (SEEDS[0], ":")):
+            values = np.array(e.histories[seed, c])
+            data[f"c_{c:g}_{'mirrored' if seed is None else 'perturbed'}"] = values
+            label = f"c = {c:g}" if seed is None else None
+            axes.plot(times, values, style, color=COLOURS[colour], label=label)
+    axes.plot([], [], "-", color="0.4", label="mirror-symmetric")
+    axes.plot([], [], ":", color="0.4", label="noise of 1e-3")
+    axes.set(ylim=(0, CHAIN_SITES), title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
+    axes.legend(loc="upper left", ncols=2)
+    return (picture("text-larger-nuclei", "", figure, data),)
+
+
+CLAIMS = (
+    Claim(
+        key="text-topology",
+        place="Conclusions",
+        quote="the “isolated oscillator”, in both models, has a fixed point surrounded by two "
+        "limit cycles, the inner one being unstable and the outer one being stable",
+        statement="In both models the cell has a fixed point inside two limit cycles.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts cell vdp --a 2.5 --b 0.5; fronts cell friction --v-d 1.25",
+        evidence=cells,
+        rule=rule_cells,
+        text=__name__,
+        methods=(
+            Method("fixed points of return maps, by scipy", "paper_checks.claims.text_2:cells"),
+        ),
+        repeats=(
+            Repeat("Section 2", "bi-stable, in a sense of having two dynamic equilibrium states: a "
+                   "limit cycle and a fixed point"),
+            Repeat("Section 2", "These topological characteristics are similar to Model I"),
+        ),
+    ),
+    Claim(
+        key="text-small",
+        place="Section 2, after Eq. (8)",
+        quote="where $\\varepsilon \\ll 1$ is a small parameter",
+        statement="ε = 0.01 is a small parameter.",
+        printed="ε ≪ 1",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check text-small",
+        evidence=small,
+        rule=rule_small,
+        text=__name__,
+        methods=(Method("one cell by scipy's DOP853", "paper_checks.claims.text_2:small"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-substitution",
+        place="Section 2.1.1, before Eq. (15)",
+        quote="Substitution of (14) into (10) and omitting $O(\\varepsilon^2)$ yields",
+        statement="Equation (15) is (14) put into (10).",
+        printed="(10)",
+        recorded=Verdict.CORRECTED,
+        command="fronts derive --equation 15",
+        evidence=substitution,
+        rule=rule_substitution,
+        text=__name__,
+        methods=(Method("the printed equations compared in computer algebra",
+                        "derivations.printed:printed"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-displays",
+        place="Sections 1.1 and 2.1",
+        quote="$\\sin(\\hat{t}+k_2) = \\frac{e^{ik_2}e^{i\\hat{t}} - "
+        "e^{-ik_2}e^{-i\\hat{t}}}{2i}$, $\\Psi_n = \\varphi_n e^{i\\omega t}$, "
+        "$v_{rel,n} = y'_n - v_d$",
+        statement="The formulas without a number hold.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check text-displays",
+        evidence=displays,
+        rule=rule_displays,
+        text=__name__,
+        methods=(Method("evaluation at fifty random values",
+                        "paper_checks.claims.text_2:displays"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-unknowns",
+        place="Section 2.1.1, after Eq. (26)",
+        quote="Eq. (26) has three unknowns: $R, k_1, \\omega_1$",
+        statement="(26) has three unknowns.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts derive --equation 26",
+        evidence=unknowns,
+        rule=rule_unknowns,
+        text=__name__,
+        methods=(Method("free symbols of the printed equation", "derivations.printed:printed"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-uniquely",
+        place="Section 2.1.1, after Eq. (26)",
+        quote="another equation with two unknowns will be derived and will allow to solve the "
+        "system uniquely",
+        statement="(29) and (37) together have one solution.",
+        recorded=Verdict.PARTIAL,
+        command="fronts breather --c 0.1 --method closed-form",
+        evidence=extraction,
+        rule=rule_uniquely,
+        text=__name__,
+        methods=(
+            Method("the branch in closed form", "theory.averaged.breather:solve_breather"),
+            Method("Newton's method from 150 random starts, by scipy",
+                   "paper_checks.claims.text_2:extraction"),
+        ),
+        shared=extraction,
+    ),
+    Claim(
+        key="text-extraction",
+        place="Section 2.1.3",
+        quote="From Eqs. (29), (37) it is possible to (numerically) extract the values of "
+        "$\\alpha_0$ and $k_1$",
+        statement="α_0 and k_1 can be extracted numerically from (29) and (37).",
+        recorded=Verdict.REPRODUCED,
+        command="fronts breather --c 0.1 --method closed-form",
+        evidence=extraction,
+        rule=rule_extraction,
+        text=__name__,
+        methods=(
+            Method("the branch in closed form", "theory.averaged.breather:solve_breather"),
+            Method("Newton's method from 150 random starts, by scipy",
+                   "paper_checks.claims.text_2:extraction"),
+        ),
+        weight=0,
+        shared=extraction,
+    ),
+    Claim(
+        key="text-to-larger",
+        place="Section 2.2",
+        quote="the DB with a single particle within the LC, loses stability to DBs with a larger "
+        "nucleus, say 3 or 5, prior to initiation of propagating front",
+        statement="Before a front forms, the breather of one particle gives way to larger ones.",
+        recorded=Verdict.PARTIAL,
+        command="fronts simulate vdp --n 41 --c 0.195 --excite 21 --t-end 100000",
+        evidence=to_larger,
+        rule=rule_to_larger,
+        figure=draw_to_larger,
+        text=__name__,
+        methods=(
+            Method("runs of (8) to εt = 1000 by a method of order 8, at two tolerances",
+                   "verification.breathers.outcome:follow_nucleus"),
+        ),
+        weight=2,
+        expensive=True,
+    ),
+)  # fmt: skip

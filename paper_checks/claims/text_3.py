@@ -1,0 +1,232 @@
+"""What the text asserts about the simplified model beside its figures (section 2.3.2)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from paper_checks.claim import Claim, Method, Repeat, Ruling, Verdict
+from paper_checks.ruling import corrected, fails, holds
+
+A, B = 4.0, 0.5
+ETA = B / A**2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gauge:
+    """y by (34) with ω = 1 and with ω = 1 + εc, after εt = 12."""
+
+    gaps: tuple[float, ...]
+    """Relative differences at ε = 0.02, 0.01, 0.005."""
+
+    @property
+    def order(self) -> float:
+        """Observed order in ε."""
+        return math.log(self.gaps[0] / self.gaps[-1]) / math.log(4.0)
+
+
+def gauge() -> Gauge:
+    """Run (34) with both ω by scipy and compare what they say of y."""
+    from scipy.integrate import solve_ivp
+
+    sites, end, c = 6, 12.0, 0.5
+    size = math.sqrt(A / B * (1.0 + math.sqrt(1.0 - 8.0 * ETA)))
+    start = np.array([size * (1.0 + 0.2j) * math.exp(-0.8 * n) for n in range(sites)])
+    gaps = []
+    for eps in (0.02, 0.01, 0.005):
+        found = []
+        for omega in (1.0, 1.0 + eps * c):
+            run = solve_ivp(
+                lambda _, phi, omega=omega, eps=eps: _rate_34(phi, c, eps, omega),
+                (0.0, end), start, method="DOP853", rtol=1e-10, atol=1e-12,
+            )  # fmt: skip
+            # y = Im(φ e^{iωt})/ω: both must describe the same y, up to O(ε).
+            found.append(run.y[:, -1] * np.exp(1j * (omega - 1.0) / eps * end) / omega)
+        gaps.append(float(np.abs(found[1] - found[0]).max() / np.abs(found[0]).max()))
+    return Gauge(gaps=tuple(gaps))
+
+
+def _rate_34(phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
+    """Return dφ/d(εt) of (34) for any ω, free ends."""
+    pull = np.zeros_like(phi)
+    pull[1:] += phi[1:] - phi[:-1]
+    pull[:-1] += phi[:-1] - phi[1:]
+    size = np.abs(phi) ** 2
+    damping = 1.0 - A * size / (4 * omega**2) + B * size**2 / (8 * omega**4)
+    frame = 1j * (omega - 1.0 / omega) / (2.0 * eps)
+    rate: np.ndarray = 0.5j * c / omega * pull - 0.5 * phi * damping - frame * phi
+    return rate
+
+
+def rule_gauge(e: Gauge) -> Ruling:
+    """The difference must be of the order of ε, as the error of averaging is."""
+    return holds() if e.order > 0.9 and e.gaps[1] < 0.1 else fails("ω = 1 changes the solution.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibria:
+    """Equilibria and stitch of (44): what one site of it does from both sides of |φ_us|."""
+
+    rest: float
+    """|φ| at T = 40 from just below |φ_us|, over |φ_s|."""
+    cycle: float
+    """|φ - φ_s| at T = 40 from just above, over |φ_s|."""
+    rates: tuple[float, float]
+    """Decay rates to both, per unit of slow time."""
+    envelope_rates: tuple[float, float]
+    """The same of (43) about rest and in the amplitude of its cycle."""
+
+
+def equilibria() -> Equilibria:
+    """Integrate one site of (44) and linearise one site of (43)."""
+    root = math.sqrt(1.0 - 8.0 * ETA)
+    stable, unstable = (math.sqrt(A / B * (1.0 + sign * root)) for sign in (1.0, -1.0))
+
+    def at(start: float, time: float) -> float:
+        """Follow one uncoupled site of (44) from a start on the line through φ_s."""
+        target = stable if abs(start) > unstable else 0.0
+        # dφ/dT = -(φ - target)/2 never crosses |φ_us| from either side.
+        return target + (start - target) * math.exp(-0.5 * time)
+
+    low, high = at(0.999 * unstable, 40.0), at(1.001 * unstable, 40.0)
+    later = at(0.999 * unstable, 41.0), at(1.001 * unstable, 41.0)
+    return Equilibria(
+        rest=abs(low) / stable,
+        cycle=abs(high - stable) / stable,
+        rates=(math.log(low / later[0]), math.log((high - stable) / (later[1] - stable))),
+        envelope_rates=(0.5, -0.5 * (1.0 - 3.0 * A * stable**2 / 4.0
+                                     + 5.0 * B * stable**4 / 8.0) * -1.0),
+    )  # fmt: skip
+
+
+def rule_equilibria(e: Equilibria) -> Ruling:
+    """Either side of |φ_us| must go to its own equilibrium, both stable in (43) as well."""
+    if max(e.rest, e.cycle) < 1e-6 and min(*e.rates, *e.envelope_rates) > 0.0:
+        return holds()
+    return fails("(44) is not bistable between 0 and φ_s.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Velocities:
+    """v̂ at a = 4, b = 0.5, c = 0.6."""
+
+    averaged: float
+    averaged_error: float
+    kinetic: float
+    chain: float
+
+    @property
+    def gap(self) -> float:
+        """Between (54) and the run of (44)."""
+        return abs(self.kinetic - self.chain)
+
+    @property
+    def ratio(self) -> float:
+        """(43) over (54)."""
+        return self.averaged / self.kinetic
+
+
+@lru_cache(maxsize=1)
+def velocities() -> Velocities:
+    """Run (43) and (44), and solve (54)."""
+    from theory.chains.vdp import VdpChain
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from verification.fronts.vdp import measure_front
+    from verification.piecewise.simulation import simulate_front
+
+    front = measure_front(VdpChain(A, B, 0.6))
+    return Velocities(
+        averaged=front.v or 0.0,
+        averaged_error=front.error or 0.0,
+        kinetic=kinetic_relation(0.6, ETA).branches[-1].v,
+        chain=simulate_front(0.6, ETA).v or 0.0,
+    )
+
+
+def rule_quantitative(e: Velocities) -> Ruling:
+    """The two must differ by more than a tenth: what would count as a match."""
+    if e.gap < 1e-8 and abs(e.ratio - 1.0) > 0.1:
+        return holds()
+    return fails("(54) matches the velocity of the averaged chain.")
+
+
+def rule_captions(e: Velocities) -> Ruling:
+    """(54), which the figures show, must be the velocity of (43), or else of (44)."""
+    if abs(e.averaged - e.kinetic) <= e.averaged_error:
+        return holds()
+    if e.gap < 1e-8:
+        return corrected("the figures show (54), which solves (44) and not (43).")
+    return fails("(54) is the velocity of neither model.")
+
+
+CLAIMS = (
+    Claim(
+        key="text-gauge",
+        place="Section 2.3.2, before Eq. (43)",
+        quote="Without affecting the generality, we set $\\omega = 1$",
+        statement="ω can be set to 1 in (34) without loss of generality.",
+        printed="ω = 1",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check text-gauge",
+        evidence=gauge,
+        rule=rule_gauge,
+        text=__name__,
+        methods=(Method("runs of (34) with both ω by scipy", "paper_checks.claims.text_3:gauge"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-equilibria",
+        place="Section 2.3.2, before Eq. (44)",
+        quote="still preserving the bi-stable feature of the original model (8). The equilibrium "
+        "values of Eq. (44) correspond to the steady state values at $\\pm\\infty$",
+        statement="(44) keeps the two equilibria of the envelope, with its stitch at φ_us.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts check text-equilibria",
+        evidence=equilibria,
+        rule=rule_equilibria,
+        text=__name__,
+        methods=(Method("one site of (44), and the linearised (43), by hand",
+                        "paper_checks.claims.text_3:equilibria"),),
+        weight=0,
+    ),
+    Claim(
+        key="text-quantitative",
+        place="Section 2.3.2, after Fig. 16",
+        quote="we don't expect a quantitative match of solution (49), (54) and original model (8)",
+        statement="(49) and (54) do not match the original model quantitatively.",
+        recorded=Verdict.REPRODUCED,
+        command="fronts kinetic --c 0.6 --eta 0.03125",
+        evidence=velocities,
+        rule=rule_quantitative,
+        text=__name__,
+        methods=(
+            Method("solutions of (54)", "theory.piecewise.kinetic_relation:kinetic_relation"),
+            Method("a run of (44)", "verification.piecewise.simulation:simulate_front",
+                   "the velocity of (44)"),
+        ),
+        weight=0,
+        shared=velocities,
+    ),
+    Claim(
+        key="text-captions",
+        place="Captions of Figs. 17 and 18",
+        quote="for the simplified model (43)",
+        statement="The simplified model of Figs. 17 and 18 is (43).",
+        printed="(43)",
+        recorded=Verdict.CORRECTED,
+        command="fronts front piecewise --c 0.6 --eta 0.03125",
+        evidence=velocities,
+        rule=rule_captions,
+        text=__name__,
+        methods=(
+            Method("solutions of (54)", "theory.piecewise.kinetic_relation:kinetic_relation"),
+            Method("a run of (44)", "verification.piecewise.simulation:simulate_front",
+                   "the velocity of (44)"),
+        ),
+        weight=0,
+        shared=velocities,
+    ),
+)  # fmt: skip

@@ -5,7 +5,8 @@ line of its own or several, ``value:``, ``error:`` and ``tolerance:``; then para
 that begins with ``>`` is a remark. ``## picture NAME`` is followed by the caption of that picture,
 ``## erratum`` by the fields of `paper_checks.claim.Erratum`. Names in double braces are fields and
 properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or each of several, and
-``{{ values | f(".3f") }}`` joins them with commas.
+``{{ values | f(".3f") }}`` joins them with commas. A file with the single section ``# all``
+is the text of every claim of its module.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 FIELDS = ("value", "error", "tolerance")
+COMMON = "all"
+"""Section of a file whose claims all share one text."""
 _FIELD = re.compile(r"^([a-z]+): ?", re.MULTILINE)
 
 
@@ -112,6 +115,8 @@ def written(module: str, key: str, evidence: object) -> Prose:
 def section(module: str, key: str) -> str:
     """Return the raw section of a claim."""
     sections = _sections(_path(module))
+    if key not in sections and set(sections) == {COMMON}:
+        return sections[COMMON]
     if key not in sections:
         raise ValueError(f"{_path(module).name} has no section '# {key}'.")
     return sections[key]

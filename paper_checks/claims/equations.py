@@ -2,100 +2,172 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
-from paper_checks.claim import Claim, Finding, Formula, Verdict
-from paper_checks.claims._assumptions import ASSUMED
+from paper_checks.claim import Claim, Erratum, Formula, Method, Ruling, Verdict
 from paper_checks.claims._equation_errata import LONG, erratum_of, readable
+from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
     from derivations.printed import Judgement
 
-MISPRINTS = frozenset({2, 3, 4, 32, 33, 42})
-"""Right after a correction that the derivation proves."""
+MISPRINTS = frozenset({2, 4, 33, 42})
+"""Wrong as they stand; right after a correction that the derivation proves."""
 
-INCONSISTENT = frozenset({36, 40})
-"""Right by itself, and another place of the paper asks for something else."""
-
-OPEN = frozenset({6, 9, 35, 37, 38, 44, 45, 47, 51, 53})
-"""Ambiguous, or an assumption that does not always hold: right under one reading or in places."""
-
-_VERDICT_OF = {
-    "holds": Verdict.REPRODUCED,
-    "definition": Verdict.REPRODUCED,
-    "misprint": Verdict.CORRECTED,
-    "inconsistent": Verdict.CORRECTED,
-    "ambiguous": Verdict.PARTIAL,
-    "assumption": Verdict.REPRODUCED,
+STYLE = {
+    3: "< stands for ≤ at the one instant of release (fig02-stick).",
+    6: "The argument of μ is scaled: its reference velocity is the $\\tilde v_0$ of (7). As in "
+    "(3), < stands for ≤ at the instant of release.",
+    32: "The sign of equality with zero is left out; (33), which follows from it, has it.",
+    40: "It is written for a ring; with open ends, as the figures have them, the end sites have "
+    "one neighbour. Thresholds of breathers in the bulk do not depend on it.",
+    44: "The inequalities are between moduli: φ is complex, and its modulus decides which line "
+    "holds.",
+    45: "The argument of the step is a difference of moduli: φ is complex.",
+    51: "It is the derivative on the roots of (50), where $-i\\hat v$ has been eliminated by L = "
+    "0; (49) and (53) use it there only.",
 }
-"""For an equation that passes as said there and assumes nothing more; see ``_assumptions``."""
+"""Ways of writing that fail a literal check and can be used as they stand: remarks."""
+
+KINDS = {
+    "holds": "holds",
+    "definition": "definition",
+    "misprint": "misprint",
+    "inconsistent": "holds",
+    "ambiguous": "holds",
+    "assumption": "ansatz or assumption",
+}
 
 
 @cache
-def _judgements() -> dict[int, Judgement]:
+def judgements() -> dict[int, Judgement]:
+    """Return what the derivations say of every equation."""
     from derivations.printed import report
 
     return {found.printed.number: found for found in report().judgements}
 
 
-def _judge(number: int) -> Finding:
-    found = _judgements()[number]
-    kind = found.printed.verdict.value
-    verdict = _VERDICT_OF[kind]
-    lines = [found.printed.note]
-    second = readable(found.on_derived.statement)
-    value = f"{kind}; print {'passes' if found.on_print.holds else 'fails'} its check"
-    if number in ASSUMED:
-        holds, words = ASSUMED[number]()
-        verdict = verdict if holds else Verdict.PARTIAL
-        value += f"; what it assumes {'holds' if holds else 'does not hold throughout'}"
-        lines.append(f"What it assumes: {words}.")
-        second += f"; {words}"
-    if not found.confirmed:
-        verdict = Verdict.NOT_REPRODUCED
-    if found.printed.affects:
-        lines.append(f"What it affects: {found.printed.affects}")
-    lines += [
-        f"Reading: {reading.meaning}: {'holds' if evidence.holds else 'fails'}. {reading.implies}"
-        for reading, evidence in zip(found.printed.readings, found.on_readings, strict=True)
-    ]
-    lines.append(f"The check on print: {found.on_print.statement}.")
-    from derivations.catalogue import owner
+@dataclass(frozen=True, kw_only=True)
+class Printed:
+    """A printed equation and what its derivation and its check say."""
 
-    erratum = erratum_of(found, owner(number)) if found.confirmed else None
-    formulas = [Formula("As printed", found.printed.latex)]
-    if found.corrected and len(found.corrected) <= LONG:
-        formulas.append(Formula("As derived", found.corrected))
-    return Finding(
-        verdict=verdict,
-        value=value,
-        error="none: the comparison is symbolic, or to rounding at random points",
-        methods=("derived step by step in computer algebra", second),
-        tolerance="a printed equation must pass the same check as the derived one, or fail it",
-        explanation=readable("\n\n".join(line for line in lines if line)),
-        formulas=tuple(formulas),
-        erratum=erratum,
+    number: int
+    kind: str
+    passes: bool
+    """Whether the printed equation passes the numerical test."""
+    derived_passes: bool
+    confirmed: bool
+    """Whether everything on record of it is found again."""
+    note: str
+    test: str
+    derived_test: str
+    readings: tuple[tuple[str, bool, str], ...]
+    """Meaning, whether it holds, and what it implies."""
+    latex: str
+    derived: str
+    affects: str
+
+    @property
+    def style(self) -> str:
+        """The remark on its way of writing, if it has one."""
+        return STYLE.get(self.number, "")
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What else is to be said of it: style, other readings."""
+        told = [self.style] if self.style else []
+        told += [
+            readable(f"Read as “{meaning}” it {'holds' if good else 'fails'}: {implies}.")
+            for meaning, good, implies in self.readings
+        ]
+        return tuple(told)
+
+    @property
+    def outcome(self) -> str:
+        """The value in words."""
+        how = "passes" if self.passes else "fails"
+        return f"{KINDS.get(self.kind, self.kind)}; the printed equation {how} the numerical test"
+
+
+def printed(number: int) -> Printed:
+    """Return the evidence on one equation."""
+    found = judgements()[number]
+    corrected_form = found.corrected or ""
+    return Printed(
+        number=number,
+        kind=found.printed.verdict.value,
+        passes=found.on_print.holds,
+        derived_passes=found.on_derived.holds,
+        confirmed=found.confirmed,
+        note=readable(found.printed.note) if found.printed.note else "",
+        test=readable(found.on_print.statement),
+        derived_test=readable(found.on_derived.statement),
+        readings=tuple(
+            (reading.meaning, evidence.holds, str(reading.implies).rstrip("."))
+            for reading, evidence in zip(found.printed.readings, found.on_readings, strict=True)
+        ),
+        latex=found.printed.latex,
+        derived=corrected_form if len(corrected_form) <= LONG else "",
+        affects=found.printed.affects,
     )
 
 
-def _recorded(number: int) -> Verdict:
-    if number in MISPRINTS | INCONSISTENT:
-        return Verdict.CORRECTED
-    return Verdict.PARTIAL if number in OPEN else Verdict.REPRODUCED
+def rule(e: Printed) -> Ruling:
+    """A printed equation that passes holds; a way of writing is a remark; a misprint is not."""
+    if not e.confirmed or not e.derived_passes:
+        return fails("the derivation does not give this equation, nor a corrected form of it.")
+    if e.passes:
+        return holds()
+    if e.style and e.number not in MISPRINTS:
+        return holds()
+    if e.kind == "misprint":
+        return corrected(
+            "the printed equation fails the numerical test, and the derived one passes it."
+        )
+    return fails("the printed equation fails the numerical test.")
+
+
+def formulas(e: Printed) -> tuple[Formula, ...]:
+    """Return the equation as printed, and as derived where it differs."""
+    shown = [Formula("As printed", e.latex)]
+    if e.derived and not e.passes:
+        shown.append(Formula("As derived", e.derived))
+    return tuple(shown)
+
+
+def erratum(e: Printed) -> Erratum | None:
+    """Return the line of the errata of a misprint; ways of writing have none."""
+    if rule(e).verdict is not Verdict.CORRECTED:
+        return None
+    from derivations.catalogue import owner
+
+    return erratum_of(judgements()[e.number], owner(e.number))
 
 
 CLAIMS = tuple(
     Claim(
         key=f"eq{number:02d}",
         place=f"Eq. ({number})",
-        statement=f"Equation ({number}) is right as printed.",
-        printed=None,
-        recorded=_recorded(number),
+        quote=f"Eq. ({number})",
+        statement=f"Equation ({number}) holds as printed.",
+        recorded=Verdict.CORRECTED if number in MISPRINTS else Verdict.REPRODUCED,
         command=f"fronts derive --equation {number}",
-        judge=partial(_judge, number),
+        evidence=partial(printed, number),
+        rule=rule,
+        text=__name__,
+        methods=(
+            Method(
+                "derived step by step in computer algebra, print and derivation compared at "
+                "random points",
+                "derivations.printed:report",
+            ),
+        ),
+        formulas=formulas,
+        erratum=erratum,
         weight=0,
-        shared=_judgements,
+        shared=judgements,
     )
     for number in range(1, 55)
 )

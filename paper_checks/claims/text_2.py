@@ -296,14 +296,12 @@ class Displays:
     """sin(t̂ + k_2) in exponentials, before (21)."""
     envelope: float
     """Ψ_n = φ_n e^{iωt} put into (31): y and ẏ that belong together."""
-    velocity: float
-    """v_rel,n = y'_n - v_d with (4), and v̂ = v/ε: scaled consistently."""
 
 
 def displays() -> Displays:
     """Evaluate the displays and in-line formulas that have no number."""
     t, k, w, e = np.random.default_rng(21).uniform(0.1, 3.0, (4, 50))
-    wave = (np.exp(1j * (k + t)) - np.exp(-1j * (k + t))) / 2j - np.sin(t + k)
+    wave = (np.exp(1j * k) * np.exp(1j * t) - np.exp(-1j * k) * np.exp(-1j * t)) / 2j - np.sin(t + k)
     phi = e * np.exp(1j * k)
     psi = phi * np.exp(1j * w * t)
     y, rate = (-1j * (psi - psi.conj()) / (2 * w)).real, ((psi + psi.conj()) / 2).real
@@ -311,19 +309,16 @@ def displays() -> Displays:
     later, earlier = (
         ((phi * np.exp(1j * w * (t + s))).imag / w) for s in (h, -h)
     )  # fmt: skip
-    # y_0 = F_N/k, τ = ω_n t: a velocity scales by ω_n y_0, as the difference y' - v_d does.
-    scaled = (y - t) / (w * e) - (y / (w * e) - t / (w * e))
     return Displays(
         wave=float(np.abs(wave).max()),
         envelope=float(max(np.abs((later - earlier) / (2 * h) - rate).max(),
                            np.abs(psi.imag / w - y).max())),
-        velocity=float(np.abs(scaled).max()),
     )  # fmt: skip
 
 
 def rule_displays(e: Displays) -> Ruling:
     """All must hold: exactly, or to the error of a difference."""
-    if e.wave < 1e-12 and e.envelope < 1e-8 and e.velocity < 1e-12:
+    if e.wave < 1e-12 and e.envelope < 1e-8:
         return holds()
     return fails("a formula without a number does not hold.")
 
@@ -486,10 +481,9 @@ CLAIMS = (
     ),
     Claim(
         key="text-displays",
-        place="Sections 1.1 and 2.1",
+        place="Sections 2.1.1 and 2.1.2",
         quote="$\\sin(\\hat{t}+k_2) = \\frac{e^{ik_2}e^{i\\hat{t}} - "
-        "e^{-ik_2}e^{-i\\hat{t}}}{2i}$, $\\Psi_n = \\varphi_n e^{i\\omega t}$, "
-        "$v_{rel,n} = y'_n - v_d$",
+        "e^{-ik_2}e^{-i\\hat{t}}}{2i}$, $\\Psi_n = \\varphi_n e^{i\\omega t}$",
         statement="The formulas without a number hold.",
         recorded=Verdict.REPRODUCED,
         command="fronts check text-displays",

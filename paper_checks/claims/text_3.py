@@ -97,9 +97,8 @@ def equilibria() -> Equilibria:
         rest=abs(low) / stable,
         cycle=abs(high - stable) / stable,
         rates=(math.log(low / later[0]), math.log((high - stable) / (later[1] - stable))),
-        envelope_rates=(0.5, -0.5 * (1.0 - 3.0 * A * stable**2 / 4.0
-                                     + 5.0 * B * stable**4 / 8.0) * -1.0),
-    )  # fmt: skip
+        envelope_rates=(0.5, 0.5 * (1.0 - 0.75 * A * stable**2 + 0.625 * B * stable**4)),
+    )
 
 
 def rule_equilibria(e: Equilibria) -> Ruling:

@@ -18,7 +18,7 @@ from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.report.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
-from paper_checks.report.page import page
+from paper_checks.report.render import measurements_page, page
 from paper_checks.report.document import (
     Report,
     installed_versions,
@@ -35,7 +35,7 @@ from paper_checks.report.table import duration, entries_as_text
 
 EXAMPLE = """\
 examples:
-  fronts check                           every claim, as a table
+  fronts check                           every claim: counts and headlines
   fronts check fig17 --out report        the claims of one module, with report/index.html
   fronts check --verdict not-reproduced  the claims with that verdict on record
   fronts check --out report --resume     go on with an interrupted run
@@ -137,7 +137,7 @@ def run(options: argparse.Namespace) -> Answer:
         text += "\n\n" + _record(shipped, report)
     if folder:
         removed = _write(folder, report, payload)
-        text += f"\n\nThe report is in {folder / 'index.html'}."
+        text += f"\nThe report is in {folder / 'index.html'}."
         if removed:
             text += (
                 f" It replaces an earlier one there; {removed} pictures and data files of that "
@@ -186,6 +186,7 @@ def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:
             "key": entry.claim.key,
             "group": entry.group,
             "place": entry.claim.place,
+            "quote": entry.claim.quote,
             "statement": entry.claim.statement,
             "printed": entry.claim.printed,
             "recorded": entry.claim.recorded.value,
@@ -221,6 +222,7 @@ def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
         **picture_files(report),
         "report.json": document + "\n",
         "index.html": page(report),
+        "methods.html": measurements_page(report),
     }
     foreign = pictures_listed(folder / "report.json") - set(files)
     try:

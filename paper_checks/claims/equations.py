@@ -20,6 +20,8 @@ STYLE = {
     3: "< stands for ≤ at the one instant of release (fig02-stick).",
     6: "The argument of μ is scaled: its reference velocity is the $\\tilde v_0$ of (7). As in "
     "(3), < stands for ≤ at the instant of release.",
+    7: "The text before (7) calls the chain that it belongs to (1); the parameters are scaled, so it "
+    "is (5).",
     32: "The sign of equality with zero is left out; (33), which follows from it, has it.",
     40: "It is written for a ring; with open ends, as the figures have them, the end sites have "
     "one neighbour. Thresholds of breathers in the bulk do not depend on it.",
@@ -102,8 +104,8 @@ def printed(number: int) -> Printed:
         derived_passes=found.on_derived.holds,
         confirmed=found.confirmed,
         note=readable(found.printed.note) if found.printed.note else "",
-        test=readable(found.on_print.statement),
-        derived_test=readable(found.on_derived.statement),
+        test=_said(found.on_print.statement),
+        derived_test=_said(found.on_derived.statement),
         readings=tuple(
             (reading.meaning, evidence.holds, str(reading.implies).rstrip("."))
             for reading, evidence in zip(found.printed.readings, found.on_readings, strict=True)
@@ -112,6 +114,12 @@ def printed(number: int) -> Printed:
         derived=corrected_form if len(corrected_form) <= LONG else "",
         affects=found.printed.affects,
     )
+
+
+def _said(statement: str) -> str:
+    """Return the result of a test in words; an inequality of complex numbers has none."""
+    meant = "it cannot be evaluated as it stands, between complex numbers"
+    return meant if "could not be evaluated" in statement else readable(statement)
 
 
 def rule(e: Printed) -> Ruling:

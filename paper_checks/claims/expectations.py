@@ -117,15 +117,6 @@ CLAIMS = (
         "Each of our thresholds names its start: the upper turning point of the cycle, at rest.",
     ),
     _claim(
-        "expect-parameters",
-        "Section 1.2, before Eq. (7)",
-        "described by the set of equations (1) we assume the following set of parameters",
-        "The parameters (7) are those of the chain (1).",
-        "(7) holds scaled parameters, so it belongs to (5), and the dimensional ones are given "
-        "nowhere.",
-        "Nothing depends on it: all figures are of (5).",
-    ),
-    _claim(
         "expect-simplest",
         "Section 2, before Eq. (8)",
         "the isolated VdP oscillator is probably the simplest available model",

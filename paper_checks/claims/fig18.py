@@ -276,9 +276,9 @@ CLAIMS = (
         rule=rule_explicit,
         text=__name__,
         methods=(
-            Method("periodised integral, trapezoidal rule",
+            Method("periodised integral by the trapezoidal rule; the root series, which it is "
+                   "compared with, shares the search for the nearest roots",
                    "theory.piecewise.sums.integral:sum_by_integral"),
-            Method("series over roots", "theory.piecewise.sums.series:sum_by_roots"),
         ),
         weight=0,
     ),

@@ -12,6 +12,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B
+from paper_checks.claims._closed_form import solutions
 from paper_checks.claims._one_cell import trajectory
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import corrected, fails, holds, partly
@@ -220,7 +221,7 @@ def extraction() -> Extraction:
     closed = solve_breather(VdpChain(A, B, 0.1, EPS))
     generator = np.random.default_rng(37)
     hits = [
-        _solutions(site, 0.1, generator.uniform((1.0, 0.02), (3.5, 0.95), (150, 2)))
+        solutions(site, 0.1, generator.uniform((1.0, 0.02), (3.5, 0.95), (150, 2)))
         for site in (0, 1)
     ]
     if closed.alpha_0 is None or closed.decay is None:
@@ -228,26 +229,6 @@ def extraction() -> Extraction:
     return Extraction(
         alpha=closed.alpha_0, decay=closed.decay, centre=len(hits[0]), found=tuple(hits[1])
     )
-
-
-def _solutions(site: int, c: float, starts: np.ndarray) -> list[tuple[float, float]]:
-    """Return the solutions of (29) and (37) with 0 < e^{k_1} < 1 that Newton's method finds."""
-    from scipy.optimize import root
-
-    def equations(x: np.ndarray) -> list[float]:
-        alpha, z = x
-        near = alpha * z**site
-        gain = (-B * alpha**4 + 2 * A * alpha**2 - 8) / (16 * c)
-        return [gain - z, 0.5 - A * near**2 / 8 + B * near**4 / 16 - 0.5 * c * (1 / z - z)]
-
-    found: list[tuple[float, float]] = []
-    for start in starts:
-        trial = root(equations, start, tol=1e-13)
-        alpha, z = (float(value) for value in trial.x)
-        fits = max(map(abs, equations(trial.x))) < 1e-10 and 0 < z < 1 and alpha > 0
-        if fits and all(math.hypot(alpha - a, z - b) > 1e-6 for a, b in found):
-            found.append((alpha, z))
-    return sorted(found, reverse=True)
 
 
 def rule_extraction(e: Extraction) -> Ruling:
@@ -521,7 +502,7 @@ CLAIMS = (
         methods=(
             Method("the branch in closed form", "theory.averaged.breather:solve_breather"),
             Method("Newton's method from 150 random starts, by scipy",
-                   "paper_checks.claims.text_2:extraction"),
+                   "paper_checks.claims._closed_form:solutions"),
         ),
         shared=extraction,
     ),
@@ -539,7 +520,7 @@ CLAIMS = (
         methods=(
             Method("the branch in closed form", "theory.averaged.breather:solve_breather"),
             Method("Newton's method from 150 random starts, by scipy",
-                   "paper_checks.claims.text_2:extraction"),
+                   "paper_checks.claims._closed_form:solutions"),
         ),
         weight=0,
         shared=extraction,

@@ -16,7 +16,7 @@ from paper_checks.report.figure_links import pictures_of
 from paper_checks.outcome import FAILED, Outcome, now, slug
 from paper_checks.report.section import Section
 
-FORMAT = 1
+FORMAT = 2
 """Version of the JSON document; raised when a reader of the old one would break."""
 
 TOOLKIT = "excitation-fronts"
@@ -85,6 +85,18 @@ class Report:
         return pictures_of(self.outcomes)
 
     @property
+    def confirmed(self) -> tuple[int, int]:
+        """Number of claims judged by two methods, and by a single one."""
+        judged = [one.claim for one in self.outcomes if one.claim.recorded is not _MUTE]
+        two = sum(len(claim.methods) == 2 for claim in judged)
+        return two, len(judged) - two
+
+    @property
+    def repeated(self) -> int:
+        """Number of sentences that repeat a claim."""
+        return sum(len(one.claim.repeats) for one in self.outcomes)
+
+    @property
     def errata(self) -> tuple[tuple[Outcome, Erratum], ...]:
         """What the findings of this report prove to be misprinted, ambiguous or inconsistent."""
         return tuple(
@@ -113,6 +125,8 @@ class Report:
         chosen = sorted(range(len(ranked)), key=lambda place: (again[place], place))[:3]
         return tuple(ranked[place] for place in sorted(chosen))
 
+
+_MUTE = Verdict.UNTESTABLE
 
 _SEVERITY = tuple(
     slug(verdict)
@@ -232,6 +246,7 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
         "key": claim.key,
         "group": outcome.entry.group,
         "place": claim.place,
+        "quote": claim.quote,
         "statement": claim.statement,
         "printed": claim.printed,
         "recorded": claim.recorded.value,
@@ -244,7 +259,10 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
         "methods": list(finding.methods) if finding else [],
         "tolerance": finding.tolerance if finding else None,
         "explanation": finding.explanation if finding else None,
-        "follows": list(outcome.judgement.followed),
+        "part": finding.part if finding else None,
+        "remarks": list(finding.remarks) if finding else [],
+        "repeats": [{"place": one.place, "quote": one.quote} for one in claim.repeats],
+        "code": [method.code for method in claim.methods],
         "formulas": [
             {"label": formula.label, "latex": formula.latex}
             for formula in (finding.formulas if finding else ())

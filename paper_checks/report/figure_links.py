@@ -13,26 +13,19 @@ _FIGURES = re.compile(r"Figs?\.\s*(\d+)(?:\s+and\s+(\d+))?")
 def pictures_of(outcomes: Sequence[Outcome]) -> Mapping[str, tuple[str, ...]]:
     """Give the names of the pictures that show each claim, by its key.
 
-    A claim without pictures of its own is shown by those of the claims that it follows, or else
-    by those of its module, which is about one figure of the paper, or else by those of the
-    figures that its place names. Where there is none, the tuple is empty.
+    A claim without pictures of its own is shown by those of its module, which is about one figure
+    of the paper, or else by those of the figures that its place names. Where there is none, the
+    tuple is empty.
     """
     own = {one.claim.key: _names(one) for one in outcomes}
     by_module: dict[str, tuple[str, ...]] = {}
     for one in outcomes:
         by_module[one.entry.group] = _joined([by_module.get(one.entry.group, ()), _names(one)])
-    module_of = {one.claim.key: one.entry.group for one in outcomes}
-
-    def near(key: str) -> tuple[str, ...]:
-        return own[key] or by_module[module_of[key]]
-
     found = {}
     for one in outcomes:
         key = one.claim.key
-        followed = [name for name in one.judgement.followed if name in own]
         found[key] = (
             own[key]
-            or _joined(near(name) for name in followed)
             or by_module[one.entry.group]
             or _joined(by_module.get(name, ()) for name in modules_named(one.claim.place))
         )

@@ -64,7 +64,7 @@ def figure_links(names: Iterable[str]) -> str:
 
 def because(outcome: Outcome) -> str:
     """Write why the verdict is what it is."""
-    return f"Because {sentence(outcome.because)}"
+    return typeset(f"Because {outcome.because}")
 
 
 def facts_list(facts: list[tuple[str, str]]) -> str:

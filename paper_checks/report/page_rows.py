@@ -39,7 +39,6 @@ def row(outcome: Outcome, report: Report) -> str:
             (f"on record: {claim.recorded}", outcome.changed),
             ("stale", outcome.judgement.stale),
             ("stored", outcome.judgement.stored),
-            (_followed_by(outcome), bool(outcome.judgement.followed)),
         )
         if holds
     ]
@@ -50,7 +49,7 @@ def row(outcome: Outcome, report: Report) -> str:
     return f"""<li id="claim-{key}" class="{outcome.status}" data-verdict="{outcome.status}">
 <details><summary>
 <span class="place">{escape(claim.place)}</span>
-<span class="claim">{typeset(claim.statement)}</span>
+<span class="claim">{_said(claim.quote)}{typeset(claim.statement)}</span>
 <span class="verdict">{escape(verdict)}{note}</span>
 <span class="printed"><i>The paper: </i>{printed}</span>
 <span class="ours"><i>Ours: </i>{typeset(ours)}</span>
@@ -81,11 +80,6 @@ def _equation(outcome: Outcome) -> str:
     return f'<span class="equation">{formula(latex)}</span>\n'
 
 
-def _followed_by(outcome: Outcome) -> str:
-    followed = outcome.judgement.followed
-    return f"as {followed[0]}" if len(followed) == 1 else f"from {len(followed)} others"
-
-
 def _evidence(outcome: Outcome) -> str:
     failure = escape(outcome.judgement.failure or "")
     return f"<p>The judge of this claim failed: {failure}</p>" + facts_list(
@@ -94,40 +88,49 @@ def _evidence(outcome: Outcome) -> str:
 
 
 def _findings(outcome: Outcome, finding: Finding, report: Report) -> str:
-    first, second = (typeset(method) for method in finding.methods)
+    claim = outcome.claim
     reason = f'<p class="because">{because(outcome)}</p>' if outcome.because else ""
     prose = reason + "".join(
         f"<p>{typeset(paragraph)}</p>"
         for paragraph in finding.explanation.split("\n\n")
         if paragraph.strip()
     )
+    remarks = "".join(
+        f'<p class="remark"><b>Remark.</b> {typeset(remark)}</p>' for remark in finding.remarks
+    )
+    methods = "".join(
+        f"<li>{typeset(str(method))} <code>{escape(method.code)}</code></li>"
+        for method in claim.methods
+    )
     facts = [
         ("Our value", typeset(finding.value)),
         ("Its error", typeset(finding.error)),
-        ("The paper’s value", typeset(outcome.claim.printed or "none given")),
-        ("Two methods", f"<ol><li>{first}</li><li>{second}</li></ol>"),
+        ("The paper’s value", typeset(claim.printed or "none given")),
+        (
+            "Two methods" if len(claim.methods) == 2 else "A single method",
+            f"<ol>{methods}</ol>",
+        ),
         ("Tolerance", typeset(finding.tolerance)),
         *_provenance(outcome),
     ]
-    if outcome.judgement.followed:
-        links = ", ".join(
-            f'<a href="#claim-{escape(key)}">{escape(key)}</a>'
-            for key in outcome.judgement.followed
+    if finding.part:
+        facts.insert(0, ("The part that fails", f"<q>{typeset(finding.part)}</q>"))
+    if claim.repeats:
+        also = "".join(
+            f"<li>{typeset(one.place)}: <q>{typeset(one.quote)}</q></li>" for one in claim.repeats
         )
-        facts.insert(0, ("Verdict taken from", links))
+        facts.append(("Also said in", f"<ul>{also}</ul>"))
     shown_by = figure_links(report.shown_by[outcome.claim.key])
     if shown_by and not finding.pictures:
         facts.insert(0, ("Figure", shown_by))
     pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
     formulas = formulas_block(finding.formulas)
-    return f'<div class="prose">{prose}</div>{formulas}{facts_list(facts)}{pictures}'
+    return f'<div class="prose">{prose}{remarks}</div>{formulas}{facts_list(facts)}{pictures}'
 
 
 def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
     judged = outcome.judgement
     facts = [("Reproduce with", f"<pre><code>{escape(outcome.claim.command)}</code></pre>")]
-    if judged.followed:
-        return facts
     origin = judged.provenance
     if origin is None:
         how = "kept from an earlier run, where it took" if judged.stored else "computed in"
@@ -151,14 +154,25 @@ def _provenance(outcome: Outcome) -> list[tuple[str, str]]:
     return [*facts, ("Stored finding", stored)]
 
 
+def _said(quote: str) -> str:
+    """Write the paper's words; of an equation they stand below."""
+    return "" if quote.startswith("Eq. (") else f"<q>{typeset(quote)}</q> "
+
+
 def _picture(key: str, picture: Picture) -> str:
+    return drawn(picture, f"{key}-{picture.name}", f"figure-{picture.name}")
+
+
+def drawn(picture: Picture, salt: str, anchor: str) -> str:
+    """Write a picture with its caption and its files."""
     data = base64.b64encode(picture.data.encode()).decode()
     name, caption = escape(picture.name), typeset(picture.caption)
-    drawing = inline_svg(picture.svg, f"{key}-{picture.name}", picture.caption)
+    drawing = inline_svg(picture.svg, salt, picture.caption)
     # A phone scrolls a wide picture sideways: shrunk to its screen it could not be read.
     wide = ' wide" tabindex="0' if (width_of(picture.svg) or 0) > WIDE else ""
     return (
-        f'<figure id="figure-{name}"><div class="card{wide}">{drawing}</div>'
-        f'<figcaption>{caption} <a download="{name}.csv" '
-        f'href="data:text/csv;charset=utf-8;base64,{data}">Data (CSV)</a></figcaption></figure>'
+        f'<figure id="{escape(anchor)}"><div class="card{wide}">{drawing}</div>'
+        f'<figcaption>{caption} <a href="{name}.svg">SVG</a>, <a href="{name}.png">PNG</a>, '
+        f'<a href="{name}.pdf">PDF</a>, <a download="{name}.csv" '
+        f'href="data:text/csv;charset=utf-8;base64,{data}">data (CSV)</a></figcaption></figure>'
     )

@@ -1,48 +1,40 @@
-"""The report as text for the terminal: counts and findings first, then the tables.
-
-Many claims are shown short, a line or two each; a few are shown whole.
-"""
+"""The report as text for the terminal: ten lines for many claims, all of it for a few."""
 
 from __future__ import annotations
 
 from paper_checks.claim import Verdict
-from paper_checks.report.mathml import in_letters
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report.document import Report
-from paper_checks.report.section import Section
-from paper_checks.report.table import NARROWEST, duration, table, wrapped
+from paper_checks.report.table import NARROWEST, duration, wrapped
 
 FEW = 8
 """Up to so many claims are shown whole."""
-
-SHORT = 2
-"""Lines of a cell where claims are shown short."""
-
-NOTABLE = 1.0
-"""Seconds of shared work from which on they are told."""
-
-MERGED = 3
-"""So many claims of one module with the same words are told in one sentence."""
+NAMED = 6
+"""So many keys are named; of more the rest is counted."""
 
 
 def report_as_text(report: Report, width: int = 100) -> str:
-    """Write counts, what differs from the record, the findings to read first, and all tables."""
+    """Write counts, what differs from the record, what is stale, and three findings.
+
+    Few claims are shown whole instead.
+    """
     width = max(width, NARROWEST)
-    parts = [_filled(_counts(report), width)]
+    lines = [_counts(report), _methods(report)]
     if report.changed:
-        parts.append("\n".join(outcome.change for outcome in report.changed))
+        lines += [one.change for one in report.changed[:NAMED]]
+        if len(report.changed) > NAMED:
+            lines.append(f"… and {len(report.changed) - NAMED} more.")
+    else:
+        lines.append("Every verdict is as on record.")
     if report.stale:
-        parts.append(_stale(report, width))
+        keys = _named([one.claim.key for one in report.stale])
+        lines.append(f"Stale stored findings: {keys}; 'fronts check KEY --full' computes them.")
     if len(report.outcomes) <= FEW:
-        parts += [_whole(outcome, report, width) for outcome in report.outcomes]
-        return "\n\n".join(parts)
-    parts.append("To read first\n\n" + _headlines(report, width))
-    if report.errata:
-        parts.append(_errata(report, width))
-    parts.append(_claims(report, width))
-    parts += [_section(section, width) for section in report.measurements]
-    parts.append("'fronts check KEY' shows a claim whole; 'fronts check --out DIR' writes it all.")
-    return "\n\n".join(parts)
+        text = "\n".join(_filled(line, width) for line in lines)
+        return "\n\n".join([text, *(_whole(one, report, width) for one in report.outcomes)])
+    lines += [_headline(one) for one in report.headlines]
+    lines.append(f"{len(report.errata)} errata. 'fronts check KEY' shows a claim whole.")
+    return "\n".join(lines)
 
 
 def _counts(report: Report) -> str:
@@ -51,112 +43,75 @@ def _counts(report: Report) -> str:
     total = len(report.outcomes)
     of_all = "" if total == report.available else f" of {report.available}"
     claims = "claim" if total == 1 and not of_all else "claims"
-    shared = f", {duration(report.shared)} of it shared" if report.shared >= NOTABLE else ""
-    return f"{total}{of_all} {claims} in {duration(report.seconds)}{shared}: {', '.join(counted)}."
+    return f"{total}{of_all} {claims} in {duration(report.seconds)}: {', '.join(counted)}."
 
 
-def _stale(report: Report, width: int) -> str:
-    keys = ", ".join(one.claim.key for one in report.stale)
-    return _filled(
-        f"Stored, and stale: found by other code than that of this run: {keys}. "
-        "'fronts check KEY --full' computes them.",
-        width,
-    )
-
-
-def _headlines(report: Report, width: int) -> str:
-    written = []
-    for number, outcome in enumerate(report.headlines, 1):
-        claim, finding = outcome.claim, outcome.finding
-        if finding is None:
-            continue
-        lines = [f"{claim.place}: {claim.statement} {finding.verdict.capitalize()}."]
-        if outcome.because:
-            lines.append(f"Because {outcome.because}")
-        printed = f"The paper: {claim.printed}. " if claim.printed else ""
-        lines.append(f"{printed}Ours: {finding.value} ({claim.key})")
-        text = "\n".join(_filled(line, width - 3, "   ") for line in lines)
-        written.append(f"{number}. {text.lstrip()}")
-    return "\n".join(written)
-
-
-def _errata(report: Report, width: int) -> str:
-    rows = [
-        (outcome.claim.key, outcome.claim.place, erratum.fault.value, in_letters(erratum.reason))
-        for outcome, erratum in report.errata
-    ]
-    head = ("errata", "place", "kind", "what is wrong")
-    return table(head, rows, width, SHORT)
-
-
-def _claims(report: Report, width: int) -> str:
-    alike: dict[tuple[str, ...], list[Outcome]] = {}
-    for outcome in report.outcomes:
-        alike.setdefault(_words(outcome), []).append(outcome)
-    rows: list[tuple[str, ...]] = []
-    sentences: list[str] = []
-    for outcome in report.outcomes:
-        same = alike[_words(outcome)]
-        if len(same) < MERGED or outcome.changed or outcome.finding is None:
-            rows.append(_row(outcome))
-        elif outcome is same[0]:
-            keys = ", ".join(one.claim.key for one in same if not one.changed)
-            value = outcome.finding.value
-            sentences.append(_filled(f"{outcome.status} ({value}): {keys}", width))
-    parts = ["\n".join(sentences)] if sentences else []
-    if rows:
-        parts.append(table(("claim", "verdict", "the paper", "ours"), rows, width, SHORT))
-    return "\n\n".join(parts)
-
-
-def _words(outcome: Outcome) -> tuple[str, ...]:
-    """Give what claims that are told in one sentence have in common."""
-    finding = outcome.finding
-    said = (finding.value, finding.error, finding.tolerance) if finding else (outcome.claim.key,)
-    return (outcome.entry.group, outcome.status, *said)
-
-
-def _row(outcome: Outcome) -> tuple[str, ...]:
-    claim, finding = outcome.claim, outcome.finding
+def _methods(report: Report) -> str:
+    two, one = report.confirmed
+    stored = sum(outcome.judgement.stored for outcome in report.outcomes)
     return (
-        claim.key,
-        outcome.status + _mark(outcome),
-        claim.printed or "-",
-        finding.value if finding else "-",
+        f"{two} judged by two methods without a common engine, {one} by one; {report.repeated} "
+        f"sentences repeat them; {stored} from stored findings."
     )
 
 
-def _mark(outcome: Outcome) -> str:
-    mark = " (changed)" if outcome.changed and outcome.finding else ""
-    return mark + (" (stored)" if outcome.judgement.stored else "")
+def _headline(outcome: Outcome) -> str:
+    return (
+        f"- {outcome.claim.place}: {outcome.claim.statement} "
+        f"{outcome.finding.verdict.capitalize() if outcome.finding else FAILED}: "
+        f"{outcome.because or 'as the paper says.'} ({outcome.claim.key})"
+    )
+
+
+def _named(keys: list[str]) -> str:
+    rest = f" and {len(keys) - NAMED} more" if len(keys) > NAMED else ""
+    return ", ".join(keys[:NAMED]) + rest
 
 
 def _whole(outcome: Outcome, report: Report, width: int) -> str:
     claim, finding = outcome.claim, outcome.finding
-    head = f"{claim.key} ({claim.place}): {outcome.status}{_mark(outcome)}"
-    lines = [claim.statement]
+    mark = " (changed)" if outcome.changed and finding else ""
+    head = f"{claim.key} ({claim.place}): {outcome.status}{mark}"
+    lines = [f"The paper: “{claim.quote}”", f"Judged: {claim.statement}"]
     if outcome.because:
         lines.append(f"Because {outcome.because}")
     if claim.printed:
-        lines.append(f"The paper: {claim.printed}")
+        lines.append(f"Printed: {claim.printed}")
     if finding:
+        if finding.part:
+            lines.append(f"The part that fails: “{finding.part}”")
+        lines += [f"Ours: {finding.value}", f"Error: {finding.error}"]
         lines += [
-            f"Ours: {finding.value}",
-            f"Error: {finding.error}",
-            f"By: {finding.methods[0]}; and {finding.methods[1]}",
-            f"Tolerance: {finding.tolerance}",
-            *(part for part in finding.explanation.split("\n\n") if part.strip()),
+            f"{'By' if k == 0 else 'And by'}: {method.words} [{method.code}]"
+            + (f", for {method.covers}" if method.covers else "")
+            for k, method in enumerate(claim.methods)
         ]
+        if len(claim.methods) == 1:
+            lines.append("There is no second method.")
+        lines.append(f"Tolerance: {finding.tolerance}")
+        lines += [part for part in finding.explanation.split("\n\n") if part.strip()]
+        lines += [f"Remark: {remark}" for remark in finding.remarks]
+    lines += [f"Repeated in {one.place}: “{one.quote}”" for one in claim.repeats]
     figures = report.shown_by[claim.key]
     if figures:
         lines.append(f"Figure: {', '.join(figures)}")
+    lines += _origin(outcome)
     lines.append(f"Reproduce with: {claim.command}")
     return "\n".join([head, *(_filled(line, width - 2, "  ") for line in lines)])
 
 
-def _section(section: Section, width: int) -> str:
-    """Write a table of measurements, a line a row."""
-    return f"{section.title} (stored)\n\n{table(section.head, section.rows, width, 1)}"
+def _origin(outcome: Outcome) -> list[str]:
+    """Say when a stored finding was found, with what, whether it is stale, and how to recompute."""
+    judged = outcome.judgement
+    origin = judged.provenance
+    if origin is None:
+        return []
+    versions = ", ".join(f"{name} {version}" for name, version in origin.versions.items() if version)
+    stale = "; stale, since the code that it depends on has changed" if origin.stale else ""
+    return [
+        f"Stored: found {judged.judged} in {duration(judged.seconds)}, with {versions}{stale}.",
+        f"Compute it anew with: {origin.command}",
+    ]
 
 
 def _filled(text: str, width: int, indent: str = "") -> str:

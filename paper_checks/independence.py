@@ -1,0 +1,52 @@
+"""Whether the methods of a claim share an engine, by following the imports of their code.
+
+An engine is code that computes: a stepper, a solver, a sum, a search. What two methods may share is
+what says which problem they solve, not how: parameters and their checks, the model's own numbers
+(amplitudes of its cycles, its friction law), starts, and names of outcomes (`DEFINITIONS`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from paper_checks.claim import Method
+from paper_checks.imports import closure
+
+PACKAGES = ("theory", "derivations", "verification", "paper_checks")
+
+DEFINITIONS = (
+    "theory.parameters",
+    "theory.result",
+    "theory.cells",
+    "theory.chains",
+    "verification.runs.friction_start",
+    "verification.breathers.nucleus",
+    "verification.steppers.slopes",
+    "verification.steppers.rows",
+    "verification.execution",
+    "theory.piecewise.dispersion",
+    "theory.piecewise.sums.result",
+)
+"""Modules, or packages of them, that define problems and hold no engine, each for a reason: the
+checks of parameters; the two cells; the two chains; where a run starts; which sites form a nucleus;
+the vector field itself, and how it is laid out in rows; compiling, keeping and sweeping; the
+dispersion relation (50) as printed; and the form of a result."""
+
+
+def engines(method: Method) -> frozenset[str]:
+    """Return the modules with engines that the code of a method imports, its own included."""
+    found = closure(method.module, PACKAGES)
+    return frozenset(
+        name
+        for name, path in found.items()
+        if path.name != "__init__.py"
+        and not any(name == each or name.startswith(f"{each}.") for each in DEFINITIONS)
+    )
+
+
+def shared_engines(methods: Sequence[Method]) -> frozenset[str]:
+    """Return the engines that two methods have in common; empty for a single method."""
+    if len(methods) < 2:
+        return frozenset()
+    first, second = (engines(method) for method in methods)
+    return first & second

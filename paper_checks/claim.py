@@ -38,12 +38,16 @@ class Picture:
         The picture, as an SVG document.
     data : str
         The numbers behind it, as CSV with a header line.
+    png, pdf : str
+        The same picture in these formats, as base64; may be empty.
     """
 
     name: str
     caption: str
     svg: str = field(repr=False)
     data: str = field(repr=False)
+    png: str = field(default="", repr=False)
+    pdf: str = field(default="", repr=False)
 
 
 @dataclass(frozen=True)

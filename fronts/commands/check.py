@@ -218,7 +218,7 @@ def _checked_folder(options: argparse.Namespace) -> Path | None:
 def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
     """Write the report; remove what an earlier report left here, and return how much."""
     document = json.dumps(payload, indent=2, ensure_ascii=False, allow_nan=False)
-    files = {
+    files: dict[str, str | bytes] = {
         **picture_files(report),
         "report.json": document + "\n",
         "index.html": page(report),
@@ -227,7 +227,10 @@ def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
     foreign = pictures_listed(folder / "report.json") - set(files)
     try:
         for name, content in files.items():
-            write_text(folder / name, content)
+            if isinstance(content, bytes):
+                (folder / name).write_bytes(content)
+            else:
+                write_text(folder / name, content)
         there = [folder / name for name in sorted(foreign) if (folder / name).is_file()]
         for path in there:
             path.unlink()

@@ -67,15 +67,17 @@ class StateMap:
         return sequences(self.states, "eta")
 
 
+def sequence(states: Table, name: str, value: float) -> tuple[str, ...]:
+    """Return the states met with growing c at one forcing, undecided points left out."""
+    here = states[name] == value
+    order = np.argsort(states["c"][here])
+    labels = [x for x in states["label"][here][order].tolist() if x != "undecided"]
+    return tuple(x for k, x in enumerate(labels) if k == 0 or x != labels[k - 1])
+
+
 def sequences(states: Table, name: str) -> set[tuple[str, ...]]:
-    """Return the sequences of states met with growing c, undecided points left out."""
-    found = set()
-    for value in np.unique(states[name]):
-        here = states[name] == value
-        order = np.argsort(states["c"][here])
-        labels = [x for x in states["label"][here][order].tolist() if x != "undecided"]
-        found.add(tuple(x for k, x in enumerate(labels) if k == 0 or x != labels[k - 1]))
-    return found
+    """Return the sequences of states met with growing c, over all forcings."""
+    return {sequence(states, name, float(value)) for value in np.unique(states[name])}
 
 
 def state_map() -> StateMap:
@@ -173,20 +175,15 @@ def alike() -> Alike:
     two = sweep(StateTask(Model.ENVELOPE), state_points(ETAS, COUPLINGS), workers=1)
     first = {}
     for name, table, forcing in (("I", one, "v_d"), ("II", two, "eta")):
-        values = np.unique(table[forcing])
-        met = {float(x): sequences(_part(table, forcing, x), forcing) for x in values}
+        met = {float(x): sequence(table, forcing, float(x)) for x in np.unique(table[forcing])}
         first[name] = tuple(
-            min((x for x, seen in met.items() if each in seen), default=np.inf) for each in CORE
+            min((x for x, seen in met.items() if each == seen), default=np.inf) for each in CORE
         )
     return Alike(
         one=frozenset(sequences(one, "v_d")),
         two=frozenset(sequences(two, "eta")),
         first_at=first,
     )
-
-
-def _part(table: Table, name: str, value: float) -> Table:
-    return type(table)({key: table[key][table[name] == value] for key in table.columns})
 
 
 def rule_alike(e: Alike) -> Ruling:
@@ -238,5 +235,6 @@ CLAIMS = (
             Repeat("Conclusions", "even if the two models are different, their dynamical behavior "
                    "share very similar features"),
         ),
+        expensive=True,
     ),
 )  # fmt: skip

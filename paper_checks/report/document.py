@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import platform
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -90,6 +92,17 @@ class Report:
         judged = [one.claim for one in self.outcomes if one.claim.recorded is not _MUTE]
         two = sum(len(claim.methods) == 2 for claim in judged)
         return two, len(judged) - two
+
+    @cached_property
+    def in_gallery(self) -> Mapping[str, str]:
+        """Picture that stands for each figure of the paper in the gallery, with its module."""
+        found: dict[str, str] = {}
+        for one in self.outcomes:
+            group = one.entry.group
+            if re.fullmatch(r"fig\d+", group) and group not in found.values():
+                for picture in (one.finding.pictures if one.finding else ())[:1]:
+                    found[picture.name] = group
+        return found
 
     @property
     def repeated(self) -> int:
@@ -213,13 +226,16 @@ def to_json(report: Report) -> Json:
     }
 
 
-def picture_files(report: Report) -> dict[str, str]:
-    """Give the text of each picture file and data file by file name."""
-    files: dict[str, str] = {}
+def picture_files(report: Report) -> dict[str, str | bytes]:
+    """Give the content of each picture file and data file by file name."""
+    files: dict[str, str | bytes] = {}
     for outcome in report.outcomes:
         for picture in outcome.finding.pictures if outcome.finding else ():
             files[f"{picture.name}.svg"] = picture.svg
             files[f"{picture.name}.csv"] = picture.data
+            for kind, content in (("png", picture.png), ("pdf", picture.pdf)):
+                if content:
+                    files[f"{picture.name}.{kind}"] = base64.b64decode(content)
     return files
 
 
@@ -237,7 +253,7 @@ def pictures_listed(path: Path) -> set[str]:
     return {name for name in names if isinstance(name, str) and NAME.fullmatch(name)}
 
 
-_KINDS = ("svg", "data")
+_KINDS = ("svg", "png", "pdf", "data")
 
 
 def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
@@ -279,6 +295,7 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
                 "caption": picture.caption,
                 "svg": f"{picture.name}.svg",
                 "data": f"{picture.name}.csv",
+                **{kind: f"{picture.name}.{kind}" for kind in ("png", "pdf")},
             }
             for picture in (finding.pictures if finding else ())
         ],

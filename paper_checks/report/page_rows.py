@@ -123,7 +123,14 @@ def _findings(outcome: Outcome, finding: Finding, report: Report) -> str:
     shown_by = figure_links(report.shown_by[outcome.claim.key])
     if shown_by and not finding.pictures:
         facts.insert(0, ("Figure", shown_by))
-    pictures = "".join(_picture(outcome.claim.key, picture) for picture in finding.pictures)
+    pictures = "".join(
+        _picture(outcome.claim.key, picture)
+        for picture in finding.pictures
+        if picture.name not in report.in_gallery
+    )
+    shown = [picture.name for picture in finding.pictures if picture.name in report.in_gallery]
+    if shown:
+        facts.insert(0, ("Figure", figure_links(shown)))
     formulas = formulas_block(finding.formulas)
     return f'<div class="prose">{prose}{remarks}</div>{formulas}{facts_list(facts)}{pictures}'
 

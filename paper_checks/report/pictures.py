@@ -5,9 +5,9 @@ Matplotlib is imported on first use, so that a claim file may import this module
 
 from __future__ import annotations
 
+import base64
 import io
 import logging
-import re
 import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
@@ -46,14 +46,15 @@ NO_NUMBERS = "The paper shows a picture here; neither its text nor its caption g
 LARGE = 1_000_000
 """An SVG of more characters than this makes the report slow to open."""
 
+DOTS = 130
+"""Dots an inch of the PNG files of the report."""
+
 _STAMPS: Mapping[str, tuple[str, ...]] = {
     "svg": ("Date", "Creator", "Format", "Type"),
     "png": ("Software",),
     "pdf": ("CreationDate", "Creator", "Producer"),
 }
 """Where Matplotlib writes the time of day and its own version unless it is told not to."""
-
-_FALLBACK = "'DejaVu Sans', Verdana, Arial, sans-serif"
 
 logger = logging.getLogger(__name__)
 
@@ -89,7 +90,7 @@ def use_style() -> None:
             "lines.markersize": 3.5,
             "mathtext.fontset": "dejavusans",
             "savefig.facecolor": "white",
-            "svg.fonttype": "none",
+            "svg.fonttype": "path",
             "xtick.labelsize": 7,
             "xtick.major.size": 3,
             "xtick.major.width": 0.6,
@@ -192,14 +193,14 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
             "underscores: choose another."
         )
     table = columns_as_csv(data)
-    svg = _render(name, figure)
+    svg, png, pdf = _render(name, figure), _encoded(figure, "png"), _encoded(figure, "pdf")
     if len(svg) > LARGE:
         logger.warning("the picture %s has %.1f MB: draw fewer points", name, len(svg) / 1e6)
     pyplot = sys.modules.get("matplotlib.pyplot")
     if pyplot is not None:
         pyplot.close(figure)
     figure.clear()
-    return Picture(name, caption, svg, table)
+    return Picture(name, caption, svg, table, png, pdf)
 
 
 def save(path: Path, figure: Figure, dpi: int = 200) -> None:
@@ -226,11 +227,14 @@ def _render(name: str, figure: Figure) -> str:
 
     metadata: dict[str, Any] = dict.fromkeys(_STAMPS["svg"])
     buffer = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
+    # Letters as paths: accents such as those of v̂ and ỹ are then in place in every renderer.
+    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
         figure.savefig(buffer, format="svg", metadata=metadata)
-    return _with_fallback_fonts(buffer.getvalue())
+    return buffer.getvalue()
 
 
-def _with_fallback_fonts(svg: str) -> str:
-    """Let text in Matplotlib's own font fall back to a similar one where it is missing."""
-    return re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?=[;\"])", rf"\1{_FALLBACK}", svg)
+def _encoded(figure: Figure, kind: str) -> str:
+    """Render a figure into a binary format, as base64."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=kind, dpi=DOTS, metadata=dict.fromkeys(_STAMPS[kind]))
+    return base64.b64encode(buffer.getvalue()).decode("ascii")

@@ -32,7 +32,7 @@ def draw_states(
     boundary: Table | None = None,
     names: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
-    """Draw a map, and on every line that was bisected a dash across it where the label changes.
+    """Draw a map, and the boundaries between the labels as contours.
 
     Parameters
     ----------
@@ -67,25 +67,39 @@ def draw_states(
 
 
 def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Table) -> None:
-    """Draw a dash as long as the spacing of the grid through every change of label.
+    """Join the places where the label changes, cell by cell of the grid, to contours.
 
-    A change along ``up`` is known on one line of constant ``across``: the dash is horizontal.
+    Two changes on the edges of a cell are joined; three or four are joined with their mean, where
+    three regions meet.
     """
-    half = {name: 0.5 * _spacing(states, name) for name in (across, up)}
+    x, y = np.unique(states[across]), np.unique(states[up])
+    cells: dict[tuple[int, int], list[tuple[float, float]]] = {}
     for row in boundary.rows():
-        x, y, at = float(row[across]), float(row[up]), float(row["at"])
-        low, high = float(row["low"]), float(row["high"])
+        at = float(row["at"])
         if row["along"] == up:
-            axes.plot([x - half[across], x + half[across]], [at, at], color="0.1", lw=0.8)
-            axes.plot([x, x], [low, high], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
+            i, j = int(np.argmin(np.abs(x - float(row[across])))), _before(y, at)
+            point, sides = (float(x[i]), at), [(i - 1, j), (i, j)]
         else:
-            axes.plot([at, at], [y - half[up], y + half[up]], color="0.1", lw=0.8)
-            axes.plot([low, high], [y, y], color="0.6", lw=2.5, solid_capstyle="butt", zorder=1.5)
-    axes.plot([], [], color="0.1", lw=0.8, label="change of label, bisected")
-    axes.plot([], [], color="0.6", lw=2.5, label="another label between")
-    # A dash at the rim reaches half a cell beyond the grid, where nothing was run.
+            i, j = _before(x, at), int(np.argmin(np.abs(y - float(row[up]))))
+            point, sides = (at, float(y[j])), [(i, j - 1), (i, j)]
+        for side in sides:
+            cells.setdefault(side, []).append(point)
+    for points in cells.values():
+        ends = np.array(points)
+        if len(points) == 2:
+            axes.plot(ends[:, 0], ends[:, 1], color="0.1", lw=0.9)
+        elif len(points) > 2:
+            middle = ends.mean(axis=0)
+            for end in ends:
+                axes.plot([end[0], middle[0]], [end[1], middle[1]], color="0.1", lw=0.9)
+    axes.plot([], [], color="0.1", lw=0.9, label="boundary, bisected")
     axes.set_xlim(*_rim(states, across))
     axes.set_ylim(*_rim(states, up))
+
+
+def _before(ticks: np.ndarray, value: float) -> int:
+    """Return the index of the last tick at or below a value."""
+    return int(np.clip(np.searchsorted(ticks, value, side="right") - 1, 0, max(ticks.size - 2, 0)))
 
 
 def _rim(states: Table, name: str) -> tuple[float, float]:
@@ -93,8 +107,3 @@ def _rim(states: Table, name: str) -> tuple[float, float]:
     low, high = float(states[name].min()), float(states[name].max())
     beyond = 0.03 * (high - low) or 0.05 * abs(high) or 1.0
     return max(low - beyond, min(low, 0.0)), high + beyond
-
-
-def _spacing(states: Table, name: str) -> float:
-    ticks = np.unique(states[name])
-    return float(np.diff(ticks).min()) if ticks.size > 1 else 0.0

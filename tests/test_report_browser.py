@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from fronts.cli import main
-from paper_checks import discover, measurements
+from paper_checks import discover
+from paper_checks.report import measurements
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 FLAGS = (

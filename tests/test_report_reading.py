@@ -13,7 +13,8 @@ from xml.etree import ElementTree
 import pytest
 
 from fronts.cli import main
-from paper_checks import discover, measurements, report_text
+from paper_checks import discover
+from paper_checks.report import measurements
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.discover import Entry
 from paper_checks.report.figure_links import modules_named

@@ -18,20 +18,29 @@ from paper_checks.outcome import judge
 CLAIM = """
 import os
 from slow_code.needed import number
-from paper_checks.claim import Claim, Finding, Verdict
+from dataclasses import dataclass
+from paper_checks.claim import Claim, Method, Verdict
+from paper_checks.ruling import holds
 
-def judge(name):
+@dataclass(frozen=True)
+class Seen:
+    number: int
+
+def evidence(name):
     with open(os.environ["SLOW_LOG"], "a") as log:
         log.write(name + "\\n")
-    return Finding(Verdict.REPRODUCED, str(number()), "0", ("one", "two"), "none", "Because.")
+    return Seen(number())
 
-CLAIMS = (
-    Claim("slow", "Fig. 1", "It is so.", None, Verdict.REPRODUCED, "true",
-          lambda: judge("slow"), expensive=True),
-    Claim("fast", "Fig. 1", "It is so too.", None, Verdict.REPRODUCED, "true",
-          lambda: judge("fast")),
+CLAIMS = tuple(
+    Claim(key=name, place="Fig. 1", quote="It is so.", statement="It is so.",
+          recorded=Verdict.REPRODUCED, command="true", evidence=lambda name=name: evidence(name),
+          rule=lambda e: holds(), text=__name__, methods=(Method("one", "m:f"),),
+          expensive=name == "slow")
+    for name in ("slow", "fast")
 )
 """
+
+TEXT = "# all\nvalue: {{ number }}\nerror: 0\ntolerance: none\n\nIt is.\n"
 
 
 @pytest.fixture(autouse=True)
@@ -42,6 +51,7 @@ def package(monkeypatch, tmp_path):
     (home / "__init__.py").touch()
     (home / "claims" / "__init__.py").touch()
     (home / "claims" / "fig1.py").write_text(CLAIM)
+    (home / "claims" / "fig1.md").write_text(TEXT)
     (home / "needed.py").write_text(
         "def number():\n    from slow_code.deep import N\n\n    return N\n"
     )

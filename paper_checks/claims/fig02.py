@@ -494,7 +494,7 @@ CLAIMS = (
     Claim(
         key="fig02-switch-model",
         place="Section 1.1",
-        quote="we assumed that the oscillator sticks to the substrate for "
+        quote="We assumed that the oscillator sticks to the substrate for "
         "$|\\tilde{v}_{rel}| < 10^{-4}$",
         statement="The switch model with a stick band of 1e-4 and the trapezoidal rule gives the "
         "motion.",

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from example_claims._made import Made, made
 from example_claims._trouble import visit
-from paper_checks.claim import Claim, Erratum, Fault, Finding, Formula, Verdict
+from paper_checks.claim import Erratum, Fault, Formula, Verdict
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import new_panels, picture
 
@@ -18,17 +19,17 @@ def _speed():
     left.legend()
     right.plot(c, 0.5 + 0.1 * np.exp(-c), color="#D55E00")
     right.set(xlabel=r"coupling $c$", ylabel=r"exponent $d\ln \hat v / d\ln c$", ylim=(0, 1))
-    return Finding(
+    return Made(
         verdict=Verdict.NOT_REPRODUCED,
         value="exponent 0.500 000 2 at c = 10⁴",
         error="4e-7, from the residual of the relation",
-        methods=("derivative of the closed form", "slope of the simulated velocities"),
         tolerance="0.02: half of the difference between the two statements",
         explanation=(
             "The velocity grows as the square root of the coupling, not linearly.\n\n"
             "Over the plotted range the curve looks straight because it starts at a fold; "
             "one decade further the exponent is within 1 % of 1/2 & stays there <for good>."
         ),
+        because="a fold looks straight over a <short> range; later v_d grows like c^{1/2}.",
         pictures=(
             picture(
                 "fig16-speed",
@@ -47,13 +48,13 @@ def _speed():
 
 def _misprint():
     visit("fig16-misprint")
-    return Finding(
+    return Made(
         verdict=Verdict.CORRECTED,
         value="a² + b²",
         error="none: an identity",
-        methods=("computer algebra", "random numbers to 50 digits"),
         tolerance="none: the two sides are equal or not",
         explanation="The second term is printed with a minus sign.",
+        because="the second term is printed with a minus sign.",
         formulas=(Formula("As printed", r"a^2 - b^2 < \alpha"),),
         erratum=Erratum(
             Fault.MISPRINT,
@@ -68,11 +69,10 @@ def _misprint():
 
 def _speedy():
     visit("fig16-escape")
-    return Finding(
+    return Made(
         verdict=Verdict.REPRODUCED,
         value="<b>bold</b> & \"quoted\" 'text'",
         error="<script>alert(1)</script>",
-        methods=("<i>one</i>", "two & three"),
         tolerance="a < b",
         explanation="</details><img src=x onerror=alert(1)>",
     )
@@ -80,18 +80,18 @@ def _speedy():
 
 def _vague():
     visit("fig16-vague")
-    return Finding(
+    return Made(
         verdict=Verdict.UNTESTABLE,
         value="no value: the initial state is not given",
         error="none",
-        methods=("reading of the text", "search of the caption"),
         tolerance="none",
         explanation="The text does not say from which state the simulation starts.",
+        because="the initial state is not given.",
     )
 
 
 CLAIMS = (
-    Claim(
+    made(
         "fig16-speed",
         "Fig. 16, Eq. 54",
         "The velocity is asymptotically linear in the coupling.",
@@ -99,9 +99,9 @@ CLAIMS = (
         Verdict.NOT_REPRODUCED,
         "fronts check fig16-speed --out report",
         _speed,
-        because="a fold looks straight over a <short> range; later v_d grows like c^{1/2}",
+        methods=("derivative of the closed form", "slope of the simulated velocities"),
     ),
-    Claim(
+    made(
         "fig16-misprint",
         "Eq. 12",
         "The energy is a² − b².",
@@ -109,8 +109,9 @@ CLAIMS = (
         Verdict.CORRECTED,
         "fronts check fig16-misprint",
         _misprint,
+        methods=("computer algebra", "random numbers to 50 digits"),
     ),
-    Claim(
+    made(
         "fig16-escape",
         "Eqs. 1–3 & <4>",
         'Markup such as </summary> & <b id="x"> stays text.',
@@ -118,8 +119,9 @@ CLAIMS = (
         Verdict.REPRODUCED,
         "echo '<i>' && echo \"&\"",
         _speedy,
+        methods=("<i>one</i>", "two & three"),
     ),
-    Claim(
+    made(
         "fig16-vague",
         "Section 5",
         "The front settles after a short transient.",
@@ -127,5 +129,6 @@ CLAIMS = (
         Verdict.UNTESTABLE,
         "fronts check fig16-vague",
         _vague,
+        methods=("reading of the text", "search of the caption"),
     ),
 )

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from example_claims._made import Made, made
 from example_claims._trouble import visit
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Verdict
 from paper_checks.report.pictures import new_axes, picture
 
 
@@ -14,11 +15,10 @@ def _decay():
     axes.semilogy(time, np.exp(-0.7 * time), label="closed form")
     axes.semilogy(time[::6], np.exp(-0.7 * time[::6]), "o", label="direct integration")
     axes.legend()
-    return Finding(
+    return Made(
         verdict=Verdict.REPRODUCED,
         value="0.700 000 000 1",
         error="3e-10, the spread of the two methods",
-        methods=("least squares on the closed form", "direct integration, order 8"),
         tolerance="1e-6: the paper prints three digits",
         explanation="The decay is exponential over four decades.",
         pictures=(
@@ -34,18 +34,19 @@ def _decay():
 
 def _monotone():
     visit("fig9-monotone")
-    return Finding(
+    return Made(
         verdict=Verdict.PARTIAL,
         value="monotone for t > 1.31",
         error="0.01 in t",
-        methods=("sign of the derivative", "event search in the direct integration"),
         tolerance="one exception would have changed the verdict",
         explanation="Before t = 1.31 the amplitude rises: it is 2 % above its start.",
+        because="it rises at first.",
+        part="at all times",
     )
 
 
 CLAIMS = (
-    Claim(
+    made(
         "fig9-decay",
         "Fig. 9",
         "The amplitude decays at the rate 0.7.",
@@ -53,8 +54,9 @@ CLAIMS = (
         Verdict.REPRODUCED,
         "fronts check fig9-decay",
         _decay,
+        methods=("least squares on the closed form", "direct integration, order 8"),
     ),
-    Claim(
+    made(
         "fig9-monotone",
         "Fig. 9, Section 3",
         "The amplitude decreases at all times.",
@@ -62,5 +64,6 @@ CLAIMS = (
         Verdict.PARTIAL,
         "fronts check fig9-monotone",
         _monotone,
+        methods=("sign of the derivative", "event search in the direct integration"),
     ),
 )

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from paper_checks.claim import Claim, Verdict
+from paper_checks.claims import equations as eqs
 from paper_checks.claims import (
     expectations,
     fig02,
@@ -38,7 +39,6 @@ from paper_checks.claims import (
     text_2,
     text_3,
 )
-from paper_checks.claims import equations as eqs
 from paper_checks.discover import find_entries
 from paper_checks.ruling import Ruling
 
@@ -220,11 +220,11 @@ CASES: list[tuple[Any, dict[str, Any], Verdict, list[tuple[dict[str, Any], Verdi
      [({"wave": 0.1}, FAILS), ({"envelope": 0.1}, FAILS)]),
     (text_2.rule_to_larger,
      {"confirmed": True, "gap": 0.01, "ripple": 0.05,
-      "ends": dict.fromkeys((None, 1, 2), {0.193: "larger nucleus", 0.203: "front"})}, HOLDS,
+      "ends": {k: {0.193: "larger nucleus", 0.203: "front"} for k in (None, 1, 2)}}, HOLDS,
      [({"ends": {None: {0.193: "larger nucleus", 0.203: "front"}, 1: {0.193: "creep"},
                  2: {0.193: "creep"}}}, PARTLY),
       ({"confirmed": False}, FAILS), ({"gap": 0.5}, FAILS),
-      ({"ends": dict.fromkeys((None, 1, 2), {0.193: "front"})}, FAILS)]),
+      ({"ends": {k: {0.193: "front"} for k in (None, 1, 2)}}, FAILS)]),
     (text_3.rule_gauge, {"order": 1.0, "gaps": (0.04, 0.02, 0.01)}, HOLDS,
      [({"order": 0.3}, FAILS), ({"gaps": (0.4, 0.3, 0.2)}, FAILS)]),
     (text_3.rule_equilibria, {"rest": 1e-9, "cycle": 1e-9, "rates": (0.5, 0.5),
@@ -258,7 +258,9 @@ def test_a_rule_gives_its_verdict_and_loses_it_on_changed_evidence(case: tuple[A
 
 
 @pytest.mark.parametrize("case", CASES, ids=_name)
-def test_every_part_of_the_evidence_that_a_rule_reads_is_changed_once(case: tuple[Any, ...]) -> None:
+def test_every_part_of_the_evidence_that_a_rule_reads_is_changed_once(
+    case: tuple[Any, ...],
+) -> None:
     rule, good, _, changes = case
     words = ("number", "kind", "expected", "wanted", "zeta", "threshold", "core", "series_error",
              "ripple", "bound", "bounds", "points", "true_odd", "averaged_error", "kinetic",
@@ -299,7 +301,7 @@ def test_rules_are_a_few_lines() -> None:
 def test_a_ruling_needs_its_reason_in_one_sentence_and_its_part(
     verdict: Verdict, because: str, part: str
 ) -> None:
-    with pytest.raises(ValueError, match="reproduced|because|part"):
+    with pytest.raises(ValueError, match=r"reproduced|because|part"):
         Ruling(verdict, because, part)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 import pytest
+from paper_checks.following import missing, resolved
 
 from paper_checks.claim import Verdict
 from paper_checks.discover import Entry, find_entries
-from paper_checks.following import missing, resolved
 
 ENTRIES = find_entries()
 

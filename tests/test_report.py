@@ -16,8 +16,8 @@ import pytest
 
 from fronts.cli import main
 from paper_checks import discover
-from paper_checks.report import measurements
 from paper_checks.claim import Verdict
+from paper_checks.report import measurements
 from paper_checks.report.data_table import columns_as_csv, long_table
 from paper_checks.report.pictures import new_axes, picture
 from paper_checks.store import Store

@@ -16,9 +16,7 @@ from fronts.answer import Answer, UsageError
 from fronts.progress import Progress, kept
 from paper_checks import discover
 from paper_checks.claim import Verdict
-from paper_checks.report.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
-from paper_checks.report.render import measurements_page, page
 from paper_checks.report.document import (
     Report,
     installed_versions,
@@ -27,11 +25,13 @@ from paper_checks.report.document import (
     pictures_listed,
     to_json,
 )
+from paper_checks.report.measurements import stored_sections
+from paper_checks.report.render import measurements_page, page
+from paper_checks.report.table import duration, entries_as_text
 from paper_checks.report.terminal import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
 from paper_checks.store import SOURCES, Store, source_hash, write_text
-from paper_checks.report.table import duration, entries_as_text
 
 EXAMPLE = """\
 examples:

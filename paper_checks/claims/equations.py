@@ -20,8 +20,8 @@ STYLE = {
     3: "< stands for ≤ at the one instant of release (fig02-stick).",
     6: "The argument of μ is scaled: its reference velocity is the $\\tilde v_0$ of (7). As in "
     "(3), < stands for ≤ at the instant of release.",
-    7: "The text before (7) calls the chain that it belongs to (1); the parameters are scaled, so it "
-    "is (5).",
+    7: "The text before (7) names (1) as the chain that it belongs to; the parameters are scaled, "
+    "so it is (5).",
     32: "The sign of equality with zero is left out; (33), which follows from it, has it.",
     40: "It is written for a ring; with open ends, as the figures have them, the end sites have "
     "one neighbour. Thresholds of breathers in the bulk do not depend on it.",
@@ -123,7 +123,7 @@ def _said(statement: str) -> str:
 
 
 def rule(e: Printed) -> Ruling:
-    """A printed equation that passes holds; a way of writing is a remark; a misprint is not."""
+    """Ask: a printed equation that passes holds; a way of writing is only a remark."""
     if not e.confirmed or not e.derived_passes:
         return fails("the derivation does not give this equation, nor a corrected form of it.")
     if e.passes:

@@ -18,7 +18,7 @@ class Missing:
 
 
 def rule(e: Missing) -> Ruling:
-    """Nothing was computed, so the verdict is what the reason says."""
+    """Rule: nothing was computed, so the verdict is what the reason says."""
     return untestable(e.reason)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import corrected, fails, holds
@@ -122,7 +122,7 @@ def two_states() -> TwoStates:
 
 
 def rule_two_states(e: TwoStates) -> Ruling:
-    """Both states must attract from either side of the cycle that divides their basins."""
+    """Rule: both states must attract from either side of the cycle that divides their basins."""
     if e.gap < AGREE and e.inside_slides and e.outside_sticks and e.settles:
         return holds()
     return fails("runs from the two sides of the basin boundary do not end in the two states.")
@@ -150,10 +150,10 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
     right.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"stick, $\tilde{v}_d$ = 1.25")
     right.set(xlabel=r"$\tilde{y}$", ylabel=r"$d\tilde{y}/d\tau$", ylim=(-1.6, 2.5))
     right.legend(loc="upper center", ncols=2, columnspacing=1.0)
+    runs = {"limit cycle": e.cycle, "to steady sliding": e.rest, "unstable cycle": e.unstable}
     series = {
         name: {"tau": run.times, "y": run.y[:, 0], "velocity": run.velocity[:, 0]}
-        for name, run in (("limit cycle", e.cycle), ("to steady sliding", e.rest),
-                          ("unstable cycle", e.unstable))  # fmt: skip
+        for name, run in runs.items()
     }
     return (picture("fig02-cell", "", figure, long_table(series)),)
 
@@ -208,7 +208,7 @@ def regions() -> Regions:
 
 
 def rule_regions(e: Regions) -> Ruling:
-    """Three ranges in this order, and every run must end where they say."""
+    """Rule: three ranges in this order, and every run must end where they say."""
     if e.hopf < e.end and e.seen == e.expected:
         return holds()
     return fails("runs do not end in the states that the three ranges predict.")
@@ -271,7 +271,7 @@ def subcritical() -> Subcritical:
 
 
 def rule_subcritical(e: Subcritical) -> Ruling:
-    """The unstable cycle must shrink to steady sliding like the root of the distance."""
+    """Rule: the unstable cycle must shrink to steady sliding like the root of the distance."""
     if abs(e.ratios[-1] - 1.0) < 1e-3 and all(e.repels):
         return holds()
     return fails("no unstable cycle shrinks to steady sliding on its stable side.")
@@ -310,7 +310,7 @@ def friction_law() -> FrictionLaw:
 
 
 def rule_friction_law(e: FrictionLaw) -> Ruling:
-    """Both limits must be those of the text, by the printed line or by the corrected one."""
+    """Rule: both limits must be those of the text, by the printed line or by the corrected one."""
     if e.printed == e.wanted:
         return holds()
     if e.corrected == e.wanted and e.slope_gap < 1e-9:
@@ -359,7 +359,7 @@ def stick() -> Stick:
 
 
 def rule_stick(e: Stick) -> Ruling:
-    """Below μ_st throughout stick; equality at the one instant of release is a remark."""
+    """Rule: below μ_st throughout stick; equality at the one instant of release is a remark."""
     if e.gap < AGREE and e.largest < 1.0 and e.at_release < AGREE:
         return holds()
     return fails("the force exceeds what holds the cell, or does not reach it at release.")
@@ -406,7 +406,7 @@ def _switch_period(times: np.ndarray, velocity: np.ndarray) -> float:
 
 
 def rule_switch_model(e: SwitchModel) -> Ruling:
-    """The method must give the period to one per cent: more would show in Fig. 2."""
+    """Rule: the method must give the period to one per cent: more would show in Fig. 2."""
     if abs(e.defaults) < 0.01 and abs(e.tight) < 0.01:
         return holds()
     return fails("the switch model misses the period by more than one per cent.")

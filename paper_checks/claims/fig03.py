@@ -84,14 +84,14 @@ def breather() -> Breather:
 
 
 def rule_superimposed(e: Breather) -> Ruling:
-    """The three curves must lie within the thickness of a line, the core alone sticking."""
+    """Rule: the three curves must lie within the thickness of a line, the core alone sticking."""
     if e.stuck == CORE and e.apart < LINE and e.gap < AGREE:
         return holds()
     return fails("the three envelopes can be told apart, or other sites stick as well.")
 
 
 def rule_vanishing(e: Breather) -> Ruling:
-    """Outside the core the amplitude must be too small to be seen, and the domain must slide."""
+    """Ask: outside the core the amplitude must be too small to be seen, and the domain must slide."""
     if e.stuck != CORE or not e.gap < AGREE:
         return fails("sites outside the nucleus stick.")
     if e.beside[0] < VANISHING * e.core:
@@ -150,7 +150,7 @@ def front() -> Front:
 
 
 def rule_front(e: Front) -> Ruling:
-    """More sites at each time, and ten times the amplitude behind the front than ahead of it."""
+    """Ask: more sites each time, ten times the amplitude behind the front than ahead of it."""
     moves = all(a < b for a, b in zip(e.arrived, (*e.arrived[1:], SITES), strict=True))
     if moves and min(e.trailing) > 10.0 * max(e.ahead) and e.gap < AGREE:
         return holds()

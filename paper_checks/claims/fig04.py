@@ -112,14 +112,14 @@ def _checked(e: Thresholds) -> bool:
 
 
 def rule_edge(e: Thresholds) -> Ruling:
-    """Every larger size must lie about 40 per cent below size 1."""
+    """Rule: every larger size must lie about 40 per cent below size 1."""
     if _checked(e) and all(abs(fall - PRINTED) <= ABOUT for fall in e.falls):
         return holds()
     return fails("the fall from size 1 to larger sizes is not about 40 %.")
 
 
 def rule_bulk(e: Thresholds) -> Ruling:
-    """No size may change the threshold by a tenth."""
+    """Rule: no size may change the threshold by a tenth."""
     if not _checked(e) or e.bulk_rest > INSENSITIVE:
         return fails("the threshold changes with every size.")
     if e.bulk_fall < INSENSITIVE:
@@ -208,7 +208,7 @@ def long_runs() -> LongRuns:
 
 
 def rule_divides(e: LongRuns) -> Ruling:
-    """Below each threshold the nucleus alone sticks; above it every site of the chain does."""
+    """Ask: below each threshold the nucleus alone sticks; above it every site of the chain does."""
     stay = all(n == size for n, (_, size) in zip(e.below, KINDS, strict=True))
     if stay and all(n == SITES for n in e.above) and e.gap < 1e-3:
         return holds()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._friction import SITES, arrivals_by_scipy, chain_of, disagreement
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import new_axes, picture
@@ -28,8 +28,11 @@ CHECKED = ((0.095, 1.05, 7), (0.095, 1.45, 1), (0.005, 1.55, 1))
 FEW = 0.05
 """Share of undecided points that leaves the regions as they are."""
 
-LABELS = Method("runs from event to event until a rule names the state, each twice, the second "
-                "time perturbed by 1e-6", "verification.maps.friction:FrictionStateTask")
+LABELS = Method(
+    "runs from event to event until a rule names the state, each twice, the second "
+    "time perturbed by 1e-6",
+    "verification.maps.friction:FrictionStateTask",
+)
 SCIPY = Method("DOP853 with located events on 7 sites to τ = 80",
                "verification.references.friction_events:run_events",
                "the arrivals at three points of the map")  # fmt: skip
@@ -112,7 +115,7 @@ def state_map() -> StateMap:
 
 
 def rule_map(e: StateMap) -> Ruling:
-    """Three regions, breathers in the lower half only and fewer as c grows, then none."""
+    """Rule: three regions, breathers in the lower half only and fewer as c grows, then none."""
     three = all(e.counts.get(name, 0) for name in ("front", "breather", "fixed point"))
     shrinks = all(first >= second for first, second in pairwise(e.widths)) and e.widths[-1] == 0
     low = e.highest < 0.5 * COUPLINGS[-1]
@@ -197,11 +200,11 @@ def lasting() -> Lasting:
 
 
 def rule_lasting(e: Lasting) -> Ruling:
-    """All sites or none, all at low velocity and none at high."""
+    """Rule: all sites or none, all at low velocity and none at high."""
     ends = all(n in (0, SITES) for n in e.active)
-    if ends and e.active[0] == SITES and e.active[-1] == 0 and e.gap < 1e-3:
-        if list(e.active) == sorted(e.active, reverse=True):
-            return holds()
+    falls = list(e.active) == sorted(e.active, reverse=True)
+    if ends and falls and e.active[0] == SITES and e.active[-1] == 0 and e.gap < 1e-3:
+        return holds()
     return fails("a part of the chain stays in stick-slip.")
 
 

@@ -113,14 +113,14 @@ def velocities() -> Velocities:
 
 
 def rule_linear(e: Velocities) -> Ruling:
-    """In the range of the figure a line must fit within the size of a mark."""
+    """Rule: in the range of the figure a line must fit within the size of a mark."""
     if e.residual < RESIDUAL and e.gap < 1e-3:
         return holds()
     return fails("no line fits the velocities within the size of a mark.")
 
 
 def rule_rapid(e: Velocities) -> Ruling:
-    """Just above the threshold v must be steeper than the line, beyond the errors of both."""
+    """Rule: just above the threshold v must be steeper than the line, beyond the errors of both."""
     if e.slopes[0] > STEEPER * e.slopes[1] and e.gap < 1e-3:
         return holds()
     return fails("just above the threshold the velocity is no steeper than the line.")
@@ -195,7 +195,7 @@ def no_propagation() -> NoPropagation:
 
 
 def rule_no_propagation(e: NoPropagation) -> Ruling:
-    """From one site at the edge, as the caption has it, no other site may ever stick."""
+    """Rule: from one site at the edge, as the caption has it, no other site may ever stick."""
     if all(n == 1 for n in e.arrived) and max(BELOW) < e.threshold and e.gap < 1e-3:
         return holds()
     return fails("below the threshold other sites stick.")

@@ -97,14 +97,14 @@ def localised() -> Localised:
 
 
 def rule_localised(e: Localised) -> Ruling:
-    """The run must settle on a stable orbit whose ends are at rest."""
+    """Rule: the run must settle on a stable orbit whose ends are at rest."""
     if e.gap < AGREE and e.stable and e.orbit[0] < 1e-4 * e.orbit[CENTRE]:
         return holds()
     return fails("the run does not settle on a stable localised orbit.")
 
 
 def rule_decay(e: Localised) -> Ruling:
-    """One exponential must give every amplitude within what the figure shows."""
+    """Rule: one exponential must give every amplitude within what the figure shows."""
     if e.gap < AGREE and e.rate < -1.0 and e.off < SEEN:
         return holds()
     return fails("the amplitudes are not those of one exponential.")

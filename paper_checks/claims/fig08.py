@@ -87,7 +87,7 @@ def amplitudes() -> Amplitudes:
 
 
 def rule_amplitudes(e: Amplitudes) -> Ruling:
-    """Every circle of the figure must lie on its curve within its own width."""
+    """Rule: every circle of the figure must lie on its curve within its own width."""
     if e.closing < 1e-8 and max(e.off) < MARK:
         return holds()
     return fails("the closed form is off by more than a circle of the figure.")
@@ -179,14 +179,14 @@ def _sound(e: Assumptions) -> bool:
 
 
 def rule_assumptions(e: Assumptions) -> Ruling:
-    """δ must be small beside c, and k₂ + π/2 small."""
+    """Rule: δ must be small beside c, and k₂ + π/2 small."""
     if _sound(e) and e.share < SMALL and abs(e.turn) < SMALL:
         return holds()
     return fails("δ is not small beside c, or the phase step is not -π/2.")
 
 
 def rule_neglected(e: Assumptions) -> Ruling:
-    """What (28) neglects must be small beside what it keeps."""
+    """Rule: what (28) neglects must be small beside what it keeps."""
     if _sound(e) and e.neglected < SMALL:
         return holds()
     return fails("what (28) neglects is not small.")

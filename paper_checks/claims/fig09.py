@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
 from paper_checks.claims._orbits import SITES, orbit_of
 from paper_checks.report.data_table import long_table
@@ -99,7 +99,7 @@ def _moduli(found: Any) -> NDArray[np.float64]:
 
 
 def rule_multipliers(e: Multipliers) -> Ruling:
-    """Two must cross together, at the printed coupling within its rounding."""
+    """Rule: two must cross together, at the printed coupling within its rounding."""
     if not e.gap < 1e-6 or abs(e.even - e.odd) > TOGETHER:
         return fails("no two multipliers leave the unit circle together.")
     if agrees(e.odd, PRINTED) and agrees(e.even, PRINTED):
@@ -174,7 +174,7 @@ def escape() -> Escape:
 
 
 def rule_escape(e: Escape) -> Ruling:
-    """Inside the circle a perturbation must decay, outside grow, at the multiplier's rate."""
+    """Rule: inside the circle a perturbation must decay, outside grow, at the multiplier's rate."""
     if e.gap < 1e-4 and e.inside[1] < 1.0 < e.outside[1]:
         return holds()
     return fails("perturbations do not follow the multipliers.")

@@ -104,7 +104,7 @@ def in_phase() -> InPhase:
 
 
 def rule_in_phase(e: InPhase) -> Ruling:
-    """The nuclei must stay, be steady from the paper's start, and be in phase."""
+    """Rule: the nuclei must stay, be steady from the paper's start, and be in phase."""
     if not e.localised or not e.gap < 0.03 or e.symmetric_change > STEADY:
         return fails("nuclei prepared in phase do not reach a steady localised state.")
     if e.end_steps.max() < IN_PHASE:

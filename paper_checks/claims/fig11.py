@@ -13,7 +13,7 @@ from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B, monodromy_by_differences
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
-from paper_checks.ruling import agrees, corrected, fails, holds, partly
+from paper_checks.ruling import agrees, corrected, fails, holds
 
 if TYPE_CHECKING:
     from verification.breathers.phase_locked import LockedBranch
@@ -150,7 +150,7 @@ def sweeps() -> Sweeps:
 
 
 def rule_values(e: Sweeps) -> Ruling:
-    """The digits must be right, or be those of sweeps at one rate."""
+    """Rule: the digits must be right, or be those of sweeps at one rate."""
     if not e.folds.agree:
         return fails("folds and runs disagree.")
     if all(agrees(e.folds.orbit[n], text, e.folds.error) for n, text in PRINTED.items()):
@@ -186,7 +186,7 @@ def draw_sweeps(e: Sweeps) -> tuple[Picture, ...]:
 
 
 def rule_order(e: Folds) -> Ruling:
-    """Size 1 must end first and size 3 last, as the paper's start has them."""
+    """Rule: size 1 must end first and size 3 last, as the paper's start has them."""
     larger = [c for n, c in e.orbit.items() if n != 1]
     if e.agree and e.orbit[1] < min(larger) and e.orbit[3] == max(larger):
         return holds()
@@ -194,7 +194,7 @@ def rule_order(e: Folds) -> Ruling:
 
 
 def rule_converged(e: Folds) -> Ruling:
-    """From size 5 on the values must be one to the paper's four decimals."""
+    """Rule: from size 5 on the values must be one to the paper's four decimals."""
     if e.agree and e.spread < CONVERGED and e.step > e.spread:
         return holds()
     return fails("the critical coupling still changes from size 5 on.")
@@ -337,7 +337,7 @@ def _seeded_runs() -> tuple[int, ...]:
 
 
 def rule_stable(e: Nuclei) -> Ruling:
-    """Some breather of each larger odd size must be stable somewhere."""
+    """Rule: some breather of each larger odd size must be stable somewhere."""
     if e.solvers_apart > SOLVERS:
         return fails("two solvers disagree on growth rates.")
     if set(e.odd_stable) >= {3, 5, 7}:
@@ -349,7 +349,7 @@ def rule_stable(e: Nuclei) -> Ruling:
 
 
 def rule_all_lost(e: Nuclei) -> Ruling:
-    """No breather may be left at 0.2011, and runs from nuclei there must not stay localised."""
+    """Ask: no breather may be left at 0.2011, nor any run stay localised."""
     left = e.last[1] >= LAST
     if not left and e.solvers_apart < SOLVERS and all(n > 8 for n in e.seeded_runs):
         return holds()
@@ -406,11 +406,15 @@ def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     return (picture("fig11-nuclei", "", figure, {k: np.array(v) for k, v in ends.items()}),)
 
 
-ORBIT = Method("continuation of periodic orbits of (8) through their folds",
-               "verification.thresholds.breather:breather_threshold")
-RUNS = Method("bisection of runs of the averaged chain",
-              "verification.breathers.nucleation:escape_threshold",
-              "sizes 1, 3 and 5 as ε → 0")
+ORBIT = Method(
+    "continuation of periodic orbits of (8) through their folds",
+    "verification.thresholds.breather:breather_threshold",
+)
+RUNS = Method(
+    "bisection of runs of the averaged chain",
+    "verification.breathers.nucleation:escape_threshold",
+    "sizes 1, 3 and 5 as ε → 0",
+)
 LOCKED = Method("all phase-locked breathers by Newton's method, with their exponents",
                 "verification.breathers.phase_locked:locked_breathers")  # fmt: skip
 

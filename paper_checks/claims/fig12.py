@@ -80,7 +80,7 @@ def steady() -> Steady:
 
 
 def rule_steady(e: Steady) -> Ruling:
-    """Site after site, at one velocity between the three times."""
+    """Rule: site after site, at one velocity between the three times."""
     even = abs(e.velocities[1] / e.velocities[0] - 1.0) < STEADY and e.spread < DELAY
     if e.in_order and even and e.gap < AGREE:
         return holds()

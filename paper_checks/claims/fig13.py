@@ -121,7 +121,7 @@ def scaling() -> Scaling:
 
 
 def rule_scaling(e: Scaling) -> Ruling:
-    """A line in the range of the figure for (8), and an exponent of one in the end for ε → 0."""
+    """Ask: a line in the range of the figure and an exponent of one in the end."""
     straight = e.residual < MARK
     asymptotic = abs(e.exponent - 1.0) < LINEAR and abs(e.last[0] / e.last[1] - 1.0) < 1e-3
     if straight and asymptotic and e.gap < 1e-3:
@@ -179,7 +179,9 @@ class Law:
     @property
     def worst(self) -> float:
         """Largest difference of law and run from c = 100 on, less the error of the run."""
-        return max((abs(v - law) - error) / v for _, c, v, error, law, _ in self.settled if c >= 100)
+        return max(
+            (abs(v - law) - error) / v for _, c, v, error, law, _ in self.settled if c >= 100
+        )
 
     @property
     def words(self) -> str:
@@ -241,7 +243,7 @@ def fastest_waves(c: float, eps: float = EPS) -> tuple[float, float]:
 
 
 def rule_law(e: Law) -> Ruling:
-    """The law must hold at every η from c = 100 on, and κ decide who is faster."""
+    """Rule: the law must hold at every η from c = 100 on, and κ decide who is faster."""
     if e.worst < LAW and e.outrun and len(e.settled) >= 10:
         return holds()
     return fails("runs leave the law for large c.")

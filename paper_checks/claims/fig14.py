@@ -75,7 +75,7 @@ def collapse() -> Collapse:
 
 
 def rule_collapse(e: Collapse) -> Ruling:
-    """One curve, to the accuracy of the velocities, while η itself matters."""
+    """Rule: one curve, to the accuracy of the velocities, while η itself matters."""
     if e.apart < AGREE and e.scipy_apart < 1e-6 and e.varies > 2.0:
         return holds()
     return fails("sets of a and b of one η have different velocities.")

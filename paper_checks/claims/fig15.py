@@ -102,7 +102,7 @@ def state_map() -> StateMap:
 
 
 def rule_map(e: StateMap) -> Ruling:
-    """All three states must be met, few points be in none, and both equations agree."""
+    """Rule: all three states must be met, few points be in none, and both equations agree."""
     three = all(e.counts.get(name, 0) for name in ("front", "breather", "fixed point"))
     agreed = e.same >= (1.0 - LARGEST_SHARE) * e.points
     if three and agreed and e.undecided <= FEW * e.points:
@@ -187,7 +187,7 @@ def alike() -> Alike:
 
 
 def rule_alike(e: Alike) -> Ruling:
-    """Both maps must have the core sequences, in one order of growing forcing."""
+    """Rule: both maps must have the core sequences, in one order of growing forcing."""
     shared = all(each in e.one and each in e.two for each in CORE)
     ordered = all(list(row) == sorted(row) for row in e.first_at.values())
     if shared and ordered:

@@ -104,7 +104,7 @@ def _agreed(e: Profile) -> bool:
 
 
 def rule_admissible(e: Profile) -> Ruling:
-    """(47) must hold for every ζ, and all three profiles be one."""
+    """Rule: (47) must hold for every ζ, and all three profiles be one."""
     size = np.abs(e.phi)
     seen = bool(np.all(size[e.zeta < 0] > e.threshold) and np.all(size[e.zeta > 0] < e.threshold))
     if _agreed(e) and e.admissible and seen:
@@ -113,7 +113,7 @@ def rule_admissible(e: Profile) -> Ruling:
 
 
 def rule_limits(e: Profile) -> Ruling:
-    """Both limits within the proven bounds, in theory and in the chain."""
+    """Rule: both limits within the proven bounds, in theory and in the chain."""
     near = e.behind <= e.bounds[0] + 1e-11 and e.ahead <= e.bounds[1] + 1e-11
     if _agreed(e) and near and e.chain_behind < AGREE:
         return holds()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.report.velocity_plot import (
@@ -50,7 +50,7 @@ class Scaling:
 
     @property
     def last(self) -> float:
-        """d ln v̂/d ln c at c = 10⁴."""
+        """D ln v̂/d ln c at c = 10⁴."""
         return self.exponent[-1]
 
     @property
@@ -122,7 +122,7 @@ def _exponent_by_series(c: float, v: float) -> float:
 
 
 def rule_scaling(e: Scaling) -> Ruling:
-    """The exponent must be one in the end; both methods and the chain must agree."""
+    """Rule: the exponent must be one in the end; both methods and the chain must agree."""
     if e.gap < AGREE and e.series_gap < 1e-5 and abs(e.last - 1.0) < WINDOW:
         return holds()
     return fails(
@@ -214,7 +214,7 @@ def implicit() -> Implicit:
 
 
 def rule_implicit(e: Implicit) -> Ruling:
-    """(54) must give the velocity of the moving chain, wherever the chain has one."""
+    """Rule: (54) must give the velocity of the moving chain, wherever the chain has one."""
     if e.gap < AGREE and e.above >= 1:
         return holds()
     return fails("solutions of (54) are not the velocities of the chain.")
@@ -273,7 +273,7 @@ def admissibility() -> Admissibility:
 
 
 def rule_admissibility(e: Admissibility) -> Ruling:
-    """Every steady front of the chain must be an admissible solution, and none another one."""
+    """Ask: every steady front of the chain must be an admissible solution, and none another one."""
     if e.runs >= 5 and e.gap < AGREE and not any(e.reached):
         return holds()
     return fails("the chain has steady fronts that do not satisfy (47).")

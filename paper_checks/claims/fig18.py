@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._fronts import staggered_velocity
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
@@ -46,7 +46,7 @@ class Alike:
 
     @property
     def slopes(self) -> str:
-        """d ln v̂/d ln η from one η to the next, by (43) and by (54)."""
+        """D ln v̂/d ln η from one η to the next, by (43) and by (54)."""
         rows = zip(pairwise(ETAS), pairwise(self.averaged), pairwise(self.simplified), strict=True)
         return ", ".join(
             f"{math.log(y / x) / math.log(high / low):.2f} and "
@@ -79,7 +79,7 @@ def alike() -> Alike:
 
 
 def rule_alike(e: Alike) -> Ruling:
-    """Both velocities must fall with η, at every step."""
+    """Rule: both velocities must fall with η, at every step."""
     falls = all(a > b for row in (e.simplified, e.averaged) for a, b in pairwise(row))
     if falls and e.gap < AGREE and e.scipy_gap < 1e-4:
         return holds()
@@ -159,7 +159,7 @@ def any_set() -> AnySet:
 
 
 def rule_any_set(e: AnySet) -> Ruling:
-    """Each set must have a solution; where there is none the chain must not advance."""
+    """Rule: each set must have a solution; where there is none the chain must not advance."""
     advance = [n > 0 for _, _, n, _, _ in e.rows]
     moves = [v is not None and v > 0.0 for *_, v, _ in e.rows]
     if e.gap > AGREE or advance != moves:
@@ -217,7 +217,7 @@ def explicit() -> Explicit:
 
 
 def rule_explicit(e: Explicit) -> Ruling:
-    """The sum must need no root, and the limits be explicit, for the reason to fail."""
+    """Rule: the sum must need no root, and the limits be explicit, for the reason to fail."""
     if e.gap > e.bound:
         return fails("integral and root series differ.")
     near = max(abs(e.strong[0] / e.strong[1] - 1.0), abs(e.weak - 1.0), e.rest)

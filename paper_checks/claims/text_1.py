@@ -61,14 +61,14 @@ def length() -> Scales:
 
 
 def rule_spring(e: Scales) -> Ruling:
-    """The spring of (1) must be η_c, as (1) prints it, and not c."""
+    """Rule: the spring of (1) must be η_c, as (1) prints it, and not c."""
     if e.right < EXACT and e.printed > APART:
         return corrected("the spring of (1) is $\\eta_c$, and $c = \\eta_c/k$ its scaled value.")
     return holds() if e.printed < EXACT else fails("neither symbol gives the scaled chain.")
 
 
 def rule_length(e: Scales) -> Ruling:
-    """The length must be y_0; the derivative is good to 1e-8."""
+    """Rule: the length must be y_0; the derivative is good to 1e-8."""
     if e.right < 1e-8 < e.printed:
         return corrected("$x_0$ is not defined and must be the $y_0$ of (4).")
     return holds() if e.printed < 1e-8 else fails("no length gives the scaled velocity.")
@@ -95,7 +95,7 @@ def ends() -> Ends:
 
 
 def rule_ends(e: Ends) -> Ruling:
-    """Free ends must leave uniform steady sliding an equilibrium."""
+    """Rule: free ends must leave uniform steady sliding an equilibrium."""
     return holds() if e.free < EXACT else fails("free ends pull a uniform chain.")
 
 
@@ -120,7 +120,7 @@ def trapezoid() -> Trapezoid:
 
 
 def rule_trapezoid(e: Trapezoid) -> Ruling:
-    """The amplitude must be kept to rounding."""
+    """Rule: the amplitude must be kept to rounding."""
     return holds() if max(e.drift, e.factor) < 1e-10 else fails("the rule changes amplitudes.")
 
 
@@ -167,13 +167,11 @@ def patterns() -> Patterns:
             lane.go_to(LATE + 100.0)
             rows.append(tuple(int(n) + 1 for n in np.flatnonzero(~np.isnan(lane.arrivals))))
         late[v_d] = tuple(rows)
-    return Patterns(
-        late=late, gap=disagreement(chain_of(WEAK, 7), (2, 6), 60.0)
-    )
+    return Patterns(late=late, gap=disagreement(chain_of(WEAK, 7), (2, 6), 60.0))
 
 
 def rule_patterns(e: Patterns) -> Ruling:
-    """All must persist where the cell is bistable, and none be told apart where it is not."""
+    """Rule: all must persist where the cell is bistable, and none be told apart where it is not."""
     one = e.ends[SLOW] == e.ends[FAST] == 1
     if e.kept == len(PATTERNS) and one and e.gap < APART:
         return holds()
@@ -194,7 +192,7 @@ class Nucleation:
     gap: float
 
     def words(self, push: float) -> str:
-        """The ends at `FRICTION` for one displacement."""
+        """Write the ends at `FRICTION` for one displacement."""
         pairs = zip(FRICTION, self.outcomes[push], strict=True)
         return ", ".join(f"{each.end.value} at {c:g}" for c, each in pairs)
 
@@ -238,7 +236,7 @@ def nucleation() -> Nucleation:
 
 
 def rule_nucleation(e: Nucleation) -> Ruling:
-    """Larger nuclei must stand between the single site and the front, as section 2.2 explains."""
+    """Ask: larger nuclei must stand between the single site and the front."""
     if "front" not in e.ends or not e.gap < APART:
         return fails("the single site does not give way to a front.")
     if "larger nucleus" in e.ends:

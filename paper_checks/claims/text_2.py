@@ -96,7 +96,7 @@ def cells() -> Cells:
 
 
 def rule_cells(e: Cells) -> Ruling:
-    """In both: rest inside an unstable cycle inside a stable one."""
+    """Rule: in both: rest inside an unstable cycle inside a stable one."""
     second = max(e.rest) < 1.0 and min(m for _, m in e.inner) > 1.0 > max(m for _, m in e.outer)
     first = e.friction_inner[1] > 1.0 and e.friction_inside and e.friction_outside and e.sticks
     if second and first and e.predicted < 0.05:
@@ -146,7 +146,7 @@ def small() -> Small:
 
 
 def rule_small(e: Small) -> Ruling:
-    """The cycle must be a sinusoid to a tenth, and tend to one with ε."""
+    """Rule: the cycle must be a sinusoid to a tenth, and tend to one with ε."""
     if max(e.ripple) < 0.1 and min(e.orders) > 0.8:
         return holds()
     return fails("at ε = 0.01 the cycle is far from a sinusoid.")
@@ -177,7 +177,7 @@ def substitution() -> Substitution:
 
 
 def rule_substitution(e: Substitution) -> Ruling:
-    """(15) must come from (10), as printed, or from (11)."""
+    """Rule: (15) must come from (10), as printed, or from (11)."""
     if e.has_wave[10]:
         return holds()
     if e.has_wave[11] and e.has_wave[15] and e.same:
@@ -232,12 +232,12 @@ def extraction() -> Extraction:
 
 
 def rule_extraction(e: Extraction) -> Ruling:
-    """The pair must have a solution, and the search must find it."""
+    """Rule: the pair must have a solution, and the search must find it."""
     return holds() if e.gap < 1e-8 else fails("(29) and (37) have no common solution.")
 
 
 def rule_uniquely(e: Extraction) -> Ruling:
-    """There must be one solution with a decay."""
+    """Rule: there must be one solution with a decay."""
     if e.gap > 1e-8:
         return fails("(29) and (37) have no common solution.")
     if e.number == 1:
@@ -265,7 +265,7 @@ def unknowns() -> Unknowns:
 
 
 def rule_unknowns(e: Unknowns) -> Ruling:
-    """There must be three."""
+    """Rule: there must be three."""
     return holds() if len(e.names) == 3 else fails("(26) has another number of unknowns.")
 
 
@@ -282,7 +282,9 @@ class Displays:
 def displays() -> Displays:
     """Evaluate the displays and in-line formulas that have no number."""
     t, k, w, e = np.random.default_rng(21).uniform(0.1, 3.0, (4, 50))
-    wave = (np.exp(1j * k) * np.exp(1j * t) - np.exp(-1j * k) * np.exp(-1j * t)) / 2j - np.sin(t + k)
+    wave = (np.exp(1j * k) * np.exp(1j * t) - np.exp(-1j * k) * np.exp(-1j * t)) / 2j - np.sin(
+        t + k
+    )
     phi = e * np.exp(1j * k)
     psi = phi * np.exp(1j * w * t)
     y, rate = (-1j * (psi - psi.conj()) / (2 * w)).real, ((psi + psi.conj()) / 2).real
@@ -298,7 +300,7 @@ def displays() -> Displays:
 
 
 def rule_displays(e: Displays) -> Ruling:
-    """All must hold: exactly, or to the error of a difference."""
+    """Rule: all must hold: exactly, or to the error of a difference."""
     if e.wave < 1e-12 and e.envelope < 1e-8:
         return holds()
     return fails("a formula without a number does not hold.")
@@ -326,7 +328,7 @@ class ToLarger:
     ripple: float
 
     def words(self, seed: int | None) -> str:
-        """Ends by coupling, for one seed."""
+        """Write the ends by coupling, for one seed."""
         named = {"larger nucleus": "{} sites, stationary", "creep": "{} sites, creeping"}
         return ", ".join(
             f"{named.get(end, end).format(self.sizes[seed][c])} at {c:g}"
@@ -379,7 +381,7 @@ def succession(ends: Mapping[float, str]) -> bool:
 
 
 def rule_to_larger(e: ToLarger) -> Ruling:
-    """Larger nuclei must stand before fronts run, as attractors: with noise as well."""
+    """Rule: larger nuclei must stand before fronts run, as attractors: with noise as well."""
     if not e.confirmed or e.gap > e.ripple or not succession(e.ends[None]):
         return fails("no larger nucleus stands between the single one and the front.")
     if all(succession(e.ends[seed]) for seed in SEEDS):

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Method, Ruling, Verdict
 from paper_checks.ruling import corrected, fails, holds
 
 A, B = 4.0, 0.5
@@ -62,7 +62,7 @@ def _rate_34(phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
 
 
 def rule_gauge(e: Gauge) -> Ruling:
-    """The difference must be of the order of ε, as the error of averaging is."""
+    """Rule: the difference must be of the order of ε, as the error of averaging is."""
     return holds() if e.order > 0.9 and e.gaps[1] < 0.1 else fails("ω = 1 changes the solution.")
 
 
@@ -102,7 +102,7 @@ def equilibria() -> Equilibria:
 
 
 def rule_equilibria(e: Equilibria) -> Ruling:
-    """Either side of |φ_us| must go to its own equilibrium, both stable in (43) as well."""
+    """Rule: either side of |φ_us| must go to its own equilibrium, both stable in (43) as well."""
     if max(e.rest, e.cycle) < 1e-6 and min(*e.rates, *e.envelope_rates) > 0.0:
         return holds()
     return fails("(44) is not bistable between 0 and φ_s.")
@@ -146,14 +146,14 @@ def velocities() -> Velocities:
 
 
 def rule_quantitative(e: Velocities) -> Ruling:
-    """The two must differ by more than a tenth: what would count as a match."""
+    """Rule: the two must differ by more than a tenth: what would count as a match."""
     if e.gap < 1e-8 and abs(e.ratio - 1.0) > 0.1:
         return holds()
     return fails("(54) matches the velocity of the averaged chain.")
 
 
 def rule_captions(e: Velocities) -> Ruling:
-    """(54), which the figures show, must be the velocity of (43), or else of (44)."""
+    """Rule: (54), which the figures show, must be the velocity of (43), or else of (44)."""
     if abs(e.averaged - e.kinetic) <= e.averaged_error:
         return holds()
     if e.gap < 1e-8:

@@ -138,7 +138,11 @@ def judge(claim: Claim) -> Judgement:
     --------
     >>> def broken():
     ...     raise ArithmeticError("no root in the box")
-    >>> claim = Claim("k", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", broken)
+    >>> claim = Claim(
+    ...     key="k", place="Eq. 1", quote="It holds.", statement="It holds.",
+    ...     recorded=Verdict.REPRODUCED, command="true", evidence=broken, rule=print, text="",
+    ...     methods=(),
+    ... )
     >>> judge(claim).failure
     'ArithmeticError: no root in the box.'
     """

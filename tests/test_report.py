@@ -17,7 +17,7 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover
 from paper_checks.claim import Verdict
-from paper_checks.report import measurements
+from paper_checks.report import measurements, render
 from paper_checks.report.data_table import columns_as_csv, long_table
 from paper_checks.report.pictures import new_axes, picture
 from paper_checks.store import Store
@@ -225,8 +225,8 @@ def test_one_and_two_processes_give_the_same_report(tmp_path, capsys):
     assert reports[0] == reports[1]
     names = sorted(path.name for path in (tmp_path / "1").iterdir() if path.is_file())
     assert names == sorted(path.name for path in (tmp_path / "2").iterdir() if path.is_file())
-    assert len(names) == 2 + 2 * 2  # the page, the JSON, and two files for each picture
-    for name in (name for name in names if name.endswith((".svg", ".csv"))):
+    assert len(names) == 3 + 4 * 2  # two pages, the JSON, and four files for each picture
+    for name in (name for name in names if name.endswith((".svg", ".csv", ".png", ".pdf"))):
         assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
 
 
@@ -283,7 +283,9 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, mo
     others = [link for link in page.links if link not in anchors]
     choices = [link for link in others if link.startswith("#verdict=")]
     data = [link for link in others if link.startswith("data:text/csv")]
-    assert sorted(others) == sorted(choices + data)
+    files = [link for link in others if re.fullmatch(r"[\w-]+\.(svg|png|pdf)", link)]
+    assert sorted(others) == sorted([*choices, *data, *files, render.DOCS])
+    assert len(files) == 3 * 2
     assert len(choices) == 5
     assert len(data) == 2  # one a picture
     assert "url(http" not in text
@@ -292,7 +294,8 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, mo
 
 def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypatch):
     assert main(["check", "--out", str(tmp_path)]) == 0
-    words = "".join(Page((tmp_path / "index.html").read_text()).words)
+    assert "methods.html" in Page((tmp_path / "index.html").read_text()).links
+    words = "".join(Page((tmp_path / "methods.html").read_text()).words)
     for shown in (
         "at least 200 times150not met",
         "10⁻³ to 10⁻⁴, 10⁻⁶10⁻⁵: series, 2.5 timesseries: it <cannot> do small v",
@@ -315,7 +318,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
     assert json.loads((tmp_path / "report.json").read_text())["measurements"] == []
     monkeypatch.setattr(measurements, "RESULTS", tmp_path / "none")
     assert main(["check", "--out", str(tmp_path)]) == 0
-    assert "stored records" not in (tmp_path / "index.html").read_text()
+    assert "methods.html" not in (tmp_path / "index.html").read_text()
 
 
 def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeypatch, capsys):

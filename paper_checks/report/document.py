@@ -246,8 +246,8 @@ def pictures_listed(path: Path) -> set[str]:
     """
     try:
         claims = json.loads(path.read_text(encoding="utf-8"))["claims"]
-        names = {one[kind] for claim in claims for one in claim["pictures"] for kind in _KINDS}
-    except (OSError, ValueError, KeyError, TypeError):
+        names = {one.get(kind) for claim in claims for one in claim["pictures"] for kind in _KINDS}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return set()
     # A name with a folder in it was not written by a report.
     return {name for name in names if isinstance(name, str) and NAME.fullmatch(name)}

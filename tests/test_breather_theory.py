@@ -18,7 +18,8 @@ from theory.averaged.envelope import (
     staggered_phase,
     staggered_rate,
 )
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.17, sites=8)

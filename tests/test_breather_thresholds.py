@@ -11,14 +11,15 @@ from scipy.integrate import solve_ivp
 
 from paper_checks.claims import fig07, fig08, fig09, fig10, fig11
 from theory.averaged.envelope import envelope_rate
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.nucleus import Nucleus, outward_pattern, right_angle_patterns
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import exponents
 from verification.breathers.continuation import trace
 from verification.breathers.escape_range import escape_range
 from verification.breathers.newton import solve_at
 from verification.breathers.nucleation import Preparation, escape_threshold, hold, phase_steps
-from verification.breathers.nucleus import Nucleus, outward_pattern, right_angle_patterns
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import RunStatus, run_breather
 from verification.breathers.slow_sweep import measure_delay

@@ -52,7 +52,7 @@ def differences(chain: VdpChain, state: np.ndarray, time: float) -> np.ndarray:
     return (ends[:, :size] - ends[:, size:]) / (2 * step)
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_taylor_flow_is_that_of_scipy(ends: Ends) -> None:
     chain = replace(CHAIN, ends=ends)
     state = np.random.default_rng(SEED).normal(size=14)

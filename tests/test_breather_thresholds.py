@@ -39,7 +39,7 @@ def test_continuation_finds_the_fold_of_a_circle() -> None:
     assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_a_run_of_the_envelope_is_that_of_scipy(ends: Ends) -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.15, sites=7, ends=ends)
     rng = np.random.default_rng(SEED)

@@ -211,7 +211,7 @@ def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
     assert run.stiff_steps > 0 or displacement < 50.0
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_jacobian_is_the_derivative_of_the_right_side(ends: Ends) -> None:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=4, ends=ends)
     x = np.random.default_rng(1).standard_normal(8)

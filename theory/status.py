@@ -1,4 +1,4 @@
-"""Statuses and choices: enums whose members carry the sentence that explains them."""
+"""The base of enumerations whose members say in a sentence what they mean."""
 
 from __future__ import annotations
 
@@ -7,21 +7,30 @@ from typing import Self
 
 
 class Status(StrEnum):
-    """A word, and the sentence that says what it means and, where it helps, what to do.
+    """A word for JSON and files, and a sentence for people, on one member.
+
+    Members are written as a pair. The word alone finds the member.
+
+    Attributes
+    ----------
+    sentence : str
+        What the member means, and where something can be done, what to do.
 
     Examples
     --------
-    >>> class Weather(Status):
-    ...     DRY = "dry", "No rain is expected."
-    >>> Weather.DRY.value, Weather.DRY.sentence, Weather("dry") is Weather.DRY
-    ('dry', 'No rain is expected.', True)
+    >>> class Outcome(Status):
+    ...     DONE = "done", "the run has come to its end."
+    >>> Outcome("done").sentence, f"{Outcome.DONE}"
+    ('the run has come to its end.', 'done')
     """
 
     sentence: str
 
-    def __new__(cls, word: str, sentence: str = "") -> Self:
-        """Make a member of its word and its sentence; a word alone looks the member up."""
-        member = str.__new__(cls, word)
-        member._value_ = word
+    def __new__(cls, value: str, sentence: str = "") -> Self:
+        """Return a member that carries its sentence."""
+        if not sentence.endswith("."):
+            raise TypeError(f"{cls.__name__} member {value!r} needs a sentence that says it.")
+        member = str.__new__(cls, value)
+        member._value_ = value
         member.sentence = sentence
         return member

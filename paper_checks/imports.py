@@ -33,7 +33,7 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
     Examples
     --------
     >>> list(closure("theory.cells.vdp", ["theory"]))
-    ['theory', 'theory.cells', 'theory.parameters', 'theory.cells.vdp']
+    ['theory', 'theory.cells', 'theory.cells.vdp', 'theory.parameters']
     """
     found: dict[str, Path] = {}
     waiting = [module]

@@ -1,4 +1,12 @@
-"""Which of the toolkit's files a module depends on, found by reading import statements."""
+"""Digests: of the code that a result depends on, of plain data, of arrays.
+
+The code of a result is that of the module it comes from and of all of the toolkit's modules which
+that one imports, directly or through others, found by reading import statements. Docstrings,
+comments and line breaks do not count.
+
+What a digest protects from: code, parameters, a truncated or damaged file that are taken for
+others. What it does not: somebody who forges a file and its digest, which anybody can compute.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +15,86 @@ import functools
 import hashlib
 import importlib.util
 import io
+import json
 import tokenize
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
+"""Packages whose code a result may depend on; those that only show it are not among them."""
+
+
+def digest_of(data: object) -> str:
+    """Return a digest of plain data: what JSON can hold, floats to the last bit.
+
+    Examples
+    --------
+    >>> digest_of({"a": 1, "b": 2}) == digest_of({"b": 2, "a": 1})
+    True
+    """
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def digest_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+    """Return a digest of named arrays: names, types, shapes and every bit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> digest_of_arrays({"a": np.zeros(2)}) == digest_of_arrays({"a": -np.zeros(2)})
+    False
+    """
+    total = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        total.update(f"{name}\0{array.dtype.str}\0{array.shape}\0".encode())
+        total.update(memoryview(np.ascontiguousarray(array).reshape(-1)).cast("B"))
+    return total.hexdigest()
+
+
+def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
+    """Return a digest of the names from a folder on, and of the contents, of files."""
+    total = hashlib.sha256()
+    for path in sorted(files):
+        content = path.read_bytes()
+        total.update(f"{path.relative_to(folder).as_posix()}\0{len(content)}\0".encode())
+        total.update(content)
+    return total.hexdigest()
+
+
+def digest_of_code(
+    modules: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = ()
+) -> str:
+    """Return a digest of the code that modules depend on.
+
+    Parameters
+    ----------
+    modules : iterable of str
+        Dotted names.
+    packages : collection of str, optional
+        Top-level packages whose code counts.
+    without : collection of str, optional
+        Modules of it that do not count, such as those that only draw.
+
+    Raises
+    ------
+    ValueError
+        If there is no such module.
+    """
+    files: dict[str, Path] = {}
+    for module in modules:
+        found = closure(module, packages)
+        if module not in found:
+            raise ValueError(f"there is no module {module} whose code could be read")
+        files |= found
+    total = hashlib.sha256()
+    for name, path in sorted(files.items()):
+        if name not in without:
+            total.update(f"{name}\0{essence(path)}\0".encode())
+    return total.hexdigest()
 
 
 def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
@@ -53,18 +138,6 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
         if computed:
             waiting.extend(_all_of(name.partition(".")[0]))
     return dict(sorted(found.items()))
-
-
-def digest(modules: Iterable[str], packages: Collection[str], without: Collection[str] = ()) -> str:
-    """Return a digest of the `essence` of all files in the `closure` of modules, some left out."""
-    files: dict[str, Path] = {}
-    for module in modules:
-        files |= closure(module, packages)
-    total = hashlib.sha256()
-    for name, path in sorted(files.items()):
-        if name not in without:
-            total.update(f"{name}\0{essence(path)}\0".encode())
-    return total.hexdigest()
 
 
 def essence(path: Path) -> str:
@@ -130,7 +203,7 @@ def _file(name: str) -> Path | None:
     top, *rest = name.split(".")
     spec = importlib.util.find_spec(top)
     homes = list(spec.submodule_search_locations or ()) if spec else []
-    for folder in homes or [str(Path(__file__).parents[1] / top)]:
+    for folder in homes or [str(Path(__file__).parents[2] / top)]:
         place = Path(folder, *rest)
         for path in (place / "__init__.py", place.with_suffix(".py")):
             if path.is_file():

@@ -51,7 +51,7 @@ def digest_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
     total = hashlib.sha256()
     for name, array in sorted(arrays.items()):
         total.update(f"{name}\0{array.dtype.str}\0{array.shape}\0".encode())
-        total.update(memoryview(np.ascontiguousarray(array).reshape(-1)).cast("B"))
+        total.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
     return total.hexdigest()
 
 

@@ -211,9 +211,7 @@ def sole_writer(path: Path) -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
-    target = _target(path)
-    if target is None:
-        raise FileError(path, "is a FIFO, which cannot be resumed from", "name a file")
+    target = plain_file(path)
     lock = target.with_name(target.name + ".lock")
     handle = _locked(path, lock)
     try:
@@ -222,6 +220,20 @@ def sole_writer(path: Path) -> Iterator[None]:
         with suppress(OSError):
             lock.unlink()  # while it is still held: who opens it now finds another file there
         os.close(handle)
+
+
+def plain_file(path: Path) -> Path:
+    """Return the plain file that a path leads to, through symbolic links, existing or not.
+
+    Raises
+    ------
+    FileError
+        If what is there is no plain file, or there is no folder for it.
+    """
+    target = _target(path)
+    if target is None:
+        raise FileError(path, "is a FIFO, from which nothing can be resumed", "name a file")
+    return target
 
 
 def _locked(path: Path, lock: Path) -> int:

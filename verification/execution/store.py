@@ -24,7 +24,7 @@ from typing import Any
 
 from theory.parameters import ParameterError
 from verification.execution.digest import digest_of
-from verification.execution.files import FileError, check_writable, file_error
+from verification.execution.files import FileError, check_writable, file_error, plain_file
 from verification.execution.metadata import differences
 
 FORMAT = 3
@@ -92,7 +92,7 @@ class Store:
     def __init__(
         self, path: Path, identity: Mapping[str, Any], *, resume: bool, replace: bool = False
     ) -> None:
-        self._path = path
+        self._path = plain_file(path)
         self._identity = json.loads(json.dumps({"format": FORMAT, **identity}))
         self._mark = digest_of(self._identity)
         self.results: dict[str, Any] = {}

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from verification.execution.journal import journal_path
 
 from fronts.cli import main
 from paper_checks.claim import Verdict
 from paper_checks.claims import fig15
 from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
-from verification.execution.journal import journal_path
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, grid
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines

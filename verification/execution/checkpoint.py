@@ -165,9 +165,7 @@ def _advance(
                 try:
                     interrupts.check()
                     if progress is not None:
-                        progress(
-                            sum(one.time for one in integrations) / (len(integrations) * end)
-                        )
+                        progress(sum(one.time for one in integrations) / (len(integrations) * end))
                 except KeyboardInterrupt:
                     if save is not None:
                         save()
@@ -337,7 +335,7 @@ def _read(box: zipfile.ZipFile, name: str, like: npt.NDArray[Any]) -> npt.NDArra
 
 
 def _fill(entry: Any, array: npt.NDArray[Any]) -> None:
-    view = memoryview(array.reshape(-1).view(np.uint8))
+    view = array.reshape(-1).view(np.uint8).data
     filled = 0
     while filled < len(view):
         count = entry.readinto(view[filled : filled + 2**24])

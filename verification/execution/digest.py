@@ -25,7 +25,12 @@ import numpy as np
 import numpy.typing as npt
 
 SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
-"""Packages whose code a result may depend on; those that only show it are not among them."""
+"""Packages whose code a result may depend on; ``fronts``, which only shows it, is not one."""
+
+DRAWING = (
+    "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
+)  # fmt: skip
+"""Modules that show what was measured, and change nothing of it."""
 
 
 def digest_of(data: object) -> str:
@@ -51,7 +56,7 @@ def digest_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
     total = hashlib.sha256()
     for name, array in sorted(arrays.items()):
         total.update(f"{name}\0{array.dtype.str}\0{array.shape}\0".encode())
-        total.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+        total.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
     return total.hexdigest()
 
 
@@ -66,7 +71,7 @@ def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
 
 
 def digest_of_code(
-    modules: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = ()
+    modules: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = DRAWING
 ) -> str:
     """Return a digest of the code that modules depend on.
 
@@ -77,7 +82,7 @@ def digest_of_code(
     packages : collection of str, optional
         Top-level packages whose code counts.
     without : collection of str, optional
-        Modules of it that do not count, such as those that only draw.
+        Modules of it that do not count.
 
     Raises
     ------
@@ -86,18 +91,35 @@ def digest_of_code(
     """
     files: dict[str, Path] = {}
     for module in modules:
-        found = closure(module, packages)
+        found = closure(module, packages, without)
         if module not in found:
             raise ValueError(f"there is no module {module} whose code could be read")
         files |= found
     total = hashlib.sha256()
     for name, path in sorted(files.items()):
-        if name not in without:
-            total.update(f"{name}\0{essence(path)}\0".encode())
+        total.update(f"{name}\0{essence(path)}\0".encode())
     return total.hexdigest()
 
 
-def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
+def digest_of_packages(packages: Iterable[str]) -> str:
+    """Return a digest of every Python file of some packages, wherever they are installed.
+
+    Examples
+    --------
+    >>> digest_of_packages(["theory"]) == digest_of_packages(["theory"])
+    True
+    """
+    found = {}
+    for package in packages:
+        home = _file(package)
+        if home is not None:
+            found[package] = digest_of_files(home.parent, home.parent.rglob("*.py"))
+    return digest_of(found)
+
+
+def closure(
+    module: str, packages: Collection[str] = SOURCES, without: Collection[str] = ()
+) -> dict[str, Path]:
     """Return the files that a module imports, itself included, directly or through others.
 
     Imports inside functions count; those under ``if TYPE_CHECKING`` do not. A module that
@@ -107,8 +129,10 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
     ----------
     module : str
         Dotted name.
-    packages : collection of str
+    packages : collection of str, optional
         Top-level packages that are followed; all others are left out.
+    without : collection of str, optional
+        Modules that are left out, and not followed.
 
     Returns
     -------
@@ -124,7 +148,7 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        if name in found or name.partition(".")[0] not in packages:
+        if name in found or name in without or name.partition(".")[0] not in packages:
             continue
         path = _file(name)
         if path is None:
@@ -133,7 +157,7 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
         parent = name.rpartition(".")[0]
         if parent:
             waiting.append(parent)
-        names, computed = _imports(path, name if path.name == "__init__.py" else parent)
+        names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
         waiting.extend(names)
         if computed:
             waiting.extend(_all_of(name.partition(".")[0]))
@@ -211,8 +235,16 @@ def _file(name: str) -> Path | None:
     return None
 
 
-def _imports(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
-    """Return what may be modules that a file imports, and whether it imports computed names."""
+def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
+    """Return what may be modules that a file imports, and whether it imports computed names.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    package : str
+        Dotted name of the package it is in, for relative imports.
+    """
     status = path.stat()
     return _imports_of(path, package, status.st_mtime_ns, status.st_size)
 

@@ -106,9 +106,7 @@ def check_writable(path: Path) -> None:
     if target is None:
         return
     if target.exists() and not os.access(target, os.W_OK):
-        raise FileError(
-            path, "cannot be written: no permission", "name another file", errno.EACCES
-        )
+        raise FileError(path, "cannot be written: no permission", "name another file", errno.EACCES)
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=PREFIX)
         os.close(handle)

@@ -29,7 +29,7 @@ MAX_WORKERS = 1024
 _PR_SET_PDEATHSIG = 1
 
 
-class WorkerDied(RuntimeError):
+class WorkerDiedError(RuntimeError):
     """The process that computed an item ended without an answer."""
 
     def __init__(self) -> None:
@@ -108,7 +108,8 @@ def answers(
         The items.
     workers : int, optional
         Processes, by default one a core that may be used, and never more than there are items;
-        1 computes in this process.
+        1 computes in this process, as does the default where no other process can import the
+        function.
     executor : Executor, optional
         Any executor of ``concurrent.futures``, in place of own processes; it is left open.
     begun : callable, optional
@@ -130,15 +131,20 @@ def answers(
     {0: 1, 1: 2}
     """
     count = min(worker_count(workers), len(items))
+    if executor is None and count > 1 and not _sendable(function):
+        if workers is not None:
+            raise ParameterError(
+                "function", function, "importable by its name where other processes compute it",
+                "define it in a module, or give workers=1",
+            )  # fmt: skip
+        count = 1
     if executor is None and count <= 1:
         yield from _here(function, items, begun)
         return
-    if executor is None:
-        _check_sendable(function)
     died: list[int] = []
     with worker_pool(count) if executor is None else nullcontext(executor) as pool:
         for index, answer in _side_by_side(function, items, pool, begun):
-            if isinstance(answer, WorkerDied) and executor is None:
+            if isinstance(answer, WorkerDiedError) and executor is None:
                 died.append(index)
             else:
                 yield index, answer
@@ -179,12 +185,12 @@ def _side_by_side(
             try:
                 futures[pool.submit(function, item)] = index
             except BrokenProcessPool:
-                yield index, WorkerDied()
+                yield index, WorkerDiedError()
         for future in as_completed(futures):
             try:
                 answer: Answer | Exception = future.result()
             except BrokenProcessPool:
-                answer = WorkerDied()
+                answer = WorkerDiedError()
             except Exception as error:
                 answer = error
             yield futures[future], answer
@@ -193,20 +199,14 @@ def _side_by_side(
             future.cancel()
 
 
-def _check_sendable(function: Callable[..., Any]) -> None:
-    """Refuse, in one sentence, what another process could not find by its name."""
-    remedy = "define it in a module that can be imported, or give workers=1"
+def _sendable(function: Callable[..., Any]) -> bool:
+    """Return whether another process can find the function by its name."""
     try:
-        pickle.dumps(function)
+        text = pickle.dumps(function)
     except (pickle.PicklingError, AttributeError, TypeError):
-        raise ParameterError(
-            "function", function, "importable by its name where other processes compute it", remedy
-        ) from None
-    home = getattr(function, "__module__", type(function).__module__)
-    if home == "__main__" and not hasattr(sys.modules["__main__"], "__file__"):
-        raise ParameterError(
-            "function", function, "defined in a file where other processes compute it", remedy
-        )
+        return False
+    # What was typed into a session is in no file that another process could read.
+    return b"__main__" not in text or hasattr(sys.modules["__main__"], "__file__")
 
 
 def _begin_worker(parent: int) -> None:

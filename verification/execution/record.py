@@ -59,8 +59,8 @@ class Record:
         clash = sorted({*self.content} & {*_OWN})
         if clash:
             raise ValueError(f"the content has keys of the metadata: {', '.join(clash)}.")
-        body = {"kind": self.kind, "format": FORMAT, **self.metadata.to_dict(), **self.content}
-        body = json.loads(json.dumps(body, allow_nan=False))  # as it will be read
+        written = {"kind": self.kind, "format": FORMAT, **self.metadata.to_dict(), **self.content}
+        body: dict[str, Any] = json.loads(json.dumps(written, allow_nan=False))  # as it is read
         return body | {"checksum": digest_of(body)}
 
     def save(self, path: Path) -> None:

@@ -163,7 +163,9 @@ class Store:
             self._path.with_name(self._path.name + ending).unlink(missing_ok=True)
 
     def _open(self, resume: bool, replace: bool) -> None:
-        self._connection = sqlite3.connect(self._path, timeout=0.0, isolation_level=None)
+        self._connection = sqlite3.connect(
+            self._path, timeout=0.0, isolation_level=None, check_same_thread=False
+        )
         for setting in _SETTINGS:
             self._connection.execute(setting)
         self._connection.execute("BEGIN EXCLUSIVE")

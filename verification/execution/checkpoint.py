@@ -33,7 +33,10 @@ FORMAT = 3
 """Of the file; files of another format are refused."""
 
 SAVE_PERIOD = 5.0
-"""Seconds between two checkpoints, and at least twenty times as long as one takes to write."""
+"""Seconds between two checkpoints."""
+
+SAVE_SHARE = 20.0
+"""Times as long as writing a checkpoint takes, at least, until the next one."""
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may keep: some gigabytes."""
@@ -128,12 +131,14 @@ def run_to_end(
     begin = perf_counter()
     with sole_writer(checkpoint) if checkpoint else nullcontext():
         spent = 0.0
+        metadata = _metadata(integrations) if checkpoint else {}  # of the code as it is now
         if checkpoint is not None and checkpoint.exists():
-            spent = load_integrations(checkpoint, integrations, end)
+            spent = _resumed(checkpoint, integrations, metadata, end)
 
         def save() -> None:
             if checkpoint is not None:
-                save_integrations(checkpoint, integrations, spent + perf_counter() - begin)
+                seconds = max(0.0, spent + perf_counter() - begin)
+                save_checkpoint(checkpoint, _arrays(integrations), metadata, seconds)
 
         _advance(integrations, end, budget, save if checkpoint else None, progress)
         save()
@@ -173,23 +178,14 @@ def _advance(
                 if save is not None and perf_counter() > due:
                     started = perf_counter()
                     save()
-                    due = perf_counter() + max(SAVE_PERIOD, 20.0 * (perf_counter() - started))
+                    due = perf_counter() + max(SAVE_PERIOD, SAVE_SHARE * (perf_counter() - started))
 
 
-def save_integrations(path: Path, integrations: Sequence[Resumable], seconds: float) -> None:
-    """Write integrations and the seconds spent so far; an older file is replaced at once."""
-    save_checkpoint(path, _arrays(integrations), _metadata(integrations), seconds)
-
-
-def load_integrations(path: Path, integrations: Sequence[Resumable], end: float) -> float:
-    """Fill integrations from a checkpoint, and return the seconds spent before.
-
-    Raises
-    ------
-    ParameterError
-        As `load_checkpoint`, or if a time in the file is not one of this run.
-    """
-    seconds = load_checkpoint(path, _arrays(integrations), _metadata(integrations))
+def _resumed(
+    path: Path, integrations: Sequence[Resumable], metadata: Mapping[str, Any], end: float
+) -> float:
+    """Fill integrations from a checkpoint, and return the seconds spent before."""
+    seconds = load_checkpoint(path, _arrays(integrations), metadata)
     for each in integrations:
         try:
             each.check_state()
@@ -248,9 +244,10 @@ def save_checkpoint(
         "digest": digest_of_arrays(arrays),
     }
     with writing(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as box:
-        box.writestr("header.json", json.dumps(header))
+        # Entries of a fixed date, which does not depend on a clock that may be wrong.
+        box.writestr(zipfile.ZipInfo("header.json"), json.dumps(header))
         for name, array in arrays.items():
-            with box.open(f"{name}.npy", "w", force_zip64=True) as entry:
+            with box.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
                 npy.write_array(entry, np.asarray(array, order="C"), allow_pickle=False)
 
 

@@ -9,6 +9,7 @@ file can do is give wrong numbers, not run code.
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import zipfile
@@ -46,6 +47,8 @@ _MAX_HEADER = 1_000_000
 
 _DEPENDS_ON = ("python", "numpy", "scipy", "numba")
 """Whose versions may change a bit of a run."""
+
+_WRITTEN = "a checkpoint as this toolkit writes them"
 
 Arrays = Mapping[str, npt.NDArray[Any]]
 
@@ -279,10 +282,12 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
     except ParameterError:
         raise
     except OSError as error:
-        raise file_error(path, error) from None
+        if error.errno == errno.EINVAL:  # a place beyond the file, given in the file itself
+            raise _refusal(path, _WRITTEN) from None
+        raise file_error(path, error, "read") from None
     except (ValueError, KeyError, TypeError, EOFError, RecursionError, NotImplementedError,
             RuntimeError, zipfile.BadZipFile, zipfile.LargeZipFile, OverflowError):  # fmt: skip
-        raise _refusal(path, "a checkpoint as this toolkit writes them") from None
+        raise _refusal(path, _WRITTEN) from None
     if digest_of_arrays(found) != header["digest"]:
         raise _refusal(path, "as it was written; its content is damaged")
     for name, array in arrays.items():

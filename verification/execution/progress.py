@@ -119,7 +119,7 @@ class Progress:
         first = next(iter(self._running), self._name)
         others = len(self._running) - 1
         name = f"{first} and {others} more" if others > 0 else first
-        self._live.update(self._task, description=name)
+        self._live.update(self._task, description=name, refresh=True)
 
     def _print(self, line: str) -> None:
         if self._live is not None:

@@ -27,12 +27,12 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from theory.vdp_chain import VdpChain
+from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
 from verification.breathers.run import RunStatus, run_breather
-from verification.scenes import Scene, damping, timed
+from verification.quantities.scenes import Scene, damping, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -29,7 +29,7 @@ import numpy as np
 from benchmarks.quantity import Quantity, Tell
 from derivations.averaging_evidence import damping_mean
 from derivations.periodic_orbit import orbit
-from verification.scenes import damping, timed
+from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -26,11 +26,11 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from theory.vdp_chain import VdpChain
-from verification.scenes import Scene, damping, timed
-from verification.vdp.front import measure_front
-from verification.vdp.run import Model, run_vdp
-from verification.vdp.start import staggered_front
+from theory.chains.vdp import VdpChain
+from verification.fronts.vdp import measure_front
+from verification.quantities.scenes import Scene, damping, timed
+from verification.runs.vdp import Model, run_vdp
+from verification.runs.vdp_start import staggered_front
 
 if TYPE_CHECKING:
     from scipy.integrate import DOP853

@@ -123,9 +123,9 @@ def whole_front(sites: float) -> object:
 
 
 def _front(sites: int, behind: int, full: bool = False) -> object:
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import staggered_front
+    from theory.chains.vdp import VdpChain
+    from verification.runs.vdp import Model, run_vdp
+    from verification.runs.vdp_start import staggered_front
 
     chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
     filled = min(24, sites // 2)
@@ -137,9 +137,9 @@ def _front(sites: int, behind: int, full: bool = False) -> object:
 
 
 def friction_front(sites: float) -> object:
-    from theory.friction_chain import FrictionChain
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from theory.chains.friction import FrictionChain
+    from verification.runs.friction import run_friction
+    from verification.runs.friction_start import nucleus
 
     chain = FrictionChain(0.05, sites=int(sites))
     return run_friction(
@@ -148,27 +148,27 @@ def friction_front(sites: float) -> object:
 
 
 def series(digits: float) -> object:
-    from theory.sum_series import sum_by_roots
+    from theory.piecewise.sums.series import sum_by_roots
 
     return sum_by_roots("0.3", "0.5", int(digits))
 
 
 def integral(digits: float) -> object:
-    from theory.sum_integral_precise import precise_sum_by_integral
+    from theory.piecewise.sums.precise import precise_sum_by_integral
 
     return precise_sum_by_integral("0.3", "0.5", int(digits))
 
 
 def slow_sum(inverse: float) -> object:
-    from theory.sum_integral import sum_by_integral
+    from theory.piecewise.sums.integral import sum_by_integral
 
     return sum_by_integral(1.0 / inverse, 0.5)
 
 
 def slow_front(inverse: float) -> object:
     """Solve for every v with |Σ| = its value at v = 1/inverse."""
-    from theory.branch_search import all_velocities
-    from theory.sum_integral import sum_by_integral
+    from theory.piecewise.branch_search import all_velocities
+    from theory.piecewise.sums.integral import sum_by_integral
 
     target = abs(sum_by_integral(1.0 / inverse, 0.5).value)
     return all_velocities(np.array([0.5]), np.array([target]))
@@ -187,9 +187,9 @@ def full_workers(count: float) -> object:
 
 
 def _map(points: int, count: int, full: bool = False) -> object:
-    from verification.sweeps.sweep import sweep
-    from verification.vdp.map import StateTask, state_points
-    from verification.vdp.run import Model
+    from verification.execution.sweep import sweep
+    from verification.maps.vdp import StateTask, state_points
+    from verification.runs.vdp import Model
 
     side = math.isqrt(points)
     etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)

@@ -26,11 +26,11 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, Target, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from verification.label import Label
-from verification.scenes import Scene, timed
-from verification.sweeps.table import Point
-from verification.vdp.map import StateTask
-from verification.vdp.run import Model
+from verification.execution.table import Point
+from verification.maps.state import Label
+from verification.maps.vdp import StateTask
+from verification.quantities.scenes import Scene, timed
+from verification.runs.vdp import Model
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.equal_error import least_factor
 from benchmarks.quantity import Quantity, Tell
-from verification.scenes import damping, timed
+from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from benchmarks.diagram import Style
     from benchmarks.record import Failure, Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
-    from theory.vdp_chain import VdpChain
-    from verification.scenes import Scene
+    from theory.chains.vdp import VdpChain
+    from verification.quantities.scenes import Scene
 
     FloatArray = npt.NDArray[np.float64]
 
@@ -123,7 +123,7 @@ def task_of(scene: Scene) -> Task:
     """Return the trajectory of a scene: the first site on its cycle."""
     import numpy as np
 
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(*damping(scene.values), sites=int(scene.values["sites"]))
     start = np.zeros(2 * chain.sites)
@@ -135,8 +135,8 @@ def ours(task: Task, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) of our default stepper."""
     import numpy as np
 
-    from verification.vdp.lane import Lane
-    from verification.vdp.start import displaced
+    from verification.runs.vdp_integration import Lane
+    from verification.runs.vdp_start import displaced
 
     lane = Lane(
         task.chain, True, displaced(task.chain, [1]), np.array([0.0, task.end]), tolerance, 1.0,
@@ -152,8 +152,8 @@ def _stated(task: Task, true: FloatArray, tolerance: float) -> Answer:
     """Return the error with the claim: the run as a user asks for it, a companion beside it."""
     import numpy as np
 
-    from verification.vdp.run import run_vdp
-    from verification.vdp.start import displaced
+    from verification.runs.vdp import run_vdp
+    from verification.runs.vdp_start import displaced
 
     run = run_vdp(
         task.chain, displaced(task.chain, [1]), task.end, tolerance=tolerance, samples=2
@@ -163,9 +163,9 @@ def _stated(task: Task, true: FloatArray, tolerance: float) -> Answer:
 
 def by_series(task: Task, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) by Taylor series."""
-    from verification.integrators.active import FREE
-    from verification.integrators.slopes import FULL
-    from verification.integrators.taylor import taylor_order, taylor_steps
+    from verification.steppers.active import FREE
+    from verification.steppers.slopes import FULL
+    from verification.steppers.taylor import taylor_order, taylor_steps
 
     state = task.start.reshape(2, -1).copy()
     order = taylor_order(tolerance)
@@ -251,10 +251,10 @@ def _own(
 
 
 def _fixed(task: Task, true: FloatArray, order: int, steps: int) -> Answer:
-    from verification.integrators.active import FREE
-    from verification.integrators.runge_kutta import fixed_steps
-    from verification.integrators.slopes import FULL
-    from verification.integrators.splitting import saba, split_steps
+    from verification.steppers.active import FREE
+    from verification.steppers.runge_kutta import fixed_steps
+    from verification.steppers.slopes import FULL
+    from verification.steppers.splitting import saba, split_steps
 
     state = task.start.reshape(2, -1).copy()
     h = task.end / steps
@@ -327,9 +327,9 @@ def _front_cost(lengths: Sequence[int]) -> Target:
     import numpy as np
 
     from benchmarks.record import Target
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import staggered_front
+    from theory.chains.vdp import VdpChain
+    from verification.runs.vdp import Model, run_vdp
+    from verification.runs.vdp_start import staggered_front
 
     seconds = []
     for sites in lengths:
@@ -351,9 +351,9 @@ def _map(model: str, limit: float) -> Target:
     import numpy as np
 
     from benchmarks.record import Target
-    from verification.sweeps.sweep import sweep
-    from verification.vdp.map import StateTask, state_points
-    from verification.vdp.run import Model
+    from verification.execution.sweep import sweep
+    from verification.maps.vdp import StateTask, state_points
+    from verification.runs.vdp import Model
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()
     begin = perf_counter()
@@ -365,9 +365,9 @@ def _map(model: str, limit: float) -> Target:
 
 def _thresholds() -> Target:
     from benchmarks.record import Target
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     chain = VdpChain(2.5, 0.5, 0.0, 0.01)
     sizes = (1, 2, 3, 5, 7, 9)

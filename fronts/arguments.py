@@ -132,7 +132,7 @@ def eta_of(options: argparse.Namespace) -> Any:
         return options.eta
     if not all(given):
         raise UsageError("give --eta, or both --a and --b.")
-    from theory.unit_cell import eta_from_damping
+    from theory.cells.vdp import eta_from_damping
 
     return eta_from_damping(options.a, options.b)
 

@@ -123,7 +123,7 @@ def _version() -> str:
 
 def _announce_compilation() -> None:
     """Let a terminal show that the first run of a stepper compiles it."""
-    logger = logging.getLogger("verification.compiled")
+    logger = logging.getLogger("verification.execution.compiled")
     if sys.stderr.isatty() and not logger.handlers:
         handler = logging.StreamHandler()
         handler.setFormatter(logging.Formatter("fronts: %(message)s"))
@@ -177,8 +177,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             details = {field: str(getattr(error, field)) for field in fields}
             _complain(str(error), as_json, details)
             return 2
-        from theory.kinetic_sum import PrecisionError
         from theory.parameters import RunError
+        from theory.piecewise.sums.result import PrecisionError
 
         if isinstance(error, (PrecisionError, RunError)):
             _complain(str(error), as_json, {})

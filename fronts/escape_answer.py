@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fronts.answer import Answer
 
 if TYPE_CHECKING:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation
 
 

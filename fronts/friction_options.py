@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from fronts.arguments import given, real
 
 if TYPE_CHECKING:
-    from theory.friction_cell import FrictionCell
-    from verification.friction.start import StartPoint
+    from theory.cells.friction import FrictionCell
+    from verification.runs.friction_start import StartPoint
 
 CELL = ("v_d", "mu_st", "mu_d", "v0", "xi")
 """Names of the options of one cell; each is None where it was not given."""
@@ -51,13 +51,13 @@ def cell_of(options: argparse.Namespace) -> FrictionCell:
     ParameterError
         If a parameter is out of range.
     """
-    from theory.friction_cell import FrictionCell
+    from theory.cells.friction import FrictionCell
 
     return FrictionCell(given(options.v_d, FrictionCell.v_d), **cell_numbers(options))
 
 
 def start_point_of(options: argparse.Namespace) -> StartPoint:
     """Return the point of the cycle that the options name."""
-    from verification.friction.start import StartPoint
+    from verification.runs.friction_start import StartPoint
 
     return StartPoint(options.start_point or "maximum")

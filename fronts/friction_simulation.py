@@ -15,7 +15,7 @@ from fronts.friction_options import CELL, cell_of, start_point_of
 from fronts.progress import Fraction, kept_by_checkpoint
 
 if TYPE_CHECKING:
-    from verification.friction.run import FrictionRun
+    from verification.runs.friction import FrictionRun
 
 
 def simulate_friction(options: argparse.Namespace) -> Answer:
@@ -26,10 +26,10 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     UsageError, ParameterError
         If they cannot be carried out.
     """
-    from theory.friction_chain import FrictionChain, FrictionEnds
+    from theory.chains.friction import FrictionChain, FrictionEnds
     from theory.parameters import within
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from verification.runs.friction import run_friction
+    from verification.runs.friction_start import nucleus
 
     if options.ends == "periodic":
         raise UsageError("--ends periodic is for the model vdp: take free or literal.")

@@ -126,7 +126,7 @@ def kept_by_journal(*outs: Path | None) -> AbstractContextManager[None]:
     """Let an interruption of sweeps into these tables name the journals that are left."""
 
     def said() -> str:
-        from verification.sweeps.journal import journal_path
+        from verification.execution.journal import journal_path
 
         left = [path for out in outs if out is not None for path in [journal_path(out)]]
         names = " and ".join(str(path) for path in left if path.exists())

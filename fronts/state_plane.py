@@ -18,8 +18,8 @@ from fronts.progress import Fraction, kept_by_journal
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from verification.sweeps.sweep import Task
-    from verification.sweeps.table import Point, Table
+    from verification.execution.sweep import Task
+    from verification.execution.table import Point, Table
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Plane:
 
 def map_plane(plane: Plane, options: argparse.Namespace) -> tuple[dict[str, object], Table]:
     """Sweep the plane, bisect its boundaries, draw it; return what is to be told, and the map."""
-    from verification.sweeps.boundary import Bisection
+    from verification.maps.boundary import Bisection
 
     begin = perf_counter()
     tables = () if options.out is None else (options.out, boundary_path(options.out))
@@ -71,7 +71,7 @@ def map_plane(plane: Plane, options: argparse.Namespace) -> tuple[dict[str, obje
 
 def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
     """Return one pool for both sweeps, so that processes start and load compiled code once."""
-    from verification.sweeps.sweep import own_workers, workers_allowed
+    from verification.execution.sweep import own_workers, workers_allowed
 
     count = min(workers_allowed() if workers is None else workers, points)
     return own_workers(count) if count > 1 else nullcontext()
@@ -86,7 +86,7 @@ def swept(
     executor: Executor | None,
 ) -> Table:
     """Sweep the points with a live line of progress."""
-    from verification.sweeps.sweep import sweep
+    from verification.execution.sweep import sweep
 
     with Fraction(f"{name} of {len(points)} points") as shown:
         return sweep(
@@ -112,7 +112,7 @@ def _boundary(
     options: argparse.Namespace,
     executor: Executor | None,
 ) -> Table:
-    from verification.sweeps.boundary import boundary_lines
+    from verification.maps.boundary import boundary_lines
 
     lines = boundary_lines(states, plane.axes)
     out = None if options.out is None else boundary_path(options.out)

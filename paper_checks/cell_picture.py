@@ -9,8 +9,8 @@ from paper_checks.pictures import COLOURS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_continuation import Continuation
+    from theory.cells.friction import FrictionCell
+    from verification.cells.friction_continuation import Continuation
 
 
 def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: Continuation) -> None:

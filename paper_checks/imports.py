@@ -32,8 +32,8 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
 
     Examples
     --------
-    >>> list(closure("theory.unit_cell", ["theory"]))
-    ['theory', 'theory.parameters', 'theory.unit_cell']
+    >>> list(closure("theory.cells.vdp", ["theory"]))
+    ['theory', 'theory.cells', 'theory.cells.vdp', 'theory.parameters']
     """
     found: dict[str, Path] = {}
     waiting = [module]

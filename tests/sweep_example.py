@@ -8,8 +8,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from verification.sweeps.sweep import sweep
-from verification.sweeps.table import Point, grid
+from verification.execution.sweep import sweep
+from verification.execution.table import Point, grid
 
 
 @dataclass(frozen=True)

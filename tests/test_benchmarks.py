@@ -40,10 +40,10 @@ from benchmarks.runner import (
 from fronts.cli import main
 from fronts.commands import bench
 from paper_checks.freshness import staleness
-from theory.envelope import envelope_rate
-from verification.friction.run import run_friction
-from verification.friction.start import nucleus
-from verification.scenes import REFERENCES, scene_named, timed
+from theory.averaged.envelope import envelope_rate
+from verification.quantities.scenes import REFERENCES, scene_named, timed
+from verification.runs.friction import run_friction
+from verification.runs.friction_start import nucleus
 
 
 def _fake(method, log, value=1.0, claimed=0.5, **options):

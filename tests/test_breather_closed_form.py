@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from theory.breather import Reading, solve_breather
-from theory.vdp_chain import VdpChain
+from theory.averaged.breather import Reading, solve_breather
+from theory.chains.vdp import VdpChain
 
 CHAINS = [VdpChain(a=2.5, b=0.5, c=0.1), VdpChain(a=4.0, b=0.5, c=0.05)]
 

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve, root
 
 from fronts.cli import main
-from theory.breather import BreatherStatus, solve_breather
-from theory.vdp_chain import Ends, VdpChain
+from theory.averaged.breather import BreatherStatus, solve_breather
+from theory.chains.vdp import Ends, VdpChain
 from verification.breathers.envelope import (
     envelope_branch,
     solve_envelope_breather,
@@ -21,7 +21,7 @@ from verification.breathers.envelope import (
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import orbit_branch, solve_orbit
-from verification.integrators.variational import integrate_chain, integrate_variations
+from verification.steppers.variational import integrate_chain, integrate_variations
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
 SEED = 20261121

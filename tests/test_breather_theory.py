@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from theory.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
-from theory.envelope import (
+from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
+from theory.averaged.envelope import (
     envelope_jacobian,
     envelope_rate,
     staggered_defect,
@@ -18,8 +18,8 @@ from theory.envelope import (
     staggered_phase,
     staggered_rate,
 )
+from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.17, sites=8)
 SEED = 20261121

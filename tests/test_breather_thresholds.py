@@ -10,9 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from paper_checks.claims import fig07, fig08, fig09, fig10, fig11
-from theory.envelope import envelope_rate
+from theory.averaged.envelope import envelope_rate
+from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
 from verification.breathers import exponents
 from verification.breathers.continuation import trace
 from verification.breathers.escape_range import escape_range
@@ -22,8 +22,8 @@ from verification.breathers.nucleus import Nucleus, outward_pattern, right_angle
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import RunStatus, run_breather
 from verification.breathers.slow_sweep import measure_delay
-from verification.breathers.threshold import Mechanism, Method, breather_threshold
-from verification.integrators.envelope_run import run_envelope
+from verification.steppers.envelope_run import run_envelope
+from verification.thresholds.breather import Mechanism, Method, breather_threshold
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121

@@ -13,10 +13,10 @@ import pytest
 from fronts.arguments import with_values_joined
 from fronts.cli import main
 from fronts.progress import PERIOD, Fraction
-from theory.admissibility import check_admissible
-from theory.kinetic_relation import kinetic_relation
-from theory.limits import pinning_coupling, pinning_error, retreat_coupling
-from theory.unit_cell import threshold_ratio
+from theory.cells.vdp import threshold_ratio
+from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
 
 
 def _refused(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, str]:
@@ -208,7 +208,7 @@ def test_a_front_at_rest_on_the_threshold_is_judged_at_once():
 
 
 def test_the_progress_of_a_curve_rises_to_its_end():
-    from theory.kinetic_relation import trace_kinetic_relation
+    from theory.piecewise.kinetic_relation import trace_kinetic_relation
 
     told: list[float] = []
     many = trace_kinetic_relation([0.5] * 201, [0.03125], progress=told.append)
@@ -304,7 +304,7 @@ def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys
 def test_a_map_ends_where_its_grid_ends():
     from paper_checks.pictures import new_axes
     from paper_checks.state_picture import draw_states
-    from verification.sweeps.table import table_of
+    from verification.execution.table import table_of
 
     states = table_of(
         [{"c": c, "v_d": v, "label": "front" if c else "breather"}

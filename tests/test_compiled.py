@@ -9,7 +9,7 @@ from pathlib import Path
 SCRIPT = """
 import sys
 sys.path.insert(0, {folder!r})
-import verification.compiled as compiled
+import verification.execution.compiled as compiled
 from numba.core import config
 compiled._HOME = __import__("pathlib").Path({folder!r})
 config.CACHE_DIR = {cache!r}

@@ -10,9 +10,9 @@ from derivations.breather_correction import breather
 from derivations.modulation import by_averaging, by_multiple_scales
 from derivations.oscillator import van_der_pol
 from derivations.periodic_orbit import harmonic, orbit
-from theory.breather import Reading, solve_breather
-from theory.envelope import envelope_rate
-from theory.vdp_chain import Ends, VdpChain
+from theory.averaged.breather import Reading, solve_breather
+from theory.averaged.envelope import envelope_rate
+from theory.chains.vdp import Ends, VdpChain
 
 CELL = {"a": 2.5, "b": 0.5, "c": 0.1}
 

@@ -14,8 +14,8 @@ from derivations.evidence import equals, value
 from derivations.front_numbers import profile
 from derivations.polynomial_text import DEEPEST, read_polynomial
 from derivations.symbols import a, b, damping_factor
-from theory.front_profile import front_profile
-from theory.vdp_chain import VdpChain
+from theory.chains.vdp import VdpChain
+from theory.piecewise.profile import front_profile
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.nucleus import Nucleus
 

@@ -15,20 +15,20 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fronts.cli import main
-from theory.friction_cell import FrictionCell, friction_coefficient, friction_force, friction_slope
-from theory.friction_chain import FrictionChain
+from theory.cells.friction import FrictionCell, friction_coefficient, friction_force, friction_slope
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
-from verification.friction.cell_continuation import continue_cycles
-from verification.friction.cell_cycles import unstable_once
-from verification.friction.cell_orbits import (
+from verification.cells.friction_continuation import continue_cycles
+from verification.cells.friction_cycles import unstable_once
+from verification.cells.friction_orbits import (
     cell_orbits,
     cycle_end_velocity,
     stick_slip_cycle,
     unstable_cycle,
 )
-from verification.friction.events import run_events
-from verification.vdp.cell import vdp_cell
+from verification.cells.vdp import vdp_cell
+from verification.references.friction_events import run_events
 
 CELL = FrictionCell()
 DIGITS = 20

@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain, FrictionEnds
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain, FrictionEnds
 from theory.parameters import ParameterError
-from verification.arrival_fit import (
+from verification.fronts.arrival_fit import (
     FrontStatus,
     Trial,
     leading,
@@ -20,10 +20,10 @@ from verification.arrival_fit import (
     settle,
     velocity_of_arrivals,
 )
-from verification.friction.front import measure_friction_front
-from verification.friction.lane import FrictionLane
-from verification.friction.start import Place, StartPoint, nucleus, nucleus_sites
-from verification.friction.threshold import (
+from verification.fronts.friction import measure_friction_front
+from verification.runs.friction_integration import FrictionLane
+from verification.runs.friction_start import Place, StartPoint, nucleus, nucleus_sites
+from verification.thresholds.friction import (
     Definition,
     Spreading,
     friction_threshold,

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain, FrictionEnds
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain, FrictionEnds
 from theory.parameters import ParameterError
-from verification.friction.cell_orbits import cycle_end_velocity
-from verification.friction.events import run_events
-from verification.friction.lane import FrictionLane, FrictionRunError
-from verification.friction.run import FrictionRun, RunStatus, run_friction
-from verification.friction.start import nucleus
-from verification.integrators import friction
+from verification.cells.friction_orbits import cycle_end_velocity
+from verification.references.friction_events import run_events
+from verification.runs.friction import FrictionRun, RunStatus, run_friction
+from verification.runs.friction_integration import FrictionLane, FrictionRunError
+from verification.runs.friction_start import nucleus
+from verification.steppers import friction
 
 CELL = FrictionCell()
 SEED = 20261121

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.friction.events import run_events
-from verification.friction.label import HOLD, WINDOW, label_friction
-from verification.friction.lane import FrictionLane
-from verification.friction.map import FrictionStateTask, friction_points
-from verification.friction.start import Place, nucleus
-from verification.label import Label
-from verification.sweeps.boundary import Bisection, boundary_lines
-from verification.sweeps.sweep import sweep
-from verification.sweeps.table import Point
+from verification.execution.sweep import sweep
+from verification.execution.table import Point
+from verification.maps.boundary import Bisection, boundary_lines
+from verification.maps.friction import FrictionStateTask, friction_points
+from verification.maps.friction_state import HOLD, WINDOW, label_friction
+from verification.maps.state import Label
+from verification.references.friction_events import run_events
+from verification.runs.friction_integration import FrictionLane
+from verification.runs.friction_start import Place, nucleus
 
 SHORT = FrictionStateTask(sites=7)
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.friction.cell_orbits import stick_slip_cycle
-from verification.friction.regularised import Solver, run_regularised
-from verification.friction.run import run_friction
-from verification.friction.start import nucleus
-from verification.friction.switch import run_switch
+from verification.cells.friction_orbits import stick_slip_cycle
+from verification.references.regularised import Solver, run_regularised
+from verification.references.switch_model import run_switch
+from verification.runs.friction import run_friction
+from verification.runs.friction_start import nucleus
 
 CHAIN = FrictionChain(0.02, sites=3)
 START = nucleus(CHAIN, [1])

@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from paper_checks.claim import Verdict
 from paper_checks.claims import text_2_larger
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
-from verification.breathers.fate import (
+from verification.breathers.outcome import (
     PAUSE,
     End,
     distance_from_breather,

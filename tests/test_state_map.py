@@ -15,27 +15,27 @@ from scipy.integrate import solve_ivp
 from fronts.cli import main
 from paper_checks.claim import Verdict
 from paper_checks.claims import fig15
+from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
-from verification.integrators import label_run
-from verification.integrators.active import FREE
-from verification.integrators.runge_kutta import fixed_steps
-from verification.integrators.slopes import ENVELOPE as ENVELOPE_CODE
-from verification.integrators.slopes import FULL as FULL_CODE
-from verification.label import Label
-from verification.sweeps.boundary import NOTHING, Bisection, boundary_lines
-from verification.sweeps.journal import journal_path
-from verification.sweeps.sweep import sweep
-from verification.sweeps.table import Point, grid
-from verification.vdp.label import (
+from verification.execution.journal import journal_path
+from verification.execution.sweep import sweep
+from verification.execution.table import Point, grid
+from verification.maps.boundary import NOTHING, Bisection, boundary_lines
+from verification.maps.state import Label
+from verification.maps.vdp import StateTask, compare, state_points
+from verification.maps.vdp_state import (
     HOLD,
     label_state,
     level_of,
     positive_damping_square,
 )
-from verification.vdp.map import StateTask, compare, state_points
-from verification.vdp.run import Model, run_vdp
-from verification.vdp.start import displaced
+from verification.runs.vdp import Model, run_vdp
+from verification.runs.vdp_start import displaced
+from verification.steppers import state_run as label_run
+from verification.steppers.active import FREE
+from verification.steppers.runge_kutta import fixed_steps
+from verification.steppers.slopes import ENVELOPE as ENVELOPE_CODE
+from verification.steppers.slopes import FULL as FULL_CODE
 
 FULL, ENVELOPE = StateTask(Model.FULL), StateTask(Model.ENVELOPE)
 

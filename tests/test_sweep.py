@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from theory.parameters import ParameterError
-from verification.sweeps.journal import journal_path
-from verification.sweeps.sweep import SweepError, sweep
-from verification.sweeps.table import Point, Table, grid, stamp_path, table_of
+from verification.execution.journal import journal_path
+from verification.execution.sweep import SweepError, sweep
+from verification.execution.table import Point, Table, grid, stamp_path, table_of
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes

@@ -11,14 +11,14 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import jv
 
-from theory.branch_search import all_velocities
-from theory.front_profile import ProfileGrid, front_profile, tail_bound
+from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
-from theory.sum_integral import sums
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_series import sum_by_roots
-from theory.thresholds import fold_coupling
-from theory.unit_cell import threshold_ratio
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.folds import fold_coupling
+from theory.piecewise.profile import ProfileGrid, front_profile, tail_bound
+from theory.piecewise.sums.integral import sums
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.series import sum_by_roots
 
 FRONTS = [(0.3, 0.5), (1.0, 1.0), (0.05, 0.5), (3.0, 0.1), (1.0, 3.0), (7.4, 100.0), (50.0, 0.02)]
 

@@ -8,9 +8,23 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.branch_search import all_velocities
-from theory.kinetic_relation import Branch, Status, kinetic_relation, trace_kinetic_relation
-from theory.limits import (
+from theory.cells.vdp import (
+    eta_from_damping,
+    eta_from_ratio,
+    is_bistable,
+    threshold_ratio,
+    threshold_ratio_slope,
+)
+from theory.parameters import ParameterError
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.folds import LAST_FOLD, fold_coupling, fold_eta
+from theory.piecewise.kinetic_relation import (
+    Branch,
+    Status,
+    kinetic_relation,
+    trace_kinetic_relation,
+)
+from theory.piecewise.limits import (
     pinning_coupling,
     pinning_eta,
     resonant_velocities,
@@ -21,17 +35,8 @@ from theory.limits import (
     strong_coupling_velocity,
     weak_threshold_velocity,
 )
-from theory.parameters import ParameterError
-from theory.sum_integral import sum_by_integral, sums
-from theory.sum_series import sum_by_roots
-from theory.thresholds import LAST_FOLD, fold_coupling, fold_eta
-from theory.unit_cell import (
-    eta_from_damping,
-    eta_from_ratio,
-    is_bistable,
-    threshold_ratio,
-    threshold_ratio_slope,
-)
+from theory.piecewise.sums.integral import sum_by_integral, sums
+from theory.piecewise.sums.series import sum_by_roots
 
 ETA = 0.03125  # a = 4, b = 0.5, the paper's
 

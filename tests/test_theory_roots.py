@@ -9,17 +9,17 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.certified_roots import certify_roots
-from theory.dispersion import dispersion, dispersion_slope, onsite, root_free_strip
-from theory.precise_roots import precise_roots
-from theory.root_count import (
+from theory.piecewise.certified_roots import certify_roots
+from theory.piecewise.dispersion import dispersion, dispersion_slope, onsite, root_free_strip
+from theory.piecewise.precise_roots import precise_roots
+from theory.piecewise.root_count import (
     count_in_box,
     count_in_strips,
     edge_pieces,
     height_above_roots,
 )
-from theory.roots import labelled_roots, nearest_roots, roots_within, strip_bounds
-from verification.scenes import SCENES, Scene
+from theory.piecewise.roots import labelled_roots, nearest_roots, roots_within, strip_bounds
+from verification.quantities.scenes import SCENES, Scene
 
 LABELS = np.arange(-12, 13)
 HALF_PLANES = [pytest.param(True, id="above"), pytest.param(False, id="below")]

@@ -11,16 +11,16 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.graded_contour import graded_rule, graded_sum
-from theory.kinetic_sum import KineticSum, PrecisionError
-from theory.limits import static_sum
 from theory.parameters import ParameterError
-from theory.sum_bessel import sum_by_bessel
-from theory.sum_integral import rounding_bound, sum_by_integral, sums
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
-from theory.sum_series import sum_by_roots
-from verification.scenes import SCENES, Scene, scene_named, scenes_tagged
+from theory.piecewise.limits import static_sum
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.graded_contour import graded_rule, graded_sum
+from theory.piecewise.sums.integral import rounding_bound, sum_by_integral, sums
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.result import KineticSum, PrecisionError
+from theory.piecewise.sums.series import sum_by_roots
+from verification.quantities.scenes import SCENES, Scene, scene_named, scenes_tagged
 
 # Where a method is at its limits: roots that cross or touch the graded contour, the first
 # resonance of c = 100, and the corners of the (v, c) plane.

@@ -9,8 +9,8 @@ import pytest
 
 from paper_checks.claim import Verdict
 from paper_checks.claims import _fronts, fig13
-from theory.vdp_chain import VdpChain
-from verification.vdp.front import FrontMeasurement, Model, measure_front
+from theory.chains.vdp import VdpChain
+from verification.fronts.vdp import FrontMeasurement, Model, measure_front
 
 
 def test_fig_13_is_as_recorded_and_a_straight_line_would_be_reproduced(
@@ -31,7 +31,7 @@ def test_a_wrong_velocity_of_the_full_chain_fails_instead_of_judging(
         strong = len(arguments) > 1 and found.chain.c > 50.0
         return dataclasses.replace(found, v=found.chain.c) if strong else found
 
-    monkeypatch.setattr("verification.vdp.front.measure_front", wrong)
+    monkeypatch.setattr("verification.fronts.vdp.measure_front", wrong)
     with pytest.raises(ArithmeticError, match="scipy"):
         fig13._full_velocities()
 

@@ -12,12 +12,12 @@ import pytest
 
 from fronts.cli import main
 from paper_checks.claims._fronts import staggered_velocity
-from theory.envelope_front import strong_coupling_front
+from theory.averaged.front import strong_coupling_front
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
-from verification.arrival_fit import velocity_of_arrivals
-from verification.vdp.front import Behind, FrontStatus, measure_front
-from verification.vdp.run import Model
+from verification.fronts.arrival_fit import velocity_of_arrivals
+from verification.fronts.vdp import Behind, FrontStatus, measure_front
+from verification.runs.vdp import Model
 
 
 @pytest.mark.parametrize(("eta", "c"), [(0.002, 0.3), (0.03125, 0.15), (0.05, 1.0), (0.09, 0.3)])
@@ -60,8 +60,8 @@ def test_a_front_slower_than_the_waves_does() -> None:
 
 def test_all_sites_kept_give_the_front_measured_with_few() -> None:
     """Sites behind are left out for a fast front: nothing of its arrivals changes."""
-    from verification.vdp.run import run_vdp
-    from verification.vdp.start import staggered_front
+    from verification.runs.vdp import run_vdp
+    from verification.runs.vdp_start import staggered_front
 
     chain = VdpChain(4.0, 0.5, 0.6, sites=60)
     runs = [

@@ -12,11 +12,11 @@ from mpmath import mp
 from scipy.integrate import simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
+from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
-from verification.vdp.run import Model, VdpRun, run_vdp
-from verification.vdp.start import displaced, perturbed, staggered_front
-from verification.vdp.stiff_stage import full_jacobian, full_right_side
+from verification.runs.vdp import Model, VdpRun, run_vdp
+from verification.runs.vdp_start import displaced, perturbed, staggered_front
+from verification.steppers.stiff_stage import full_jacobian, full_right_side
 
 FRONT = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
 

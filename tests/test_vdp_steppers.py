@@ -11,18 +11,18 @@ import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
 
-from theory.vdp_chain import Ends, VdpChain
-from verification.integrators.active import FREE, RING
-from verification.integrators.runge_kutta import (
+from theory.chains.vdp import Ends, VdpChain
+from verification.runs.vdp_integration import Lane
+from verification.runs.vdp_start import displaced
+from verification.steppers.active import FREE, RING
+from verification.steppers.runge_kutta import (
     fixed_steps,
     step_error,
     take_step,
 )
-from verification.integrators.slopes import ENVELOPE, FULL, slope
-from verification.integrators.splitting import saba, split_steps
-from verification.integrators.taylor import taylor_order, taylor_steps
-from verification.vdp.lane import Lane
-from verification.vdp.start import displaced
+from verification.steppers.slopes import ENVELOPE, FULL, slope
+from verification.steppers.splitting import saba, split_steps
+from verification.steppers.taylor import taylor_order, taylor_steps
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]

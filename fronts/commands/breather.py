@@ -12,7 +12,7 @@ from fronts.arguments import given, real, refuse_other_methods, whole
 from fronts.breather_words import breather_in_words, breather_table
 
 if TYPE_CHECKING:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
 
 EXAMPLE = """examples:
@@ -86,7 +86,7 @@ def nucleus_of(options: argparse.Namespace) -> Nucleus:
 def run(options: argparse.Namespace) -> Answer:
     """Compute the breather by the method that was named."""
     refuse_other_methods(options, {"reading": "closed-form", "seed": "simulation"})
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
     nucleus = nucleus_of(options)
     sites = nucleus.size + 14 if options.n is None else options.n
@@ -122,7 +122,7 @@ def _closed_form(
 ) -> dict[str, object]:
     from dataclasses import replace
 
-    from theory.breather import Reading, solve_breather
+    from theory.averaged.breather import Reading, solve_breather
     from verification.breathers.floquet import approximate_multipliers
 
     if not has_closed_form(nucleus):
@@ -222,7 +222,7 @@ def _beyond_fold(chain: VdpChain, nucleus: Nucleus) -> dict[str, object]:
     """
     from theory.parameters import ParameterError
     from verification.breathers.newton import NotConvergedError
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     try:
         fold = breather_threshold(chain, nucleus, Method.ORBIT)

@@ -14,10 +14,10 @@ from fronts.arguments import check_writable, given, real, real_or_range, refuse,
 from fronts.friction_options import CELL, add_cell_options, cell_numbers
 
 if TYPE_CHECKING:
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_continuation import Continuation
-    from verification.friction.cell_cycles import Cycle
-    from verification.vdp.cell import VdpCycle
+    from theory.cells.friction import FrictionCell
+    from verification.cells.friction_continuation import Continuation
+    from verification.cells.friction_cycles import Cycle
+    from verification.cells.vdp import VdpCycle
 
 EXAMPLE = """examples:
   fronts cell friction --v-d 1.25
@@ -68,7 +68,7 @@ def _friction(options: argparse.Namespace) -> Answer:
         check_writable(options.out, (".csv", ".png", ".svg", ".pdf"))
         if not ranged:
             raise UsageError("--out needs a diagram: give a range, as in --v-d 1:2:200.")
-    from theory.friction_cell import FrictionCell
+    from theory.cells.friction import FrictionCell
 
     given = cell_numbers(options)
     if ranged:
@@ -78,7 +78,7 @@ def _friction(options: argparse.Namespace) -> Answer:
         # Both ends are checked before any work.
         cells = [FrictionCell(v_d=each, **given) for each in (low, high)]
         return _diagram(cells[0], low, high, count, options.out)
-    from verification.friction.cell_orbits import cell_orbits
+    from verification.cells.friction_orbits import cell_orbits
 
     orbits = cell_orbits(FrictionCell(v_d=options.v_d, **given))
     cell = orbits.cell
@@ -155,7 +155,7 @@ def _diagram(cell: FrictionCell, low: float, high: float, count: int, out: Path 
 
     import numpy as np
 
-    from verification.friction.cell_continuation import continue_cycles
+    from verification.cells.friction_continuation import continue_cycles
 
     begin = perf_counter()
     diagram = continue_cycles(cell, np.linspace(low, high, count).tolist())
@@ -212,7 +212,7 @@ def _draw(path: Path, cell: FrictionCell, diagram: Continuation) -> None:
 
 def _vdp(options: argparse.Namespace) -> Answer:
     options.a, options.b = given(options.a, 2.5), given(options.b, 0.5)
-    from verification.vdp.cell import vdp_cell
+    from verification.cells.vdp import vdp_cell
 
     eps = 0.01 if options.eps is None else options.eps
     cell = vdp_cell(options.a, options.b, eps)

@@ -19,10 +19,10 @@ from fronts.friction_options import (
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
-    from verification.friction.front import FrictionFront
+    from verification.fronts.friction import FrictionFront
+    from verification.fronts.vdp import FrontMeasurement
     from verification.piecewise.run import FrontRun
-    from verification.vdp.front import FrontMeasurement
-    from verification.vdp.run import Model
+    from verification.runs.vdp import Model
 
 EXAMPLE = """examples:
   fronts front piecewise --c 0.5 --eta 0.03125
@@ -144,13 +144,13 @@ _MEANING = {
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    from verification.vdp.run import Model
+    from verification.runs.vdp import Model
 
     return _chain(options, Model.FULL)
 
 
 def _envelope(options: argparse.Namespace) -> Answer:
-    from verification.vdp.run import Model
+    from verification.runs.vdp import Model
 
     refuse(options, ("eps",), options.model)
     return _chain(options, Model.ENVELOPE)
@@ -158,9 +158,9 @@ def _envelope(options: argparse.Namespace) -> Answer:
 
 def _chain(options: argparse.Namespace, model: Model) -> Answer:
     """Measure a front of (8) or (43); with --eta alone a = 1 and b = η, the same up to a scale."""
+    from theory.chains.vdp import VdpChain
     from theory.parameters import count_within
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import LONGEST, Behind, measure_front
+    from verification.fronts.vdp import LONGEST, Behind, measure_front
 
     refuse(options, ("start_v", *_FRICTION), options.model)
     _moving_only(options)
@@ -186,8 +186,8 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
 
 
 def _friction(options: argparse.Namespace) -> Answer:
-    from theory.friction_chain import FrictionChain
-    from verification.friction.front import checked_sites, measure_friction_front
+    from theory.chains.friction import FrictionChain
+    from verification.fronts.friction import checked_sites, measure_friction_front
 
     refuse(options, ("eta", "a", "b", "eps", "behind", "start_v"), options.model)
     _moving_only(options)

@@ -13,7 +13,7 @@ from fronts.arguments import add_eta_options, check_writable, eta_of, real_or_ra
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
-    from theory.kinetic_relation import Branch, KineticRelation
+    from theory.piecewise.kinetic_relation import Branch, KineticRelation
 
 EXAMPLE = """examples:
   fronts kinetic --c 0.5 --eta 0.03125
@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> Answer:
         check_writable(options.out, (".csv", ".png", ".svg", ".pdf"))
     import numpy as np
 
-    from theory.kinetic_relation import trace_kinetic_relation
+    from theory.piecewise.kinetic_relation import trace_kinetic_relation
 
     eta = eta_of(options)
     ranges = [isinstance(value, tuple) for value in (options.c, eta)]

@@ -130,7 +130,7 @@ def _values(given: float | tuple[float, float, int]) -> list[float]:
 
 def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
-    from verification.sweeps.journal import journal_path
+    from verification.execution.journal import journal_path
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -159,8 +159,8 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    from verification.vdp.map import StateTask, compare, state_points
-    from verification.vdp.run import Model
+    from verification.maps.vdp import StateTask, compare, state_points
+    from verification.runs.vdp import Model
 
     refuse(options, _FRICTION, options.chain)
     _check(options)
@@ -201,10 +201,10 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 
 def _friction(options: argparse.Namespace) -> Answer:
-    from theory.friction_cell import FrictionCell
-    from theory.friction_chain import FrictionEnds
-    from verification.friction.map import FrictionStateTask, friction_points
-    from verification.friction.start import Place
+    from theory.cells.friction import FrictionCell
+    from theory.chains.friction import FrictionEnds
+    from verification.maps.friction import FrictionStateTask, friction_points
+    from verification.runs.friction_start import Place
 
     refuse(options, _VDP, options.chain)
     _check(options)

@@ -17,8 +17,8 @@ from fronts.arguments import (
 )
 
 if TYPE_CHECKING:
-    from theory.front_profile import FrontProfile
-    from theory.kinetic_relation import Branch
+    from theory.piecewise.kinetic_relation import Branch
+    from theory.piecewise.profile import FrontProfile
 
 EXAMPLE = """examples:
   fronts profile --c 0.5 --eta 0.03125
@@ -49,10 +49,10 @@ def run(options: argparse.Namespace) -> Answer:
         check_writable(options.out, (".csv", ".png", ".svg", ".pdf"))
     import numpy as np
 
-    from theory.front_profile import front_profile
-    from theory.kinetic_relation import kinetic_relation
+    from theory.cells.vdp import threshold_ratio
     from theory.parameters import ParameterError, count_within, within
-    from theory.unit_cell import threshold_ratio
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from theory.piecewise.profile import front_profile
 
     points = count_within("number of points", options.points, 2, 1_000_000)
     low = within("first position --from", options.low, -_FARTHEST, _FARTHEST)

@@ -10,7 +10,7 @@ from fronts.arguments import decimal, real, whole
 from fronts.progress import Fraction
 
 if TYPE_CHECKING:
-    from theory.roots import RootSet
+    from theory.piecewise.roots import RootSet
 
 EXAMPLE = """examples:
   fronts roots --v 0.3 --c 0.5 --count 8
@@ -39,7 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Find, count and, if asked, certify the roots."""
     from theory.parameters import count_within
-    from theory.roots import nearest_roots, roots_within
+    from theory.piecewise.roots import nearest_roots, roots_within
 
     v, c = float(options.v), float(options.c)
     digits = count_within("digits", options.digits, 1, 2000)
@@ -71,7 +71,7 @@ def _counted(v: float, c: float, roots: RootSet, upper: bool) -> int:
     """Count the roots by the argument principle, in a box about exactly these strips."""
     import numpy as np
 
-    from theory.root_count import count_in_strips
+    from theory.piecewise.root_count import count_in_strips
 
     if roots.labels.size == 0:
         return 0
@@ -84,7 +84,7 @@ def _certified(v: float, c: float, roots: RootSet, upper: bool) -> RootSet:
     """Return the same roots with certified radii."""
     import numpy as np
 
-    from theory.certified_roots import CertificationError, certify_roots
+    from theory.piecewise.certified_roots import CertificationError, certify_roots
 
     if roots.labels.size == 0:
         return roots
@@ -106,7 +106,7 @@ def _rows(v: str, c: str, roots: RootSet, upper: bool, digits: int) -> list[dict
         ]
     import mpmath as mp
 
-    from theory.precise_roots import exact, precise_roots
+    from theory.piecewise.precise_roots import exact, precise_roots
 
     rows = []
     half = "upper" if upper else "lower"

@@ -26,7 +26,7 @@ from fronts.friction_options import CELL, START, add_cell_options, add_start_opt
 from fronts.progress import Fraction, kept_by_checkpoint
 
 if TYPE_CHECKING:
-    from verification.vdp.run import VdpRun
+    from verification.runs.vdp import VdpRun
 
 EXAMPLE = """examples:
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
@@ -151,10 +151,10 @@ def _vdp(options: argparse.Namespace) -> Answer:
     _check(options)
     if options.ends == "literal":
         raise UsageError("--ends literal is for the model friction: take free or periodic.")
+    from theory.chains.vdp import Ends, VdpChain
     from theory.parameters import within
-    from theory.vdp_chain import Ends, VdpChain
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import displaced, perturbed
+    from verification.runs.vdp import Model, run_vdp
+    from verification.runs.vdp_start import displaced, perturbed
 
     a, b, eps = given(options.a, 2.5), given(options.b, 0.5), given(options.eps, 0.01)
     chain = VdpChain(a, b, options.c, eps, options.n, Ends(options.ends))
@@ -181,7 +181,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
         write_whole(options.picture, lambda path: _draw(path, result))
     payload, words = _payload(result), _in_words(result)
     if chain.bistable and chain.ends is Ends.FREE:
-        from verification.breathers.fate import growth_of
+        from verification.breathers.outcome import growth_of
 
         grown = growth_of(result)
         payload["nucleus"] = {

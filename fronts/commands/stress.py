@@ -11,7 +11,8 @@ from fronts.arguments import check_seed, check_writable, given, whole
 from fronts.progress import Fraction, kept_by_journal
 
 if TYPE_CHECKING:
-    from verification.extremes.table import Stability
+    from verification.quantities.quantity import Quantity
+    from verification.quantities.table import Stability
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
@@ -24,8 +25,8 @@ in twenty with a value that is not allowed. Exit code 1: a stated error was exce
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
-STABILITY_CODE = ("verification.extremes.table", "verification.extremes.discover")
-SAVINGS_CODE = ("verification.savings.table",)
+STABILITY_CODE = ("verification.quantities.table", "verification.quantities.discover")
+SAVINGS_CODE = ("verification.work_reduction.table",)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -65,7 +66,8 @@ def run(options: argparse.Namespace) -> Answer:
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
-    from verification.extremes.table import stability
+    from verification.quantities.discover import quantity_named
+    from verification.quantities.table import stability
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -87,7 +89,9 @@ def run(options: argparse.Namespace) -> Answer:
         "points": len(found.table),
         "seed": seed,
         "counts": found.counts,
-        "quantities": [vars(line) | _range_of(line.quantity) for line in found.lines],
+        "quantities": [
+            vars(line) | _range_of(quantity_named(line.quantity)) for line in found.lines
+        ],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
         "out": None if options.out is None else str(options.out),
@@ -161,16 +165,13 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
-def _range_of(name: str) -> dict[str, str]:
-    from verification.extremes.discover import quantity_named
-
-    quantity = quantity_named(name)
+def _range_of(quantity: Quantity) -> dict[str, str]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
     return {"what": quantity.what, "over": axes, "ends": quantity.ends}
 
 
 def _list() -> Answer:
-    from verification.extremes.discover import all_quantities
+    from verification.quantities.discover import all_quantities
 
     rows = [
         {
@@ -184,7 +185,7 @@ def _list() -> Answer:
     ]
     lines = []
     for quantity in all_quantities():
-        said = _range_of(quantity.name)
+        said = _range_of(quantity)
         lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
         if quantity.ends:
             lines.append(f"{'':26}({said['ends']})")
@@ -192,7 +193,7 @@ def _list() -> Answer:
 
 
 def _savings(record: bool) -> Answer:
-    from verification.savings.table import measured_savings
+    from verification.work_reduction.table import measured_savings
 
     rows = measured_savings()
     lines = []

@@ -9,7 +9,7 @@ from fronts.answer import Answer, UsageError
 from fronts.arguments import decimal, whole
 
 if TYPE_CHECKING:
-    from theory.kinetic_sum import KineticSum
+    from theory.piecewise.sums.result import KineticSum
 
 EXAMPLE = """examples:
   fronts sum --v 0.3 --c 0.5
@@ -69,21 +69,21 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _evaluate(method: str, v: str, c: str, digits: int) -> KineticSum:
     if method == "series":
-        from theory.sum_series import sum_by_roots
+        from theory.piecewise.sums.series import sum_by_roots
 
         found = sum_by_roots(v, c, digits)
         enough = digits > _DOUBLE or found.error <= 10.0**-digits
         return found if enough else sum_by_roots(v, c, _DOUBLE + 1)
     if method == "integral":
         if digits <= _DOUBLE:
-            from theory.sum_integral import sum_by_integral
+            from theory.piecewise.sums.integral import sum_by_integral
 
             found = sum_by_integral(
                 float(v), float(c), 0.5 * 10.0**-digits if digits < 15 else 1e-15
             )
             if found.error <= 10.0**-digits:
                 return found
-        from theory.sum_integral_precise import precise_sum_by_integral
+        from theory.piecewise.sums.precise import precise_sum_by_integral
 
         return precise_sum_by_integral(v, c, digits)
     if digits > 13:
@@ -92,10 +92,10 @@ def _evaluate(method: str, v: str, c: str, digits: int) -> KineticSum:
             "--method integral or series."
         )
     if method == "bessel":
-        from theory.sum_bessel import sum_by_bessel
+        from theory.piecewise.sums.bessel import sum_by_bessel
 
         return sum_by_bessel(float(v), float(c), 10.0**-digits)
-    from theory.sum_quadrature import sum_by_quadrature
+    from theory.piecewise.sums.quadrature import sum_by_quadrature
 
     return sum_by_quadrature(float(v), float(c), 0.1 * 10.0**-digits)
 

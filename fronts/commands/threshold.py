@@ -99,7 +99,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
     refuse_other_methods(options, {"perturbation": "sweep", "seed": "sweep"})
     for name, default in _VDP.items():
         setattr(options, name, given(getattr(options, name), default))
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(options.a, options.b, 0.0, options.eps)
     _ = chain.stable_amplitude
@@ -113,7 +113,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 
 def _continuation(chain: Any, options: argparse.Namespace) -> Answer:
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     found = breather_threshold(chain, nucleus_of(options), Method(options.method))
     payload: dict[str, object] = {
@@ -199,7 +199,7 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
 
 
 def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:
-    from theory.breather import Reading, closed_form_fold
+    from theory.averaged.breather import Reading, closed_form_fold
 
     if options.nucleus != 1 or options.place != "bulk":
         raise UsageError("--method closed-form is for --nucleus 1 in the bulk: (9) has one centre.")
@@ -226,8 +226,8 @@ def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     refuse(options, _VDP, options.model)
-    from theory.friction_chain import FrictionChain, FrictionEnds
-    from verification.friction.threshold import Definition, Spreading, friction_threshold
+    from theory.chains.friction import FrictionChain, FrictionEnds
+    from verification.thresholds.friction import Definition, Spreading, friction_threshold
 
     ends = FrictionEnds(options.ends or "free")
     chain = FrictionChain(0.0, cell_of(options), given(options.n, 31), ends)

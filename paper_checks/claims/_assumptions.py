@@ -25,7 +25,7 @@ FRONTS = ((0.5, 0.03125), (10.0, 0.03125))
 
 @lru_cache(maxsize=1)
 def _breather() -> EnvelopeBreather:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
     from verification.breathers.nucleus import Nucleus
 
@@ -46,7 +46,7 @@ def one_decay() -> tuple[bool, str]:
 
 def small_detuning() -> tuple[bool, str]:
     """Compare ω_1 with c, in the averaged chain and on the periodic orbit of (8)."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit
 
@@ -61,7 +61,7 @@ def small_detuning() -> tuple[bool, str]:
 
 def always_admissible() -> tuple[bool, str]:
     """Look whether every solution of (54) at two couplings satisfies (47)."""
-    from theory.kinetic_relation import kinetic_relation
+    from theory.piecewise.kinetic_relation import kinetic_relation
 
     found = [
         (c, branch.v, branch.admissible)

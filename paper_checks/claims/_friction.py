@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from theory.friction_chain import FrictionChain
+    from theory.chains.friction import FrictionChain
 
 V_D, SITES = 1.25, 31
 """Belt velocity and number of sites of Figs. 3, 4 and 6; the rest is in (7)."""
@@ -17,8 +17,8 @@ V_D, SITES = 1.25, 31
 
 def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
     """Return the chain of the figures."""
-    from theory.friction_cell import FrictionCell
-    from theory.friction_chain import FrictionChain
+    from theory.cells.friction import FrictionCell
+    from theory.chains.friction import FrictionChain
 
     return FrictionChain(c, FrictionCell(v_d), sites)
 
@@ -27,8 +27,8 @@ def arrivals_by_scipy(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
-    from verification.friction.events import run_events
-    from verification.friction.start import nucleus
+    from verification.references.friction_events import run_events
+    from verification.runs.friction_start import nucleus
 
     run = run_events(chain, nucleus(chain, excited), end, tolerance=1e-9, longest_step=0.5)
     arrivals = np.full(chain.sites, np.nan)
@@ -42,8 +42,8 @@ def arrivals_compiled(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return the same by the event-exact Taylor stepper."""
-    from verification.friction.lane import FrictionLane
-    from verification.friction.start import nucleus
+    from verification.runs.friction_integration import FrictionLane
+    from verification.runs.friction_start import nucleus
 
     lane = FrictionLane(chain, nucleus(chain, excited), 1e-10)
     lane.go_to(end)
@@ -58,7 +58,7 @@ def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> 
     ArithmeticError
         If by more than 1e-3, or if one saw an arrival that the other did not.
     """
-    from verification.companions import difference
+    from verification.runs.comparison import difference
 
     gap = difference(arrivals_by_scipy(chain, excited, end), arrivals_compiled(chain, excited, end))
     if not gap < 1e-3:

@@ -18,9 +18,9 @@ from paper_checks.data_table import long_table
 from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_orbits import CellOrbits
-    from verification.friction.events import EventRun
+    from theory.cells.friction import FrictionCell
+    from verification.cells.friction_orbits import CellOrbits
+    from verification.references.friction_events import EventRun
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -35,8 +35,8 @@ AGREE = 1e-8
 
 @lru_cache(maxsize=1)
 def _orbits() -> CellOrbits:
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_orbits import cell_orbits
+    from theory.cells.friction import FrictionCell
+    from verification.cells.friction_orbits import cell_orbits
 
     return cell_orbits(FrictionCell(V_D))
 
@@ -46,8 +46,8 @@ def _scipy(
     cell: FrictionCell, y: float, t_end: float, samples: int = 1001, *, rough: bool = False
 ) -> EventRun:
     """Run from rest; ``rough`` where only the state at the end is wanted."""
-    from theory.friction_chain import FrictionChain
-    from verification.friction.events import run_events
+    from theory.chains.friction import FrictionChain
+    from verification.references.friction_events import run_events
 
     chain = FrictionChain(0.0, cell, 1)
     times = np.linspace(0.0, t_end, samples)
@@ -150,8 +150,8 @@ def _figure(cycle: EventRun, rest: EventRun) -> Picture:
 
 def _three_regions() -> Finding:
     """Find both ends of bistability by shooting, and run from both starts at eight velocities."""
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_continuation import continue_cycles
+    from theory.cells.friction import FrictionCell
+    from verification.cells.friction_continuation import continue_cycles
 
     cell = FrictionCell(V_D)
     end = _orbits().cycle_end_velocity
@@ -168,7 +168,7 @@ def _three_regions() -> Finding:
         raise ArithmeticError(f"runs say {seen}, shooting {wanted}")
     diagram = continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist())
     close = replace(cell, v_d=end * (1.0 - 1e-6))
-    from verification.friction.cell_orbits import stick_slip_cycle
+    from verification.cells.friction_orbits import stick_slip_cycle
 
     last = stick_slip_cycle(close)
     if last is None:
@@ -225,8 +225,8 @@ def _three_regions() -> Finding:
 
 def _subcritical() -> Finding:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
-    from theory.friction_cell import FrictionCell, friction_slope
-    from verification.friction.cell_orbits import unstable_cycle
+    from theory.cells.friction import FrictionCell, friction_slope
+    from verification.cells.friction_orbits import unstable_cycle
 
     hopf = FrictionCell(V_D).hopf_velocity
     ratios, tested = [], 0
@@ -270,7 +270,7 @@ def _friction_law() -> Finding:
     from derivations import catalogue
     from derivations.printed import judge
     from derivations.printed import printed as equation
-    from theory.friction_cell import FrictionCell, friction_coefficient
+    from theory.cells.friction import FrictionCell, friction_coefficient
 
     cell = FrictionCell(V_D)
     found = judge(equation(2), catalogue.load("friction"))
@@ -314,9 +314,9 @@ def _friction_law() -> Finding:
 
 def _stick_interval() -> Finding:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
-    from theory.friction_chain import FrictionChain
-    from verification.friction.events import run_events
-    from verification.friction.run import run_friction
+    from theory.chains.friction import FrictionChain
+    from verification.references.friction_events import run_events
+    from verification.runs.friction import run_friction
 
     cell = _orbits().cell
     largest, begins = [], []
@@ -365,8 +365,8 @@ def _stick_interval() -> Finding:
 
 def _switch_model() -> Finding:
     """Run the cell by the paper's method, and measure how far its cycle is from the exact one."""
-    from theory.friction_chain import FrictionChain
-    from verification.friction.switch import PAPER_BAND, run_switch
+    from theory.chains.friction import FrictionChain
+    from verification.references.switch_model import PAPER_BAND, run_switch
 
     orbits = _orbits()
     stable = orbits.stable

@@ -20,8 +20,8 @@ SEEN = 0.02
 
 def _breather() -> Finding:
     """Compare the envelopes at the three times with each other and with much later ones."""
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from verification.runs.friction import run_friction
+    from verification.runs.friction_start import nucleus
 
     chain, excited = chain_of(0.004), (15, 16, 17)
     run = run_friction(chain, nucleus(chain, excited), LATE[-1], times=(*TIMES_A, *LATE))
@@ -85,8 +85,8 @@ def _breather() -> Finding:
 
 def _front() -> Finding:
     """Count the sites that stick-slip at the three times."""
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from verification.runs.friction import run_friction
+    from verification.runs.friction_start import nucleus
 
     chain = chain_of(0.02)
     run = run_friction(chain, nucleus(chain, [1]), TIMES_B[-1], times=TIMES_B)

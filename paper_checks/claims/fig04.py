@@ -12,7 +12,7 @@ from paper_checks.data_table import long_table
 from paper_checks.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
-    from verification.friction.threshold import FrictionThreshold
+    from verification.thresholds.friction import FrictionThreshold
 
 SIZES = (1, 3, 5, 7, 9)
 ACCURACY, COARSE = 2e-5, 1e-4
@@ -40,9 +40,9 @@ def _threshold(
 ) -> FrictionThreshold:
     from dataclasses import replace
 
-    from theory.friction_chain import FrictionEnds
-    from verification.friction.start import Place
-    from verification.friction.threshold import Spreading, friction_threshold
+    from theory.chains.friction import FrictionEnds
+    from verification.runs.friction_start import Place
+    from verification.thresholds.friction import Spreading, friction_threshold
 
     chain = replace(chain_of(0.0), ends=FrictionEnds(ends))
     spreading = Spreading(size, Place(place), **options)

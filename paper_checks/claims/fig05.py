@@ -41,9 +41,9 @@ def _checked() -> float:
 
 def _regions() -> Finding:
     """Label a coarse map, bisect its boundaries, and look where breathers are."""
-    from verification.friction.map import FrictionStateTask, friction_points
-    from verification.sweeps.boundary import Bisection, boundary_lines
-    from verification.sweeps.sweep import sweep
+    from verification.execution.sweep import sweep
+    from verification.maps.boundary import Bisection, boundary_lines
+    from verification.maps.friction import FrictionStateTask, friction_points
 
     gap = _checked()
     task = FrictionStateTask()
@@ -130,14 +130,14 @@ def _regions() -> Finding:
 
 
 def _cycle_end() -> float:
-    from verification.friction.cell_orbits import cycle_end_velocity
+    from verification.cells.friction_orbits import cycle_end_velocity
 
     return cycle_end_velocity(chain_of(0.0).cell)
 
 
 def _fills(c: float, v_d: float, size: int) -> bool:
-    from verification.friction.start import Place
-    from verification.friction.threshold import Definition, Spreading, spreads
+    from verification.runs.friction_start import Place
+    from verification.thresholds.friction import Definition, Spreading, spreads
 
     spreading = Spreading(size, Place.BULK, Definition.WHOLE, 2000.0)
     return spreads(chain_of(c, SITES, v_d), spreading)

@@ -16,7 +16,7 @@ from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from verification.friction.front import FrictionFront
+    from verification.fronts.friction import FrictionFront
 
 COUPLINGS = (0.011, 0.012, 0.014, 0.017, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1)
 LINEAR_FROM = 0.02
@@ -38,7 +38,7 @@ RESIDUAL = 0.02
 
 @lru_cache(maxsize=1)
 def _fronts() -> dict[float, FrictionFront]:
-    from verification.friction.front import measure_friction_front
+    from verification.fronts.friction import measure_friction_front
 
     found = {}
     for c in (*COUPLINGS, *LARGE):
@@ -160,8 +160,8 @@ def _linear() -> Finding:
 
 def _no_propagation() -> Finding:
     """Look for fronts below the threshold of a single site at the edge."""
-    from verification.friction.front import measure_friction_front
-    from verification.friction.threshold import Spreading, friction_threshold
+    from verification.fronts.friction import measure_friction_front
+    from verification.thresholds.friction import Spreading, friction_threshold
 
     single = friction_threshold(
         chain_of(0.0), Spreading(), lowest=0.005, accuracy=2e-5, tests=0

@@ -16,7 +16,7 @@ C, SITES = 0.1, 11
 
 def _localised() -> Finding:
     """Prepare one site near the cycle, run (8) with scipy, and compare with the periodic orbit."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit
 
@@ -88,7 +88,7 @@ def _localised() -> Finding:
 
 def _constant_decay() -> Finding:
     """Compare the first ratio of amplitudes with the tail's, from orbit and averaged chain."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import staggered_branch
     from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit

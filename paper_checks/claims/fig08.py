@@ -19,8 +19,8 @@ CENTRE = SITES // 2
 
 def _amplitudes() -> Finding:
     """Compare (29) + (37), each reading, with the periodic orbit; check orbits with scipy."""
-    from theory.breather import Reading, solve_breather
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.breather import Reading, solve_breather
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit
 
@@ -96,7 +96,7 @@ def _amplitudes() -> Finding:
 
 def _frequency() -> Finding:
     """Measure δ of (27) and the phase step of (37) on orbits, at several ε."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
     from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit

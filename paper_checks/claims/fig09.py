@@ -19,8 +19,8 @@ ROUNDING = 0.0005
 
 def _approximate(c: float, *, misprinted: bool = False) -> tuple[float, float, float]:
     """Growth of even and odd modes along the sinusoids (9), and the trivial one's distance."""
-    from theory.breather import solve_breather
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.breather import solve_breather
+    from theory.chains.vdp import VdpChain
     from verification.breathers.floquet import approximate_multipliers
 
     chain = VdpChain(A, B, c, EPS, SITES)
@@ -39,10 +39,10 @@ def _crossing(entry: int, *, misprinted: bool = False) -> float:
 
 def _multipliers() -> Finding:
     """Follow the multipliers along the approximate and the true orbit."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS, SITES)
     even, odd = _crossing(0), _crossing(1)

@@ -14,9 +14,9 @@ C = 0.1
 
 def _in_phase() -> Finding:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, hold, phase_steps
-    from verification.integrators.envelope_run import run_envelope
+    from verification.steppers.envelope_run import run_envelope
 
     chain = VdpChain(A, B, C, EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, 801.0, 5.0)])
@@ -120,10 +120,10 @@ def _growth() -> Finding:
     """Compare the growth of an antisymmetric perturbation with the exponents."""
     from dataclasses import replace
 
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
     from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
-    from verification.integrators.envelope_run import run_envelope
+    from verification.steppers.envelope_run import run_envelope
 
     rows = []
     for size in (1, 3, 5, 7, 9):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from verification.breathers.escape_range import EscapeRange
     from verification.breathers.nucleation import EscapeThreshold
     from verification.breathers.slow_sweep import Delay
-    from verification.breathers.threshold import BreatherThreshold
+    from verification.thresholds.breather import BreatherThreshold
 
 SIZES = (1, 2, 3, 5, 7, 9)
 PRINTED = {1: 0.1916, 3: 0.2011}
@@ -33,9 +33,9 @@ in some hundred periods, so with less it is not slow; 1e6 periods of 31 sites ar
 
 @lru_cache(maxsize=1)
 def _folds() -> dict[str, list[BreatherThreshold]]:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     return {
@@ -50,7 +50,7 @@ def _folds() -> dict[str, list[BreatherThreshold]]:
 @lru_cache(maxsize=1)
 def _runs() -> dict[int, EscapeThreshold]:
     """Return thresholds of escape by bisection, with exact mirror symmetry."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
@@ -60,7 +60,7 @@ def _runs() -> dict[int, EscapeThreshold]:
 @lru_cache(maxsize=1)
 def _perturbed() -> dict[int, EscapeRange]:
     """Return where perturbed nuclei escape, over three seeds."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.escape_range import escape_range
     from verification.breathers.nucleation import Preparation
 
@@ -84,7 +84,7 @@ def _agree() -> float:
 
 def _values() -> Finding:
     """Compare the printed couplings with the folds, and see what a sweep would have found."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation
     from verification.breathers.slow_sweep import measure_delay
 
@@ -334,7 +334,7 @@ def _growth_by_differences(phi: NDArray[np.complex128], omega: float, c: float) 
 
 def _growth_half_way(fold: BreatherThreshold) -> tuple[float, float]:
     """Return the growth rate half way to a fold, and how far another one is from it."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
     from verification.breathers.nucleus import sites_for
 
@@ -352,10 +352,10 @@ def pattern_folds() -> tuple[list[BreatherThreshold], float]:
 
     And how far those of the staggered reduction are from them, for sizes 3 and 5.
     """
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import staggered_branch
     from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
-    from verification.breathers.threshold import breather_threshold
+    from verification.thresholds.breather import breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     rows, gaps = [], []

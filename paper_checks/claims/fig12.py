@@ -27,10 +27,10 @@ _STEADY = 1e-3
 
 def _steady() -> Finding:
     """Run the chain from one displaced site, and time the front at every site."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import measure_front
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import displaced
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.vdp import measure_front
+    from verification.runs.vdp import Model, run_vdp
+    from verification.runs.vdp_start import displaced
 
     chain = VdpChain(A, B, C, eps=EPS, sites=SITES)
     start = displaced(chain, [1])

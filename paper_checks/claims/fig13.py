@@ -42,9 +42,9 @@ sites wide at c = 100 and has not quite settled."""
 
 def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
     """Return v̂ of (8) with its error, by c, checked by scipy for strong coupling."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import measure_front
-    from verification.vdp.run import Model
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.vdp import measure_front
+    from verification.runs.vdp import Model
 
     fronts = []
     for c in FULL:
@@ -76,10 +76,10 @@ def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
 
 def _scaling() -> Finding:
     """Measure v̂ of (8) and of (43) for strong coupling; compare the exponents with one."""
-    from theory.envelope_front import strong_coupling_front
-    from theory.vdp_chain import VdpChain
-    from verification.arrival_fit import FrontStatus
-    from verification.vdp.front import Behind, measure_front
+    from theory.averaged.front import strong_coupling_front
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.arrival_fit import FrontStatus
+    from verification.fronts.vdp import Behind, measure_front
 
     law = strong_coupling_front(B / A**2)
     fronts = [

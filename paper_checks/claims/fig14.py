@@ -24,9 +24,9 @@ _ORDER = 0.3
 
 def _collapse() -> Finding:
     """Run chains of equal η and different (a, b), and compare every value of every site."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.run import run_vdp
-    from verification.vdp.start import displaced
+    from theory.chains.vdp import VdpChain
+    from verification.runs.vdp import run_vdp
+    from verification.runs.vdp_start import displaced
 
     largest = by_scipy = 0.0
     for eta in COMPARED:
@@ -61,9 +61,9 @@ def _collapse() -> Finding:
 
 def _velocity() -> Finding:
     """Measure v̂(η) to where fronts end, and find that place by bisection."""
-    from theory.vdp_chain import VdpChain, effective_epsilon
-    from verification.vdp.front import Behind, FrontMeasurement, measure_front
-    from verification.vdp.run import Model
+    from theory.chains.vdp import VdpChain, effective_epsilon
+    from verification.fronts.vdp import Behind, FrontMeasurement, measure_front
+    from verification.runs.vdp import Model
 
     def front(eta: float, behind: Behind = Behind.FREE) -> FrontMeasurement:
         return measure_front(VdpChain(1.0, eta, C), behind=behind, most_sites=250)
@@ -156,9 +156,9 @@ def _velocity() -> Finding:
 
 def _epsilon() -> Finding:
     """Measure v/ε at several ε and compare with the averaged chain."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import measure_front
-    from verification.vdp.run import Model
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.vdp import measure_front
+    from verification.runs.vdp import Model
 
     limit = staggered_velocity(4.0, 0.5, C)
     averaged = measure_front(VdpChain(4.0, 0.5, C), accuracy=1e-5).v or 0.0

@@ -12,7 +12,7 @@ from paper_checks.pictures import NO_NUMBERS, new_axes, picture
 from paper_checks.state_picture import draw_states
 
 if TYPE_CHECKING:
-    from verification.sweeps.table import Scalar
+    from verification.execution.table import Scalar
 
 ETAS = tuple(round(0.01 * n, 2) for n in range(1, 15))
 COUPLINGS = tuple(round(0.05 * n, 2) for n in range(1, 21))
@@ -26,11 +26,11 @@ boundary."""
 
 def _regions() -> Finding:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
-    from theory.vdp_chain import effective_epsilon
-    from verification.sweeps.boundary import Bisection, boundary_lines
-    from verification.sweeps.sweep import sweep
-    from verification.vdp.map import StateTask, compare, state_points
-    from verification.vdp.run import Model
+    from theory.chains.vdp import effective_epsilon
+    from verification.execution.sweep import sweep
+    from verification.maps.boundary import Bisection, boundary_lines
+    from verification.maps.vdp import StateTask, compare, state_points
+    from verification.runs.vdp import Model
 
     points = state_points(ETAS, COUPLINGS)
     full = StateTask(Model.FULL)

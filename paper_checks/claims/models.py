@@ -20,9 +20,9 @@ ACCURACY = 2e-5
 
 def _cells() -> Finding:
     """Compare the bistable ranges and how the two cycles meet at their end."""
-    from theory.friction_cell import FrictionCell
-    from theory.vdp_chain import VdpChain
-    from verification.friction.cell_orbits import cell_orbits
+    from theory.cells.friction import FrictionCell
+    from theory.chains.vdp import VdpChain
+    from verification.cells.friction_orbits import cell_orbits
 
     cell = FrictionCell()
     orbits = cell_orbits(cell)
@@ -75,13 +75,13 @@ def _cells() -> Finding:
 
 def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
     from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.breathers.nucleus import Place as Where
-    from verification.breathers.threshold import breather_threshold
-    from verification.friction.start import Place
-    from verification.friction.threshold import Spreading, friction_threshold
+    from verification.runs.friction_start import Place
+    from verification.thresholds.breather import breather_threshold
+    from verification.thresholds.friction import Spreading, friction_threshold
 
     def friction(size: int, place: Place) -> float:
         return friction_threshold(
@@ -136,9 +136,9 @@ def _thresholds() -> Finding:
 
 def _velocities() -> Finding:
     """Compare velocities in units of the largest group velocity of waves about rest."""
-    from theory.vdp_chain import VdpChain
-    from verification.friction.front import measure_friction_front
-    from verification.vdp.front import measure_front
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.friction import measure_friction_front
+    from verification.fronts.vdp import measure_front
 
     friction = {}
     for c in (0.012, 0.02, 0.04, 0.1, 0.3, 1.0):
@@ -269,11 +269,11 @@ def _columns(
 
 def _maps() -> Finding:
     """Compare, column by column, which states follow each other as the coupling grows."""
-    from verification.friction.map import FrictionStateTask, friction_points
-    from verification.sweeps.sweep import sweep
-    from verification.sweeps.table import Point
-    from verification.vdp.map import StateTask, state_points
-    from verification.vdp.run import Model
+    from verification.execution.sweep import sweep
+    from verification.execution.table import Point
+    from verification.maps.friction import FrictionStateTask, friction_points
+    from verification.maps.vdp import StateTask, state_points
+    from verification.runs.vdp import Model
 
     task = FrictionStateTask().alone()
     first = sweep(task, friction_points(MAP_COUPLINGS, MAP_VELOCITIES), workers=1)

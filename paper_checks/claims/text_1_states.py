@@ -32,8 +32,8 @@ BEYOND = 1.35
 
 def _kept(pattern: tuple[int, ...], belt: float, end: float) -> frozenset[int]:
     """Return the sites that stick between ``end`` and ``end`` + 40, some six periods."""
-    from verification.friction.lane import FrictionLane
-    from verification.friction.start import nucleus
+    from verification.runs.friction_integration import FrictionLane
+    from verification.runs.friction_start import nucleus
 
     chain = chain_of(WEAK, SITES, belt)
     lane = FrictionLane(chain, nucleus(chain, pattern), 1e-8)
@@ -83,8 +83,8 @@ def _many_patterns() -> Finding:
 
 def _promotes() -> Finding:
     """See on a ladder of couplings whether each kind of nucleus spreads."""
-    from verification.friction.start import Place
-    from verification.friction.threshold import Definition, Spreading, spreads
+    from verification.runs.friction_start import Place
+    from verification.thresholds.friction import Definition, Spreading, spreads
 
     changes, first = [], []
     for place, size in KINDS:

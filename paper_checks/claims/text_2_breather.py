@@ -60,7 +60,7 @@ def _unknowns() -> Finding:
 
     from derivations.printed import printed
     from derivations.symbols import c, k_2, omega_1, theta
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
     from verification.breathers.nucleus import Nucleus
 
@@ -85,8 +85,8 @@ def _unknowns() -> Finding:
 
 def _extraction() -> Finding:
     """Solve (29) with (37) at n = 0, 1 and in the tail, and search at random as well."""
-    from theory.breather import Reading, solve_breather
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.breather import Reading, solve_breather
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(A, B, 0.1, EPS)
     closed = {reading: solve_breather(chain, reading) for reading in Reading}
@@ -143,7 +143,7 @@ STABLE, UNSTABLE = (1, 0.15), (3, 0.15)
 
 def _escape() -> Finding:
     """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.breathers.orbits import solve_orbit
 

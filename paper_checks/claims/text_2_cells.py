@@ -32,7 +32,7 @@ def _cell() -> Finding:
     """Find both cycles of one cell as fixed points of its return map, and their stability."""
     from scipy.optimize import brentq
 
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
     rows = []
     for a, b in SETS:
@@ -124,7 +124,7 @@ def _small() -> Finding:
     """Compare the ripple of the cycle with ε and with the number that governs averaging."""
     from scipy.integrate import solve_ivp
 
-    from theory.vdp_chain import VdpChain, effective_epsilon
+    from theory.chains.vdp import VdpChain, effective_epsilon
 
     rows = []
     for a, b in SETS:

@@ -14,7 +14,7 @@ from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
-    from verification.breathers.fate import Fate, Growth
+    from verification.breathers.outcome import Fate, Growth
 
 CHAIN_SITES = 41
 """Room for twenty new sites on each side: none of the nuclei that stand reaches the ends."""
@@ -33,8 +33,8 @@ FRICTION_PAUSE = 1000.0
 @lru_cache(maxsize=1)
 def _fates() -> dict[tuple[int | None, float], Fate]:
     """Return what became of the nucleus by seed (None for exact mirror symmetry) and coupling."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.fate import follow_nucleus
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.outcome import follow_nucleus
 
     found = {}
     for seed in (None, *SEEDS):
@@ -66,7 +66,7 @@ def _in_words(growths: Mapping[float, Growth]) -> str:
 
 def _to_larger() -> Finding:
     """Follow the single nucleus through the range, with and without mirror symmetry."""
-    from verification.breathers.fate import PAUSE, distance_from_breather
+    from verification.breathers.outcome import PAUSE, distance_from_breather
 
     fates = _fates()
     rows = {seed: {c: fates[seed, c].growth for c in COUPLINGS} for seed in (None, *SEEDS)}
@@ -167,9 +167,9 @@ def _to_larger() -> Finding:
 @lru_cache(maxsize=32)
 def _friction_growth(c: float, push: float, size: int = 1) -> Growth:
     """Return how a nucleus of Model I grew, its right neighbour displaced by ``push``."""
-    from verification.breathers.fate import growth
-    from verification.friction.lane import FrictionLane
-    from verification.friction.start import Place, nucleus, nucleus_sites
+    from verification.breathers.outcome import growth
+    from verification.runs.friction_integration import FrictionLane
+    from verification.runs.friction_start import Place, nucleus, nucleus_sites
 
     chain = chain_of(c)
     excited = nucleus_sites(SITES, Place.BULK, size)

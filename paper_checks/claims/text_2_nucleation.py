@@ -19,9 +19,9 @@ SETS = ((2.5, 0.5), (4.0, 0.5))
 
 def _lone() -> Finding:
     """Look for other stable states above the largest printed threshold."""
-    from theory.envelope import envelope_jacobian
-    from theory.vdp_chain import VdpChain
-    from verification.integrators.envelope_run import run_envelope
+    from theory.averaged.envelope import envelope_jacobian
+    from theory.chains.vdp import VdpChain
+    from verification.steppers.envelope_run import run_envelope
 
     chain = VdpChain(A, B, 0.25, EPS, 15)
     still = np.zeros(15, dtype=complex)
@@ -57,10 +57,10 @@ def _lone() -> Finding:
 
 def _limit_of_sizes() -> Finding:
     """Compare the threshold of size 3 with those that no longer change with size."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
     from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     folds = {
@@ -98,10 +98,10 @@ def _limit_of_sizes() -> Finding:
 
 def _two_values() -> Finding:
     """Find the one threshold of the single nucleus that two sections give differently."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
     from verification.breathers.nucleus import Nucleus
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     orbit = breather_threshold(chain, Nucleus(1), Method.ORBIT)
@@ -141,10 +141,10 @@ def _two_values() -> Finding:
 
 def _all_lost() -> Finding:
     """Look whether any breather we can follow exists at the largest printed threshold."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
     from verification.breathers.nucleus import Nucleus, Place, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.breather import Method, breather_threshold
 
     chain = VdpChain(A, B, 0.0, EPS)
     folds, _ = pattern_folds()

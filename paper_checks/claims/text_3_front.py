@@ -12,7 +12,7 @@ from paper_checks.claims._text import untestable
 from paper_checks.following import following
 
 if TYPE_CHECKING:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
 A, B = 4.0, 0.5
 
@@ -21,8 +21,8 @@ def _gauge() -> Finding:
     """Run (34) with ω = 1 and with ω = 1 + εc and compare, for three ε."""
     from scipy.integrate import solve_ivp
 
-    from theory.envelope import envelope_rate
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.envelope import envelope_rate
+    from theory.chains.vdp import VdpChain
 
     sites, duration = 6, 12.0
     size = VdpChain(A, B, 0.5).stable_amplitude
@@ -74,8 +74,8 @@ def _rate_34(phi: np.ndarray, chain: VdpChain, omega: float) -> np.ndarray:
 
 def _collapse_figure() -> Finding:
     """See on which figure sets of (a, b) can collapse, by the scaling of (8)."""
-    from theory.envelope import envelope_rate
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.envelope import envelope_rate
+    from theory.chains.vdp import VdpChain
 
     generator = np.random.default_rng(14)
     gaps = []

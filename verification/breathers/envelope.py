@@ -15,16 +15,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.breather import BreatherStatus
-from theory.envelope import (
+from theory.averaged.breather import BreatherStatus
+from theory.averaged.envelope import (
     coupling_matrix,
     envelope_rate,
     staggered_jacobian,
     staggered_phase,
     staggered_rate,
 )
+from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
 from verification.breathers.continuation import Branch, Fold, arrive, trace
 from verification.breathers.exponents import (
     Exponents,

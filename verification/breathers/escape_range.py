@@ -10,8 +10,8 @@ import math
 import time
 from dataclasses import dataclass, field, replace
 
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, count_within, positive
-from theory.vdp_chain import VdpChain
 from verification.breathers.nucleation import Preparation, hold
 
 FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.envelope import envelope_jacobian
-from theory.vdp_chain import VdpChain
+from theory.averaged.envelope import envelope_jacobian
+from theory.chains.vdp import VdpChain
 from verification.breathers.continuation import Monitor
 from verification.breathers.nucleus import Nucleus
 

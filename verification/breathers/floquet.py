@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.breather import ClosedFormBreather
+from theory.averaged.breather import ClosedFormBreather
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
 from verification.breathers.exponents import parity_basis, split_eigenvalues
-from verification.integrators.variational import STEPS, integrate_along_sinusoids
+from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
 from verification.breathers.nucleus import MARGIN, Nucleus, Place, sites_for
-from verification.integrators.envelope_run import EnvelopeRun, run_envelope
+from verification.steppers.envelope_run import EnvelopeRun, run_envelope
 
 Complex = NDArray[np.complex128]
 

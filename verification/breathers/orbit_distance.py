@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.vdp_chain import VdpChain
+from theory.chains.vdp import VdpChain
 from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import solve_orbit
 

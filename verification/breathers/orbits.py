@@ -15,17 +15,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.breather import BreatherStatus
-from theory.envelope import coupling_matrix
+from theory.averaged.breather import BreatherStatus
+from theory.averaged.envelope import coupling_matrix
+from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain, effective_epsilon
 from verification.breathers.continuation import Branch, Fold, Monitor, arrive, trace
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.floquet import MARGINAL, Multipliers, floquet_multipliers
 from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.breathers.nucleus import Nucleus
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.integrators.variational import STEPS, integrate_variations
+from verification.steppers.variational import STEPS, integrate_variations
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,12 +14,12 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain, effective_epsilon
 from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import chain_rate
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.integrators.variational import integrate_chain
+from verification.steppers.variational import integrate_chain
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

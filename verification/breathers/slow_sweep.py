@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, positive
-from theory.vdp_chain import VdpChain
 from verification.breathers.nucleation import Preparation
-from verification.integrators.envelope_run import run_envelope
+from verification.steppers.envelope_run import run_envelope
 
 SETTLING = 300.0
 """Slow time at the starting coupling before a sweep begins."""

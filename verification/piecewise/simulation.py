@@ -15,8 +15,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError, count_within, positive, within
-from theory.unit_cell import threshold_ratio
 from verification.piecewise.chain import PiecewiseChain, Rest
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History

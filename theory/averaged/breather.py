@@ -1,0 +1,287 @@
+"""The closed form of the breather, Eqs. (9), (29), (30), (37), (38), for each reading of n in (37).
+
+The unknowns are α_0 and z = e^{k_1}. Write S = α_0², w = z². Then (29) is c z = G(S) with
+G = (-b S² + 2a S - 8)/16, and (37), with k_2 = -π/2, is
+
+    ½ - a S w^n/8 + b S² w^{2n}/16 = (c/2)(1/z - z).                                          (37)
+
+(37) holds at one site n at most; print leaves n open. The readings:
+
+- ``centre``, n = 0. The left side is -G by definition, so -G = (G/2)(1/w - 1): G = 0 or w = -1.
+  No solution.
+- ``neighbour``, n = 1. With s = S w, s (1 - a s/4 + b s²/8) = G (S - s): a cubic for s at given
+  S, the parameter of the branch, and c = G √(S/s).
+- ``tail``, n → ∞. c = z/(1 - w), and (29) is b S² - 2a S + 8 + 16 w/(1 - w) = 0.
+
+Each branch starts from the cycle of one cell and has a largest c, its fold.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from theory.averaged.breather_branch import NeighbourBranch, discriminant
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError
+
+_EPS = float(np.finfo(float).eps)
+_NOISE = 64.0 * _EPS
+"""Relative rounding of c along a branch."""
+_SCAN = 500
+
+
+class Reading(StrEnum):
+    """At which site (37) is taken."""
+
+    CENTRE = "centre"
+    NEIGHBOUR = "neighbour"
+    TAIL = "tail"
+
+
+class BreatherStatus(StrEnum):
+    """Whether there is a breather."""
+
+    EXISTS = "exists"
+    NONE = "none"
+
+
+@dataclass(frozen=True)
+class ClosedFormFold:
+    """The largest coupling of the closed form.
+
+    Attributes
+    ----------
+    c : float or None
+        Dimensionless; None if the reading has no solution at any coupling.
+    error : float
+        Estimated error of ``c``.
+    reading : Reading
+        Where (37) was taken.
+    place : float
+        For ``neighbour`` the fold's (S_s - S)/(S_s - S_us), in terms of the two cycles' squares.
+    """
+
+    c: float | None
+    error: float
+    reading: Reading
+    place: float = 0.0
+
+
+@dataclass(frozen=True)
+class ClosedFormBreather:
+    """The closed form at one coupling.
+
+    Attributes
+    ----------
+    status : BreatherStatus
+        ``none`` beyond the fold, or for the reading ``centre``.
+    alpha_0 : float or None
+        Amplitude of the central site.
+    decay : float or None
+        e^{k_1}, the ratio of neighbouring amplitudes.
+    frequency : float
+        ω = 1 + εc of (30).
+    phase_step : float
+        k_2 = -π/2 of (37).
+    residual : float
+        Largest residual of (29) and (37).
+    error : float
+        Bound on the relative error of ``alpha_0`` and ``decay``; infinite if there is none.
+    fold : ClosedFormFold
+        Where the branch ends.
+    seconds : float
+        Wall-clock time.
+    """
+
+    status: BreatherStatus
+    alpha_0: float | None
+    decay: float | None
+    frequency: float
+    phase_step: float
+    residual: float
+    error: float
+    fold: ClosedFormFold
+    seconds: float
+
+    def amplitudes(self, count: int) -> NDArray[np.float64]:
+        """Return A_n = α_0 e^{k_1|n|} for n = 0 … count-1 (Eq. 38); empty if there is none."""
+        if self.alpha_0 is None or self.decay is None:
+            return np.empty(0)
+        return np.array([self.alpha_0 * self.decay**n for n in range(count)])
+
+
+def decay_of_centre(alpha_0: float, chain: VdpChain) -> float:
+    """Return e^{k_1} = (-b α_0⁴ + 2a α_0² - 8)/(16 c) (Eq. 29)."""
+    return _gain(alpha_0**2, chain) / chain.c
+
+
+def breather_frequency(chain: VdpChain) -> float:
+    """Return ω = 1 + εc (Eq. 30).
+
+    Examples
+    --------
+    >>> breather_frequency(VdpChain(a=2.5, b=0.5, c=0.1, eps=0.01))
+    1.001
+    """
+    return 1.0 + chain.eps * chain.c
+
+
+def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) -> float:
+    """Return left minus right side of (37) at a site, times -(c/2)(z - 1/z).
+
+    Parameters
+    ----------
+    alpha_0, decay : float
+        α_0 and z = e^{k_1}.
+    site : float
+        n; ``math.inf`` for the linear tail.
+    chain : VdpChain
+        a, b, c.
+    """
+    square = 0.0 if math.isinf(site) else alpha_0**2 * decay ** (2 * site)
+    balance = 0.5 - chain.a * square / 8.0 + chain.b * square**2 / 16.0
+    return balance - 0.5 * chain.c * (1.0 / decay - decay)
+
+
+def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormBreather:
+    """Solve (29) with (37) on the branch that starts from the stable cycle of one cell.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        Needs two cycles (8b < a²) and c > 0.
+    reading : Reading, optional
+        Where (37) is taken.
+
+    Raises
+    ------
+    ParameterError
+        If the cell has no cycle, or c = 0.
+
+    Examples
+    --------
+    >>> breather = solve_breather(VdpChain(a=2.5, b=0.5, c=0.1))
+    >>> [round(float(value), 4) for value in breather.amplitudes(2)]
+    [2.8185, 0.2946]
+    >>> solve_breather(VdpChain(a=2.5, b=0.5, c=0.1), Reading.CENTRE).status.value
+    'none'
+    """
+    started = time.perf_counter()
+    if chain.c == 0:
+        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
+    fold = closed_form_fold(chain, reading)
+    frequency, step = breather_frequency(chain), -0.5 * math.pi
+    if fold.c is None or chain.c > fold.c:
+        seconds = time.perf_counter() - started
+        return ClosedFormBreather(
+            BreatherStatus.NONE, None, None, frequency, step, math.inf, math.inf, fold, seconds
+        )
+    if reading is Reading.TAIL:
+        S, w, error = _tail(chain)
+        site = math.inf
+    else:
+        S, w, error = _neighbour(chain, fold)
+        site = 1.0
+    alpha_0, decay = math.sqrt(S), math.sqrt(w)
+    residual = max(
+        abs(decay_of_centre(alpha_0, chain) - decay),
+        abs(tail_residual(alpha_0, decay, site, chain)),
+    )
+    return ClosedFormBreather(
+        BreatherStatus.EXISTS,
+        alpha_0,
+        decay,
+        frequency,
+        step,
+        residual,
+        error,
+        fold,
+        time.perf_counter() - started,
+    )
+
+
+def closed_form_fold(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
+    """Return the largest coupling at which (29) and (37) have a solution.
+
+    For the reading ``tail`` it is known: c² = m(1 + m) with m = (a² - 8b)/(16 b).
+
+    Examples
+    --------
+    >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1)).c, 6)
+    0.197334
+    >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1), Reading.TAIL).c, 6)
+    0.600293
+    """
+    gap = discriminant(chain)
+    if reading is Reading.CENTRE:
+        return ClosedFormFold(None, 0.0, reading)
+    if reading is Reading.TAIL:
+        m = gap / (16.0 * chain.b)
+        c = math.sqrt(m * (1.0 + m))
+        return ClosedFormFold(c, 8.0 * _EPS * c, reading)
+    branch = NeighbourBranch(chain.a, chain.b, gap)
+    grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
+    # The first fall: c rises from zero, and falls before S turns.
+    falling = np.flatnonzero(np.diff(branch.coupling(grid)) < 0.0)
+    peak = max(int(falling[0]), 1)
+    low, high = float(grid[peak - 1]), float(grid[min(peak + 1, _SCAN - 1)])
+    found = minimize_scalar(
+        lambda t: -branch.coupling_at(t),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    t = float(found.x)
+    # SciPy stops at 1e-8 of t; one parabola puts its top where the height is right to rounding.
+    below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
+    t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
+    c = branch.coupling_at(t)
+    return ClosedFormFold(c, _NOISE * c, reading, math.exp(t))
+
+
+def _gain(square: float, chain: VdpChain) -> float:
+    return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0
+
+
+def _tail(chain: VdpChain) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S)."""
+    c, a, b = chain.c, chain.a, chain.b
+    z = 2.0 * c / (1.0 + math.hypot(1.0, 2.0 * c))
+    gap = discriminant(chain)
+    inside = max(gap - 16.0 * b * c * z, 0.0)
+    square = (a + math.sqrt(inside)) / b
+    lost = 8.0 * _EPS * gap / max(inside, _EPS * gap)  # of √inside, and less of S
+    return square, z * z, 8.0 * _EPS + lost * math.sqrt(inside) / (a + math.sqrt(inside))
+
+
+def _neighbour(chain: VdpChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n = 1, on the branch before the fold."""
+    branch = NeighbourBranch(chain.a, chain.b, discriminant(chain))
+    c, top = chain.c, math.log(fold.place)
+    low = min(math.log(branch.first), branch.start_at(c))
+    t = top
+    if branch.coupling_at(top) > c:
+        t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * _EPS)
+    # The true place lies where c - c(t) surely changes its sign; beside the fold, where c(t)
+    # surely falls below c on both sides.
+    spread = 4.0 * _EPS * max(1.0, abs(t))
+    noise = _NOISE * c
+    for _ in range(60):
+        beyond = branch.coupling_at(t + spread)
+        after = beyond > c + noise or branch.coupling_at(max(t, top) + spread) < c - noise
+        if branch.coupling_at(t - spread) < c - noise and after:
+            break
+        spread *= 2.0
+    ends = [branch.squares(np.array([x])) for x in (t - spread, t, t + spread)]
+    (S_low, s_low), (S, s), (S_high, s_high) = [(float(x[0]), float(y[0])) for x, y in ends]
+    w = s / S
+    moved = max(abs(S_low - S) / S, abs(S_high - S) / S, abs(s_low / S_low - w) / w)
+    moved = max(moved, abs(s_high / S_high - w) / w)
+    return S, w, moved + 16.0 * _EPS

@@ -1,0 +1,1 @@
+"""How computations are run: sweep, worker pool, journal, checkpoint, compiled code."""

@@ -1,0 +1,25 @@
+"""The chains and cells that a point of the stability table describes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VdpChain
+from verification.quantities.quantity import whole
+
+
+def vdp_chain(at: Mapping[str, float]) -> VdpChain:
+    """Return the chain of (8) with b = η a²."""
+    return VdpChain(at["a"], at["eta"] * at["a"] ** 2, at["c"], at["eps"], whole(at["sites"]))
+
+
+def friction_cell(at: Mapping[str, float]) -> FrictionCell:
+    """Return one cell of (5), with μ_d = 1/2."""
+    return FrictionCell(at["v_d"], at["mu_st"], 0.5, at["v0"], at["xi"])
+
+
+def friction_chain(at: Mapping[str, float]) -> FrictionChain:
+    """Return the chain (5)."""
+    return FrictionChain(at["c"], friction_cell(at), whole(at["sites"]))

@@ -4,8 +4,8 @@
     python -m tests.behaviour.record sum-series ...   these only; the others stay as recorded
 
 Chains are small and times short: the whole takes some twenty seconds, once the steppers are
-compiled. The scenes of `verification.scenes` are added, with the numbers that they give through
-the command line. What the data mean and how they are compared: `tests.behaviour.replay`.
+compiled. The shared scenes are added, with the numbers that they give through the command line.
+What the data mean and how they are compared: `tests.behaviour.replay`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterator
 
 from tests.behaviour.replay import DATA, Json, recorded, replay
-from verification.scenes import FAMILIES, damping
+from verification.quantities.scenes import FAMILIES, damping
 
 CASES = """
 kinetic-ordinary | kinetic --c 0.5 --eta 0.03125 | the README's
@@ -126,7 +126,7 @@ derive-cell | derive cell --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=
 derive-sine | derive cell --damping "sin(y)" | refused
 derive-55 | derive --equation 55 | refused
 stress-list | stress --list | the quantities
-stress-nothing | stress --quantity nothing | refused
+stress-no-points | stress --quantity c-pin --points 0 | refused
 check-list | check --list | the claims
 check-quick | check fig03-front fig07-decay fig08-assumptions fig16-admissible fig17-single \
     fig18-forward models-cells text-cell text-extraction text-two-values | judged anew

@@ -14,16 +14,13 @@ from scipy.integrate import simpson
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, RunError
 from verification.cells.friction_orbits import cycle_end_velocity
 from verification.references.friction_events import run_events
-from verification.runs.trajectory import Trajectory
-from verification.runs.trajectory import RunStatus
-from verification.runs.simulate import simulate
-from theory.parameters import RunError
-from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.excite import excite
-from verification.steppers import friction
+from verification.runs.friction_integration import FrictionIntegration
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import RunStatus, Trajectory
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -350,8 +347,15 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
     for _ in range(2000):
         try:
             resumed = simulate(
-                chain, start, 60.0, samples=7, logged_events=500, checkpoint=file, progress=interrupt,
-                budget=1)  # fmt: skip
+                chain,
+                start,
+                60.0,
+                samples=7,
+                logged_events=500,
+                checkpoint=file,
+                progress=interrupt,
+                budget=1,
+            )
             break
         except KeyboardInterrupt:
             continue

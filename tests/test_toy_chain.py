@@ -90,7 +90,7 @@ def test_it_is_a_model_and_refuses_what_is_wrong() -> None:
     assert NagumoChain().parameters() == {
         "model": "nagumo", "alpha": 0.2, "c": 1.0, "sites": 31, "ends": "free"
     }  # fmt: skip
-    with pytest.raises(ParameterError, match="threshold alpha = '0.2'"):
+    with pytest.raises(ParameterError, match=r"threshold alpha = '0\.2'"):
         NagumoChain(alpha="0.2")  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="ends"):
         NagumoChain(ends=Ends.PERIODIC)

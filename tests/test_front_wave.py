@@ -95,7 +95,8 @@ def test_fronts_rest_up_to_the_fold_and_move_from_there() -> None:
     c = np.array([1.1, 1.2, 1.3]) * fold.c
     parabola = np.polyfit(c, [front_wave(each, ETA).v ** 2 for each in c.tolist()], 2)
     nearest = min(np.roots(parabola).real, key=lambda root: abs(root - fold.c))
-    assert nearest == pytest.approx(fold.c, rel=5e-3)
+    # The neglected third power shifts the root by some 0.1 · 0.2 · 0.3 of c_pin.
+    assert nearest == pytest.approx(fold.c, rel=1e-2)
 
 
 def test_the_state_at_the_fold_is_at_rest_and_about_to_leave() -> None:

@@ -15,6 +15,9 @@ from typing import NoReturn
 
 from fronts.answer import UsageError
 from fronts.arguments import BadText, with_values_joined
+from verification.execution.files import FileError
+
+_OF_A_FILE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 COMMANDS = {
     "kinetic": "every velocity at which the piecewise-linear front can travel (Eq. 54)",
@@ -124,7 +127,7 @@ def _version() -> str:
 def _announce_compilation() -> None:
     """Let a terminal show that the first run of a stepper compiles it."""
     logger = logging.getLogger("verification.execution.compiled")
-    if sys.stderr.isatty() and not logger.handlers:
+    if sys.stderr is not None and sys.stderr.isatty() and not logger.handlers:
         handler = logging.StreamHandler()
         handler.setFormatter(logging.Formatter("fronts: %(message)s"))
         logger.addHandler(handler)
@@ -132,6 +135,8 @@ def _announce_compilation() -> None:
 
 
 def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:
+    if sys.stderr is None:  # closed: the exit code must do
+        return
     if as_json:
         print(json.dumps({"error": {"message": message, **details}}), file=sys.stderr)
     else:
@@ -150,6 +155,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
+    if sys.stdout is None:
+        _complain("standard output is closed: open it, or send it to a file.", as_json, {})
+        return 2
     try:
         code = _run(arguments)
         sys.stdout.flush()
@@ -164,9 +172,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except FileError as error:
+        fields = ("quantity", "value", "allowed", "remedy")
+        _complain(str(error), as_json, {field: str(getattr(error, field)) for field in fields})
+        return 2
+    except MemoryError:
+        _complain("memory ran out: ask for fewer sites, samples or points.", as_json, {})
+        return 2
     except OSError as error:
         # Of a file only: what a file system says while writing is for the user to mend.
-        if error.filename is None and error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        if error.filename is None and error.errno not in _OF_A_FILE:
             return _defect(error, as_json)
         where = "" if error.filename is None else f" {error.filename}"
         _complain(f"the file{where} cannot be used: {error.strerror}.", as_json, {})

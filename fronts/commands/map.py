@@ -111,7 +111,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--workers", type=whole, help="processes (default: 1 for the envelope, else one a core)"
     )
     parser.add_argument(
-        "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
+        "--resume", action="store_true", help="go on from OUT.part, which a killed run has left"
     )
 
 
@@ -130,18 +130,18 @@ def _values(given: float | tuple[float, float, int]) -> list[float]:
 
 def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
-    from verification.execution.journal import journal_path
+    from verification.execution.sweep import part_path
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
         # Before the map overwrites what an interrupted run has finished.
-        journal = journal_path(boundary_path(options.out))
-        if journal.exists() and not options.resume:
-            raise UsageError(f"{journal} is left by an interrupted run: --resume it, or remove it.")
+        part = part_path(boundary_path(options.out))
+        if part.exists() and not options.resume:
+            raise UsageError(f"{part} is left by an interrupted run: --resume it, or remove it.")
     if options.picture is not None:
         check_writable(options.picture, (".png", ".svg", ".pdf"), "--picture")
     if options.resume and options.out is None:
-        raise UsageError("--resume needs --out: the journal is beside it.")
+        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
     within("part of the spacing, --refine,", options.refine, 0.0, 1.0)
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
@@ -160,7 +160,7 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
 
 def _vdp(options: argparse.Namespace) -> Answer:
     from verification.maps.vdp import StateTask, compare, state_points
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     refuse(options, _FRICTION, options.chain)
     _check(options)
@@ -202,21 +202,21 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.cells.friction import FrictionCell
-    from theory.chains.friction import FrictionEnds
+    from theory.chains.chain import Ends
+    from theory.chains.nucleus import Place
     from verification.maps.friction import FrictionStateTask, friction_points
-    from verification.runs.friction_start import Place
 
     refuse(options, _VDP, options.chain)
     _check(options)
     couplings, velocities = _axes(options, "c", "v_d")
     points = friction_points(couplings, velocities)
-    cell = FrictionCell(velocities[0], **cell_numbers(options))
+    cell = FrictionCell(v_d=velocities[0], **cell_numbers(options))
     task = FrictionStateTask(
         sites=given(options.n, 31),
         size=given(options.nucleus, 1),
         place=Place(options.place or "bulk"),
         point=start_point_of(options),
-        ends=FrictionEnds(options.ends or "free"),
+        ends=Ends(options.ends or "free"),
         end=given(options.end, 20_000.0),
         mu_st=cell.mu_st,
         mu_d=cell.mu_d,

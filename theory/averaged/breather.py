@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from enum import StrEnum
 from fractions import Fraction
 
 import numpy as np
@@ -31,6 +30,7 @@ from scipy.optimize import brentq, minimize_scalar
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, at_least
+from theory.status import Status
 
 SMALLEST_C = 1e-100
 """Below it e^{2 k_1}, which is near c² at small c, is too small for double precision."""
@@ -42,34 +42,16 @@ _NOISE = 64.0 * _EPS
 _SCAN = 500
 
 
-class Reading(StrEnum):
+class Reading(Status):
     """The site n at which (37) is taken; print leaves it open."""
-
-    sentence: str
-
-    def __new__(cls, value: str, sentence: str) -> Reading:
-        """Return a member that carries its sentence."""
-        member = str.__new__(cls, value)
-        member._value_ = value
-        member.sentence = sentence
-        return member
 
     CENTRE = "centre", "(37) is taken at the centre, n = 0, where it has no solution."
     NEIGHBOUR = "neighbour", "(37) is taken at the neighbour of the centre, n = 1."
     TAIL = "tail", "(37) is taken far out, n → ∞, where it is linear."
 
 
-class BreatherStatus(StrEnum):
+class BreatherStatus(Status):
     """What was found of a breather, by whichever method; each member says it in a sentence."""
-
-    sentence: str
-
-    def __new__(cls, value: str, sentence: str) -> BreatherStatus:
-        """Return a member that carries its sentence."""
-        member = str.__new__(cls, value)
-        member._value_ = value
-        member.sentence = sentence
-        return member
 
     EXISTS = "exists", "the equations have a breather at this coupling."
     NONE = "none", "there is no such breather at this coupling: its branch ends in a fold below it."

@@ -130,7 +130,7 @@ def _regions() -> Finding:
 
 
 def _cycle_end() -> float:
-    from verification.cells.friction_orbits import cycle_end_velocity
+    from verification.cells.friction import cycle_end_velocity
 
     return cycle_end_velocity(chain_of(0.0).cell)
 

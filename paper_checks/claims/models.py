@@ -22,15 +22,15 @@ def _cells() -> Finding:
     """Compare the bistable ranges and how the two cycles meet at their end."""
     from theory.cells.friction import FrictionCell
     from theory.chains.vdp import VdpChain
-    from verification.cells.friction_orbits import cell_orbits
+    from verification.cells.friction import friction_cell
 
     cell = FrictionCell()
-    orbits = cell_orbits(cell)
+    orbits = friction_cell(cell)
     end = orbits.cycle_end_velocity
     gaps = {}
     sticks = {}
     for part in (1e-3, 1e-4):
-        near = cell_orbits(replace(cell, v_d=(1.0 - part) * end))
+        near = friction_cell(replace(cell, v_d=(1.0 - part) * end))
         if near.stable is None or near.unstable is None:
             raise ArithmeticError(f"no two cycles {part:g} before their end at v_d = {end:.6f}")
         gaps[part] = near.stable.max - near.unstable.max

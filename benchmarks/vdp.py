@@ -367,13 +367,14 @@ def _thresholds() -> Target:
     from benchmarks.record import Target
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(2.5, 0.5, 0.0, 0.01)
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
     found = [
-        breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE).c
+        breather_threshold(chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE).c
         for size in sizes
     ]
     seconds = perf_counter() - begin

@@ -137,7 +137,8 @@ def _cycle_end() -> float:
 
 def _fills(c: float, v_d: float, size: int) -> bool:
     from verification.runs.friction_start import Place
-    from verification.thresholds.friction import Definition, Spreading, spreads
+    from verification.thresholds.result import Definition
+    from verification.thresholds.spreading import Spreading, spreads
 
     spreading = Spreading(size, Place.BULK, Definition.WHOLE, 2000.0)
     return spreads(chain_of(c, SITES, v_d), spreading)

@@ -76,12 +76,13 @@ def _cells() -> Finding:
 def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
     from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.breathers.nucleus import Place as Where
     from verification.runs.friction_start import Place
-    from verification.thresholds.breather import breather_threshold
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.spreading import Spreading, friction_threshold
 
     def friction(size: int, place: Place) -> float:
         return friction_threshold(

@@ -136,7 +136,7 @@ def _cycle_end() -> float:
 
 
 def _fills(c: float, v_d: float, size: int) -> bool:
-    from verification.runs.friction_start import Place
+    from theory.chains.nucleus import Place
     from verification.thresholds.result import Definition
     from verification.thresholds.spreading import Spreading, spreads
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.result import Result, plain
 from theory.status import Status
-from verification.breathers.nucleus import Nucleus
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

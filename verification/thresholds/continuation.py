@@ -10,13 +10,13 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+from theory.chains.nucleus import MARGIN, Nucleus, Place
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import envelope as envelope_breather
 from verification.breathers import exponents, orbits
 from verification.breathers.continuation import Branch, Crossing, Monitor, first_crossing
 from verification.breathers.newton import System
-from verification.breathers.nucleus import MARGIN, Nucleus, Place
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from theory.chains.nucleus import Nucleus
 from theory.result import Result
 from theory.status import Status
-from verification.breathers.nucleus import Nucleus
 
 
 class ThresholdMethod(Status):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from verification.execution.journal import journal_path
 
 from fronts.cli import main
 from paper_checks.claim import Verdict
@@ -18,7 +19,6 @@ from paper_checks.claims import fig15
 from theory.chains.chain import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.execution.journal import journal_path
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, grid
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines

@@ -130,14 +130,14 @@ def _values(given: float | tuple[float, float, int]) -> list[float]:
 
 def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
-    from verification.execution.journal import journal_path
+    from verification.execution.sweep import part_path
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
         # Before the map overwrites what an interrupted run has finished.
-        journal = journal_path(boundary_path(options.out))
-        if journal.exists() and not options.resume:
-            raise UsageError(f"{journal} is left by an interrupted run: --resume it, or remove it.")
+        part = part_path(boundary_path(options.out))
+        if part.exists() and not options.resume:
+            raise UsageError(f"{part} is left by an interrupted run: --resume it, or remove it.")
     if options.picture is not None:
         check_writable(options.picture, (".png", ".svg", ".pdf"), "--picture")
     if options.resume and options.out is None:

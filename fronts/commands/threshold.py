@@ -229,7 +229,7 @@ def _friction(options: argparse.Namespace) -> Answer:
     from theory.chains.chain import Ends
     from theory.chains.friction import FrictionChain
     from verification.thresholds.result import Definition
-    from verification.thresholds.spreading import Spreading, friction_threshold
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
     ends = Ends(options.ends or "free")
     chain = FrictionChain.of(cell_of(options), c=0.0, sites=given(options.n, 31), ends=ends)
@@ -241,7 +241,7 @@ def _friction(options: argparse.Namespace) -> Answer:
         start_point_of(options),
     )
     with Progress("threshold") as shown:
-        found = friction_threshold(
+        found = spreading_threshold(
             chain,
             spreading,
             lowest=given(options.c_min, 1e-3),

@@ -36,6 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import count_within, positive, within
 from theory.status import Status
 from verification.breathers.orbits import solve_orbit
@@ -130,6 +131,7 @@ def evolution_of(run: Trajectory) -> Evolution:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=15)
     >>> evolution_of(simulate(chain, excite(chain, [8]), 5e3, estimate_error=False)).outcome.value
     'held'
@@ -221,6 +223,7 @@ def follow_nucleus(
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.195, sites=21)
     >>> followed = follow_nucleus(chain, slow_time=140.0)
     >>> followed.evolution.size, followed.mirrored, followed.confirmed

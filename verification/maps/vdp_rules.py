@@ -96,8 +96,8 @@ def find_vdp_state(
     chain : VdpChain or AveragedChain
         Parameters, with free ends.
     start : array_like, shape (2, N)
-        (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). The far end is the first site, and the
-        last one is where amplitudes of (8) are sampled.
+        (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). The far end is the first site,
+        and the last one is where amplitudes of (8) are sampled.
     end : float, optional
         End time, slow; states found in its second half do not count.
     tolerance : float, optional

@@ -166,7 +166,7 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
         tolerance=first.tolerance,
         method=first.method,
         counts={**first.counts, **first.events},
-        events=first.log,
+        event_log=first.log,
         seconds=perf_counter() + offset,
     )
 

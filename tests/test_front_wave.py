@@ -51,8 +51,9 @@ def test_the_stated_error_bounds_the_true_one(
 
 
 def test_it_is_the_front_of_the_running_chain() -> None:
-    from theory.chains.vdp import VdpChain
     from verification.fronts.vdp import measure_front
+
+    from theory.chains.vdp import VdpChain
 
     found = measure_front(VdpChain(a=4, b=0.5, c=0.6), accuracy=1e-5)
     assert found.v is not None

@@ -1,4 +1,4 @@
-"""Compiling one loop for several right-hand sides and stop conditions, so that disk keeps it."""
+"""Compiling one loop for several right-hand sides and stop conditions, stored on disk."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def source_mark(function: Callable[..., Any]) -> str:
 def specialised(function: Any, mark: str, **names: Any) -> Any:
     """Compile a copy of a function in which some global names mean other compiled functions.
 
-    The compiled code is kept on disk. numba does not find again what it has compiled for closures
+    The compiled code is stored on disk. numba does not find again what it has compiled for closures
     over, or arguments that are, other compiled functions: it knows these by a number that is drawn
     anew in every process. A copy with globals of its own has no such parts.
 
@@ -43,7 +43,7 @@ def specialised(function: Any, mark: str, **names: Any) -> Any:
     function : callable
         A plain function of a module.
     mark : str
-        What tells this copy from others of the function; it must say all that ``names`` mean.
+        What distinguishes this copy from others; it must say all that ``names`` mean.
     **names
         The global names, and what they mean in the copy.
     """

@@ -205,9 +205,9 @@ def test_scaling_a_b_and_the_displacement_together_changes_nothing(task: StateTa
         first = find_vdp_state(chain, excite(chain, [16], 6.0))
         second = find_vdp_state(scaled, excite(scaled, [16], 6.0 * math.sqrt(chain.a)))
         assert first.state is second.state
-        # The time is that of the end of a step. Where steps grow is decided by a comparison, so that
-        # rounding alone may put the end of one some tenths elsewhere.
-        assert first.time == pytest.approx(second.time, abs=0.5)
+        # The time is that of the end of a step, or of a window of 5. Where steps grow is decided by
+        # a comparison, so that rounding alone may put the end of one some tenths elsewhere.
+        assert first.time == pytest.approx(second.time, abs=5.1)
 
 
 def test_a_late_label_does_not_count_and_a_small_perturbation_can_undecide() -> None:
@@ -327,7 +327,7 @@ def test_the_command_writes_map_boundary_stamp_and_picture(
     assert edge.size == answer["boundary_points"] > 5
     assert (edge["low"] <= edge["at"]).all()
     stamp = json.loads((tmp_path / "map.csv.json").read_text(encoding="utf-8"))
-    assert stamp["parameters"]["chain"]["model"] == "averaged"
+    assert stamp["parameters"]["parameters"]["chain"]["is"].endswith("AveragedChain")
     # again: nothing is left to compute
     assert main([*shlex.split(line), "--resume"]) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 24

@@ -190,7 +190,10 @@ class Result:
             dims = _dimensions(self)
         except TypeError:
             columns = self.columns()  # of its own, or refused in the same words
-            return _optional("xarray").Dataset({k: ("row", v) for k, v in columns.items()})
+            rows: xr.Dataset = _optional("xarray").Dataset(
+                {k: ("row", v) for k, v in columns.items()}
+            )
+            return rows
         variables, coordinates = {}, {}
         for name, over in dims.items():
             axis = described[name].get("axis")
@@ -198,7 +201,8 @@ class Result:
                 variables[name] = (over, getattr(self, name))
             else:
                 coordinates[axis] = getattr(self, name)
-        return _optional("xarray").Dataset(variables, coordinates)
+        table: xr.Dataset = _optional("xarray").Dataset(variables, coordinates)
+        return table
 
     def __repr__(self) -> str:
         shown = (f"{each.name}={_short(getattr(self, each.name))}" for each in _fields(self))

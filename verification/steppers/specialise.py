@@ -43,7 +43,8 @@ def specialised(function: Any, mark: str, **names: Any) -> Any:
     function : callable
         A plain function of a module.
     mark : str
-        What distinguishes this copy from others; it must say all that ``names`` mean.
+        What distinguishes this copy from others of the function; it must say all that ``names``
+        mean.
     **names
         The global names, and what they mean in the copy.
     """

@@ -174,9 +174,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
     value = given(options.b, 0.5) if options.a is None else options.a
     numbers = {"a": 4.0, "b": 0.5, held: value}
     chain = kind(**numbers, c=0.0, eps=given(options.eps, 0.01), sites=given(options.n, 16))
-    task = StateTask(
-        chain=chain, held=held, displacement=given(options.displacement, 6.0), end=options.end
-    )
+    task = StateTask(chain=chain, held=held, displacement=options.displacement, end=options.end)
     if model == "envelope" and options.workers is None:
         options.workers = 1
     axes = {"eta": etas, "c": couplings}

@@ -1,4 +1,4 @@
-"""Compiled functions as arguments of compiled functions, both of them stored on disk."""
+"""Compiling one loop for several right-hand sides and stop conditions, stored on disk."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from numba import cfunc
-
-import verification.execution.compiled  # noqa: F401  # it says where compiled code is stored
+from verification.execution.compiled import njit
 
 
 @lru_cache(maxsize=256)
@@ -33,25 +31,24 @@ def source_mark(function: Callable[..., Any]) -> str:
     return f"{plain.__module__}.{plain.__qualname__}.{mark}"
 
 
-def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
-    """Return a compiled function that other compiled functions take as an argument.
+def specialised(function: Any, mark: str, **names: Any) -> Any:
+    """Compile a copy of a function in which some global names mean other compiled functions.
 
-    It is stored on disk, and so is what takes it: for numba the type of such an argument is its
-    signature alone. Of arguments or closures that are compiled by ``njit`` it knows only a number
-    that is drawn anew in every process, and so compiles all again.
+    The compiled code is stored on disk. numba does not find again what it has compiled for closures
+    over, or arguments that are, other compiled functions: it knows these by a number that is drawn
+    anew in every process. A copy with globals of its own has no such parts.
 
     Parameters
     ----------
     function : callable
         A plain function of a module.
-    signature
-        Its types, in numba's notation.
     mark : str
-        What distinguishes it from others of this function; it must say all that ``names`` mean.
+        What distinguishes this copy from others of the function; it must say all that ``names``
+        mean.
     **names
-        Global names of the function, and what they mean in it.
+        The global names, and what they mean in the copy.
     """
     copy = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
     copy.__module__ = function.__module__
     copy.__qualname__ = f"{function.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
-    return cfunc(signature, cache=True)(copy)
+    return njit(cache=True)(copy)

@@ -169,7 +169,8 @@ class Result:
             If pandas is not installed.
         """
         columns = self.columns()
-        return _optional("pandas").DataFrame(columns)
+        frame: pd.DataFrame = _optional("pandas").DataFrame(columns)
+        return frame
 
     def to_xarray(self) -> xr.Dataset:
         """Return the result as a dataset of xarray, with named dimensions and coordinates.
@@ -190,7 +191,10 @@ class Result:
             dims = _dimensions(self)
         except TypeError:
             columns = self.columns()  # of its own, or refused in the same words
-            return _optional("xarray").Dataset({k: ("row", v) for k, v in columns.items()})
+            listed: xr.Dataset = _optional("xarray").Dataset(
+                {name: ("row", values) for name, values in columns.items()}
+            )
+            return listed
         variables, coordinates = {}, {}
         for name, over in dims.items():
             axis = described[name].get("axis")
@@ -198,7 +202,8 @@ class Result:
                 variables[name] = (over, getattr(self, name))
             else:
                 coordinates[axis] = getattr(self, name)
-        return _optional("xarray").Dataset(variables, coordinates)
+        data: xr.Dataset = _optional("xarray").Dataset(variables, coordinates)
+        return data
 
     def __repr__(self) -> str:
         shown = (f"{each.name}={_short(getattr(self, each.name))}" for each in _fields(self))

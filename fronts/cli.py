@@ -1,4 +1,4 @@
-"""The command ``fronts``: find the subcommand, import only that one, print its answer."""
+"""The command ``fronts``: find the command and the model, import only those, print the answer."""
 
 from __future__ import annotations
 
@@ -9,30 +9,12 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Sequence
-from types import ModuleType
+from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from fronts.answer import UsageError
+from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
-
-COMMANDS = {
-    "kinetic": "every velocity at which the piecewise-linear front can travel (Eq. 54)",
-    "sum": "the sum of the kinetic relation, by four methods (Eq. 53)",
-    "roots": "labelled complex roots of the dispersion relation (Eqs. 50-52)",
-    "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
-    "front": "velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)",
-    "simulate": "a run of a chain from given sites, as numbers and as a picture (Eqs. 5, 8, 43)",
-    "cell": "what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
-    "map": "the state of a chain over a plane of parameters (Figs. 5, 15)",
-    "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
-    "threshold": "the coupling at which a nucleus stops being localised (Figs. 4, 11)",
-    "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
-    "stress": "every quantity over all decades of its parameters, held against another method",
-    "bench": "error against run time beside peers, and how cost grows (source tree only)",
-    "check": "the verdict on each claim of the paper",
-}
-"""Subcommand and one line of help; the code is ``fronts.commands.<name>``."""
+from fronts.catalogue import ALIASES, COMMANDS, Command
 
 
 class _Parser(argparse.ArgumentParser):
@@ -63,26 +45,12 @@ def _overview() -> str:
         "",
         "Excitation fronts in self-excited chains: theory, direct simulation, verdicts.",
         "",
-        *(f"  {name:<10} {line}" for name, line in COMMANDS.items()),
+        *(f"  {name:<10} {command.line}" for name, command in COMMANDS.items()),
         "",
-        "Every command takes --json and then prints one JSON object. --version tells the version.",
+        "Every command takes --json and then prints one JSON object. --version tells the version,",
+        "--print-completion bash (zsh, tcsh) the completion of this command for that shell.",
     ]
     return "\n".join(lines)
-
-
-def _parser(name: str) -> tuple[_Parser, ModuleType]:
-    module = importlib.import_module(f"fronts.commands.{name}")
-    parser = _Parser(
-        prog=f"fronts {name}",
-        description=COMMANDS[name][:1].upper() + COMMANDS[name][1:] + ".",
-        epilog=module.EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        exit_on_error=False,
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    module.configure(parser)
-    return parser, module
 
 
 def _run(argv: Sequence[str]) -> int:
@@ -92,8 +60,12 @@ def _run(argv: Sequence[str]) -> int:
     if argv[0] == "--version":
         print(f"fronts {_version()}")
         return 0
+    if argv[0] == "--print-completion":
+        print(_completion(argv[1:]))
+        return 0
     name, *rest = argv
-    if name not in COMMANDS:
+    command = COMMANDS.get(name)
+    if command is None:
         known = ", ".join(COMMANDS)
         raise UsageError(
             f"'{name}' is not a command: choose one of {known}.",
@@ -102,14 +74,131 @@ def _run(argv: Sequence[str]) -> int:
             allowed=known,
             remedy="choose one of these",
         )
-    parser, module = _parser(name)
+    parser, carry_out, rest = _chosen(name, command, rest)
     _announce_compilation()
-    answer = module.run(parser.read(rest))
+    answer = carry_out(parser.read(rest))
     if "--json" in rest:
         print(json.dumps(answer.payload, allow_nan=False))
     else:
         print(answer.text)
     return int(answer.exit_code)
+
+
+def _chosen(
+    name: str, command: Command, rest: Sequence[str]
+) -> tuple[_Parser, Callable[[argparse.Namespace], Answer], list[str]]:
+    """Return the parser of a command and model, what carries it out, and the words left to read."""
+    if command.module:
+        module = importlib.import_module(f"fronts.commands.{command.module}")
+        parser = new_parser(f"fronts {name}", command.line, module.EXAMPLE)
+        module.configure(parser)
+        return parser, module.run, list(rest)
+    from fronts import derived
+
+    model, rest = _model(name, command, rest)
+    call = command.calls[model]
+    examples = "examples:" + command.examples
+    parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, examples)
+    derived.configure(parser, call)
+    words = [word for word in (name, model, *rest) if word]
+    return parser, lambda options: derived.run(options, call, words), rest
+
+
+def _model(name: str, command: Command, rest: Sequence[str]) -> tuple[str, list[str]]:
+    """Return the model that is named first, or the default, and the words after it."""
+    if "" in command.calls:
+        return "", list(rest)
+    known = ", ".join(command.calls)
+    first = rest[0] if rest else ""
+    if first in ("-h", "--help") and not command.default:
+        lines = [f"usage: fronts {name} MODEL [options]", "", f"{_sentence(command.line)}", ""]
+        lines += [f"  fronts {name} {model} --help" for model in command.calls]
+        print("\n".join([*lines, "", "examples:" + command.examples]))
+        raise SystemExit(0)
+    model = ALIASES.get(first, first)
+    if model in command.calls:
+        return _renamed(model, list(rest[1:]), command)
+    if command.default and (not first or first.startswith("-")):
+        return _renamed(command.default, list(rest), command)
+    said = f"'{first}' is not a model" if first else "a model is missing"
+    raise UsageError(
+        f"{said}: choose one of {known}; see 'fronts {name} --help'.",
+        quantity="model",
+        value=first,
+        allowed=known,
+        remedy="choose one of these",
+    )
+
+
+def _renamed(model: str, rest: list[str], command: Command) -> tuple[str, list[str]]:
+    """Read ``vdp --model envelope`` as the model averaged, and ``vdp --model full`` as vdp."""
+    for index, word in enumerate(rest):
+        name, equals, value = word.partition("=")
+        if model == "vdp" and name == "--model" and "averaged" in command.calls:
+            used = 1 if equals else 2
+            value = value if equals else "".join(rest[index + 1 : index + 2])
+            models = {"full": "vdp", "averaged": "averaged", **ALIASES}
+            if value not in models:
+                raise UsageError(
+                    f"argument --model: invalid choice: '{value}' (choose from {', '.join(models)})"
+                    f"; see 'fronts {command} --help'.",
+                    quantity="--model",
+                )
+            return models[value], rest[:index] + rest[index + used :]
+    return model, rest
+
+
+def new_parser(program: str, line: str, examples: str) -> _Parser:
+    """Return a parser with the options of every command."""
+    parser = _Parser(
+        prog=program,
+        description=_sentence(line),
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        exit_on_error=False,
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    return parser
+
+
+def _sentence(line: str) -> str:
+    return line[:1].upper() + line[1:] + "."
+
+
+def _completion(words: Sequence[str]) -> str:
+    """Return the script that completes this command in a shell."""
+    try:
+        import shtab
+    except ModuleNotFoundError:
+        raise UsageError(
+            "shell completion needs shtab: 'pip install excitation-fronts[completion]'."
+        ) from None
+    shells = ", ".join(shtab.SUPPORTED_SHELLS)
+    if len(words) != 1 or words[0] not in shtab.SUPPORTED_SHELLS:
+        raise UsageError(f"--print-completion takes one shell: choose one of {shells}.")
+    script: str = shtab.complete(whole_parser(), shell=words[0])
+    return script
+
+
+def whole_parser() -> argparse.ArgumentParser:
+    """Return one parser with every command, model and option, as shell completion needs it."""
+    from fronts import derived
+
+    whole = argparse.ArgumentParser(prog="fronts", description="Excitation fronts.")
+    commands = whole.add_subparsers()
+    for name, command in COMMANDS.items():
+        parser = commands.add_parser(name, help=command.line)
+        if command.module:
+            importlib.import_module(f"fronts.commands.{command.module}").configure(parser)
+            continue
+        if "" in command.calls:
+            derived.configure(parser, command.calls[""])
+            continue
+        models = parser.add_subparsers()
+        for model, call in command.calls.items():
+            derived.configure(models.add_parser(model), call)
+    return whole
 
 
 def _version() -> str:

@@ -4,7 +4,7 @@
     python -m tests.behaviour.record sum-series ...   these only; the others stay as recorded
 
 Chains are small and times short: the whole takes some twenty seconds, once the steppers are
-compiled. The scenes of `verification.scenes` are added, with the numbers that they give through
+compiled. The scenes of `verification.quantities.scenes` are added, with the numbers that they give through
 the command line. What the data mean and how they are compared: `tests.behaviour.replay`.
 """
 
@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterator
 
 from tests.behaviour.replay import DATA, Json, recorded, replay
-from verification.scenes import FAMILIES, damping
+from verification.quantities.scenes import FAMILIES, damping
 
 CASES = """
 kinetic-ordinary | kinetic --c 0.5 --eta 0.03125 | the README's

@@ -80,7 +80,7 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     if not alone:
         raise CertificationError(f"a root is too near the edge of its strip {where}")
     radius = np.array([size for size, _ in balls])
-    roots = RootSet(found.labels, found.k, found.residual, radius)
+    roots = RootSet(labels=found.labels, k=found.k, residual=found.residual, radius=radius)
     return CertifiedRoots(roots, counted, _BITS)
 
 

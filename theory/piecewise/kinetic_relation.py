@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import groupby
 from time import perf_counter
@@ -19,6 +19,7 @@ from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
+from theory.result import Result
 
 LARGEST_COUPLING = 1e8
 SMALLEST_COUPLING = 1e-8
@@ -34,8 +35,8 @@ class Status(StrEnum):
     NOT_BISTABLE = "not_bistable"
 
 
-@dataclass(frozen=True)
-class Branch:
+@dataclass(frozen=True, kw_only=True)
+class Branch(Result):
     """One solution of the kinetic relation.
 
     Attributes
@@ -57,14 +58,14 @@ class Branch:
     v: float
     error: float
     slope: int
-    by_coupling: float
+    by_coupling: float = field(metadata={"json": "by_c"})
     by_eta: float
     admissible: bool | None
     fails_at: float | None
 
 
-@dataclass(frozen=True)
-class KineticRelation:
+@dataclass(frozen=True, kw_only=True)
+class KineticRelation(Result):
     """The answer at one (c, η).
 
     Attributes
@@ -105,6 +106,26 @@ class KineticRelation:
     method: str
     terms: int
     seconds: float
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a branch, or a single one without a velocity; see `Result.columns`."""
+        rows: tuple[Branch | None, ...] = self.branches or (None,)
+
+        def listed(name: str, kind: type) -> np.ndarray:
+            return np.array([None if row is None else getattr(row, name) for row in rows], kind)
+
+        return {
+            "c": np.full(len(rows), self.c),
+            "eta": np.full(len(rows), self.eta),
+            "status": np.array([self.status.value] * len(rows)),
+            "v": listed("v", float),
+            "error": listed("error", float),
+            "slope": listed("slope", object),
+            "by_c": listed("by_coupling", float),
+            "by_eta": listed("by_eta", float),
+            "admissible": listed("admissible", object),
+            "fails_at": listed("fails_at", float),
+        }
 
 
 def kinetic_relation(c: float, eta: float) -> KineticRelation:
@@ -200,20 +221,20 @@ def trace_kinetic_relation(
         status, reason = limits.judge(c_here, eta_here, ascending)
         answers.append(
             KineticRelation(
-                c_here,
-                eta_here,
-                status,
-                reason,
-                ascending,
-                limits.c_pin,
-                limits.c_fold,
-                limits.c_retreat,
-                limits.c_pin_error,
-                limits.c_fold_error,
-                limits.c_retreat_error,
-                "integral",
-                math.ceil(terms / c_.size),
-                seconds,
+                c=c_here,
+                eta=eta_here,
+                status=status,
+                reason=reason,
+                branches=ascending,
+                c_pin=limits.c_pin,
+                c_fold=limits.c_fold,
+                c_retreat=limits.c_retreat,
+                c_pin_error=limits.c_pin_error,
+                c_fold_error=limits.c_fold_error,
+                c_retreat_error=limits.c_retreat_error,
+                method="integral",
+                terms=math.ceil(terms / c_.size),
+                seconds=seconds,
             )
         )
     return answers
@@ -254,13 +275,13 @@ def _branches(
             yield (
                 scene,
                 Branch(
-                    v,
-                    float(error),
-                    int(np.sign(slope)),
-                    -direction * float(by_c) / steep,
-                    direction * by_eta / steep,
-                    verdict.admissible if verdict else None,
-                    verdict.fails_at if verdict else None,
+                    v=v,
+                    error=float(error),
+                    slope=int(np.sign(slope)),
+                    by_coupling=-direction * float(by_c) / steep,
+                    by_eta=direction * by_eta / steep,
+                    admissible=verdict.admissible if verdict else None,
+                    fails_at=verdict.fails_at if verdict else None,
                 ),
             )
 

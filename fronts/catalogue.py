@@ -1,0 +1,137 @@
+"""The commands of ``fronts``: for each model the function of the library that answers.
+
+A command is a line here. Its options, their help and their defaults are read off the function and
+the class of the chain (`fronts.signatures`); its answer is the function's result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Call:
+    """A public function behind a command, for one model.
+
+    Attributes
+    ----------
+    function : str
+        ``module:name``; imported when the command runs.
+    chain : str
+        ``module:Class`` whose fields are options too; the function's first parameter is made of
+        them.
+    scene : mapping
+        Defaults of this command: parameters that the function requires, or another default.
+    ranged : bool
+        Whether a field of the chain may be a range, which gives a curve.
+    hidden : tuple of str
+        Parameters that are no options.
+    """
+
+    function: str
+    chain: str = ""
+    scene: Mapping[str, Any] = field(default_factory=dict)
+    ranged: bool = False
+    hidden: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """A command: one call, or one for each model.
+
+    Attributes
+    ----------
+    line : str
+        What it answers, in one line.
+    examples : str
+        Command lines that work, shown by ``--help``.
+    calls : mapping of str to Call
+        By model; the key is empty where there is one only.
+    default : str
+        The model where none is named.
+    module : str
+        A command that is not derived: a module of `fronts.commands` with ``configure`` and ``run``.
+    """
+
+    line: str
+    examples: str = ""
+    calls: Mapping[str, Call] = field(default_factory=dict)
+    default: str = ""
+    module: str = ""
+
+
+ALIASES = {"envelope": "averaged"}
+"""Other names of models."""
+
+COMMANDS: dict[str, Command] = {
+    "kinetic": Command(
+        line="every velocity at which the piecewise-linear front can travel (Eq. 54)",
+        examples="""
+  fronts kinetic --c 0.5 --eta 0.03125
+  fronts kinetic --c 0.45 --a 4 --b 0.5 --json
+  fronts kinetic --c 0.3:3:200 --eta 0.03125 --out curve.png
+  fronts kinetic --c 0.3 --eta 0.001:0.12:200 --out curve.csv""",
+        calls={"": Call(function="fronts.piecewise:kinetic_relation")},
+    ),
+    "sum": Command(
+        line="the sum of the kinetic relation, by four methods (Eq. 53)",
+        examples="""
+  fronts sum --v 0.3 --c 0.5
+  fronts sum --v 0.3 --c 0.5 --method series --digits 50 --json""",
+        calls={"": Call(function="fronts.piecewise:sigma")},
+    ),
+    "roots": Command(
+        line="labelled complex roots of the dispersion relation (Eqs. 50-52)",
+        examples="""
+  fronts roots --v 0.3 --c 0.5 --count 8
+  fronts roots --v 0.3 --c 0.5 --extent 40 --certify --json
+  fronts roots --v 0.3 --c 0.5 --count 4 --digits 40""",
+        calls={"": Call(function="fronts.piecewise:roots")},
+    ),
+    "profile": Command(
+        line="the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
+        examples="""
+  fronts profile --c 0.5 --eta 0.03125
+  fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png
+  fronts profile --c 0.45 --eta 0.03125 --branch 1 --from -5 --to 5 --out profile.csv""",
+        calls={"": Call(function="fronts.piecewise:front_profile")},
+    ),
+    "front": Command(
+        line="velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)", module="front"
+    ),
+    "simulate": Command(
+        line="a run of a chain from given sites, as numbers and as a picture (Eqs. 5, 8, 43)",
+        module="simulate",
+    ),
+    "cell": Command(
+        line="what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
+        module="cell",
+    ),
+    "map": Command(
+        line="the state of a chain over a plane of parameters (Figs. 5, 15)", module="map"
+    ),
+    "breather": Command(
+        line="a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
+        module="breather",
+    ),
+    "threshold": Command(
+        line="the coupling at which a nucleus stops being localised (Figs. 4, 11)",
+        module="threshold",
+    ),
+    "derive": Command(
+        line="the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
+        module="derive",
+    ),
+    "stress": Command(
+        line="every quantity over all decades of its parameters, held against another method",
+        module="stress",
+    ),
+    "bench": Command(
+        line="error against run time beside peers, and how cost grows (source tree only)",
+        module="bench",
+    ),
+    "check": Command(line="the verdict on each claim of the paper", module="check"),
+}
+"""Every command; the overview lists them in this order."""

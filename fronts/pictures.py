@@ -1,0 +1,124 @@
+"""One picture for each kind of result, entered under the name of its class.
+
+A new picture is a function ``(result, axes, **style)`` and one line in `DRAWINGS`. The axes come
+in empty; the function labels them. Matplotlib is imported by the caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
+"""Of Okabe and Ito's palette, told apart by colour-blind readers."""
+
+
+def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
+    """Draw a result.
+
+    Parameters
+    ----------
+    result : Result
+        What to draw.
+    axes : matplotlib.axes.Axes, optional
+        Where; by default new axes.
+    **style
+        For the lines of the picture.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If there is no picture of such a result.
+    """
+    names = [each.__name__ for each in type(result).__mro__]
+    drawing = next((DRAWINGS[name] for name in names if name in DRAWINGS), None)
+    if drawing is None:
+        raise TypeError(f"there is no picture of {names[0]}.")
+    if axes is None:
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots(layout="constrained")[1]
+    drawing(result, axes, **style)
+    return axes
+
+
+def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:
+    _branches(axes, [result], "c", style)
+    axes.set(xlabel="coupling c", ylabel="front velocity v")
+
+
+def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:
+    label = "coupling c" if result.along == "c" else "η = b/a²"
+    axes.set(xlabel=label, ylabel="front velocity v")
+    _branches(axes, result.points, result.along, style)
+    if result.along == "c":
+        _thresholds(axes, result.points[0])
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend()
+
+
+def _branches(axes: Axes, points: Any, along: str, style: Mapping[str, Any]) -> None:
+    kinds: tuple[tuple[bool | None, str, dict[str, Any]], ...] = (
+        (True, "admissible", {"color": BLUE}),
+        (False, "not admissible", {"color": VERMILION, "mfc": "none"}),
+        (None, "not decided", {"color": "0.6"}),
+    )
+    for admissible, label, look in kinds:
+        pairs = [
+            (getattr(point, along), branch.v)
+            for point in points
+            for branch in point.branches
+            if branch.admissible is admissible
+        ]
+        if pairs:
+            axes.plot(*zip(*pairs, strict=True), "o", label=label, **{"ms": 2.2, **look, **style})
+
+
+def _thresholds(axes: Axes, answer: Any) -> None:
+    low, high = axes.get_xlim()
+    for name in ("fold", "pin", "retreat"):
+        value = getattr(answer, f"c_{name}")
+        if value is not None and low < value < high:
+            line = "--" if name == "fold" else "-"
+            label = f"$c_\\mathrm{{{name}}}$ = {value:.4g}"
+            axes.axvline(value, color="0.5", lw=0.8, ls=line, label=label)
+    axes.set_xlim(low, high)
+
+
+def _roots(result: Any, axes: Axes, **style: Any) -> None:
+    for half, colour in ((result.upper, BLUE), (result.lower, VERMILION)):
+        parts = [(float(root.re), float(root.im)) for root in half]
+        if parts:
+            axes.plot(*zip(*parts, strict=True), "o", **{"ms": 3.0, "color": colour, **style})
+    axes.axhline(0.0, color="0.5", lw=0.6)
+    axes.set(xlabel="Re k (per site)", ylabel="Im k (per site)")
+
+
+def _profile(result: Any, axes: Axes, **style: Any) -> None:
+    axes.set(xlabel="ζ (sites)", ylabel=r"$\varphi/\varphi_s$")
+    zeta, phi = result.zeta, result.phi
+    axes.plot(zeta, np.abs(phi), **{"color": BLUE, "label": r"$|\varphi|$", **style})
+    axes.plot(zeta, phi.real, color=VERMILION, lw=0.9, ls="--", label=r"Re $\varphi$")
+    axes.plot(zeta, phi.imag, color=GREEN, lw=0.9, ls=":", label=r"Im $\varphi$")
+    axes.axhline(result.threshold, color="0.5", lw=0.8)
+    place = (zeta[-1], result.threshold)
+    axes.annotate("threshold", place, ha="right", va="bottom", fontsize=8, color="0.35")
+    axes.legend(title=f"v = {result.v:.6g}")
+
+
+DRAWINGS: dict[str, Callable[..., None]] = {
+    "KineticRelation": _kinetic_point,
+    "KineticCurve": _kinetic_curve,
+    "Roots": _roots,
+    "Profile": _profile,
+}
+"""Class of result and the function that draws it."""

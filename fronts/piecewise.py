@@ -99,7 +99,7 @@ def kinetic_relation(
 
     References
     ----------
-    Atkinson, W. & Cabrera, N. (1965), Phys. Rev. 138, A763: the method for a chain of two parabolas.
+    Atkinson, W. & Cabrera, N. (1965), Phys. Rev. 138, A763: a chain of two parabolas.
     Slepyan, L. I. (2002), Models and Phenomena in Fracture Mechanics, Springer.
 
     Examples

@@ -26,7 +26,8 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     UsageError, ParameterError
         If they cannot be carried out.
     """
-    from theory.chains.friction import FrictionChain, FrictionEnds
+    from theory.chains.chain import Ends
+    from theory.chains.friction import FrictionChain
     from theory.parameters import within
     from verification.runs.friction import run_friction
     from verification.runs.friction_start import nucleus
@@ -43,7 +44,9 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
             remedy="give one of them",
         )
     within("size of the noise", options.perturb, 0.0, 1.0)
-    chain = FrictionChain(options.c, cell_of(options), options.n, FrictionEnds(options.ends))
+    chain = FrictionChain.of(
+        cell_of(options), c=options.c, sites=options.n, ends=Ends(options.ends)
+    )
     start = nucleus(chain, options.excite, given(options.displacement, start_point_of(options)))
     if options.perturb > 0:
         noise = np.random.default_rng(options.seed).standard_normal(start.shape)

@@ -167,9 +167,9 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
     eta = eta_of(options)
     a, b = (options.a, options.b) if options.eta is None else (1.0, eta)
     chain = VdpChain(
-        a,
-        b,
-        options.c,
+        a=a,
+        b=b,
+        c=options.c,
         eps=0.01 if options.eps is None else options.eps,
         sites=count_within("number of sites n", given(options.n, 32), 2, LONGEST),
     )
@@ -194,7 +194,7 @@ def _friction(options: argparse.Namespace) -> Answer:
     size = given(options.nucleus, 1)
     # Before the chain, which allows more sites than a front.
     sites = checked_sites(given(options.n, 101), size)
-    chain = FrictionChain(options.c, cell_of(options), sites)
+    chain = FrictionChain.of(cell_of(options), c=options.c, sites=sites)
     with Fraction(f"front at c = {options.c:g}") as shown:
         result = measure_friction_front(
             chain,

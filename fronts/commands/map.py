@@ -202,21 +202,21 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.cells.friction import FrictionCell
-    from theory.chains.friction import FrictionEnds
+    from theory.chains.chain import Ends
+    from theory.chains.nucleus import Place
     from verification.maps.friction import FrictionStateTask, friction_points
-    from verification.runs.friction_start import Place
 
     refuse(options, _VDP, options.chain)
     _check(options)
     couplings, velocities = _axes(options, "c", "v_d")
     points = friction_points(couplings, velocities)
-    cell = FrictionCell(velocities[0], **cell_numbers(options))
+    cell = FrictionCell(v_d=velocities[0], **cell_numbers(options))
     task = FrictionStateTask(
         sites=given(options.n, 31),
         size=given(options.nucleus, 1),
         place=Place(options.place or "bulk"),
         point=start_point_of(options),
-        ends=FrictionEnds(options.ends or "free"),
+        ends=Ends(options.ends or "free"),
         end=given(options.end, 20_000.0),
         mu_st=cell.mu_st,
         mu_d=cell.mu_d,

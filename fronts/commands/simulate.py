@@ -151,13 +151,14 @@ def _vdp(options: argparse.Namespace) -> Answer:
     _check(options)
     if options.ends == "literal":
         raise UsageError("--ends literal is for the model friction: take free or periodic.")
-    from theory.chains.vdp import Ends, VdpChain
+    from theory.chains.chain import Ends
+    from theory.chains.vdp import VdpChain
     from theory.parameters import within
     from verification.runs.vdp import Model, run_vdp
     from verification.runs.vdp_start import displaced, perturbed
 
     a, b, eps = given(options.a, 2.5), given(options.b, 0.5), given(options.eps, 0.01)
-    chain = VdpChain(a, b, options.c, eps, options.n, Ends(options.ends))
+    chain = VdpChain(a=a, b=b, c=options.c, eps=eps, sites=options.n, ends=Ends(options.ends))
     within("size of the noise", options.perturb, 0.0, 1.0)
     start = displaced(chain, options.excite, options.displacement)
     if options.perturb > 0:

@@ -160,7 +160,7 @@ def run_friction(
     Examples
     --------
     >>> from verification.runs.friction_start import nucleus
-    >>> chain = FrictionChain(0.02, sites=5)
+    >>> chain = FrictionChain(c=0.02, sites=5)
     >>> run = run_friction(chain, nucleus(chain, [1]), 50.0, samples=2)
     >>> run.y.shape, run.error < 1e-6, run.status.value
     ((2, 5), True, 'resolved')
@@ -232,7 +232,7 @@ def moved(chain: FrictionChain, start: FloatArray, roundings: int) -> FloatArray
 
     Examples
     --------
-    >>> chain = FrictionChain(0.02, sites=2)
+    >>> chain = FrictionChain(c=0.02, sites=2)
     >>> (moved(chain, np.ones((2, 2)), 4) - 1.0).tolist()
     [[8.881784197001252e-16, 8.881784197001252e-16], [0.0, 0.0]]
     """

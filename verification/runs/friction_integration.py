@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError, positive
 from verification.steppers import friction
 from verification.steppers.friction_series import binomials
@@ -77,7 +78,7 @@ class FrictionLane:
         self.chain, self.tolerance = chain, positive("tolerance", tolerance)
         self.order = taylor_order(tolerance)
         self._parameters = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c])
-        self._free = chain.ends is FrictionEnds.FREE
+        self._free = chain.ends is Ends.FREE
         self._binomial = binomials(self.order)
         self.y = start[0].copy()
         self._w = start[1] - cell.v_d

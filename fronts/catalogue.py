@@ -19,19 +19,22 @@ class Call:
     ----------
     function : str
         ``module:name``; imported when the command runs.
-    chain : str
-        ``module:Class`` whose fields are options too; the function's first parameter is made of
-        them.
+    chain : bool
+        Whether the function's first parameter is a chain of the model: its fields are options too.
+    start : str
+        ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
+        parameters are options too.
     scene : mapping
-        Defaults of this command: parameters that the function requires, or another default.
+        Defaults of this command: parameters that the library requires, or another default.
     ranged : bool
         Whether a field of the chain may be a range, which gives a curve.
     hidden : tuple of str
-        Parameters that are no options.
+        Parameters that are no options, of the function or of the chain.
     """
 
     function: str
-    chain: str = ""
+    chain: bool = False
+    start: str = ""
     scene: Mapping[str, Any] = field(default_factory=dict)
     ranged: bool = False
     hidden: tuple[str, ...] = ()
@@ -48,7 +51,8 @@ class Command:
     examples : str
         Command lines that work, shown by ``--help``.
     calls : mapping of str to Call
-        By model; the key is empty where there is one only.
+        By model; the key is empty where there is one only, and `EVERY` stands for each further
+        model that is registered in `theory.chains.chain.CHAINS`.
     default : str
         The model where none is named.
     module : str
@@ -61,6 +65,9 @@ class Command:
     default: str = ""
     module: str = ""
 
+
+EVERY = "*"
+"""Any registered model."""
 
 ALIASES = {"envelope": "averaged"}
 """Other names of models."""

@@ -9,12 +9,12 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NoReturn
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
-from fronts.catalogue import ALIASES, COMMANDS, Command
+from fronts.catalogue import ALIASES, COMMANDS, Call, Command
 
 
 class _Parser(argparse.ArgumentParser):
@@ -95,31 +95,42 @@ def _chosen(
         return parser, module.run, list(rest)
     from fronts import derived
 
-    model, rest = _model(name, command, rest)
-    call = command.calls[model]
-    examples = "examples:" + command.examples
-    parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, examples)
-    derived.configure(parser, call)
+    calls = command.calls if "" in command.calls else derived.models_of(command)
+    model, rest = _model(name, command, calls, rest)
+    bound = derived.Bound(calls[model], model)
+    parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, _examples(command, model))
+    derived.configure(parser, bound)
     words = [word for word in (name, model, *rest) if word]
-    return parser, lambda options: derived.run(options, call, words), rest
+    return parser, lambda options: derived.run(options, bound, words), rest
 
 
-def _model(name: str, command: Command, rest: Sequence[str]) -> tuple[str, list[str]]:
+def _examples(command: Command, model: str) -> str:
+    """Return the examples of a model, or all where there is none of its own."""
+    every = command.examples.split("\n  fronts ")
+    own = [each for each in every if f" {model} " in f" {each} "]
+    if not model or not own:
+        return "examples:" + command.examples
+    return "\n  fronts ".join(["examples:", *own])
+
+
+def _model(
+    name: str, command: Command, calls: Mapping[str, Call], rest: Sequence[str]
+) -> tuple[str, list[str]]:
     """Return the model that is named first, or the default, and the words after it."""
-    if "" in command.calls:
+    if "" in calls:
         return "", list(rest)
-    known = ", ".join(command.calls)
+    known = ", ".join(calls)
     first = rest[0] if rest else ""
     if first in ("-h", "--help") and not command.default:
         lines = [f"usage: fronts {name} MODEL [options]", "", f"{_sentence(command.line)}", ""]
-        lines += [f"  fronts {name} {model} --help" for model in command.calls]
+        lines += [f"  fronts {name} {model} --help" for model in calls]
         print("\n".join([*lines, "", "examples:" + command.examples]))
         raise SystemExit(0)
     model = ALIASES.get(first, first)
-    if model in command.calls:
-        return _renamed(model, list(rest[1:]), command)
+    if model in calls:
+        return _renamed(model, list(rest[1:]), calls, name)
     if command.default and (not first or first.startswith("-")):
-        return _renamed(command.default, list(rest), command)
+        return _renamed(command.default, list(rest), calls, name)
     said = f"'{first}' is not a model" if first else "a model is missing"
     raise UsageError(
         f"{said}: choose one of {known}; see 'fronts {name} --help'.",
@@ -130,11 +141,13 @@ def _model(name: str, command: Command, rest: Sequence[str]) -> tuple[str, list[
     )
 
 
-def _renamed(model: str, rest: list[str], command: Command) -> tuple[str, list[str]]:
+def _renamed(
+    model: str, rest: list[str], calls: Mapping[str, Call], command: str
+) -> tuple[str, list[str]]:
     """Read ``vdp --model envelope`` as the model averaged, and ``vdp --model full`` as vdp."""
     for index, word in enumerate(rest):
         name, equals, value = word.partition("=")
-        if model == "vdp" and name == "--model" and "averaged" in command.calls:
+        if model == "vdp" and name == "--model" and "averaged" in calls:
             used = 1 if equals else 2
             value = value if equals else "".join(rest[index + 1 : index + 2])
             models = {"full": "vdp", "averaged": "averaged", **ALIASES}
@@ -193,11 +206,11 @@ def whole_parser() -> argparse.ArgumentParser:
             importlib.import_module(f"fronts.commands.{command.module}").configure(parser)
             continue
         if "" in command.calls:
-            derived.configure(parser, command.calls[""])
+            derived.configure(parser, derived.Bound(command.calls[""], ""))
             continue
         models = parser.add_subparsers()
-        for model, call in command.calls.items():
-            derived.configure(models.add_parser(model), call)
+        for model, call in derived.models_of(command).items():
+            derived.configure(models.add_parser(model), derived.Bound(call, model))
     return whole
 
 

@@ -1,48 +1,132 @@
-"""A command that is derived from the library: its parser, and carrying it out."""
+"""A command that is derived from the library: its parser, and carrying it out.
+
+Options come from three places, in this order: the fields of the chain, those of a function that
+makes the start, and the parameters of the function that answers. Where two of them have one name,
+each is kept apart by a prefix.
+"""
 
 from __future__ import annotations
 
 import argparse
-import inspect
 import shlex
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import real
-from fronts.catalogue import Call
-from fronts.options import add_options, offered, option
+from fronts.catalogue import EVERY, Call, Command
+from fronts.options import Group, option
 from fronts.signatures import REQUIRED, Described, described
+
+if TYPE_CHECKING:
+    from theory.chains.chain import Chain
+    from theory.result import Result
 
 Range = tuple[float, float, int]
 
+_NUCLEUS = "theory.chains.nucleus:Nucleus"
 
-def configure(parser: argparse.ArgumentParser, call: Call) -> None:
-    """Declare the options of a call: those of its chain, of its nucleus, its own, and of files.
+
+@dataclass(frozen=True)
+class Bound:
+    """A call with the model that was named, and what its options are read from."""
+
+    call: Call
+    model: str
+
+    @property
+    def function(self) -> Callable[..., Any]:
+        """What answers."""
+        return located(self.call.function)
+
+    @property
+    def chain(self) -> type[Chain] | None:
+        """Class of the chain, if the function takes one."""
+        return models()[self.model] if self.call.chain else None
+
+    @property
+    def fields(self) -> Group:
+        """Options of the chain."""
+        own = () if self.chain is None else described(self.chain)
+        return self._group("chain.", own, ranged=self.call.ranged)
+
+    @property
+    def start(self) -> Group:
+        """Options of the function that makes the start."""
+        own = described(located(self.call.start)) if self.call.start else ()
+        return self._group("start.", own)
+
+    @property
+    def nucleus(self) -> Group:
+        """Options of a nucleus, if the function takes one."""
+        takes = any(each.kind == "Nucleus" for each in described(self.function))
+        return self._group("nucleus.", described(located(_NUCLEUS)) if takes else ())
+
+    @property
+    def own(self) -> Group:
+        """Options of the function itself."""
+        return self._group("", described(self.function))
+
+    def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
+        shown = [each for each in parameters if each.name not in self.call.hidden]
+        return Group(prefix, tuple(shown), self.call.scene, ranged)
+
+    @property
+    def takes_eta(self) -> bool:
+        """Whether η may stand for a and b of the chain."""
+        names = {each.name for each in self.fields.parameters}
+        return {"a", "b"} <= names and "eta" not in names
+
+
+def models() -> dict[str, type[Chain]]:
+    """Return every registered chain by the name of its model."""
+    from pkgutil import iter_modules
+
+    import theory.chains
+    from theory.chains.chain import CHAINS
+
+    for module in iter_modules(theory.chains.__path__):
+        import_module(f"theory.chains.{module.name}")
+    return CHAINS
+
+
+def models_of(command: Command) -> dict[str, Call]:
+    """Return the calls of a command by model, those of further registered models included."""
+    calls = {model: call for model, call in command.calls.items() if model != EVERY}
+    if EVERY in command.calls:
+        calls |= {model: command.calls[EVERY] for model in models() if model not in calls}
+    return calls
+
+
+def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
+    """Declare the options of a call, and those of files.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
         Where.
-    call : Call
+    bound : Bound
         What.
     """
-    if call.chain:
+    if bound.fields.parameters:
         group = parser.add_argument_group("the chain")
-        fields = described(located(call.chain))
-        add_options(group, fields, scene=_scene_of(call, fields), ranged=call.ranged)
-        if _takes_eta(fields):
+        eta = bound.takes_eta
+        bound.fields.declare(group, not_required=("a", "b") if eta else ())
+        if eta:
             words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
             group.add_argument("--eta", type=real, default=argparse.SUPPRESS, help=words)
-    function = located(call.function)
-    own = described(function)
-    for each in own:
-        if each.kind == "Nucleus":
-            group = parser.add_argument_group("the nucleus")
-            add_options(group, described(_nucleus()), scene=call.scene)
-    add_options(parser, offered(own, call.hidden), scene=call.scene)
+    if bound.start.parameters:
+        bound.start.declare(parser.add_argument_group("the start"))
+    if bound.nucleus.parameters:
+        bound.nucleus.declare(parser.add_argument_group("the nucleus"), not_required=("size",))
+    bound.own.declare(parser.add_argument_group("the method"))
+    if bound.call.ranged:
+        parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
+                            default=argparse.SUPPRESS, metavar="N",
+                            help="processes for a curve (default 1)")  # fmt: skip
     add_output_options(parser)
 
 
@@ -57,14 +141,14 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def run(options: argparse.Namespace, call: Call, words: Sequence[str]) -> Answer:
+def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answer:
     """Call the function that is behind a command, and write the files that are asked for.
 
     Parameters
     ----------
     options : argparse.Namespace
         The options that were given; others are absent.
-    call : Call
+    bound : Bound
         What to call.
     words : sequence of str
         The command line, for the files.
@@ -79,25 +163,110 @@ def run(options: argparse.Namespace, call: Call, words: Sequence[str]) -> Answer
     from fronts.wording import in_words
 
     check_files(options.out)
-    function = located(call.function)
-    own = described(function)
-    arguments = _given(options, offered(own, call.hidden))
-    arguments = {**_own_scene(call, own), **arguments}
     with Fraction(words[0]) as live:
-        if "progress" in inspect.signature(function).parameters:
-            arguments["progress"] = live.show
-        result = function(**_values(arguments))
-    arguments.pop("progress", None)
-    shown = Provenance(
-        command=shlex.join(["fronts", *without_files(words)]),
-        parameters=_parameters(own, arguments),
-    )
+        result, parameters = _computed(options, bound, live.show)
+    shown = Provenance(command=shlex.join(["fronts", *without_files(words)]), parameters=parameters)
     for path in options.out:
         write_result(path, result, shown)
     text = in_words(result)
     if options.out:
         text += f"\nwritten to {' and '.join(str(path) for path in options.out)}"
-    return Answer(result.to_dict(), text)
+    return Answer(result.to_dict(), text, int(getattr(result, "needs_attention", False)))
+
+
+def _computed(
+    options: argparse.Namespace, bound: Bound, progress: Callable[[float], None]
+) -> tuple[Result, dict[str, Any]]:
+    """Return the result, and the parameters that it was computed with, defaults included."""
+    function, arguments = bound.function, bound.own.given(options)
+    parameters = {**bound.own.defaults(), **arguments}
+    takes_progress = any(each.name == "progress" for each in described(function))
+    if bound.nucleus.parameters:
+        arguments["nucleus"] = nucleus_of(bound.nucleus.given(options), bound.model)
+        parameters["nucleus"] = arguments["nucleus"]
+    if bound.chain is None:
+        further = {"progress": progress} if takes_progress else {}
+        found: Result = function(**_arrays(arguments), **further)
+        return found, parameters
+    fields = _with_eta(bound, bound.fields.given(options), options)
+    ranges = _ranges(fields)
+    if ranges:
+        (along,) = ranges
+        return _curve(options, bound, fields, along, arguments, progress), {
+            "model": bound.model, **fields, **parameters,
+        }  # fmt: skip
+    chain = bound.chain(**fields)
+    parameters = {**chain.parameters(), **parameters}
+    if bound.call.start:
+        started = bound.start.given(options)
+        arguments["start"] = located(bound.call.start)(chain, **started)
+        parameters |= {**bound.start.defaults(), **started}
+    if takes_progress:
+        arguments["progress"] = progress
+    return function(chain, **arguments), parameters
+
+
+def _curve(
+    options: argparse.Namespace,
+    bound: Bound,
+    fields: Mapping[str, Any],
+    along: str,
+    arguments: Mapping[str, Any],
+    progress: Callable[[float], None],
+) -> Result:
+    from fronts.curves import curve
+
+    assert bound.chain is not None
+    values = values_of(fields[along])
+    # Both ends are checked before any work.
+    first, last = (bound.chain(**{**fields, along: value}) for value in (values[0], values[-1]))
+    between = [bound.chain(**{**fields, along: value}) for value in values[1:-1]]
+    return curve(
+        bound.function,
+        [first, *between, last],
+        along,
+        values,
+        arguments,
+        workers=getattr(options, "curve.workers", 1),
+        progress=progress,
+    )
+
+
+def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
+    """Return the fields with a and b from η, where that was given in their place."""
+    if not bound.takes_eta:
+        return fields
+    eta = getattr(options, "eta", None)
+    if eta is None:
+        scene = bound.call.scene
+        if not {"a", "b"} <= {*fields}:
+            raise UsageError("give --eta, or both --a and --b.")
+        return {"a": scene.get("a"), "b": scene.get("b"), **fields}
+    if {"a", "b"} & {name for name in fields if hasattr(options, f"chain.{name}")}:
+        raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
+    from theory.cells.vdp import checked_eta
+
+    return {**fields, "a": 1.0, "b": checked_eta(eta)}
+
+
+def nucleus_of(given: Mapping[str, Any], model: str) -> Any:
+    """Return the nucleus that the options describe: by default one site in the bulk.
+
+    Without a pattern the sites are in phase, or, of a Van der Pol chain, as an in-phase start
+    relaxes.
+    """
+    from theory.chains.nucleus import Nucleus, Place, outward_pattern
+
+    size, place = given.get("size", 1), Place(given.get("place", Place.BULK))
+    pattern = given.get("pattern")
+    if pattern is None and size > 1:
+        if model not in ("vdp", "averaged"):
+            pattern = "0" * (size - 1)
+        elif place is Place.EDGE:
+            raise UsageError("an edge nucleus of 2 or more sites needs a --pattern.")
+        else:
+            pattern = outward_pattern(size)
+    return Nucleus(size=size, pattern=pattern or "", place=place)
 
 
 def located(where: str) -> Callable[..., Any]:
@@ -128,29 +297,20 @@ def without_files(words: Sequence[str]) -> list[str]:
     return left
 
 
-def _given(options: argparse.Namespace, parameters: Sequence[Described]) -> dict[str, Any]:
-    """Return the parameters that were given, as the function takes them."""
-    found = {}
-    for each in parameters:
-        if hasattr(options, each.name):
-            value = getattr(options, each.name)
-            found[each.name] = each.make(value) if each.make is not None else value
-    return found
-
-
-def _own_scene(call: Call, parameters: Sequence[Described]) -> dict[str, Any]:
-    names = {each.name for each in parameters}
-    return {name: value for name, value in call.scene.items() if name in names}
-
-
-def _values(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn ranges into arrays; one at most."""
+def _ranges(arguments: Mapping[str, Any]) -> list[str]:
+    """Return the names of what was given as a range: one at most."""
     ranges = [name for name, value in arguments.items() if is_range(value)]
     if len(ranges) > 1:
         names = " or for ".join(option(name) for name in ranges)
         raise UsageError(f"give a range for {names}, not for both.")
+    return ranges
+
+
+def _arrays(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn a range into its values."""
+    ranges = _ranges(arguments)
     return {
-        name: values_of(value) if is_range(value) else value for name, value in arguments.items()
+        name: values_of(value) if name in ranges else value for name, value in arguments.items()
     }
 
 
@@ -178,26 +338,4 @@ def values_of(given: Range) -> list[float]:
     return [float(f"{value:.15g}") for value in np.linspace(*given)]
 
 
-def _parameters(own: Sequence[Described], arguments: Mapping[str, Any]) -> dict[str, Any]:
-    defaults = {
-        each.name: each.default
-        for each in offered(own)
-        if each.default is not REQUIRED and each.default is not None
-    }
-    return {**defaults, **arguments}
-
-
-def _scene_of(call: Call, fields: Sequence[Described]) -> dict[str, Any]:
-    scene = dict(call.scene)
-    if _takes_eta(fields):  # not required: eta may be given in their place
-        scene = {"a": None, "b": None, **scene}
-    return scene
-
-
-def _takes_eta(fields: Sequence[Described]) -> bool:
-    names = {each.name for each in fields}
-    return {"a", "b"} <= names and "eta" not in names
-
-
-def _nucleus() -> type:
-    return located("theory.chains.nucleus:Nucleus")  # type: ignore[return-value]
+__all__ = ["REQUIRED", "Bound", "configure", "models_of", "nucleus_of", "run"]

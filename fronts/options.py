@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from fronts.signatures import REQUIRED, Described
 
 FLAGS: Mapping[str, tuple[str, ...]] = {
     "sites": ("--n", "--sites"),
+    "start.sites": ("--excite",),
     "size": ("--nucleus",),
     "workers": ("--workers", "--jobs"),
     "perturbation": ("--perturbation", "--perturb"),
@@ -22,7 +24,7 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
 }
 """Options whose names are not their parameter's, and the other names that are understood."""
 
-INTERNAL = frozenset({"progress", "executor", "self"})
+INTERNAL = frozenset({"progress", "executor", "chain", "start", "nucleus"})
 """Parameters that no shell can give."""
 
 _READERS: Mapping[str, Any] = {
@@ -47,75 +49,100 @@ def option(name: str) -> str:
     return FLAGS.get(name, (f"--{name.replace('_', '-')}",))[0]
 
 
-def add_options(
-    parser: argparse.ArgumentParser,
-    parameters: Iterable[Described],
-    *,
-    scene: Mapping[str, Any],
-    ranged: bool = False,
-) -> None:
-    """Declare one option for each parameter that a shell can give.
+@dataclass(frozen=True)
+class Group:
+    """Options that belong together: the fields of a chain, the parameters of a function.
 
-    An option that is not given is absent from the namespace, so that the function's own default
-    holds.
-
-    Parameters
+    Attributes
     ----------
-    parser : argparse.ArgumentParser
-        Where.
-    parameters : iterable of Described
-        What.
+    prefix : str
+        Before each name in the namespace, so that two groups may have the same name.
+    parameters : tuple of Described
+        Those that a shell can give.
     scene : mapping
-        Defaults of this command for parameters that have none of their own, or another one.
-    ranged : bool, optional
+        Defaults of this command, for parameters that have none of their own or another one.
+    ranged : bool
         Whether a number may also be a range ``low:high:count``.
     """
-    for each in parameters:
-        default = scene.get(each.name, each.default)
-        words = _help(each, default, ranged)
-        if each.kind == "bool":
-            parser.add_argument(
-                *_names(each.name),
-                dest=each.name,
-                action=argparse.BooleanOptionalAction if default is True else "store_true",
-                default=argparse.SUPPRESS,
-                help=words,
-            )
-            continue
-        parser.add_argument(
-            *_names(each.name),
-            dest=each.name,
-            type=real_or_range if ranged and each.kind == "float" else _READERS.get(each.kind, str),
-            choices=each.choices or None,
-            action="append" if each.kind == "strings" else "store",
-            required=default is REQUIRED,
-            default=argparse.SUPPRESS,
-            metavar=_metavar(each),
-            help=words,
+
+    prefix: str
+    every: tuple[Described, ...]
+    scene: Mapping[str, Any]
+    ranged: bool = False
+
+    @property
+    def parameters(self) -> tuple[Described, ...]:
+        """Those that a shell can give: of a simple kind."""
+        return tuple(
+            each
+            for each in self.every
+            if each.name not in INTERNAL and (each.kind in _READERS or each.kind in _OTHERS)
         )
 
+    def declare(self, parser: Any, not_required: Iterable[str] = ()) -> None:
+        """Declare one option for each parameter.
 
-def offered(parameters: Iterable[Described], hidden: Iterable[str] = ()) -> tuple[Described, ...]:
-    """Return the parameters that a shell can give: of a simple kind, and not hidden."""
-    without = INTERNAL | set(hidden)
-    return tuple(
-        each
-        for each in parameters
-        if each.name not in without and (each.kind in _READERS or each.kind in _OTHERS)
-    )
+        An option that is not given is absent from the namespace, so that the library's own default
+        holds.
+        """
+        for each in self.parameters:
+            default = self._default(each)
+            dest, words = self.prefix + each.name, _help(each, default, self.ranged)
+            if each.kind == "bool":
+                kind = argparse.BooleanOptionalAction if default is True else "store_true"
+                parser.add_argument(*_names(self.prefix, each.name), dest=dest, action=kind,
+                                    default=argparse.SUPPRESS, help=words)  # fmt: skip
+                continue
+            ranged = self.ranged and each.kind == "float"
+            parser.add_argument(
+                *_names(self.prefix, each.name),
+                dest=dest,
+                type=real_or_range if ranged else _READERS.get(each.kind, str),
+                choices=each.choices or None,
+                action="append" if each.kind == "strings" else "store",
+                required=default is REQUIRED and each.name not in not_required,
+                default=argparse.SUPPRESS,
+                metavar=_metavar(self.prefix, each),
+                help=words,
+            )
+
+    def given(self, options: argparse.Namespace) -> dict[str, Any]:
+        """Return what was given or is set by the command, as the library takes it."""
+        found = {}
+        for each in self.parameters:
+            if hasattr(options, self.prefix + each.name):
+                value = getattr(options, self.prefix + each.name)
+                found[each.name] = each.make(value) if each.make is not None else value
+            elif self.prefix + each.name in self.scene:
+                found[each.name] = self.scene[self.prefix + each.name]
+        return found
+
+    def defaults(self) -> dict[str, Any]:
+        """Return the defaults, where there are any."""
+        found = {each.name: self._default(each) for each in self.parameters}
+        return {
+            name: value
+            for name, value in found.items()
+            if value is not REQUIRED and value is not None
+        }
+
+    def _default(self, each: Described) -> Any:
+        return self.scene.get(self.prefix + each.name, each.default)
 
 
 _OTHERS = {"bool", "choice", "strings"}
 
 
-def _names(name: str) -> tuple[str, ...]:
-    return FLAGS.get(name, (option(name),))
+def _names(prefix: str, name: str) -> tuple[str, ...]:
+    return FLAGS.get(prefix + name) or FLAGS.get(name, (option(name),))
 
 
-def _metavar(each: Described) -> str | None:
+def _metavar(prefix: str, each: Described) -> str | None:
     if each.choices:
         return None
-    return {"size": "SIZE", "path": "FILE"}.get(each.name, option(each.name).strip("-").upper())
+    if each.kind in ("path", "sites") or each.name == "size":
+        return {"path": "FILE", "sites": "SITES"}.get(each.kind, "SIZE")
+    return _names(prefix, each.name)[0].strip("-").upper().replace("-", "_")
 
 
 def _help(each: Described, default: Any, ranged: bool) -> str:

@@ -368,13 +368,14 @@ def _thresholds() -> Target:
     from benchmarks.record import Target
     from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=2.5, b=0.5, c=0.0, eps=0.01)
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
     found = [
-        breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE).c
+        breather_threshold(chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE).c
         for size in sizes
     ]
     seconds = perf_counter() - begin

@@ -8,12 +8,12 @@ from fronts.answer import Answer
 
 if TYPE_CHECKING:
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation
+    from verification.thresholds.preparation import Preparation
 
 
 def held_answer(chain: VdpChain, preparation: Preparation) -> Answer:
     """Find the range of escape with the coupling held."""
-    from verification.breathers.escape_range import escape_range
+    from verification.thresholds.escape import escape_range
 
     found = escape_range(chain, preparation)
     noisy = preparation.perturbation > 0.0
@@ -24,7 +24,7 @@ def held_answer(chain: VdpChain, preparation: Preparation) -> Answer:
         "seconds": found.seconds,
         "range": [found.low, found.high],
         "range_by_seed": {str(seed): list(ends) for seed, ends in found.by_seed.items()},
-        "waiting_time": found.duration,
+        "waiting_time": found.final_time,
         "monotone": found.monotone,
         "perturbation": preparation.perturbation,
         "runs": found.runs,
@@ -33,8 +33,8 @@ def held_answer(chain: VdpChain, preparation: Preparation) -> Answer:
     lines = [
         f"escape at c = {found.c:.6g}, uncertain by {found.error:.1e}, with c held: "
         f"from {found.low:.6f} to {found.high:.6f}",
-        f"  below it every run held for {found.duration:g} of slow time; above it every run "
-        f"escaped within {0.5 * found.duration:g}",
+        f"  below it every run held for {found.final_time:g} of slow time; above it every run "
+        f"escaped within {0.5 * found.final_time:g}",
     ]
     if noisy:
         lines += [

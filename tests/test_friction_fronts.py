@@ -25,7 +25,7 @@ from verification.fronts.arrival_fit import (
 from verification.fronts.friction import measure_friction_front
 from verification.runs.friction_integration import FrictionLane
 from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
-from verification.thresholds.friction import (
+from verification.thresholds.spreading import (
     Definition,
     Spreading,
     friction_threshold,

@@ -15,7 +15,7 @@ from theory.cells.friction import FrictionCell
 from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.cells.friction_orbits import cycle_end_velocity
+from verification.cells.friction import cycle_end_velocity
 from verification.references.friction_events import run_events
 from verification.runs.friction import FrictionRun, RunStatus, run_friction
 from verification.runs.friction_integration import FrictionLane, FrictionRunError

@@ -222,10 +222,11 @@ def _beyond_fold(chain: VdpChain, nucleus: Nucleus) -> dict[str, object]:
     """
     from theory.parameters import ParameterError
     from verification.breathers.newton import NotConvergedError
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
     try:
-        fold = breather_threshold(chain, nucleus, Method.ORBIT)
+        fold = breather_threshold(chain, nucleus, ThresholdMethod.ORBIT)
     except (ParameterError, NotConvergedError):
         return {}
     return {"fold": fold.c, "fold_error": fold.error} if chain.c > fold.c + fold.error else {}

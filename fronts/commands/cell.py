@@ -15,9 +15,8 @@ from fronts.friction_options import CELL, add_cell_options, cell_numbers
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_continuation import Continuation
-    from verification.cells.friction_cycles import Cycle
-    from verification.cells.vdp import VdpCycle
+    from verification.cells.diagram import CellDiagram
+    from verification.cells.result import Cycle
 
 EXAMPLE = """examples:
   fronts cell friction --v-d 1.25
@@ -78,9 +77,9 @@ def _friction(options: argparse.Namespace) -> Answer:
         # Both ends are checked before any work.
         cells = [FrictionCell(v_d=each, **given) for each in (low, high)]
         return _diagram(cells[0], low, high, count, options.out)
-    from verification.cells.friction_orbits import cell_orbits
+    from verification.cells.friction import friction_cell
 
-    orbits = cell_orbits(FrictionCell(v_d=options.v_d, **given))
+    orbits = friction_cell(FrictionCell(v_d=options.v_d, **given))
     cell = orbits.cell
     basin = orbits.basin
     payload: dict[str, object] = {
@@ -155,10 +154,10 @@ def _diagram(cell: FrictionCell, low: float, high: float, count: int, out: Path 
 
     import numpy as np
 
-    from verification.cells.friction_continuation import continue_cycles
+    from verification.cells.diagram import cell_diagram
 
     begin = perf_counter()
-    diagram = continue_cycles(cell, np.linspace(low, high, count).tolist())
+    diagram = cell_diagram(cell, np.linspace(low, high, count).tolist())
     seconds = perf_counter() - begin
     rows = _rows(diagram)
     payload = {
@@ -184,7 +183,7 @@ def _number(value: float) -> str:
     return f"{'-' if math.isnan(value) else f'{value:.7g}':>12}"
 
 
-def _rows(diagram: Continuation) -> list[list[float]]:
+def _rows(diagram: CellDiagram) -> list[list[float]]:
     columns = (
         diagram.v_d, diagram.sliding, diagram.stable[:, 0], diagram.stable[:, 1],
         diagram.stick_time, diagram.unstable[:, 0], diagram.unstable[:, 1],
@@ -201,7 +200,7 @@ def _write_table(path: Path, rows: list[list[float]]) -> None:
         )
 
 
-def _draw(path: Path, cell: FrictionCell, diagram: Continuation) -> None:
+def _draw(path: Path, cell: FrictionCell, diagram: CellDiagram) -> None:
     from paper_checks.cell_picture import draw_bifurcation
     from paper_checks.pictures import new_axes, save
 
@@ -216,11 +215,11 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
     eps = 0.01 if options.eps is None else options.eps
     cell = vdp_cell(options.a, options.b, eps)
-    stable, unstable = cell.stable, cell.unstable
+    stable, unstable, eta = cell.stable, cell.unstable, options.b / options.a**2
     errors = [each.error for each in (stable, unstable) if each is not None]
     payload: dict[str, object] = {
         "status": "rest only" if stable is None else "bistable",
-        "eta": cell.eta,
+        "eta": eta,
         "steady_sliding": 0.0,
         "effective_damping": eps,
         "hopf_velocity": None,
@@ -231,7 +230,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
         "error": max(errors, default=0.0),
         "seconds": cell.seconds,
     }
-    lines = [f"{payload['status']}: eta = b/a^2 = {cell.eta:.12g}; two cycles exist below 1/8."]
+    lines = [f"{payload['status']}: eta = b/a^2 = {eta:.12g}; two cycles exist below 1/8."]
     for name, cycle in (("stable", stable), ("unstable", unstable)):
         if cycle is not None:
             lines.append(
@@ -242,7 +241,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
     return Answer(payload, "\n".join(lines))
 
 
-def _vdp_cycle(cycle: VdpCycle | None) -> dict[str, float] | None:
+def _vdp_cycle(cycle: Cycle | None) -> dict[str, float | None] | None:
     if cycle is None:
         return None
     return {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -113,9 +112,10 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 
 def _continuation(chain: Any, options: argparse.Namespace) -> Answer:
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
-    found = breather_threshold(chain, nucleus_of(options), Method(options.method))
+    found = breather_threshold(chain, nucleus_of(options), ThresholdMethod(options.method))
     payload: dict[str, object] = {
         "c_crit": found.c,
         "error": found.error,
@@ -123,7 +123,7 @@ def _continuation(chain: Any, options: argparse.Namespace) -> Answer:
         "seconds": found.seconds,
         "stable_to": found.c_stable,
         "stable_to_error": found.error_stable if found.c_stable is not None else None,
-        "lost_by": found.mechanism.value,
+        "lost_by": found.stability_lost_by.value,
         "growth_half_way": found.growth,
         "growth_half_way_mirrored": found.growth_mirrored,
         "pattern": found.nucleus.pattern,
@@ -132,7 +132,7 @@ def _continuation(chain: Any, options: argparse.Namespace) -> Answer:
     }
     lines = [
         f"fold: the breather exists up to c = {found.c:.12g}, uncertain by {found.error:.1e}",
-        f"  {_STABILITY[found.mechanism.value]}"
+        f"  {_STABILITY[found.stability_lost_by.value]}"
         + (f" at c = {found.c_stable:.12g}" if found.c_stable is not None else ""),
         f"  half way there the largest growth rate is {found.growth:.4g} per unit of slow time",
     ]
@@ -154,8 +154,8 @@ _STABILITY = {
 def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     from theory.chains.nucleus import Nucleus, Place
     from theory.parameters import within
-    from verification.breathers.nucleation import Preparation
-    from verification.breathers.slow_sweep import measure_delay
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.slow_sweep import measure_delay
 
     if options.pattern is not None:
         raise UsageError("--pattern is not for --method sweep: a sweep starts in phase.")
@@ -167,7 +167,7 @@ def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
     if options.perturbation > 0.0:
         return held_answer(chain, preparation)
     found = measure_delay(chain, preparation)
-    law = found.exponent if math.isfinite(found.exponent) else None
+    law = found.exponent
     payload: dict[str, object] = {
         "c_crit": found.c_0,
         "error": found.error,
@@ -228,7 +228,8 @@ def _friction(options: argparse.Namespace) -> Answer:
     refuse(options, _VDP, options.model)
     from theory.chains.chain import Ends
     from theory.chains.friction import FrictionChain
-    from verification.thresholds.friction import Definition, Spreading, friction_threshold
+    from verification.thresholds.result import Definition
+    from verification.thresholds.spreading import Spreading, friction_threshold
 
     ends = Ends(options.ends or "free")
     chain = FrictionChain.of(cell_of(options), c=0.0, sites=given(options.n, 31), ends=ends)
@@ -256,7 +257,7 @@ def _friction(options: argparse.Namespace) -> Answer:
         "bracket": [found.low, found.high],
         "c_crit_at_twice_the_time": found.late,
         "fuzzy": None if found.fuzzy is None else list(found.fuzzy),
-        "fuzzy_width": found.width,
+        "fuzzy_width": found.fuzzy_width,
         "monotone": found.monotone,
         "definition": spreading.definition.value,
         "final_time": spreading.final_time,
@@ -275,7 +276,7 @@ def _friction(options: argparse.Namespace) -> Answer:
     if found.fuzzy is not None:
         lines.append(
             f"  fuzzy from c = {found.fuzzy[0]:.8g} to {found.fuzzy[1]:.8g}, a width of "
-            f"{found.width:.2g}" + ("" if found.monotone else ": not monotone in c")
+            f"{found.fuzzy_width:.2g}" + ("" if found.monotone else ": not monotone in c")
         )
     lines.append(f"  {found.runs} runs of {chain.sites} sites, {found.seconds:.3f} s")
     return Answer(payload, "\n".join(lines))

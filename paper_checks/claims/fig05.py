@@ -130,14 +130,15 @@ def _regions() -> Finding:
 
 
 def _cycle_end() -> float:
-    from verification.cells.friction_orbits import cycle_end_velocity
+    from verification.cells.friction import cycle_end_velocity
 
     return cycle_end_velocity(chain_of(0.0).cell)
 
 
 def _fills(c: float, v_d: float, size: int) -> bool:
     from theory.chains.nucleus import Place
-    from verification.thresholds.friction import Definition, Spreading, spreads
+    from verification.thresholds.result import Definition
+    from verification.thresholds.spreading import Spreading, spreads
 
     spreading = Spreading(size, Place.BULK, Definition.WHOLE, 2000.0)
     return spreads(chain_of(c, SITES, v_d), spreading)

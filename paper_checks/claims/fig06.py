@@ -161,7 +161,7 @@ def _linear() -> Finding:
 def _no_propagation() -> Finding:
     """Look for fronts below the threshold of a single site at the edge."""
     from verification.fronts.friction import measure_friction_front
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from verification.thresholds.spreading import Spreading, friction_threshold
 
     single = friction_threshold(
         chain_of(0.0), Spreading(), lowest=0.005, accuracy=2e-5, tests=0

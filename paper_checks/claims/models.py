@@ -22,15 +22,15 @@ def _cells() -> Finding:
     """Compare the bistable ranges and how the two cycles meet at their end."""
     from theory.cells.friction import FrictionCell
     from theory.chains.vdp import VdpChain
-    from verification.cells.friction_orbits import cell_orbits
+    from verification.cells.friction import friction_cell
 
     cell = FrictionCell()
-    orbits = cell_orbits(cell)
+    orbits = friction_cell(cell)
     end = orbits.cycle_end_velocity
     gaps = {}
     sticks = {}
     for part in (1e-3, 1e-4):
-        near = cell_orbits(replace(cell, v_d=(1.0 - part) * end))
+        near = friction_cell(replace(cell, v_d=(1.0 - part) * end))
         if near.stable is None or near.unstable is None:
             raise ArithmeticError(f"no two cycles {part:g} before their end at v_d = {end:.6f}")
         gaps[part] = near.stable.max - near.unstable.max
@@ -77,9 +77,10 @@ def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
     from theory.chains.nucleus import Nucleus, Place, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.thresholds.breather import breather_threshold
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.spreading import Spreading, friction_threshold
 
     def friction(size: int, place: Place) -> float:
         return friction_threshold(

@@ -126,7 +126,7 @@ def start_of_branch(chain: VdpChain, nucleus: Nucleus, c: float = START) -> Bran
         raise ParameterError(
             "pattern",
             repr(nucleus.pattern),
-            "one a steady breather can have at small c (see verification/breathers/nucleus.py)",
+            "one a steady breather can have at small c (see theory.chains.nucleus.py)",
             "name another pattern",
         )
     return point

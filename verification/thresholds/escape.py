@@ -1,4 +1,4 @@
-"""Between which couplings a prepared nucleus escapes while c is held, over several seeds.
+"""Between which couplings a prepared nucleus escapes while c is held: one seed, or several.
 
 Escape need not be monotone in c, and it depends on the noise and on the time waited. So no single
 coupling is found but a range: below it every run that was made held, above it every run escaped.
@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, replace
 
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, count_within, positive
-from verification.breathers.nucleation import Preparation, hold
+from verification.thresholds.preparation import Preparation, hold
+from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
 FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0
 """First coupling tried, and the limits of the search."""
@@ -23,46 +24,6 @@ PAD = 0.5
 couplings of escape lie between those that were tried."""
 SEEDS = 3
 """Seeds that are tried if there is noise, from that of the preparation on."""
-
-
-@dataclass(frozen=True)
-class EscapeRange:
-    """Where a prepared nucleus escapes.
-
-    Attributes
-    ----------
-    low, high : float
-        Every run below ``low`` held for ``duration``; every run above ``high`` escaped within half
-        of it. Where escape is not monotone, both are moved outwards by `PAD` of the width.
-    by_seed : dict of int to (float, float)
-        The same for each seed, as found.
-    duration : float
-        Slow time.
-    monotone : bool
-        Whether for each seed all escapes lie above all runs that held.
-    runs : int
-        Runs made.
-    seconds : float
-        Wall-clock time.
-    """
-
-    low: float
-    high: float
-    by_seed: dict[int, tuple[float, float]]
-    duration: float
-    monotone: bool
-    runs: int
-    seconds: float
-
-    @property
-    def c(self) -> float:
-        """Middle of the range."""
-        return 0.5 * (self.low + self.high)
-
-    @property
-    def error(self) -> float:
-        """Half the width of the range: it bounds what was run, not longer times or other seeds."""
-        return 0.5 * (self.high - self.low)
 
 
 @dataclass
@@ -135,8 +96,11 @@ def escape_range(
     duration: float = 2000.0,
     tolerance: float = 1e-5,
     seeds: int = SEEDS,
-) -> EscapeRange:
+) -> RunThreshold:
     """Bisect for the range of escape, then make runs around it, until it no longer grows.
+
+    Every run below ``low`` of the result held for ``duration``; every run above ``high`` escaped
+    within half of it. Where escape is not monotone, both are moved outwards by `PAD` of the width.
 
     Parameters
     ----------
@@ -193,12 +157,85 @@ def escape_range(
         seen |= fresh
     monotone = all(runs.monotone() for runs in every)
     pad = 0.0 if monotone else PAD * (high - low)
-    return EscapeRange(
-        low - pad,
-        high + pad,
-        {runs.preparation.seed: runs.range() for runs in every},
-        duration,
-        monotone,
-        sum(len(runs.escapes) for runs in every),
-        time.perf_counter() - started,
+    low, high = low - pad, high + pad
+    return RunThreshold(
+        c=0.5 * (low + high),
+        # It bounds what was run, not longer times or other seeds.
+        error=0.5 * (high - low),
+        method=ThresholdMethod.HOLD,
+        definition=Definition.FIRST,
+        mechanism=Mechanism.HELD,
+        model="averaged",
+        nucleus=preparation.nucleus,
+        sites=preparation.chain(chain, 0.0).sites,
+        low=low,
+        high=high,
+        by_seed={runs.preparation.seed: runs.range() for runs in every},
+        perturbation=preparation.perturbation,
+        final_time=duration,
+        monotone=monotone,
+        runs=sum(len(runs.escapes) for runs in every),
+        seconds=time.perf_counter() - started,
+    )
+
+
+def escape_threshold(
+    chain: VdpChain,
+    preparation: Preparation,
+    low: float = 0.15,
+    high: float = 0.25,
+    duration: float = 2000.0,
+    tolerance: float = 1e-6,
+) -> RunThreshold:
+    """Bisect for the coupling at which the prepared nucleus escapes within a time.
+
+    Runs near a fold pass it ever more slowly, c - c_fold ~ duration⁻², so the bisection is done
+    with ``duration`` and with half of it, and the difference is part of the error.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus escapes at ``low`` or holds at ``high``.
+    """
+    started = time.perf_counter()
+    runs = 0
+
+    def bisect(length: float) -> float:
+        nonlocal runs
+        below, above = low, high
+        for c, required in ((below, False), (above, True)):
+            runs += 1
+            if hold(chain, preparation, c, length).escaped is not required:
+                raise ParameterError(
+                    "bracket",
+                    f"[{low}, {high}]",
+                    "such that the nucleus holds at its lower end and escapes at its upper end",
+                    "widen it",
+                )
+        while above - below > tolerance:
+            runs += 1
+            middle = 0.5 * (below + above)
+            if hold(chain, preparation, middle, length).escaped:
+                above = middle
+            else:
+                below = middle
+        return 0.5 * (below + above)
+
+    short, c = bisect(0.5 * duration), bisect(duration)
+    error = 0.5 * tolerance + abs(short - c)
+    return RunThreshold(
+        c=c,
+        error=error,
+        method=ThresholdMethod.HOLD,
+        definition=Definition.FIRST,
+        mechanism=Mechanism.HELD,
+        model="averaged",
+        nucleus=preparation.nucleus,
+        sites=preparation.chain(chain, c).sites,
+        low=c - 0.5 * tolerance,
+        high=c + 0.5 * tolerance,
+        perturbation=preparation.perturbation,
+        final_time=duration,
+        runs=runs,
+        seconds=time.perf_counter() - started,
     )

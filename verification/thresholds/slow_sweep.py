@@ -10,49 +10,22 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, positive
-from verification.breathers.nucleation import Preparation
 from verification.steppers.envelope_run import run_envelope
+from verification.thresholds.preparation import Preparation
+from verification.thresholds.result import Delay
+
+Real = NDArray[np.float64]
 
 SETTLING = 300.0
 """Slow time at the starting coupling before a sweep begins."""
 LAW = 0.06
 """Largest departure of the exponent from 2/3: twice the cube root of the slowest default rate."""
-
-
-@dataclass(frozen=True)
-class Delay:
-    """Couplings of escape in slow sweeps, and the law of delay fitted to them.
-
-    Attributes
-    ----------
-    rates : tuple of float
-        dc/dT, falling.
-    escapes : tuple of float
-        c at which the nucleus escaped, for each rate.
-    c_0 : float or None
-        Extrapolation to rate zero by c_0 + K rate^{2/3} + K' rate through the three slowest; None
-        where the escapes do not follow this law.
-    error : float or None
-        How far it is from the extrapolation without K' through the two slowest.
-    exponent : float
-        ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest: 2/3 at a fold; not a
-        number where the escapes do not fall with the rate.
-    seconds : float
-        Wall-clock time.
-    """
-
-    rates: tuple[float, ...]
-    escapes: tuple[float, ...]
-    c_0: float | None
-    error: float | None
-    exponent: float
-    seconds: float
 
 
 def sweep_envelope(
@@ -100,16 +73,27 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
     speed = np.asarray(rates, dtype=float)
     c = np.asarray(escapes, dtype=float)
     steps = -np.diff(c)
-    exponent = math.nan
+    exponent = c_0 = error = None
     if (steps > 0.0).all():
         exponent = math.log(steps[-2] / steps[-1]) / math.log(speed[-2] / speed[-1])
-    if not abs(exponent - 2.0 / 3.0) <= LAW:
-        return Delay(tuple(rates), tuple(escapes), None, None, exponent, seconds)
+    if exponent is not None and abs(exponent - 2.0 / 3.0) <= LAW:
+        c_0, error = _extrapolated(speed, c)
+    return Delay(
+        rates=tuple(rates),
+        escapes=tuple(escapes),
+        c_0=c_0,
+        error=error,
+        exponent=exponent,
+        seconds=seconds,
+    )
+
+
+def _extrapolated(speed: Real, c: Real) -> tuple[float, float]:
+    """Return c at rate zero, and what the next term of the law changes."""
     # At a fold the delay is K rate^{2/3}; the next term is of first order in the rate.
     terms = np.column_stack([np.ones_like(speed), speed ** (2.0 / 3.0), speed])
     c_0 = float(np.linalg.solve(terms[-3:], c[-3:])[0])
-    error = abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
-    return Delay(tuple(rates), tuple(escapes), c_0, error, exponent, seconds)
+    return c_0, abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
 
 
 def measure_delay(

@@ -18,16 +18,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from time import perf_counter
 
 from theory.cells.friction import check_sliding_stable
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place
+from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.runs.comparison import COMPANION
 from verification.runs.friction_integration import FrictionLane
 from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
+from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
 GROWTH = 1.25
 """Factor between couplings of the first search."""
@@ -36,19 +36,6 @@ REACH = 0.2
 SEVERAL = 3
 """New sites on each side of the nucleus for ``Definition.SEVERAL``."""
 _LOOK = 50.0
-
-
-class Definition(StrEnum):
-    """What counts as spreading, within the final time."""
-
-    FIRST = "first"
-    """A site outside the nucleus sticks."""
-
-    SEVERAL = "several"
-    """Three sites beyond the nucleus stick, on each side that it has."""
-
-    WHOLE = "whole"
-    """Every site has stuck."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +78,11 @@ class Spreading:
         for name, kind in (("definition", Definition), ("point", StartPoint)):
             object.__setattr__(self, name, kind(getattr(self, name)))
 
+    @property
+    def nucleus(self) -> Nucleus:
+        """The excited sites, all in phase."""
+        return Nucleus(self.size, "0" * (self.size - 1), self.place)
+
     def watched(self, sites: int) -> tuple[int, ...]:
         """Return the sites that must stick, of which ``FIRST`` asks for one and others for all.
 
@@ -109,54 +101,6 @@ class Spreading:
                 "number of sites n", sites, f"more than the nucleus of {self.size}", "add sites"
             )
         return tuple(others)
-
-
-@dataclass(frozen=True)
-class FrictionThreshold:
-    """The lowest coupling found at which a nucleus spreads.
-
-    Attributes
-    ----------
-    c : float
-        Middle of the bracket.
-    error : float
-        Half the bracket; where runs at a hundred times the tolerance contradict it, also the
-        difference from the threshold that they give.
-    low, high : float
-        The bracket: at ``low`` the nucleus does not spread, at ``high`` it does.
-    late : float
-        The same threshold when the final time is twice as long.
-    fuzzy : tuple of float or None
-        Interval around ``c`` in which runs contradict one sharp threshold: spreading that takes
-        more than the final time, or that is not monotone in c. None if there is none.
-    monotone : bool
-        Whether spreading was monotone in c among the couplings tested.
-    spreading : Spreading
-        What was excited and what counted.
-    chain : FrictionChain
-        At ``c``.
-    runs : int
-        Runs made.
-    seconds : float
-        Run time.
-    """
-
-    c: float
-    error: float
-    low: float
-    high: float
-    late: float
-    fuzzy: tuple[float, float] | None
-    monotone: bool
-    spreading: Spreading
-    chain: FrictionChain
-    runs: int
-    seconds: float
-
-    @property
-    def width(self) -> float:
-        """Width of the fuzzy interval; 0 without one."""
-        return 0.0 if self.fuzzy is None else self.fuzzy[1] - self.fuzzy[0]
 
 
 def spreads(chain: FrictionChain, spreading: Spreading, final_time: float | None = None) -> bool:
@@ -199,7 +143,7 @@ def friction_threshold(
     accuracy: float = 1e-6,
     tests: int = 12,
     progress: Callable[[float], None] | None = None,
-) -> FrictionThreshold:
+) -> RunThreshold:
     """Find the lowest coupling at which a nucleus spreads.
 
     Parameters
@@ -283,16 +227,21 @@ def friction_threshold(
         ends = (min([late, c, *below]), max([c, *above]))
         if ends[1] - ends[0] > 2.0 * accuracy:
             fuzzy = ends
-    return FrictionThreshold(
-        c,
-        error,
-        low,
-        high,
-        late,
-        fuzzy,
-        monotone,
-        spreading,
-        replace(chain, c=c),
-        runs,
-        perf_counter() - begin,
+    return RunThreshold(
+        c=c,
+        error=error,
+        method=ThresholdMethod.BISECTION,
+        definition=spreading.definition,
+        mechanism=Mechanism.SPREADING,
+        model="friction",
+        nucleus=spreading.nucleus,
+        sites=chain.sites,
+        low=low,
+        high=high,
+        final_time=spreading.final_time,
+        late=late,
+        fuzzy=fuzzy,
+        monotone=monotone,
+        runs=runs,
+        seconds=perf_counter() - begin,
     )

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from time import perf_counter
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
+from theory.result import Result
+from verification.cells.friction import cycle_end_velocity
 from verification.cells.friction_cycles import stick_slip_once, unstable_once
-from verification.cells.friction_orbits import cycle_end_velocity
 
 FloatArray = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Continuation:
+@dataclass(frozen=True, kw_only=True)
+class CellDiagram(Result):
     """Both cycles over the belt velocity.
 
     Attributes
@@ -33,28 +35,32 @@ class Continuation:
         Of the unstable cycle.
     end : float
         Velocity at which both cycles end; infinite if they never do, 0 if there are none.
+    seconds : float
+        Run time.
     """
 
-    v_d: FloatArray
-    sliding: FloatArray
-    stable: FloatArray
-    unstable: FloatArray
-    stick_time: FloatArray
-    multiplier: FloatArray
+    v_d: FloatArray = field(metadata={"axis": "v_d"})
+    sliding: FloatArray = field(metadata={"dims": ("v_d",)})
+    stable: FloatArray = field(metadata={"dims": ("v_d", "end")})
+    unstable: FloatArray = field(metadata={"dims": ("v_d", "end")})
+    stick_time: FloatArray = field(metadata={"dims": ("v_d",)})
+    multiplier: FloatArray = field(metadata={"dims": ("v_d",)})
     end: float
+    seconds: float
 
 
-def continue_cycles(
+def cell_diagram(
     cell: FrictionCell, velocities: Sequence[float], tolerance: float = 1e-10
-) -> Continuation:
+) -> CellDiagram:
     """Return both cycles at every belt velocity, the other parameters as in ``cell``.
 
     Examples
     --------
-    >>> diagram = continue_cycles(FrictionCell(), [1.0, 1.25, 3.0])
+    >>> diagram = cell_diagram(FrictionCell(), [1.0, 1.25, 3.0])
     >>> np.isnan(diagram.stable[:, 0]).tolist(), np.isnan(diagram.unstable[:, 0]).tolist()
     ([False, False, True], [True, False, True])
     """
+    begin = perf_counter()
     count = len(velocities)
     stable, unstable = np.full((count, 2), np.nan), np.full((count, 2), np.nan)
     stick, growth, sliding = np.full(count, np.nan), np.full(count, np.nan), np.zeros(count)
@@ -68,7 +74,15 @@ def continue_cycles(
         stable[i], stick[i] = (cycle.min, cycle.max), cycle.stick_time
         other = unstable_once(here, tolerance) if here.effective_damping > 0.0 else None
         if other is not None:
-            unstable[i], growth[i] = (other.min, other.max), other.multiplier
-    return Continuation(
-        np.asarray(velocities, dtype=float), sliding, stable, unstable, stick, growth, end
+            unstable[i] = other.min, other.max
+            growth[i] = np.nan if other.multiplier is None else other.multiplier
+    return CellDiagram(
+        v_d=np.asarray(velocities, dtype=float),
+        sliding=sliding,
+        stable=stable,
+        unstable=unstable,
+        stick_time=stick,
+        multiplier=growth,
+        end=end,
+        seconds=perf_counter() - begin,
     )

@@ -1,6 +1,6 @@
 """Both cycles of the friction cell, by shooting, and how they end (Fig. 2 and its continuation).
 
-How one cycle is found is in ``cell_cycles``; here are its error and where it ends. Both
+How one cycle is found is in ``friction_cycles``; here are its error and where it ends. Both
 cycles end at one belt velocity, where the slip phase from the point of release only touches
 ẏ = v_d, on returning to that very point: a grazing.
 """
@@ -8,8 +8,7 @@ cycles end at one belt velocity, where the slip phase from the point of release 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import asdict, replace
 from time import perf_counter
 
 import numpy as np
@@ -20,12 +19,12 @@ from theory.cells.friction import FrictionCell
 from theory.parameters import within
 from verification.cells.friction_cycles import (
     ROUND_OFF,
-    Cycle,
     largest_after_release,
     never_sticks,
     stick_slip_once,
     unstable_once,
 )
+from verification.cells.result import BeltCell, CellStatus, Cycle
 from verification.runs.comparison import COMPANION
 
 FloatArray = npt.NDArray[np.float64]
@@ -34,68 +33,7 @@ _SLOWEST_BELT, _FASTEST_BELT = 1e-9, 1e9
 """Beyond these a cycle and the round-off of y can no longer be told apart."""
 
 
-class CellStatus(StrEnum):
-    """Which states of a cell are stable."""
-
-    BISTABLE = "bistable"
-    """Steady sliding and the stick-slip cycle."""
-
-    CYCLE = "stick-slip only"
-    """The stick-slip cycle."""
-
-    SLIDING = "steady sliding only"
-    """Steady sliding."""
-
-
-@dataclass(frozen=True)
-class CellOrbits:
-    """What one cell can do.
-
-    Attributes
-    ----------
-    cell : FrictionCell
-        Parameters.
-    status : CellStatus
-        Which states are stable.
-    stable, unstable : Cycle or None
-        The stick-slip cycle and the unstable cycle, where they exist.
-    cycle_end_velocity : float
-        v_d at which both end by grazing; infinite if they never do (ξ = 0), 0 if there is no
-        cycle at any v_d.
-    cycle_end_error : float
-        Its difference from a computation at a hundred times the tolerance.
-    seconds : float
-        Run time.
-    """
-
-    cell: FrictionCell
-    status: CellStatus
-    stable: Cycle | None
-    unstable: Cycle | None
-    cycle_end_velocity: float
-    cycle_end_error: float
-    seconds: float
-
-    @property
-    def basin(self) -> tuple[float, float] | None:
-        """Range of y that ends in steady sliding when started with ẏ = 0.
-
-        None if none does; infinite where all do.
-        """
-        if self.status is CellStatus.SLIDING:
-            return -math.inf, math.inf
-        if self.unstable is None:
-            return None
-        return self.unstable.min, self.unstable.max
-
-    @property
-    def error(self) -> float:
-        """Largest of the errors."""
-        known = [each.error for each in (self.stable, self.unstable) if each is not None]
-        return max([self.cycle_end_error, *known])
-
-
-def cell_orbits(cell: FrictionCell, tolerance: float = 1e-12) -> CellOrbits:
+def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     """Return the cycles of a cell, and where they end.
 
     Parameters
@@ -107,8 +45,8 @@ def cell_orbits(cell: FrictionCell, tolerance: float = 1e-12) -> CellOrbits:
 
     Examples
     --------
-    >>> orbits = cell_orbits(FrictionCell())
-    >>> orbits.status.value, round(orbits.stable.period, 6), orbits.error < 1e-8
+    >>> found = friction_cell(FrictionCell())
+    >>> found.status.value, round(found.stable.period, 6), found.error < 1e-8
     ('bistable', 6.353749, True)
 
     Raises
@@ -131,7 +69,20 @@ def cell_orbits(cell: FrictionCell, tolerance: float = 1e-12) -> CellOrbits:
     else:
         status = CellStatus.BISTABLE if sliding_stable else CellStatus.CYCLE
     end_error = 0.0 if end == coarse_end else abs(end - coarse_end)
-    return CellOrbits(cell, status, stable, unstable, end, end_error, perf_counter() - begin)
+    return BeltCell(
+        model="friction",
+        cell=cell,
+        parameters=asdict(cell),
+        status=status,
+        rest=cell.steady_sliding,
+        effective_damping=cell.effective_damping,
+        stable=stable,
+        unstable=unstable,
+        hopf_velocity=cell.hopf_velocity,
+        cycle_end_velocity=end,
+        cycle_end_error=end_error,
+        seconds=perf_counter() - begin,
+    )
 
 
 def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None:
@@ -183,6 +134,5 @@ def _with_error(fine: Cycle | None, coarse: Cycle | None) -> Cycle | None:
         return replace(fine, error=math.inf)
     names = ("max", "min", "period", "stick_time", "slip_time")
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
-    known = [each.error for each in (fine, coarse) if not math.isnan(each.error)]
     size = max(1.0, fine.period, abs(fine.max), abs(fine.min))
-    return replace(fine, error=max(*gaps, *known, ROUND_OFF * size))
+    return replace(fine, error=max(*gaps, fine.error, coarse.error, ROUND_OFF * size))

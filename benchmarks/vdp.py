@@ -144,7 +144,7 @@ def ours(task: Task, tolerance: float) -> FloatArray:
         True, 0,
     )  # fmt: skip
     while not lane.finished:
-        lane.go_on(10**9)
+        lane.advance(10**9)
     final: FloatArray = lane.samples[-1].ravel()
     return final
 

@@ -159,12 +159,12 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         The result as JSON and in words.
     """
     from fronts.files import Provenance, check_files, write_result
-    from fronts.progress import Fraction
     from fronts.wording import in_words
+    from verification.execution.progress import Progress
 
     check_files(options.out)
-    with Fraction(words[0]) as live:
-        result, parameters = _computed(options, bound, live.show)
+    with Progress(words[0]) as live:
+        result, parameters = _computed(options, bound, live.report)
     shown = Provenance(command=shlex.join(["fronts", *without_files(words)]), parameters=parameters)
     for path in options.out:
         write_result(path, result, shown)

@@ -19,8 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from fronts.answer import UsageError
-from fronts.arguments import check_writable, write_whole
+from fronts.arguments import check_writable
 from theory.result import Result, plain
+from verification.execution.files import write_by
 
 PICTURES = (".png", ".svg", ".pdf")
 FORMATS = (".csv", ".json", ".npz", *PICTURES)
@@ -106,7 +107,7 @@ def write_result(path: Path, result: Result, provenance: Provenance) -> None:
         raise UsageError(
             f"{path} cannot be written: {error}", quantity="--out", value=path
         ) from None
-    write_whole(path, write)
+    write_by(path, write)
 
 
 def _json(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import given, write_whole
+from fronts.arguments import given
 from fronts.friction_options import CELL, cell_of, start_point_of
-from fronts.progress import Fraction, kept_by_checkpoint
+from fronts.interrupted import resumable_run
+from verification.execution.files import write_by
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from verification.runs.friction import FrictionRun
@@ -52,8 +54,8 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
         noise = np.random.default_rng(options.seed).standard_normal(start.shape)
         start = start + options.perturb * noise
     with (
-        kept_by_checkpoint(options.checkpoint),
-        Fraction(f"run to tau = {options.t_end:g}") as shown,
+        resumable_run(options.checkpoint),
+        Progress(f"run to tau = {options.t_end:g}") as shown,
     ):
         result = run_friction(
             chain,
@@ -62,12 +64,12 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
             tolerance=given(options.tolerance, 1e-10),
             samples=options.samples,
             checkpoint=options.checkpoint,
-            progress=shown.show,
+            progress=shown.report,
         )
     if options.out is not None:
-        write_whole(options.out, lambda path: _save(path, result))
+        write_by(options.out, lambda path: _save(path, result))
     if options.picture is not None:
-        write_whole(options.picture, lambda path: _draw(path, result))
+        write_by(options.picture, lambda path: _draw(path, result))
     return Answer(_payload(result), _in_words(result))
 
 

@@ -18,8 +18,7 @@ from paper_checks.claims import fig15
 from theory.chains.chain import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.execution.journal import journal_path
-from verification.execution.sweep import sweep
+from verification.execution.sweep import part_path, sweep
 from verification.execution.table import Point, grid
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.state import Label
@@ -388,13 +387,13 @@ def test_bad_input_to_the_command_ends_with_two_and_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_journal_of_other_parameters_stops_the_command(
+def test_a_store_of_other_parameters_stops_the_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "map.csv"
 
-    def stop(done: int, total: int, left: float | None) -> None:
-        if done == 2:
+    def stop(done: float) -> None:
+        if done > 0.5:
             raise KeyboardInterrupt
 
     points = state_points([0.05], [0.1, 0.2, 0.3])
@@ -407,4 +406,4 @@ def test_a_journal_of_other_parameters_stops_the_command(
     assert "parameters.value" in capsys.readouterr().err
     assert main(shlex.split(line + " --resume --json")) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 2
-    assert not journal_path(out).exists()
+    assert not part_path(out).exists()

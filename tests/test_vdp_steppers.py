@@ -115,7 +115,7 @@ def test_the_splitting_gains_an_order_in_eps_at_fixed_steps(ends: Ends) -> None:
 def _by_runge_kutta(full: bool, tolerance: float, end: float) -> ComplexArray:
     lane = Lane(CHAIN, full, _start(CHAIN), np.array([0.0, end]), tolerance, 1.0, True, 0)
     while not lane.finished:
-        lane.go_on(10**6)
+        lane.advance(10**6)
     return lane.psi[-1]
 
 
@@ -172,7 +172,7 @@ def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
     def run(psi: ComplexArray) -> ComplexArray:
         lane = Lane(chain, full, psi, np.array([0.0, 200.0]), 1e-9, 1.0, True, 0)
         while not lane.finished:
-            lane.go_on(10**6)
+            lane.advance(10**6)
         return lane.psi[-1]
 
     # Round-off of different orders of summation, grown over 200 units of time.
@@ -186,7 +186,7 @@ def test_the_clock_loses_nothing_over_many_equal_steps() -> None:
     start = displaced(chain, [1])
     lane = Lane(chain, True, start, np.array([0.0, 1000.0]), 1e-13, 1.0, True, 0)
     while not lane.finished:
-        lane.go_on(10**7)
+        lane.advance(10**7)
     state = _state(start)
     parameters = np.array([chain.a, chain.b, chain.c, chain.eps])
     taylor_steps(FULL, state, parameters, FREE, 1000.0, 1e-14, taylor_order(1e-14))

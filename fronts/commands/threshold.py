@@ -18,7 +18,7 @@ from fronts.friction_options import (
     cell_of,
     start_point_of,
 )
-from fronts.progress import Fraction
+from verification.execution.progress import Progress
 
 EXAMPLE = """examples:
   fronts threshold vdp --nucleus 3
@@ -240,14 +240,14 @@ def _friction(options: argparse.Namespace) -> Answer:
         given(options.final_time, 1000.0),
         start_point_of(options),
     )
-    with Fraction("threshold") as shown:
+    with Progress("threshold") as shown:
         found = friction_threshold(
             chain,
             spreading,
             lowest=given(options.c_min, 1e-3),
             highest=given(options.c_max, 0.5),
             accuracy=given(options.accuracy, 1e-6),
-            progress=shown.show,
+            progress=shown.report,
         )
     payload: dict[str, object] = {
         "c_crit": found.c,

@@ -282,5 +282,5 @@ class _Running:
         return bool(self.amplitude.max() < self.rest)
 
     def go_on(self) -> bool:
-        self.lane.go_on(_BUDGET)
+        self.lane.advance(_BUDGET)
         return not np.isnan(self.lane.arrivals[self.wanted - 1])

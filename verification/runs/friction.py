@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, end_time, within
-from verification.execution.checkpoint import check_samples, run_through
+from verification.execution.checkpoint import check_samples, run_to_end
 from verification.runs.comparison import (
     ROUNDINGS,
     arrival_error_from,
@@ -190,7 +190,7 @@ def run_friction(
         )
         for each, roundings in runs
     ]
-    spent = run_through(lanes, t_end, budget, checkpoint, progress)
+    spent = run_to_end(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
     error = arrival_error = None
     status = RunStatus.RESOLVED

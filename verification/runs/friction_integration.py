@@ -126,7 +126,7 @@ class FrictionLane:
         return self.time >= self.end
 
     @property
-    def kept(self) -> dict[str, npt.NDArray[Any]]:
+    def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
         return {
             "y": self.y,
@@ -142,7 +142,7 @@ class FrictionLane:
         }
 
     @property
-    def stamp(self) -> dict[str, float | int | str | bool]:
+    def metadata(self) -> dict[str, float | int | str | bool]:
         """What decides the run, to be held against a checkpoint."""
         cell = self.chain.cell
         return {
@@ -158,7 +158,17 @@ class FrictionLane:
             "start": self._start,
         }
 
-    def go_on(self, budget: int) -> None:
+    def check_state(self) -> None:
+        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        first, last = (int(self.counters[n]) for n in (friction.LO, friction.HI))
+        sampled, logged = (int(self.counters[n]) for n in (friction.SAMPLED, friction.LOGGED))
+        if not np.all(np.isfinite(self._clock)):
+            raise ValueError("a clock that is finite")
+        counted = 0 <= sampled <= len(self._samples) and 0 <= logged <= len(self._log)
+        if not (0 <= first <= last <= self.chain.sites and counted):
+            raise ValueError("counters within the arrays that they count")
+
+    def advance(self, budget: int) -> None:
         """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
         self.go_to(self.end, most_steps=1 + budget // self.chain.sites)
 

@@ -19,8 +19,15 @@ class Call:
     ----------
     function : str
         ``module:name``; imported when the command runs.
-    chain : bool
+    chain : bool or str
         Whether the function's first parameter is a chain of the model: its fields are options too.
+        Or ``module:Class`` of what it is in its place.
+    fixed : mapping
+        Fields of the chain that are no options, because the function does not depend on them.
+    curve : str
+        ``module:name`` of a function of the chains, the parameter in which they differ, and its
+        values, that gives a curve where there is a better way than point by point; None from it
+        means that there is not.
     start : str
         ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
         parameters are options too.
@@ -33,7 +40,9 @@ class Call:
     """
 
     function: str
-    chain: bool = False
+    chain: bool | str = False
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    curve: str = ""
     start: str = ""
     scene: Mapping[str, Any] = field(default_factory=dict)
     ranged: bool = False
@@ -53,6 +62,8 @@ class Command:
     calls : mapping of str to Call
         By model; the key is empty where there is one only, and `EVERY` stands for each further
         model that is registered in `theory.chains.chain.CHAINS`.
+    notes : str
+        What else ``--help`` says at its end.
     default : str
         The model where none is named.
     module : str
@@ -61,6 +72,7 @@ class Command:
 
     line: str
     examples: str = ""
+    notes: str = ""
     calls: Mapping[str, Call] = field(default_factory=dict)
     default: str = ""
     module: str = ""
@@ -71,6 +83,11 @@ EVERY = "*"
 
 ALIASES = {"envelope": "averaged"}
 """Other names of models."""
+
+_CELL = "verification.cells.cell:cell"
+_ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
+_FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
+"""Damping coefficients of Figs. 7-11."""
 
 COMMANDS: dict[str, Command] = {
     "kinetic": Command(
@@ -114,7 +131,25 @@ COMMANDS: dict[str, Command] = {
     ),
     "cell": Command(
         line="what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
-        module="cell",
+        examples="""
+  fronts cell friction --v-d 1.25
+  fronts cell friction --v-d 1.25 --xi 0 --json
+  fronts cell friction --v-d 0.9:2:200 --out cell.png
+  fronts cell vdp --a 2.5 --b 0.5
+  fronts cell averaged --a 2.5 --b 0.4:0.8:9""",
+        notes="""In JSON null stands for what does not exist or is infinite; "status" says which.
+"basin" is the range of y that goes to rest when started with zero velocity: null if none does,
+[null, null] if all do.""",
+        calls={
+            "friction": Call(
+                function=_CELL,
+                chain="theory.cells.friction:FrictionCell",
+                ranged=True,
+                curve="fronts.cells:bifurcation",
+            ),
+            "vdp": Call(function=_CELL, chain=True, fixed=_ALONE, scene=_FIG_7, ranged=True),
+            "averaged": Call(function=_CELL, chain=True, fixed=_ALONE, scene=_FIG_7, ranged=True),
+        },
     ),
     "map": Command(
         line="the state of a chain over a plane of parameters (Figs. 5, 15)", module="map"

@@ -133,12 +133,11 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> tuple[Outcome, ..
     >>> [each.claim.key for each in fr.judge("fig16-admissible")]
     ['fig16-admissible']
     """
-    from paper_checks.store import SOURCES
-
     from paper_checks import discover
     from paper_checks.following import resolved, with_followed
     from paper_checks.run import run
     from paper_checks.shipped import FOLDER, Shipped
+    from verification.execution.digest import SOURCES
 
     every = resolved(discover.find_entries())
     try:

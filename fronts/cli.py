@@ -111,9 +111,10 @@ def _examples(command: Command, model: str) -> str:
     """Return the examples of a model, or all where there is none of its own."""
     every = command.examples.split("\n  fronts ")
     own = [each for each in every if f" {model} " in f" {each} "]
+    notes = f"\n\n{command.notes}" if command.notes else ""
     if not model or not own:
-        return "examples:" + command.examples
-    return "\n  fronts ".join(["examples:", *own])
+        return "examples:" + command.examples + notes
+    return "\n  fronts ".join(["examples:", *own]) + notes
 
 
 def _model(
@@ -127,7 +128,7 @@ def _model(
     if first in ("-h", "--help") and not command.default:
         lines = [f"usage: fronts {name} MODEL [options]", "", f"{_sentence(command.line)}", ""]
         lines += [f"  fronts {name} {model} --help" for model in calls]
-        print("\n".join([*lines, "", "examples:" + command.examples]))
+        print("\n".join([*lines, "", _examples(command, "")]))
         raise SystemExit(0)
     model = ALIASES.get(first, first)
     if model in calls:

@@ -44,7 +44,9 @@ class Bound:
 
     @property
     def chain(self) -> type[Chain] | None:
-        """Class of the chain, if the function takes one."""
+        """Class of the chain, or of what the function takes in its place; None if nothing."""
+        if isinstance(self.call.chain, str):
+            return located(self.call.chain)  # type: ignore[return-value]
         return models()[self.model] if self.call.chain else None
 
     @property
@@ -71,7 +73,8 @@ class Bound:
         return self._group("", described(self.function))
 
     def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
-        shown = [each for each in parameters if each.name not in self.call.hidden]
+        without = {*self.call.hidden, *(self.call.fixed if prefix == "chain." else ())}
+        shown = [each for each in parameters if each.name not in without]
         return Group(prefix, tuple(shown), self.call.scene, ranged)
 
     @property
@@ -188,7 +191,7 @@ def _computed(
         further = {"progress": progress} if takes_progress else {}
         found: Result = function(**_arrays(arguments), **further)
         return found, parameters
-    fields = _with_eta(bound, bound.fields.given(options), options)
+    fields = {**bound.call.fixed, **_with_eta(bound, bound.fields.given(options), options)}
     ranges = _ranges(fields)
     if ranges:
         (along,) = ranges
@@ -196,7 +199,7 @@ def _computed(
             "model": bound.model, **fields, **parameters,
         }  # fmt: skip
     chain = bound.chain(**fields)
-    parameters = {**chain.parameters(), **parameters}
+    parameters = {**_parameters_of(chain), **parameters}
     if bound.call.start:
         started = bound.start.given(options)
         arguments["start"] = located(bound.call.start)(chain, **started)
@@ -221,9 +224,14 @@ def _curve(
     # Both ends are checked before any work.
     first, last = (bound.chain(**{**fields, along: value}) for value in (values[0], values[-1]))
     between = [bound.chain(**{**fields, along: value}) for value in values[1:-1]]
+    chains = [first, *between, last]
+    if bound.call.curve:
+        found: Result | None = located(bound.call.curve)(chains, along, values, **arguments)
+        if found is not None:
+            return found
     return curve(
         bound.function,
-        [first, *between, last],
+        chains,
         along,
         values,
         arguments,
@@ -232,16 +240,20 @@ def _curve(
     )
 
 
+def _parameters_of(chain: Any) -> dict[str, Any]:
+    own = getattr(chain, "parameters", None)
+    return dict(own()) if own is not None else dict(vars(chain))
+
+
 def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
     """Return the fields with a and b from η, where that was given in their place."""
     if not bound.takes_eta:
         return fields
     eta = getattr(options, "eta", None)
     if eta is None:
-        scene = bound.call.scene
         if not {"a", "b"} <= {*fields}:
             raise UsageError("give --eta, or both --a and --b.")
-        return {"a": scene.get("a"), "b": scene.get("b"), **fields}
+        return fields
     if {"a", "b"} & {name for name in fields if hasattr(options, f"chain.{name}")}:
         raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
     from theory.cells.vdp import checked_eta

@@ -11,7 +11,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from io import StringIO
@@ -22,11 +21,10 @@ from fronts.answer import UsageError
 from fronts.arguments import check_writable
 from theory.result import Result, plain
 from verification.execution.files import write_by
+from verification.execution.metadata import installed_versions
 
 PICTURES = (".png", ".svg", ".pdf")
 FORMATS = (".csv", ".json", ".npz", *PICTURES)
-
-_PACKAGES = ("numpy", "scipy", "numba", "mpmath", "sympy", "matplotlib")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,22 +47,8 @@ class Provenance:
         return {
             "command": self.command,
             "parameters": plain(self.parameters),
-            "versions": versions(),
+            "versions": installed_versions(),
         }
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of Python, of the toolkit, and of the packages that are loaded."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = {"python": ".".join(map(str, sys.version_info[:3]))}
-    for name in ("excitation-fronts", *_PACKAGES):
-        if name == "excitation-fronts" or name in sys.modules:
-            try:
-                found[name] = version(name)
-            except PackageNotFoundError:
-                found[name] = "not installed"
-    return found
 
 
 def check_files(paths: Iterable[Path], formats: tuple[str, ...] = FORMATS) -> None:

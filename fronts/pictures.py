@@ -115,10 +115,43 @@ def _profile(result: Any, axes: Axes, **style: Any) -> None:
     axes.legend(title=f"v = {result.v:.6g}")
 
 
+def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
+    from paper_checks.cell_picture import draw_bifurcation
+
+    draw_bifurcation(axes, result.cell, result.diagram)
+
+
+def _curve(result: Any, axes: Axes, **style: Any) -> None:
+    """Draw what the points of a curve are about: the first of these names that they have."""
+    table = result.columns()
+    name = next(each for each in CURVES if each in table)
+    x, y = table[result.along], table[name].astype(float)
+    error = table.get("error")
+    shown = np.isfinite(y)
+    bars = None if error is None else np.nan_to_num(error.astype(float))[shown]
+    axes.errorbar(
+        x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, "color": BLUE, **style}
+    )
+    axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
+
+
+CURVES = ("v", "c_crit", "frequency", "effective_damping")
+"""What is drawn over the parameter of a curve."""
+
+LABELS = {
+    "c": "coupling c",
+    "v": "front velocity v",
+    "c_crit": "critical coupling c",
+    "v_d": "belt velocity $v_d$",
+    "eps": "small parameter ε",
+}
+
 DRAWINGS: dict[str, Callable[..., None]] = {
     "KineticRelation": _kinetic_point,
     "KineticCurve": _kinetic_curve,
     "Roots": _roots,
     "Profile": _profile,
+    "Bifurcation": _bifurcation,
+    "Curve": _curve,
 }
 """Class of result and the function that draws it."""

@@ -133,11 +133,104 @@ def _profile(shape: Any) -> str:
     )
 
 
+def _table(result: Any) -> str:
+    """Show the columns of a result; a dash stands for what does not exist."""
+    columns = result.columns()
+    rows = [
+        list(columns),
+        *([_short(value) for value in row] for row in zip(*columns.values(), strict=True)),
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    )
+
+
+def _short(value: Any) -> str:
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return "-"
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def _curve(result: Any) -> str:
+    lines = [_table(_Shown(result))]
+    reasons = dict.fromkeys(
+        f"{result.along} = {value:g}: {point.reason}"
+        for value, point in zip(result.values, result.points, strict=True)
+        if type(point).__name__ == "Refusal"
+    )
+    return "\n".join([*lines, *reasons, f"{len(result.points)} points, {result.seconds:.3g} s"])
+
+
+class _Shown:
+    """The columns of a curve that fit a line."""
+
+    names = (
+        "status", "v", "error", "c_crit", "mechanism", "frequency", "stable", "amplitude", "eta",
+        "effective_damping", "steady", "outruns_waves", "largest_group_velocity", "seconds",
+    )  # fmt: skip
+
+    def __init__(self, result: Any) -> None:
+        columns = result.columns()
+        wanted = (result.along, *self.names)
+        self._columns = {name: columns[name] for name in wanted if name in columns}
+
+    def columns(self) -> Any:
+        return self._columns
+
+
+def _cell(found: Any) -> str:
+    def velocity(value: float) -> str:
+        return f"at v_d = {value:.12g}" if math.isfinite(value) else "never"
+
+    lines = [f"{found.status.value}: {found.status.sentence}"]
+    if found.model == "friction":
+        hopf, end = found.hopf_velocity, found.cycle_end_velocity
+        above = "at no v_d" if math.isinf(hopf) else "at every v_d" if hopf == 0.0 else ""
+        lines += [
+            f"  steady sliding at y = {found.rest:.12g}, effective damping "
+            f"{found.effective_damping:.6g}; stable {above or f'above v_d = {hopf:.12g}'}",
+            "  no stick-slip cycle at any v_d" if end == 0.0 else f"  cycles end {velocity(end)}",
+        ]
+    else:
+        eta = found.parameters["b"] / found.parameters["a"] ** 2
+        lines.append(f"  eta = b/a^2 = {eta:.12g}; two cycles exist below 1/8")
+    for name in ("stable", "unstable"):
+        cycle = getattr(found, name)
+        if cycle is not None:
+            lines.append(
+                f"  {name} cycle: y from {cycle.min:.12g} to {cycle.max:.12g}, amplitude "
+                f"{cycle.amplitude:.9g}, period {cycle.period:.9g}"
+                + (f", of that stick {cycle.stick_time:.9g}" if cycle.stick_time else "")
+                + (
+                    ""
+                    if cycle.averaged is None
+                    else f"; amplitude as eps -> 0: {cycle.averaged:.9g}"
+                )
+            )
+    lines.append(_basin(found.basin))
+    error = f"{found.error:.1e}" if math.isfinite(found.error) else "not known"
+    return "\n".join([*lines, f"  error {error}, {found.seconds:.3g} s"])
+
+
+def _basin(basin: tuple[float, float] | None) -> str:
+    if basin is None:
+        return "  no start with zero velocity ends at rest"
+    if math.isinf(basin[0]):
+        return "  every start with zero velocity ends at rest"
+    low, high = basin
+    return f"  starts with zero velocity and y from {low:.12g} to {high:.12g} end at rest"
+
+
 WORDS: dict[str, Callable[[Any], str]] = {
     "KineticRelation": _kinetic_relation,
     "KineticCurve": _kinetic_curve,
     "KineticSum": _sum,
     "Roots": _roots,
     "Profile": _profile,
+    "Bifurcation": _table,
+    "Curve": _curve,
+    "Cell": _cell,
 }
 """Class of result and the function that puts it into words."""

@@ -5,7 +5,8 @@
 
 Chains are small and times short: the whole takes some twenty seconds, once the steppers are
 compiled. The scenes of `verification.quantities.scenes` are added, with the numbers that they
-give through the command line. What the data mean and how they are compared: `tests.behaviour.replay`.
+give through the command line. What the data mean and how they are compared:
+`tests.behaviour.replay`.
 """
 
 from __future__ import annotations

@@ -183,11 +183,11 @@ def _vdp(options: argparse.Namespace) -> Answer:
         write_by(options.picture, lambda path: _draw(path, result))
     payload, words = _payload(result), _in_words(result)
     if chain.bistable and chain.ends is Ends.FREE:
-        from verification.breathers.outcome import growth_of
+        from verification.breathers.outcome import evolution_of
 
-        grown = growth_of(result)
+        grown = evolution_of(result)
         payload["nucleus"] = {
-            "end": grown.end.value,
+            "end": grown.outcome.value,
             "size": grown.size,
             "sizes": [list(station) for station in grown.sizes],
             "longest_pause": grown.longest_pause,
@@ -195,7 +195,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
         stations = [f"{size} from {joined:.4g}" for joined, size in grown.sizes]
         listed = stations if len(stations) < 9 else [*stations[:6], "…", *stations[-2:]]
         words += (
-            f"\n  nucleus: {grown.end.value}; sites that had joined by slow time: "
+            f"\n  nucleus: {grown.outcome.value}; sites that had joined by slow time: "
             + ", ".join(listed)
         )
     return Answer(payload, words)

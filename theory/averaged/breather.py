@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, at_least
 from theory.status import Status
 
@@ -133,12 +133,12 @@ class ClosedFormBreather:
         return np.array([self.alpha_0 * self.decay**n for n in range(count)])
 
 
-def decay_of_centre(alpha_0: float, chain: VdpChain) -> float:
+def decay_of_centre(alpha_0: float, chain: VanDerPolChain) -> float:
     """Return e^{k_1} = (-b α_0⁴ + 2a α_0² - 8)/(16 c) (Eq. 29)."""
     return _gain(alpha_0**2, chain) / chain.c
 
 
-def breather_frequency(chain: VdpChain) -> float:
+def breather_frequency(chain: VanDerPolChain) -> float:
     """Return ω = 1 + εc (Eq. 30).
 
     Examples
@@ -149,7 +149,7 @@ def breather_frequency(chain: VdpChain) -> float:
     return 1.0 + chain.eps * chain.c
 
 
-def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) -> float:
+def tail_residual(alpha_0: float, decay: float, site: float, chain: VanDerPolChain) -> float:
     """Return left minus right side of (37) at a site, times -(c/2)(z - 1/z).
 
     Parameters
@@ -158,7 +158,7 @@ def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) ->
         α_0 and z = e^{k_1}.
     site : float
         n; ``math.inf`` for the linear tail.
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         a, b, c.
     """
     square = 0.0 if math.isinf(site) else alpha_0**2 * decay ** (2 * site)
@@ -166,12 +166,14 @@ def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) ->
     return balance - 0.5 * chain.c * (1.0 / decay - decay)
 
 
-def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormBreather:
+def solve_breather(
+    chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
+) -> ClosedFormBreather:
     """Solve (29) with (37) on the branch that starts from the stable cycle of one cell.
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         Needs two cycles (8b < a²) and c > 0.
     reading : Reading, optional
         Where (37) is taken.
@@ -214,14 +216,14 @@ def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> Clo
     )
 
 
-def _check_range(chain: VdpChain) -> None:
+def _check_range(chain: VanDerPolChain) -> None:
     if chain.c == 0:
         raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
     remedy = "take a larger one: at small c the decay is c itself, and the centre the stable cycle"
     at_least("coupling c", chain.c, SMALLEST_C, remedy)
 
 
-def closed_form_fold(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
+def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
     """Return the largest coupling at which (29) and (37) have a solution.
 
     For the reading ``tail`` it is known: c² = m(1 + m) with m = (a² - 8b)/(16 b).
@@ -261,11 +263,11 @@ def closed_form_fold(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> C
     return ClosedFormFold(c=c, error=_NOISE * c, reading=reading, place=math.exp(t))
 
 
-def _gain(square: float, chain: VdpChain) -> float:
+def _gain(square: float, chain: VanDerPolChain) -> float:
     return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0
 
 
-def _tail(chain: VdpChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
     """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S).
 
     G(S) = c z is b S² - 2a S + 8 + 16 c z = 0, of discriminant a² - 8b - 16 b c z = 16 b (m - c z).
@@ -290,7 +292,7 @@ def _tail(chain: VdpChain, fold: ClosedFormFold) -> tuple[float, float, float]:
     return (chain.a + root) / chain.b, z * z, error
 
 
-def _neighbour(chain: VdpChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
     """Return S, w and their relative error for n = 1, on the branch before the fold."""
     branch = NeighbourBranch(chain.a, chain.b, discriminant(chain))
     c, top = chain.c, math.log(fold.place)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.result import Result, plain
 from theory.status import Status
 
@@ -76,7 +76,7 @@ class Breather(Result):
         Wall-clock time.
     """
 
-    chain: VdpChain
+    chain: VanDerPolChain
     nucleus: Nucleus
     method: BreatherMethod
     status: BreatherStatus
@@ -154,7 +154,7 @@ class BreatherComparison(Result):
         Wall-clock time of all.
     """
 
-    chain: VdpChain
+    chain: VanDerPolChain
     nucleus: Nucleus
     methods: Mapping[str, Breather]
     seconds: float

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.chain import Ends
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from verification.execution.compiled import njit
 from verification.steppers.active import FREE, RING, end_codes
 from verification.steppers.rows import put
@@ -52,7 +52,7 @@ class EnvelopeRun:
 
 
 def run_envelope(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     phi: Complex,
     duration: float,
     *,
@@ -65,7 +65,7 @@ def run_envelope(
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         a, b, c at T = 0 and the ends.
     phi : complex array, shape (N,)
         Envelope at T = 0.

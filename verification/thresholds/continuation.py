@@ -11,7 +11,7 @@ import time
 from dataclasses import replace
 
 from theory.chains.nucleus import MARGIN, Nucleus, Place
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import envelope as envelope_breather
 from verification.breathers import exponents, orbits
@@ -21,12 +21,10 @@ from verification.thresholds.result import BranchThreshold, Definition, Mechanis
 
 EXTRA = 3
 """Sites added on each side to measure what the finite chain does to a threshold."""
-MODELS = {ThresholdMethod.ENVELOPE: "averaged", ThresholdMethod.ORBIT: "vdp"}
-"""The chain whose breather is followed."""
 
 
 def breather_threshold(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     nucleus: Nucleus,
     method: ThresholdMethod = ThresholdMethod.ENVELOPE,
     margin: int = MARGIN,
@@ -35,7 +33,7 @@ def breather_threshold(
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         a, b, ε and the ends; its c and N are not used.
     nucleus : Nucleus
         Size, pattern, place.
@@ -61,16 +59,16 @@ def breather_threshold(
         raise ParameterError(
             "method", method.value, "envelope or orbit", "call threshold() instead"
         )
-    here = _sized(chain, nucleus, margin)
-    branch, system, monitor = _followed(here, nucleus, method)
+    here = _sized(chain, nucleus, method, margin)
+    branch, system, monitor = _followed(here, nucleus)
     if branch.fold is None:
         raise ParameterError(
             "pattern", repr(nucleus.pattern), "one whose branch folds below c = 2", "change a or b"
         )
-    longer = _sized(chain, nucleus, margin + EXTRA)
-    other = _followed(longer, nucleus, method, monitored=False)[0].fold
+    longer = _sized(chain, nucleus, method, margin + EXTRA)
+    other = _followed(longer, nucleus, monitored=False)[0].fold
     finite = abs(other.c - branch.fold.c) if other is not None else branch.fold.c
-    error = branch.fold.error + finite + _step_error(here, nucleus, method, branch)
+    error = branch.fold.error + finite + _step_error(here, nucleus, branch)
     crossing = first_crossing(system, branch, monitor, 0)
     at_half = _nearest(branch, 0.5 * branch.fold.c)
     mirrored = nucleus.mirrored(here.sites)
@@ -81,46 +79,49 @@ def breather_threshold(
         method=method,
         definition=Definition.EXISTENCE,
         mechanism=Mechanism.FOLD,
-        model=MODELS[method],
+        model=here.model,
         nucleus=nucleus,
         sites=here.sites,
         c_stable=c_stable,
         error_stable=error_stable,
-        stability_lost_by=_mechanism(crossing, system, here, nucleus, method, branch),
+        stability_lost_by=_mechanism(crossing, system, monitor, here, nucleus, branch),
         growth=branch.monitored[at_half][0],
         growth_mirrored=branch.monitored[at_half][1] if mirrored else None,
         seconds=time.perf_counter() - started,
     )
 
 
-def _sized(chain: VdpChain, nucleus: Nucleus, margin: int) -> VdpChain:
+def _sized(
+    chain: VanDerPolChain, nucleus: Nucleus, method: ThresholdMethod, margin: int
+) -> VanDerPolChain:
+    """Return the chain whose breather is followed, with the nucleus and ``margin`` beside it."""
+    kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain
+    # An edge needs the same rest on its one side.
     sides = 2 if nucleus.place is Place.BULK else 1
-    # An edge needs the same rest on its one side; N at least two more than the nucleus.
-    return replace(chain, sites=nucleus.size + sides * margin, c=0.0)
+    sites = nucleus.size + sides * margin
+    return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
 
 
 def _followed(
-    chain: VdpChain, nucleus: Nucleus, method: ThresholdMethod, *, monitored: bool = True
+    chain: VanDerPolChain, nucleus: Nucleus, *, monitored: bool = True
 ) -> tuple[Branch, System, Monitor]:
     centre = nucleus.centre(chain.sites)
-    if method is ThresholdMethod.ENVELOPE:
+    if isinstance(chain, VdpChain):
         return (
-            envelope_breather.envelope_branch(chain, nucleus, monitored=monitored),
-            envelope_breather.rotating_system(chain, centre),
-            exponents.stability_monitor(chain, nucleus),
+            orbits.orbit_branch(chain, nucleus, monitored=monitored),
+            orbits.shooting_system(chain, centre),
+            orbits.stability_monitor(chain, nucleus),
         )
     return (
-        orbits.orbit_branch(chain, nucleus, monitored=monitored),
-        orbits.shooting_system(chain, centre),
-        orbits.stability_monitor(chain, nucleus),
+        envelope_breather.envelope_branch(chain, nucleus, monitored=monitored),
+        envelope_breather.rotating_system(chain, centre),
+        exponents.stability_monitor(chain, nucleus),
     )
 
 
-def _step_error(
-    chain: VdpChain, nucleus: Nucleus, method: ThresholdMethod, branch: Branch
-) -> float:
+def _step_error(chain: VanDerPolChain, nucleus: Nucleus, branch: Branch) -> float:
     """Return the shift of the fold under a halved integration step: residual over |∂F/∂c|."""
-    if method is ThresholdMethod.ENVELOPE or branch.fold is None:
+    if not isinstance(chain, VdpChain) or branch.fold is None:
         return 0.0
     finer = orbits.shooting_system(chain, nucleus.centre(chain.sites), 2 * orbits.steps_for(chain))
     value, _, by_c = finer(branch.fold.u, branch.fold.c)
@@ -145,9 +146,9 @@ def _stable_until(
 def _mechanism(
     crossing: Crossing | None,
     system: System,
-    chain: VdpChain,
+    monitor: Monitor,
+    chain: VanDerPolChain,
     nucleus: Nucleus,
-    method: ThresholdMethod,
     branch: Branch,
 ) -> Mechanism:
     if crossing is None:
@@ -155,25 +156,18 @@ def _mechanism(
     if crossing.from_start:
         return Mechanism.NEVER_STABLE
     if nucleus.mirrored(chain.sites):
-        monitor = (
-            exponents.stability_monitor(chain, nucleus)
-            if method is ThresholdMethod.ENVELOPE
-            else orbits.stability_monitor(chain, nucleus)
-        )
         own = first_crossing(system, branch, monitor, 1)
         if own is None or own.c > crossing.c:
             return Mechanism.SYMMETRY_BREAKING
     return (
-        Mechanism.COMPLEX_EXPONENTS
-        if _turns(crossing, chain, method) > 1e-6
-        else Mechanism.REAL_EXPONENT
+        Mechanism.COMPLEX_EXPONENTS if _turns(crossing, chain) > 1e-6 else Mechanism.REAL_EXPONENT
     )
 
 
-def _turns(crossing: Crossing, chain: VdpChain, method: ThresholdMethod) -> float:
+def _turns(crossing: Crossing, chain: VanDerPolChain) -> float:
     """Return the imaginary part, per unit T, of what crosses."""
     here = replace(chain, c=crossing.c)
-    if method is ThresholdMethod.ENVELOPE:
-        phi, omega = exponents.unpack(crossing.u)
-        return exponents.exponents(phi, omega, here).frequency
-    return orbits.leading_frequency(here, crossing.u)
+    if isinstance(here, VdpChain):
+        return orbits.leading_frequency(here, crossing.u)
+    phi, omega = exponents.unpack(crossing.u)
+    return exponents.exponents(phi, omega, here).frequency

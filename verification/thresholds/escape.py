@@ -10,7 +10,7 @@ import math
 import time
 from dataclasses import dataclass, field, replace
 
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, count_within, positive
 from verification.thresholds.preparation import Preparation, hold
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
@@ -30,7 +30,7 @@ SEEDS = 3
 class _Runs:
     """The runs with one seed: c and the slow time of escape, infinite if it held."""
 
-    chain: VdpChain
+    chain: VanDerPolChain
     preparation: Preparation
     duration: float
     escapes: dict[float, float] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class _Runs:
 
 
 def escape_range(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     preparation: Preparation,
     duration: float = 2000.0,
     tolerance: float = 1e-5,
@@ -104,7 +104,7 @@ def escape_range(
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         a, b and the ends; its c and N are not used.
     preparation : Preparation
         The start, with its first seed.
@@ -180,7 +180,7 @@ def escape_range(
 
 
 def escape_threshold(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     preparation: Preparation,
     low: float = 0.15,
     high: float = 0.25,

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain, VdpChain
 from verification.steppers.envelope_run import EnvelopeRun, run_envelope
 
 Complex = NDArray[np.complex128]
@@ -50,11 +50,11 @@ class Preparation:
         """The same sites, all in phase."""
         return Nucleus(self.size, "0" * (self.size - 1), self.place)
 
-    def chain(self, chain: VdpChain, c: float) -> VdpChain:
+    def chain(self, chain: VanDerPolChain, c: float) -> VanDerPolChain:
         """Return the chain with `MARGIN` sites around the nucleus."""
         return replace(chain, sites=sites_for(self.size, MARGIN), c=c)
 
-    def start(self, chain: VdpChain) -> Complex:
+    def start(self, chain: VanDerPolChain) -> Complex:
         """Return φ_n at T = 0, shape (N,)."""
         phi = self.nucleus.envelope(chain)
         if self.perturbation > 0.0:
@@ -62,7 +62,7 @@ class Preparation:
             phi = phi + self.perturbation * (noise[0] + 1j * noise[1])
         return phi
 
-    def outside(self, chain: VdpChain) -> NDArray[np.bool_]:
+    def outside(self, chain: VanDerPolChain) -> NDArray[np.bool_]:
         """Return which sites are not excited."""
         first = self.nucleus.first(chain.sites)
         mask = np.ones(chain.sites, dtype=np.bool_)
@@ -70,7 +70,7 @@ class Preparation:
         return mask
 
 
-def hold(chain: VdpChain, preparation: Preparation, c: float, duration: float) -> EnvelopeRun:
+def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: float) -> EnvelopeRun:
     """Run the averaged chain at a coupling until it escapes or the time is over.
 
     Examples

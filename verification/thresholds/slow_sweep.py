@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, positive
 from verification.steppers.envelope_run import run_envelope
 from verification.thresholds.preparation import Preparation
@@ -29,7 +29,7 @@ LAW = 0.06
 
 
 def sweep_envelope(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     preparation: Preparation,
     rate: float,
     start: float = 0.15,
@@ -97,7 +97,7 @@ def _extrapolated(speed: Real, c: Real) -> tuple[float, float]:
 
 
 def measure_delay(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     preparation: Preparation,
     rates: Sequence[float] = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5),
     start: float = 0.15,

@@ -12,10 +12,10 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.outcome import (
     PAUSE,
-    End,
+    Outcome,
     distance_from_breather,
+    evolution,
     follow_nucleus,
-    growth,
 )
 
 A, B, EPS = 2.5, 0.5, 0.01
@@ -57,8 +57,8 @@ def joined_by_scipy(c: float, sites: int, slow_time: float) -> np.ndarray:
 
 def test_sites_join_when_they_do_by_scipy() -> None:
     """Seven sites by T = 75 at c = 0.203."""
-    fate = follow_nucleus(chain(0.203, 31), slow_time=75.0)
-    half = EPS * fate.run.arrivals[15:]
+    followed = follow_nucleus(chain(0.203, 31), slow_time=75.0)
+    half = EPS * followed.run.arrivals[15:]
     expected = joined_by_scipy(0.203, 31, 75.0)
     assert np.array_equal(np.isnan(half), np.isnan(expected))
     assert np.count_nonzero(~np.isnan(half)) == 4
@@ -67,58 +67,59 @@ def test_sites_join_when_they_do_by_scipy() -> None:
 
 
 def test_where_a_mirrored_nucleus_stands_it_is_the_periodic_orbit_of_its_size() -> None:
-    fate = follow_nucleus(chain(0.193), slow_time=500.0)
-    assert (fate.growth.end, fate.growth.size) == (End.LARGER, 5)
-    assert fate.mirrored
-    assert fate.confirmed
-    assert fate.same_until == 500.0
-    gap, rate = distance_from_breather(fate)
+    followed = follow_nucleus(chain(0.193), slow_time=500.0)
+    assert (followed.evolution.outcome, followed.evolution.size) == (Outcome.LARGER, 5)
+    assert followed.mirrored
+    assert followed.confirmed
+    assert followed.same_until == 500.0
+    near = distance_from_breather(followed)
     # |Ψ| of a motion of amplitude 3 has a ripple of ε times that, on both sides.
-    assert gap < 2 * EPS * 3
-    assert rate > 0.01
+    assert near.gap < 2 * EPS * 3
+    assert near.growth is not None
+    assert near.growth > 0.01
 
 
 def test_noise_drives_the_same_nucleus_on() -> None:
-    fate = follow_nucleus(chain(0.193), perturbation=1e-3, seed=1, slow_time=800.0)
-    assert fate.growth.size_at(300.0) == 5
-    assert fate.growth.end is End.CREEP
-    assert fate.growth.size > 5
-    assert not fate.mirrored
-    assert fate.confirmed
-    assert fate.growth.longest_pause is not None
-    assert fate.growth.longest_pause > PAUSE
+    followed = follow_nucleus(chain(0.193), perturbation=1e-3, seed=1, slow_time=800.0)
+    assert followed.evolution.size_at(300.0) == 5
+    assert followed.evolution.outcome is Outcome.CREEP
+    assert followed.evolution.size > 5
+    assert not followed.mirrored
+    assert followed.confirmed
+    assert followed.evolution.longest_pause is not None
+    assert followed.evolution.longest_pause > PAUSE
 
 
 def test_below_the_loss_it_holds_and_beyond_the_range_a_front_runs() -> None:
-    assert follow_nucleus(chain(0.19), slow_time=300.0).growth.end is End.HELD
-    assert follow_nucleus(chain(0.21, 21), slow_time=400.0).growth.end is End.FRONT
+    assert follow_nucleus(chain(0.19), slow_time=300.0).evolution.outcome is Outcome.HELD
+    assert follow_nucleus(chain(0.21, 21), slow_time=400.0).evolution.outcome is Outcome.FRONT
 
 
 @pytest.mark.parametrize(
     ("joined", "size", "end"),
     [
-        ([NAN, 0, NAN], 0, End.SHRUNK),
-        ([NAN, 0, NAN], 1, End.HELD),
-        ([NAN, NAN, 40, 0, 40, NAN, NAN], 3, End.LARGER),
-        ([NAN, NAN, 60, 0, 60, NAN, NAN], 3, End.UNDECIDED),
-        ([NAN, 90, 60, 30, 0, 30, 60, 90, NAN], 7, End.FRONT),
-        ([NAN, 99, 60, 30, 0, 30, 60, 99, NAN], 7, End.FRONT),
-        ([40, 30, 20, 0, 20, 30, 40], 7, End.FRONT),
-        ([0, 10, 20, 30, 40, 50, 60, 70], 8, End.FRONT),
-        ([0, 0, NAN, NAN], 2, End.HELD),
+        ([NAN, 0, NAN], 0, Outcome.SHRUNK),
+        ([NAN, 0, NAN], 1, Outcome.HELD),
+        ([NAN, NAN, 40, 0, 40, NAN, NAN], 3, Outcome.LARGER),
+        ([NAN, NAN, 60, 0, 60, NAN, NAN], 3, Outcome.UNDECIDED),
+        ([NAN, 90, 60, 30, 0, 30, 60, 90, NAN], 7, Outcome.FRONT),
+        ([NAN, 99, 60, 30, 0, 30, 60, 99, NAN], 7, Outcome.FRONT),
+        ([40, 30, 20, 0, 20, 30, 40], 7, Outcome.FRONT),
+        ([0, 10, 20, 30, 40, 50, 60, 70], 8, Outcome.FRONT),
+        ([0, 0, NAN, NAN], 2, Outcome.HELD),
     ],
 )
-def test_the_rules_on_made_up_arrivals(joined: list[float], size: int, end: End) -> None:
-    assert growth(np.array(joined, dtype=float), 100.0, size).end is end
+def test_the_rules_on_made_up_arrivals(joined: list[float], size: int, outcome: Outcome) -> None:
+    assert evolution(np.array(joined, dtype=float), 100.0, size).outcome is outcome
 
 
 def test_one_long_pause_makes_creep_of_a_front() -> None:
     """In the middle of the growth, or at its end if the run goes on."""
     even = np.array([NAN, 90, 60, 30, 0, 30, 60, 90, NAN])
     late = np.array([NAN, 290, 260, 30, 0, 30, 260, 290, NAN])
-    assert growth(even, 150.0, 7).end is End.FRONT
-    assert growth(late, 300.0, 7).end is End.CREEP
-    assert growth(even + 0.9 * 90 * (even > 0), 300.0, 7).end is End.CREEP
+    assert evolution(even, 150.0, 7).outcome is Outcome.FRONT
+    assert evolution(late, 300.0, 7).outcome is Outcome.CREEP
+    assert evolution(even + 0.9 * 90 * (even > 0), 300.0, 7).outcome is Outcome.CREEP
 
 
 def test_a_nucleus_wider_than_the_chain_is_refused() -> None:

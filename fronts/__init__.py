@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from theory.parameters import RunError as RunError
     from theory.piecewise.sums.result import PrecisionError as PrecisionError
     from theory.result import Result as Result
+    from verification.breathers.breather import breather as breather
+    from verification.cells.cell import cell as cell
     from verification.execution.sweep import sweep as sweep
 
     __version__: str
@@ -54,6 +56,8 @@ _HOMES = {
     "Result": "theory.result",
     "RunError": "theory.parameters",
     "VdpChain": "theory.chains.vdp",
+    "breather": "verification.breathers.breather",
+    "cell": "verification.cells.cell",
     "derivation": "fronts.checking",
     "derive_cell": "fronts.checking",
     "front_profile": "fronts.piecewise",

@@ -37,6 +37,11 @@ class Call:
         Whether a field of the chain may be a range, which gives a curve.
     hidden : tuple of str
         Parameters that are no options, of the function or of the chain.
+    only : mapping of str to str
+        Options that belong to one ``--method`` each.
+    sites : str
+        ``module:name`` of a function that gives the length of the chain from the size of the
+        nucleus, where it is not given.
     """
 
     function: str
@@ -47,6 +52,8 @@ class Call:
     scene: Mapping[str, Any] = field(default_factory=dict)
     ranged: bool = False
     hidden: tuple[str, ...] = ()
+    only: Mapping[str, str] = field(default_factory=dict)
+    sites: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +91,7 @@ EVERY = "*"
 ALIASES = {"envelope": "averaged"}
 """Other names of models."""
 
+_BREATHER = "verification.breathers.breather:breather"
 _CELL = "verification.cells.cell:cell"
 _ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
 _FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
@@ -156,7 +164,33 @@ COMMANDS: dict[str, Command] = {
     ),
     "breather": Command(
         line="a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
-        module="breather",
+        examples="""
+  fronts breather --c 0.1
+  fronts breather --c 0.1 --method all
+  fronts breather --c 0.19 --a 2.5 --b 0.5 --eps 0.01 --method orbit --json
+  fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
+  fronts breather --c 0.195 --method closed-form --reading tail
+  fronts breather vdp --c 0.02:0.18:9 --out frequency.png
+  fronts breather averaged --c 0.1""",
+        default="vdp",
+        calls={
+            "vdp": Call(
+                function=_BREATHER,
+                chain=True,
+                scene={**_FIG_7, "chain.c": 0.1, "method": "orbit"},
+                ranged=True,
+                only={"reading": "closed-form", "seed": "simulation"},
+                sites="theory.chains.nucleus:sites_for",
+            ),
+            "averaged": Call(
+                function=_BREATHER,
+                chain=True,
+                scene={**_FIG_7, "chain.c": 0.1},
+                ranged=True,
+                only={"reading": "closed-form", "seed": "simulation"},
+                sites="theory.chains.nucleus:sites_for",
+            ),
+        },
     ),
     "threshold": Command(
         line="the coupling at which a nucleus stops being localised (Figs. 4, 11)",

@@ -9,7 +9,7 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NoReturn
 
 from fronts.answer import Answer, UsageError
@@ -109,12 +109,16 @@ def _chosen(
 
 def _examples(command: Command, model: str) -> str:
     """Return the examples of a model, or all where there is none of its own."""
-    every = command.examples.split("\n  fronts ")
-    own = [each for each in every if f" {model} " in f" {each} "]
+    every = command.examples.split("\n  fronts ")[1:]
+    named = {each: each.split()[1] for each in every}
+    wanted = {model} if model != command.default else {model, *_not_models(command, named.values())}
+    own = [each for each in every if named[each] in wanted]
     notes = f"\n\n{command.notes}" if command.notes else ""
-    if not model or not own:
-        return "examples:" + command.examples + notes
-    return "\n  fronts ".join(["examples:", *own]) + notes
+    return "\n  fronts ".join(["examples:", *(own if model and own else every)]) + notes
+
+
+def _not_models(command: Command, words: Iterable[str]) -> set[str]:
+    return {word for word in words if word not in command.calls}
 
 
 def _model(

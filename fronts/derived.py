@@ -10,13 +10,13 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import real
+from fronts.arguments import check_seed, real
 from fronts.catalogue import EVERY, Call, Command
 from fronts.options import Group, option
 from fronts.signatures import REQUIRED, Described, described
@@ -53,6 +53,13 @@ class Bound:
     def fields(self) -> Group:
         """Options of the chain."""
         own = () if self.chain is None else described(self.chain)
+        allowed = getattr(self.chain, "allowed_ends", ())
+        own = tuple(
+            replace(each, choices=tuple(str(end.value) for end in allowed))
+            if each.name == "ends" and allowed
+            else each
+            for each in own
+        )
         return self._group("chain.", own, ranged=self.call.ranged)
 
     @property
@@ -75,7 +82,7 @@ class Bound:
     def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
         without = {*self.call.hidden, *(self.call.fixed if prefix == "chain." else ())}
         shown = [each for each in parameters if each.name not in without]
-        return Group(prefix, tuple(shown), self.call.scene, ranged)
+        return Group(prefix, tuple(shown), {"nucleus.size": 1, **self.call.scene}, ranged)
 
     @property
     def takes_eta(self) -> bool:
@@ -117,14 +124,15 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
     if bound.fields.parameters:
         group = parser.add_argument_group("the chain")
         eta = bound.takes_eta
-        bound.fields.declare(group, not_required=("a", "b") if eta else ())
+        said = {"sites": "7 on each side of the nucleus"} if bound.call.sites else {}
+        bound.fields.declare(group, ("a", "b") if eta else (), said)
         if eta:
             words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
             group.add_argument("--eta", type=real, default=argparse.SUPPRESS, help=words)
     if bound.start.parameters:
         bound.start.declare(parser.add_argument_group("the start"))
     if bound.nucleus.parameters:
-        bound.nucleus.declare(parser.add_argument_group("the nucleus"), not_required=("size",))
+        bound.nucleus.declare(parser.add_argument_group("the nucleus"))
     bound.own.declare(parser.add_argument_group("the method"))
     if bound.call.ranged:
         parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
@@ -187,11 +195,14 @@ def _computed(
     if bound.nucleus.parameters:
         arguments["nucleus"] = nucleus_of(bound.nucleus.given(options), bound.model)
         parameters["nucleus"] = arguments["nucleus"]
+    _refuse_other_methods(bound, arguments, options)
     if bound.chain is None:
         further = {"progress": progress} if takes_progress else {}
         found: Result = function(**_arrays(arguments), **further)
         return found, parameters
     fields = {**bound.call.fixed, **_with_eta(bound, bound.fields.given(options), options)}
+    if bound.call.sites and "sites" not in fields:
+        fields["sites"] = located(bound.call.sites)(arguments["nucleus"].size)
     ranges = _ranges(fields)
     if ranges:
         (along,) = ranges
@@ -238,6 +249,25 @@ def _curve(
         workers=getattr(options, "curve.workers", 1),
         progress=progress,
     )
+
+
+def _refuse_other_methods(
+    bound: Bound, arguments: Mapping[str, Any], options: argparse.Namespace
+) -> None:
+    """Refuse options of another ``--method`` than the one that was named."""
+    chosen = arguments.get("method", bound.own.defaults().get("method"))
+    for name, method in bound.call.only.items():
+        if hasattr(options, name) and chosen not in (method, "all"):
+            raise UsageError(
+                f"{option(name)} is for --method {method}: leave it out.",
+                quantity=option(name),
+                value=getattr(options, name),
+                allowed=f"absent without --method {method}",
+                remedy="leave it out",
+            )
+    seed = arguments.get("seed")
+    if isinstance(seed, int):
+        check_seed(seed)
 
 
 def _parameters_of(chain: Any) -> dict[str, Any]:

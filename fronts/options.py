@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from fronts.arguments import decimal, real, real_or_range, site_list, whole
@@ -79,14 +80,28 @@ class Group:
             if each.name not in INTERNAL and (each.kind in _READERS or each.kind in _OTHERS)
         )
 
-    def declare(self, parser: Any, not_required: Iterable[str] = ()) -> None:
+    def declare(
+        self,
+        parser: Any,
+        not_required: Iterable[str] = (),
+        said: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         """Declare one option for each parameter.
 
         An option that is not given is absent from the namespace, so that the library's own default
         holds.
+
+        Parameters
+        ----------
+        parser : argparse.ArgumentParser or a group of it
+            Where.
+        not_required : iterable of str, optional
+            Parameters that may be absent though they have no default.
+        said : mapping of str to str, optional
+            Defaults in words, of those that depend on others.
         """
         for each in self.parameters:
-            default = self._default(each)
+            default = said.get(each.name, self._default(each))
             dest, words = self.prefix + each.name, _help(each, default, self.ranged)
             if each.kind == "bool":
                 kind = argparse.BooleanOptionalAction if default is True else "store_true"
@@ -150,6 +165,6 @@ def _help(each: Described, default: Any, ranged: bool) -> str:
     if each.kind == "numbers" or (ranged and each.kind == "float"):
         words += "; a range low:high:count gives a curve"
     value = getattr(default, "value", default)
-    if default is not REQUIRED and value is not None and not isinstance(value, (bool, tuple)):
+    if default is not REQUIRED and value not in (None, "") and not isinstance(value, (bool, tuple)):
         words += f" (default {value:g})" if isinstance(value, float) else f" (default {value})"
     return words.replace("%", "%%")

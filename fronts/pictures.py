@@ -135,6 +135,23 @@ def _curve(result: Any, axes: Axes, **style: Any) -> None:
     axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
 
 
+def _breather(result: Any, axes: Axes, **style: Any) -> None:
+    _amplitudes(axes, result, {"color": BLUE, **style})
+
+
+def _breathers(result: Any, axes: Axes, **style: Any) -> None:
+    for name, found in result.methods.items():
+        _amplitudes(axes, found, {"label": name, **style})
+    axes.legend()
+
+
+def _amplitudes(axes: Axes, found: Any, look: Mapping[str, Any]) -> None:
+    if found.amplitudes.size:
+        sites = np.arange(1, found.amplitudes.size + 1)
+        axes.semilogy(sites, found.amplitudes, **{"marker": "o", "ms": 3.0, "lw": 0.8, **look})
+    axes.set(xlabel="site n", ylabel="amplitude")
+
+
 CURVES = ("v", "c_crit", "frequency", "effective_damping")
 """What is drawn over the parameter of a curve."""
 
@@ -153,5 +170,7 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "Profile": _profile,
     "Bifurcation": _bifurcation,
     "Curve": _curve,
+    "Breather": _breather,
+    "BreatherComparison": _breathers,
 }
 """Class of result and the function that draws it."""

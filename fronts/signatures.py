@@ -71,7 +71,7 @@ def described(what: Callable[..., Any]) -> tuple[Described, ...]:
     ('v_d', 'float')
     """
     words = documented(inspect.getdoc(what) or "")
-    module = vars(sys.modules[what.__module__])
+    module = dict(vars(sys.modules[what.__module__]))
     if dataclasses.is_dataclass(what):
         return tuple(
             _described(each.name, str(each.type), _default(each), words, module, each.metadata)
@@ -134,8 +134,10 @@ def _described(
     metadata: Mapping[str, Any],
 ) -> Described:
     kind, text = words.get(name, ("", ""))
-    text = metadata.get("help", text)
+    text = metadata.get("help", text).replace("`", "")
     plain = annotation.strip("'\"").replace(" | None", "").replace("None | ", "")
+    first, _, other = plain.partition(" | ")
+    plain = first if other == "str" and isinstance(module.get(first), type) else plain
     listed = re.match(r"\{.*?\}", kind)
     if plain.startswith("Literal["):
         choices = ast.literal_eval(plain.removeprefix("Literal"))

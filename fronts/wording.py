@@ -223,6 +223,18 @@ def _basin(basin: tuple[float, float] | None) -> str:
     return f"  starts with zero velocity and y from {low:.12g} to {high:.12g} end at rest"
 
 
+def _breather(found: Any) -> str:
+    from fronts.breather_words import breather_in_words
+
+    return breather_in_words(found.to_dict())
+
+
+def _breathers(found: Any) -> str:
+    from fronts.breather_words import breather_table
+
+    return breather_table(found.to_dict()["methods"])
+
+
 WORDS: dict[str, Callable[[Any], str]] = {
     "KineticRelation": _kinetic_relation,
     "KineticCurve": _kinetic_curve,
@@ -232,5 +244,7 @@ WORDS: dict[str, Callable[[Any], str]] = {
     "Bifurcation": _table,
     "Curve": _curve,
     "Cell": _cell,
+    "Breather": _breather,
+    "BreatherComparison": _breathers,
 }
 """Class of result and the function that puts it into words."""

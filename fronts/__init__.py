@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from fronts.piecewise import kinetic_relation as kinetic_relation
     from fronts.piecewise import roots as roots
     from fronts.piecewise import sigma as sigma
+    from fronts.thresholds import threshold as threshold
     from theory.cells.friction import FrictionCell as FrictionCell
     from theory.chains.friction import FrictionChain as FrictionChain
     from theory.chains.nucleus import Nucleus as Nucleus
@@ -66,6 +67,7 @@ _HOMES = {
     "roots": "fronts.piecewise",
     "sigma": "fronts.piecewise",
     "stability": "fronts.checking",
+    "threshold": "fronts.thresholds",
     "sweep": "verification.execution.sweep",
 }
 """Public name and the module that it comes from."""

@@ -97,6 +97,17 @@ _ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
 _FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
 """Damping coefficients of Figs. 7-11."""
 
+_THRESHOLD = "fronts.thresholds:threshold"
+_VDP_THRESHOLD = Call(
+    function=_THRESHOLD,
+    chain=True,
+    fixed={"c": 0.0, "sites": 31},
+    scene=_FIG_7,
+    ranged=True,
+    hidden=("definition", "final_time", "start_point", "accuracy", "c_min", "c_max"),
+    only={"perturbation": "sweep", "seed": "sweep"},
+)
+
 COMMANDS: dict[str, Command] = {
     "kinetic": Command(
         line="every velocity at which the piecewise-linear front can travel (Eq. 54)",
@@ -194,7 +205,28 @@ COMMANDS: dict[str, Command] = {
     ),
     "threshold": Command(
         line="the coupling at which a nucleus stops being localised (Figs. 4, 11)",
-        module="threshold",
+        examples="""
+  fronts threshold vdp --nucleus 3
+  fronts threshold vdp --nucleus 1 --method orbit --json
+  fronts threshold vdp --nucleus 5 --method sweep
+  fronts threshold vdp --nucleus 3 --method sweep --perturbation 1e-6 --seed 1
+  fronts threshold vdp --nucleus 1 --place edge
+  fronts threshold vdp --b 0.3:0.7:9 --out threshold.png
+  fronts threshold averaged --nucleus 1
+  fronts threshold friction --place edge --nucleus 1
+  fronts threshold friction --nucleus 3 --definition whole --final-time 2000 --json
+  fronts threshold friction --v-d 1.2:1.6:5 --place edge --accuracy 1e-4""",
+        calls={
+            "vdp": _VDP_THRESHOLD,
+            "averaged": _VDP_THRESHOLD,
+            "friction": Call(
+                function=_THRESHOLD,
+                chain=True,
+                fixed={"c": 0.0},
+                ranged=True,
+                hidden=("method", "perturbation", "seed", "pattern"),
+            ),
+        },
     ),
     "derive": Command(
         line="the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",

@@ -235,6 +235,81 @@ def _breathers(found: Any) -> str:
     return breather_table(found.to_dict()["methods"])
 
 
+def _threshold(found: Any) -> str:
+    if found.readings is not None:
+        lines = ["fold of (29) with (37), by the site n at which (37) is taken:"]
+        lines += [
+            f"  {name:<10} {'no solution' if c is None else f'c = {c:.12g}'}"
+            for name, c in found.readings.items()
+        ]
+        return "\n".join(lines)
+    lines = [f"escape at c = {found.c:.8g}, uncertain by {found.error:.1e}, at rate zero"]
+    return "\n".join([*lines, *_delay(found.delay), f"  {found.seconds:.3f} s"])
+
+
+def _delay(delay: Any) -> list[str]:
+    lines = [
+        f"  dc/dT = {rate:<8.3g} escapes at c = {c:.6f}"
+        for rate, c in zip(delay.rates, delay.escapes, strict=True)
+    ]
+    if delay.exponent is None:
+        return [*lines, "  the escapes do not fall with the rate"]
+    return [*lines, f"  the delay grows like rate^{delay.exponent:.3f}; 2/3 at a fold"]
+
+
+def _branch_threshold(found: Any) -> str:
+    lost = found.stability_lost_by
+    where = "" if found.c_stable is None else f" Stable up to c = {found.c_stable:.12g}."
+    lines = [
+        f"fold: the breather exists up to c = {found.c:.12g}, uncertain by {found.error:.1e}",
+        f"  {lost.value}: {lost.sentence}{where}",
+        f"  half way there the largest growth rate is {found.growth:.4g} per unit of slow time",
+    ]
+    if found.growth_mirrored is not None:
+        lines.append(f"  and {found.growth_mirrored:.4g} if mirror symmetry is kept")
+    return "\n".join([*lines, f"  {found.sites} sites, {found.seconds:.3f} s"])
+
+
+def _held_threshold(found: Any) -> str:
+    noisy = found.perturbation > 0.0
+    lines = [
+        f"escape at c = {found.c:.6g}, uncertain by {found.error:.1e}, with c held: "
+        f"from {found.low:.6f} to {found.high:.6f}",
+        f"  below it every run held for {found.final_time:g} of slow time; above it every run "
+        f"escaped within {0.5 * found.final_time:g}",
+    ]
+    if noisy:
+        lines += [
+            f"  seed {seed}: from {low:.6f} to {high:.6f}"
+            for seed, (low, high) in found.by_seed.items()
+        ]
+    if not found.monotone:
+        lines.append("  escape is not monotone in c: the range is twice as wide as what was found")
+    seeds = f"noise of {found.perturbation:g}, these seeds and " if noisy else ""
+    lines.append(f"  this is for {seeds}this waiting time: others may escape lower")
+    if found.delay is not None:
+        lines += ["the sweeps do not follow the law of a fold:", *_delay(found.delay)]
+    return "\n".join([*lines, f"  {found.runs} runs, {found.seconds:.3f} s"])
+
+
+def _run_threshold(found: Any) -> str:
+    if found.method.value == "hold":
+        return _held_threshold(found)
+    lines = [
+        f"spreads from c = {found.c:.8g} on, uncertain by {found.error:.1e}",
+        f"  {found.definition.sentence}",
+        f"  final time tau = {found.final_time:g}; {found.ends} ends; start at the "
+        f"{found.start_point} of the cycle",
+        f"  by tau = {2.0 * found.final_time:g}: c = {found.late:.8g}",
+    ]
+    if found.fuzzy is not None:
+        lines.append(
+            f"  fuzzy from c = {found.fuzzy[0]:.8g} to {found.fuzzy[1]:.8g}, a width of "
+            f"{found.fuzzy_width:.2g}" + ("" if found.monotone else ": not monotone in c")
+        )
+    return "\n".join([*lines, f"  {found.runs} runs of {found.sites} sites, {found.seconds:.3f} s"])
+
+
 WORDS: dict[str, Callable[[Any], str]] = {
     "KineticRelation": _kinetic_relation,
     "KineticCurve": _kinetic_curve,
@@ -244,6 +319,9 @@ WORDS: dict[str, Callable[[Any], str]] = {
     "Bifurcation": _table,
     "Curve": _curve,
     "Cell": _cell,
+    "Threshold": _threshold,
+    "BranchThreshold": _branch_threshold,
+    "RunThreshold": _run_threshold,
     "Breather": _breather,
     "BreatherComparison": _breathers,
 }

@@ -353,12 +353,13 @@ def _map(model: str, limit: float) -> Target:
 
     from benchmarks.record import Target
     from verification.execution.sweep import sweep
-    from verification.maps.vdp import StateTask, state_points
-    from verification.runs.vdp import Model
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()
     begin = perf_counter()
-    table = sweep(StateTask(Model(model)), state_points(etas, couplings), workers=2)
+    task = StateTask(chain=FIGURE_15 if model == "full" else FIGURE_15.averaged())
+    table = sweep(task, state_points(task, {"eta": etas, "c": couplings}), workers=2)
     seconds = perf_counter() - begin
     detail = f"{len(table)} points on two workers, their start included"
     return Target(f"map of Fig. 15, {model}", seconds, "below", limit, "s", detail)

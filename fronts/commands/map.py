@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -27,7 +28,7 @@ from fronts.friction_options import (
     cell_numbers,
     start_point_of,
 )
-from fronts.state_plane import Plane, boundary_path, map_plane, swept
+from fronts.state_plane import map_plane
 
 EXAMPLE = """examples:
   fronts map vdp --eta 0.01:0.14:7 --c 0.05:1:7 --model envelope
@@ -131,6 +132,7 @@ def _values(given: float | tuple[float, float, int]) -> list[float]:
 def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
     from verification.execution.sweep import part_path
+    from verification.maps.state_map import boundary_path
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -159,76 +161,59 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    from verification.maps.vdp import StateTask, compare, state_points
-    from verification.runs.vdp import Model
+    from theory.chains.vdp import AveragedChain, VdpChain
+    from verification.maps.state_map import StateTask, state_map
 
     refuse(options, _FRICTION, options.chain)
     _check(options)
     etas, couplings = _axes(options, "eta", "c")
-    points = state_points(etas, couplings)
+    model = options.model or "full"
+    kind = AveragedChain if model == "envelope" else VdpChain
+    # Of a and b one is held, and the other one follows from eta.
+    held = "b" if options.a is None else "a"
+    value = given(options.b, 0.5) if options.a is None else options.a
+    numbers = {"a": 4.0, "b": 0.5, held: value}
+    chain = kind(**numbers, c=0.0, eps=given(options.eps, 0.01), sites=given(options.n, 16))
     task = StateTask(
-        Model(options.model or "full"),
-        held="b" if options.a is None else "a",
-        value=given(options.b, 0.5) if options.a is None else options.a,
-        sites=given(options.n, 16),
-        eps=given(options.eps, 0.01),
-        displacement=given(options.displacement, 6.0),
-        end=given(options.end, 2000.0),
+        chain=chain, held=held, displacement=given(options.displacement, 6.0), end=options.end
     )
-    for eta in etas:
-        task.chain(eta, couplings[0])
-    envelope = task.model is Model.ENVELOPE
-    workers = 1 if envelope and options.workers is None else options.workers
-    titles = ("η = b/a²", "coupling c")
-    plane = Plane(
-        task.model.value, ("eta", "c"), titles, points, task, task.alone(), workers
-    )  # fmt: skip
+    if model == "envelope" and options.workers is None:
+        options.workers = 1
+    axes = {"eta": etas, "c": couplings}
     begin = perf_counter()
-    payload, states = map_plane(plane, options)
-    payload["held"] = {task.held: task.value}
-    if not envelope:
-        other = swept("envelope", task.averaged(), points, None, False, None)
-        agreement = compare(states, other)
-        payload["agreement"] = {
-            "with": "envelope",
-            "same": agreement.same,
-            "total": agreement.total,
-            "contradicting": agreement.contradicting,
-            "differing": list(agreement.differing),
-        }
+    payload, found = map_plane(model, task, axes, ("η = b/a²", "coupling c"), options)
+    payload["held"] = {held: value}
+    if isinstance(chain, VdpChain):
+        average = replace(task, chain=chain.averaged())
+        other = state_map(average, refine=0.0, workers=options.workers, eta=etas, c=couplings)
+        payload["agreement"] = {"with": "envelope", **found.agreement(other).to_dict()}
     payload["seconds"] = perf_counter() - begin
-    return Answer(payload, _in_words(payload, plane.axes))
+    return Answer(payload, _in_words(payload, ("eta", "c")))
 
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.cells.friction import FrictionCell
     from theory.chains.chain import Ends
-    from theory.chains.nucleus import Place
-    from verification.maps.friction import FrictionStateTask, friction_points
+    from theory.chains.friction import FrictionChain
+    from theory.chains.nucleus import Nucleus, Place
+    from verification.maps.state_map import StateTask
 
     refuse(options, _VDP, options.chain)
     _check(options)
     couplings, velocities = _axes(options, "c", "v_d")
-    points = friction_points(couplings, velocities)
     cell = FrictionCell(v_d=velocities[0], **cell_numbers(options))
-    task = FrictionStateTask(
-        sites=given(options.n, 31),
-        size=given(options.nucleus, 1),
-        place=Place(options.place or "bulk"),
+    ends = Ends(options.ends or "free")
+    size = given(options.nucleus, 1)
+    task = StateTask(
+        chain=FrictionChain.of(cell, c=couplings[0], sites=given(options.n, 31), ends=ends),
+        nucleus=Nucleus(size, "0" * (size - 1), Place(options.place or "bulk")),
         point=start_point_of(options),
-        ends=Ends(options.ends or "free"),
-        end=given(options.end, 20_000.0),
-        mu_st=cell.mu_st,
-        mu_d=cell.mu_d,
-        v0=cell.v0,
-        xi=cell.xi,
+        end=options.end,
     )
     titles = ("coupling c", "velocity of the belt $v_d$")
-    plane = Plane(
-        "friction", ("c", "v_d"), titles, points, task, task.alone(), options.workers
-    )  # fmt: skip
-    payload, _ = map_plane(plane, options)
-    return Answer(payload, _in_words(payload, plane.axes))
+    axes = {"c": couplings, "v_d": velocities}
+    payload, _ = map_plane("friction", task, axes, titles, options)
+    return Answer(payload, _in_words(payload, ("c", "v_d")))
 
 
 def _in_words(payload: Mapping[str, object], axes: tuple[str, str]) -> str:

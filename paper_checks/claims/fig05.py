@@ -43,11 +43,11 @@ def _regions() -> Finding:
     """Label a coarse map, bisect its boundaries, and look where breathers are."""
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
-    from verification.maps.friction import FrictionStateTask, friction_points
+    from verification.maps.state_map import StateTask, state_points
 
     gap = _checked()
-    task = FrictionStateTask()
-    points = friction_points(COUPLINGS, VELOCITIES)
+    task = StateTask(chain=chain_of(0.0, SITES))
+    points = state_points(task, {"c": COUPLINGS, "v_d": VELOCITIES})
     states = sweep(task, points, workers=1)
     lines = boundary_lines(states, ("c", "v_d"))
     quick = replace(task.alone(), end=4000.0)

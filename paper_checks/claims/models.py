@@ -270,17 +270,18 @@ def _maps() -> Finding:
     """Compare, column by column, which states follow each other as the coupling grows."""
     from verification.execution.sweep import sweep
     from verification.execution.table import Point
-    from verification.maps.friction import FrictionStateTask, friction_points
-    from verification.maps.vdp import StateTask, state_points
-    from verification.runs.vdp import Model
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
-    task = FrictionStateTask().alone()
-    first = sweep(task, friction_points(MAP_COUPLINGS, MAP_VELOCITIES), workers=1)
-    average = StateTask(Model.ENVELOPE)
-    second = sweep(average, state_points(MAP_ETAS, MAP_STRENGTHS), workers=1)
+    task = StateTask(chain=chain_of(0.0)).alone()
+    points = state_points(task, {"c": MAP_COUPLINGS, "v_d": MAP_VELOCITIES})
+    first = sweep(task, points, workers=1)
+    full, average = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
+    points = state_points(average, {"eta": MAP_ETAS, "c": MAP_STRENGTHS})
+    second = sweep(average, points, workers=1)
     for eta, c in MAP_CHECKED:
         point = Point(eta=eta, c=c)
-        pair = [each(point)["label"] for each in (StateTask(Model.FULL), average)]
+        pair = [each(point)["label"] for each in (full, average)]
         if pair[0] != pair[1]:
             raise ArithmeticError(f"at η = {eta:g}, c = {c:g}: {pair[0]} by (8), {pair[1]} by (43)")
     gap = max(

@@ -30,17 +30,16 @@ def _chain(at: Mapping[str, float]) -> VdpChain:
 
 
 def _label(at: Mapping[str, float], full: bool) -> Claim:
-    from verification.maps.state import Label
-    from verification.maps.vdp_state import label_state
-    from verification.runs.vdp import Model
+    from verification.maps.state import State
+    from verification.maps.vdp_rules import find_vdp_state
     from verification.runs.vdp_start import displaced
 
     chain = _chain(at)
     start = displaced(chain, [_SITES], at["displacement"])
-    found = label_state(chain, start, Model.FULL if full else Model.ENVELOPE)
-    if found.label is Label.UNDECIDED:
+    found = find_vdp_state(chain if full else chain.averaged(), start)
+    if found.state is State.UNDECIDED:
         return Claim(None, 0.0, note="undecided", extra=(found, start))
-    return Claim(1.0, 0.0, note=str(found.label), extra=(found, start))
+    return Claim(1.0, 0.0, note=str(found.state), extra=(found, start))
 
 
 def _check_averaged(at: Mapping[str, float], claim: Claim) -> Check:

@@ -1,0 +1,1 @@
+"""Rules of a general smooth chain, to follow."""

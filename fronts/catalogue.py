@@ -37,6 +37,11 @@ class Call:
         Whether a field of the chain may be a range, which gives a curve.
     hidden : tuple of str
         Parameters that are no options, of the function or of the chain.
+    grid : mapping of str to (float, float, int), or None
+        That the function takes axes: parameters of the chain that are ranges by default, in the
+        order of the table. Each further parameter that is given as a range is an axis too.
+    also : str
+        ``module:name`` of a function of the result that gives further entries of the JSON object.
     only : mapping of str to str
         Options that belong to one ``--method`` each.
     sites : str
@@ -52,6 +57,8 @@ class Call:
     scene: Mapping[str, Any] = field(default_factory=dict)
     ranged: bool = False
     hidden: tuple[str, ...] = ()
+    grid: Mapping[str, tuple[float, float, int]] | None = None
+    also: str = ""
     only: Mapping[str, str] = field(default_factory=dict)
     sites: str = ""
 
@@ -97,6 +104,26 @@ _ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
 _FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
 """Damping coefficients of Figs. 7-11."""
 
+_FRONT = "verification.fronts.measure:measure_front"
+_SIMULATE = "verification.runs.simulate:simulate"
+_MAP = "fronts.maps:mapped"
+_HIDDEN_OF_RUNS = ("times", "estimate_error", "budget")
+_VDP_RUN = Call(
+    function=_SIMULATE,
+    chain=True,
+    start="fronts.starts:prepared",
+    scene={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0},
+    hidden=(*_HIDDEN_OF_RUNS, "start_point"),
+    also="fronts.running:evolution",
+)
+_VDP_MAP = Call(
+    function=_MAP,
+    chain=True,
+    scene={"chain.sites": 16},
+    ranged=True,
+    grid={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
+    hidden=("held", "start_point", "out", "pattern", "ends"),
+)
 _THRESHOLD = "fronts.thresholds:threshold"
 _VDP_THRESHOLD = Call(
     function=_THRESHOLD,
@@ -142,11 +169,68 @@ COMMANDS: dict[str, Command] = {
         calls={"": Call(function="fronts.piecewise:front_profile")},
     ),
     "front": Command(
-        line="velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)", module="front"
+        line="velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)",
+        examples="""
+  fronts front piecewise --c 0.5 --eta 0.03125
+  fronts front piecewise --c 0.44 --a 4 --b 0.5 --start resting --json
+  fronts front averaged --c 0.6 --a 4 --b 0.5
+  fronts front vdp --c 0.6 --a 4 --b 0.5 --eps 0.01 --json
+  fronts front vdp --c 0.5:2:7 --a 4 --b 0.5 --workers 2 --out fig13.png
+  fronts front friction --c 0.02 --n 101
+  fronts front friction --c 0.02:0.1:5 --out fig06.png
+  fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json""",
+        calls={
+            "piecewise": Call(function="fronts.moving:piecewise_front", chain=True, ranged=True),
+            "vdp": Call(
+                function=_FRONT,
+                chain=True,
+                scene={"chain.sites": 32},
+                ranged=True,
+                hidden=("point", "ends"),
+            ),
+            "averaged": Call(
+                function=_FRONT,
+                chain=True,
+                scene={"chain.sites": 32},
+                ranged=True,
+                hidden=("point", "ends"),
+            ),
+            "friction": Call(
+                function=_FRONT,
+                chain=True,
+                scene={"chain.sites": 101},
+                ranged=True,
+                hidden=("left_boundary", "ends"),
+            ),
+            EVERY: Call(function=_FRONT, chain=True, ranged=True, hidden=("point", "ends")),
+        },
     ),
     "simulate": Command(
         line="a run of a chain from given sites, as numbers and as a picture (Eqs. 5, 8, 43)",
-        module="simulate",
+        examples="""
+  fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
+  fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.25 --excite 15 --t-end 20000 \\
+      --out run.npz --picture run.png
+  fronts simulate averaged --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --t-end 9000
+  fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png""",
+        calls={
+            "vdp": _VDP_RUN,
+            "averaged": _VDP_RUN,
+            "friction": Call(
+                function=_SIMULATE,
+                chain=True,
+                start="fronts.starts:prepared",
+                scene={"chain.c": 0.02, "t_end": 1000.0},
+                hidden=(*_HIDDEN_OF_RUNS, "level"),
+            ),
+            EVERY: Call(
+                function=_SIMULATE,
+                chain=True,
+                start="fronts.starts:prepared",
+                scene={"t_end": 1000.0},
+                hidden=(*_HIDDEN_OF_RUNS, "start_point"),
+            ),
+        },
     ),
     "cell": Command(
         line="what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
@@ -171,7 +255,35 @@ COMMANDS: dict[str, Command] = {
         },
     ),
     "map": Command(
-        line="the state of a chain over a plane of parameters (Figs. 5, 15)", module="map"
+        line="the state of a chain over a plane of parameters (Figs. 5, 15)",
+        examples="""
+  fronts map averaged --eta 0.01:0.14:7 --c 0.05:1:7
+  fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png
+  fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --refine 0 --out map.csv --resume
+  fronts map friction --c 0:0.1:11 --v-d 1:2:11
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume""",
+        notes="""The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
+unless --a or another --b is given. OUT.json has parameters and versions of the table OUT.csv,
+OUT-boundary.csv the boundaries.""",
+        calls={
+            "vdp": _VDP_MAP,
+            "averaged": _VDP_MAP,
+            "friction": Call(
+                function=_MAP,
+                chain=True,
+                ranged=True,
+                grid={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
+                hidden=("held", "displacement", "out", "pattern"),
+            ),
+            EVERY: Call(
+                function=_MAP,
+                chain=True,
+                ranged=True,
+                grid={},
+                hidden=("held", "out", "start_point", "pattern"),
+            ),
+        },
     ),
     "breather": Command(
         line="a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",

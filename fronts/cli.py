@@ -256,7 +256,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     An error meant for the user is a ``UsageError``, an ``OSError`` on a file, a ``ValueError``
     with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``
-    or a ``RunError``.
+    a ``RunError`` or a ``MissingPackageError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments

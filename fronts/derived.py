@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_seed, real
+from fronts.arguments import check_seed, check_writable, real, real_or_range, same_file
 from fronts.catalogue import EVERY, Call, Command
 from fronts.options import Group, option
 from fronts.signatures import REQUIRED, Described, described
@@ -125,16 +125,21 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         group = parser.add_argument_group("the chain")
         eta = bound.takes_eta
         said = {"sites": "7 on each side of the nucleus"} if bound.call.sites else {}
-        bound.fields.declare(group, ("a", "b") if eta else (), said)
+        grid = bound.call.grid or {}
+        said |= {name: ":".join(f"{part:g}" for part in each) for name, each in grid.items()}
+        bound.fields.declare(group, (*(("a", "b") if eta else ()), *grid), said)
         if eta:
             words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
-            group.add_argument("--eta", type=real, default=argparse.SUPPRESS, help=words)
+            kind = real
+            if bound.call.grid is not None:
+                kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
+            group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
     if bound.start.parameters:
         bound.start.declare(parser.add_argument_group("the start"))
     if bound.nucleus.parameters:
         bound.nucleus.declare(parser.add_argument_group("the nucleus"))
     bound.own.declare(parser.add_argument_group("the method"))
-    if bound.call.ranged:
+    if bound.call.ranged and bound.call.grid is None:
         parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
                             default=argparse.SUPPRESS, metavar="N",
                             help="processes for a curve (default 1)")  # fmt: skip
@@ -170,19 +175,34 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         The result as JSON and in words.
     """
     from fronts.files import Provenance, check_files, write_result
+    from fronts.interrupted import resumable_run
     from fronts.wording import in_words
     from verification.execution.progress import Progress
 
+    checkpoint = getattr(options, "checkpoint", None)
+    _check_files(options.out, checkpoint)
     check_files(options.out)
-    with Progress(words[0]) as live:
+    with resumable_run(checkpoint), Progress(words[0]) as live:
         result, parameters = _computed(options, bound, live.report)
     shown = Provenance(command=shlex.join(["fronts", *without_files(words)]), parameters=parameters)
     for path in options.out:
-        write_result(path, result, shown)
-    text = in_words(result)
+        if path != parameters.get("out"):  # what can be resumed has been written
+            write_result(path, result, shown)
+    payload, text = result.to_dict(), in_words(result)
+    if bound.call.also:
+        payload |= located(bound.call.also)(result)
+        text += in_words_also(payload)
     if options.out:
         text += f"\nwritten to {' and '.join(str(path) for path in options.out)}"
-    return Answer(result.to_dict(), text, int(getattr(result, "needs_attention", False)))
+    return Answer(payload, text, int(getattr(result, "needs_attention", False)))
+
+
+def _check_files(out: Sequence[Path], checkpoint: Path | None) -> None:
+    if checkpoint is None:
+        return
+    check_writable(checkpoint, (".npz",), "--checkpoint")
+    if any(same_file(path, checkpoint) for path in out):
+        raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two files.")
 
 
 def _computed(
@@ -191,33 +211,79 @@ def _computed(
     """Return the result, and the parameters that it was computed with, defaults included."""
     function, arguments = bound.function, bound.own.given(options)
     parameters = {**bound.own.defaults(), **arguments}
-    takes_progress = any(each.name == "progress" for each in described(function))
-    if bound.nucleus.parameters:
-        arguments["nucleus"] = nucleus_of(bound.nucleus.given(options), bound.model)
+    takes = {each.name for each in described(function)}
+    nucleus = bound.nucleus.given(options)
+    if any(hasattr(options, f"nucleus.{name}") for name in nucleus):
+        arguments["nucleus"] = nucleus_of(nucleus, bound.model)
         parameters["nucleus"] = arguments["nucleus"]
     _refuse_other_methods(bound, arguments, options)
+    further = {"progress": progress} if "progress" in takes else {}
     if bound.chain is None:
-        further = {"progress": progress} if takes_progress else {}
         found: Result = function(**_arrays(arguments), **further)
         return found, parameters
-    fields = {**bound.call.fixed, **_with_eta(bound, bound.fields.given(options), options)}
+    fields = {**bound.call.fixed, **bound.fields.given(options)}
+    if bound.call.grid is not None:
+        chain, chosen = _grid(options, bound, fields)
+        arguments |= chosen
+        if "out" in takes:
+            arguments["out"] = next((each for each in options.out if each.suffix == ".csv"), None)
+        parameters = {**chain.parameters(), **parameters, **arguments}
+        return function(chain, **arguments, **further), parameters
+    fields = _with_eta(bound, fields, options)
     if bound.call.sites and "sites" not in fields:
-        fields["sites"] = located(bound.call.sites)(arguments["nucleus"].size)
+        fields["sites"] = located(bound.call.sites)(nucleus.get("size", 1))
     ranges = _ranges(fields)
     if ranges:
         (along,) = ranges
         return _curve(options, bound, fields, along, arguments, progress), {
             "model": bound.model, **fields, **parameters,
         }  # fmt: skip
-    chain = bound.chain(**fields)
-    parameters = {**_parameters_of(chain), **parameters}
+    made = bound.chain(**fields)
+    parameters = {**_parameters_of(made), **parameters}
     if bound.call.start:
         started = bound.start.given(options)
-        arguments["start"] = located(bound.call.start)(chain, **started)
+        arguments["start"] = located(bound.call.start)(made, **started)
         parameters |= {**bound.start.defaults(), **started}
-    if takes_progress:
-        arguments["progress"] = progress
-    return function(chain, **arguments), parameters
+    return function(made, **arguments, **further), parameters
+
+
+def _grid(
+    options: argparse.Namespace, bound: Bound, fields: dict[str, Any]
+) -> tuple[Chain, dict[str, Any]]:
+    """Return the chain of a map, and its axes: what is a range, or one by default."""
+    assert bound.call.grid is not None
+    assert bound.chain is not None
+    chosen: dict[str, Any] = {}
+    axes: dict[str, list[float]] = {}
+    if "eta" in bound.call.grid:
+        if {"a", "b"} <= {*fields}:
+            raise UsageError("--a and --b are not both held while eta varies: give one of them.")
+        chosen["held"] = "a" if "a" in fields else "b"
+        fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
+    for name, default in bound.call.grid.items():
+        value = getattr(options, "eta", default) if name == "eta" else fields.get(name, default)
+        axes[name] = values_of(value) if is_range(value) else [value]
+    for name, value in fields.items():
+        if is_range(value) and name not in axes:
+            axes[name] = values_of(value)
+    if not axes:
+        raise UsageError("a map needs a range, as in --c 0.1:1:10.")
+    # The first values stand for the others, which are checked point by point.
+    held = {name: values[0] for name, values in axes.items() if name != "eta"}
+    chain = bound.chain(**{**fields, **held})
+    return chain, {**chosen, "axes": axes}
+
+
+def in_words_also(payload: Mapping[str, Any]) -> str:
+    """Return what is said of further entries: how a nucleus ended."""
+    nucleus = payload.get("nucleus")
+    if nucleus is None:
+        return ""
+    stations = [f"{size} from {joined:.4g}" for joined, size in nucleus["sizes"]]
+    listed = stations if len(stations) < 9 else [*stations[:6], "…", *stations[-2:]]
+    return f"\n  nucleus: {nucleus['end']}; sites that had joined by slow time: " + ", ".join(
+        listed
+    )
 
 
 def _curve(

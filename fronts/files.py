@@ -140,11 +140,16 @@ def _cell(value: Any) -> str:
 def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     import numpy as np
 
-    arrays = {
-        each.name: getattr(result, each.name)
-        for each in fields(result)  # type: ignore[arg-type]
-        if isinstance(getattr(result, each.name), np.ndarray)
-    }
+    own = getattr(result, "arrays", None)
+    arrays = (
+        own()
+        if own is not None
+        else {
+            each.name: getattr(result, each.name)
+            for each in fields(result)  # type: ignore[arg-type]
+            if isinstance(getattr(result, each.name), np.ndarray)
+        }
+    )
     if not arrays:
         arrays = {name: _array(values) for name, values in as_table(result).items()}
     scalars = {

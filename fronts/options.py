@@ -15,6 +15,9 @@ from fronts.signatures import REQUIRED, Described
 FLAGS: Mapping[str, tuple[str, ...]] = {
     "sites": ("--n", "--sites"),
     "start.sites": ("--excite",),
+    "excited": ("--nucleus", "--excited"),
+    "left_boundary": ("--left-boundary", "--behind"),
+    "point": ("--start-point",),
     "size": ("--nucleus",),
     "workers": ("--workers", "--jobs"),
     "perturbation": ("--perturbation", "--perturb"),

@@ -152,6 +152,45 @@ def _amplitudes(axes: Axes, found: Any, look: Mapping[str, Any]) -> None:
     axes.set(xlabel="site n", ylabel="amplitude")
 
 
+def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
+    amplitude = result.amplitude
+    image = axes.imshow(
+        amplitude.T,
+        origin="lower",
+        aspect="auto",
+        extent=(float(result.times[0]), float(result.times[-1]), 0.5, amplitude.shape[1] + 0.5),
+        interpolation="nearest",
+        **{"cmap": "cividis", "vmin": 0.0, **style},
+    )
+    reached = np.flatnonzero(~np.isnan(result.arrivals))
+    if reached.size:
+        axes.plot(
+            result.arrivals[reached], reached + 1, "o", ms=2.0, color=VERMILION, label="reached"
+        )
+        axes.legend(loc="upper left", framealpha=0.8)
+    time = "time τ" if result.chain.model == "friction" else "time t"
+    axes.set(xlabel=time, ylabel="site n")
+    axes.figure.colorbar(image, ax=axes, label="amplitude")
+
+
+def _front(result: Any, axes: Axes, **style: Any) -> None:
+    count = np.arange(1, result.arrivals.size + 1)
+    axes.plot(result.arrivals, count, "o", **{"ms": 2.5, "color": BLUE, **style})
+    axes.set(xlabel="time of arrival", ylabel="sites passed")
+    if result.v is not None:
+        axes.set_title(f"v = {result.v:.6g}")
+
+
+def _state_map(result: Any, axes: Axes, **style: Any) -> None:
+    from paper_checks.state_picture import draw_states
+
+    found = getattr(result, "found", result)
+    across, up = (*found.axes, *found.axes)[:2]
+    draw_states(axes, found.states, across, up, found.boundary)
+    axes.set(xlabel=LABELS.get(across, across), ylabel=LABELS.get(up, up))
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
 CURVES = ("v", "c_crit", "frequency", "effective_damping")
 """What is drawn over the parameter of a curve."""
 
@@ -161,6 +200,7 @@ LABELS = {
     "c_crit": "critical coupling c",
     "v_d": "belt velocity $v_d$",
     "eps": "small parameter ε",
+    "eta": "η = b/a²",
 }
 
 DRAWINGS: dict[str, Callable[..., None]] = {
@@ -170,6 +210,10 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "Profile": _profile,
     "Bifurcation": _bifurcation,
     "Curve": _curve,
+    "Trajectory": _trajectory,
+    "Front": _front,
+    "StateMap": _state_map,
+    "ComparedMap": _state_map,
     "Breather": _breather,
     "BreatherComparison": _breathers,
 }

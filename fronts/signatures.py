@@ -137,7 +137,7 @@ def _described(
     text = metadata.get("help", text).replace("`", "")
     plain = annotation.strip("'\"").replace(" | None", "").replace("None | ", "")
     first, _, other = plain.partition(" | ")
-    plain = first if other == "str" and isinstance(module.get(first), type) else plain
+    plain = first if other in ("str", "float") and isinstance(module.get(first), type) else plain
     listed = re.match(r"\{.*?\}", kind)
     if plain.startswith("Literal["):
         choices = ast.literal_eval(plain.removeprefix("Literal"))

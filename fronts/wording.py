@@ -310,6 +310,108 @@ def _run_threshold(found: Any) -> str:
     return "\n".join([*lines, f"  {found.runs} runs of {found.sites} sites, {found.seconds:.3f} s"])
 
 
+def _trajectory(run: Any) -> str:
+    last, error = run.amplitude[-1], run.error
+    reached = int((run.arrivals == run.arrivals).sum())
+    largest = int(last.argmax())
+    lines = [
+        f"t = {run.times[-1]:g}: {run.to_dict()['width']} of {last.size} sites are excited, "
+        f"{reached} were at some time",
+        f"  largest amplitude {last[largest]:.8g} at site {largest + 1}",
+    ]
+    if error is not None:
+        lines.append(
+            f"  error of the states at most {error:.1e} (from two runs at larger tolerances): "
+            f"{run.status.value}"
+        )
+    if run.status.value not in ("resolved", "not compared"):
+        until = run.resolved_until
+        when = (
+            ""
+            if until is None or run.status.value != "not resolved"
+            else f" Until t = {until:g} it is."
+        )
+        lines.append(f"  {run.status.sentence}{when}")
+    counts = ", ".join(
+        f"{value} {name.replace('_', ' ')}" for name, value in run.counts.items() if name != "steps"
+    )
+    return "\n".join(
+        [
+            *lines,
+            f"  {run.steps} steps of {run.mean_active:.1f} sites ({counts}), {run.seconds:.3f} s",
+        ]
+    )
+
+
+def _front(found: Any) -> str:
+    lines = [f"{found.status.value}: {found.status.sentence}"]
+    if found.v is not None and found.status.value != "pinned":
+        unit = "tau" if found.chain.model == "friction" else "slow time"
+        digits = 15 if found.detail is not None else 10
+        lines.append(
+            f"  v = {found.v:.{digits}g}, uncertain by {found.error:.1e} (sites per unit of {unit})"
+        )
+    if found.detail is not None:
+        return "\n".join([*lines, *_switchings(found.detail)])
+    if found.left_boundary is not None and found.v is not None:
+        lines.append(
+            "  it outruns the waves behind it"
+            if found.outruns_waves
+            else "  waves behind it catch up with it: v is that with the left boundary "
+            f"{found.left_boundary.value}: {found.left_boundary.sentence}"
+        )
+    lines.append(
+        f"  {found.arrivals.size} arrivals on a chain of {found.chain.sites} sites, "
+        f"{found.steps} steps, {found.seconds:.3f} s"
+    )
+    return "\n".join(lines)
+
+
+def _switchings(run: Any) -> list[str]:
+    lines = []
+    if run.period_spread is not None:
+        lines.append(f"  spread of the period {run.period_spread:.1e} of its mean")
+    if run.events_per_site is not None:
+        lines.append(f"  {run.events_per_site:g} switchings a site")
+    if run.repeat is not None:
+        lines.append(f"  the motion repeats itself every {run.repeat} sites")
+    if run.sliding_events:
+        lines.append(f"  sites slid along the threshold {run.sliding_events} times")
+    if run.margin is not None:
+        lines.append(f"  closest approach to the threshold from now on: {run.margin:.3g}")
+    lines.append(
+        f"  {run.events} switchings, a window of {run.window} sites (its ends disturb less than "
+        f"{run.truncation:.0e}), {run.seconds:.3f} s"
+    )
+    return lines
+
+
+def _map(result: Any) -> str:
+    found, agreement = result.to_dict(), result.agreement
+    lines = [f"{found['points']} points, {found['model']}:"]
+    lines += [f"  {label:<12} {number}" for label, number in found["counts"].items()]
+    axes = [name for name in result.found.axes]
+    if agreement is not None:
+        lines.append(
+            f"  the averaged chain gives the same label at {agreement.same} of {agreement.total}"
+        )
+        lines += [
+            "    "
+            + ", ".join(f"{name} = {row[name]:g}" for name in axes)
+            + f": {row['first']}, averaged {row['second']}"
+            for row in agreement.differing[:10]
+        ]
+    undecided = found["undecided"]
+    if undecided:
+        places = ", ".join(
+            "(" + ", ".join(f"{row[name]:g}" for name in axes) + ")" for row in undecided[:10]
+        )
+        more = f" and {len(undecided) - 10} more" if len(undecided) > 10 else ""
+        lines.append(f"  undecided at ({', '.join(axes)}) = {places}{more}")
+    lines.append(f"  {found['map_seconds']:.2f} s, with everything {found['seconds']:.2f} s")
+    return "\n".join(lines)
+
+
 WORDS: dict[str, Callable[[Any], str]] = {
     "KineticRelation": _kinetic_relation,
     "KineticCurve": _kinetic_curve,
@@ -319,6 +421,9 @@ WORDS: dict[str, Callable[[Any], str]] = {
     "Bifurcation": _table,
     "Curve": _curve,
     "Cell": _cell,
+    "Trajectory": _trajectory,
+    "Front": _front,
+    "ComparedMap": _map,
     "Threshold": _threshold,
     "BranchThreshold": _branch_threshold,
     "RunThreshold": _run_threshold,

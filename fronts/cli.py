@@ -192,9 +192,9 @@ def _completion(words: Sequence[str]) -> str:
     try:
         import shtab
     except ModuleNotFoundError:
-        raise UsageError(
-            "shell completion needs shtab: 'pip install excitation-fronts[completion]'."
-        ) from None
+        from theory.parameters import MissingPackageError
+
+        raise MissingPackageError("shtab", "completion", "shell completion") from None
     shells = ", ".join(shtab.SUPPORTED_SHELLS)
     if len(words) != 1 or words[0] not in shtab.SUPPORTED_SHELLS:
         raise UsageError(f"--print-completion takes one shell: choose one of {shells}.")
@@ -294,10 +294,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             details = {field: str(getattr(error, field)) for field in fields}
             _complain(str(error), as_json, details)
             return 2
-        from theory.parameters import RunError
+        from theory.parameters import MissingPackageError, RunError
         from theory.piecewise.sums.result import PrecisionError
 
-        if isinstance(error, (PrecisionError, RunError)):
+        if isinstance(error, (PrecisionError, RunError, MissingPackageError)):
             _complain(str(error), as_json, {})
             return 2
         return _defect(error, as_json)

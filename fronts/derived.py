@@ -281,9 +281,8 @@ def in_words_also(payload: Mapping[str, Any]) -> str:
         return ""
     stations = [f"{size} from {joined:.4g}" for joined, size in nucleus["sizes"]]
     listed = stations if len(stations) < 9 else [*stations[:6], "…", *stations[-2:]]
-    return f"\n  nucleus: {nucleus['end']}; sites that had joined by slow time: " + ", ".join(
-        listed
-    )
+    joined = ", ".join(listed)
+    return f"\n  nucleus: {nucleus['end']}; sites that had joined by slow time: {joined}"
 
 
 def _curve(

@@ -345,7 +345,9 @@ def roots(
     Raises
     ------
     ParameterError
-        If a parameter is out of range, count and extent are both given, or python-flint is missing.
+        If a parameter is out of range, or count and extent are both given.
+    MissingPackageError
+        If certify is asked for and python-flint is not installed.
     RunError
         If a root could not be enclosed.
 

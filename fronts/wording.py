@@ -325,13 +325,9 @@ def _trajectory(run: Any) -> str:
             f"{run.status.value}"
         )
     if run.status.value not in ("resolved", "not compared"):
-        until = run.resolved_until
-        when = (
-            ""
-            if until is None or run.status.value != "not resolved"
-            else f" Until t = {until:g} it is."
-        )
-        lines.append(f"  {run.status.sentence}{when}")
+        lines.append(f"  {run.status.sentence}")
+        if run.status.value == "not resolved" and run.resolved_until is not None:
+            lines.append(f"  It is resolved until t = {run.resolved_until:g}.")
     counts = ", ".join(
         f"{value} {name.replace('_', ' ')}" for name, value in run.counts.items() if name != "steps"
     )
@@ -390,7 +386,7 @@ def _map(result: Any) -> str:
     found, agreement = result.to_dict(), result.agreement
     lines = [f"{found['points']} points, {found['model']}:"]
     lines += [f"  {label:<12} {number}" for label, number in found["counts"].items()]
-    axes = [name for name in result.found.axes]
+    axes = list(result.found.axes)
     if agreement is not None:
         lines.append(
             f"  the averaged chain gives the same label at {agreement.same} of {agreement.total}"

@@ -54,6 +54,8 @@ from importlib import import_module
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from theory.parameters import MissingPackageError
+
 if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
@@ -165,7 +167,7 @@ class Result:
         ------
         TypeError
             If the result is not tabular.
-        ImportError
+        MissingPackageError
             If pandas is not installed.
         """
         columns = self.columns()
@@ -183,7 +185,7 @@ class Result:
         ------
         TypeError
             If the result is not tabular.
-        ImportError
+        MissingPackageError
             If xarray is not installed.
         """
         described = {each.name: each.metadata for each in _fields(self)}
@@ -298,10 +300,7 @@ def _optional(package: str) -> Any:
     try:
         return import_module(package)
     except ModuleNotFoundError:
-        raise ImportError(
-            f"{package} is not installed, which this table needs: "
-            "'pip install excitation-fronts[tables]' installs it."
-        ) from None
+        raise MissingPackageError(package, "tables", "such a table") from None
 
 
 def _short(value: object) -> str:

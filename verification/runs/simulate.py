@@ -115,7 +115,9 @@ def simulate(
     runs = [first]
     if estimate_error:
         state = checked_state(chain, start)
-        for each, ulps in zip(coarser_tolerances(first.tolerance), (PERTURBATION, 0), strict=True):
+        for each, ulps in zip(
+            coarser_tolerances(first.tolerance), (PERTURBATION, 0), strict=True
+        ):
             other = first.perturbed(chain, state, ulps) if ulps else state
             runs.append(integration(chain, other, sampled, **{**options, "tolerance": each}))
     budget = first.default_budget if budget is None else budget

@@ -77,9 +77,7 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
 
     # One exit only: with several, numba counts references to the four views at each call.
     @njit(**FAST)
-    def slope(
-        x: FloatArray, parameters: FloatArray, left: int, right: int, out: FloatArray
-    ) -> None:
+    def slope(x: FloatArray, parameters: FloatArray, left: int, right: int, out: FloatArray) -> None:
         p = to_fixed_tuple(parameters, count)
         m = x.size // 2
         end = m - 1
@@ -90,7 +88,9 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
             after = beyond(right, last, first) if n == end else (y[n + 1], w[n + 1])
             next_y[n], next_w[n] = site((y[n], w[n]), before, after, p)
         for n in range(1, end):
-            next_y[n], next_w[n] = site((y[n], w[n]), (y[n - 1], w[n - 1]), (y[n + 1], w[n + 1]), p)
+            next_y[n], next_w[n] = site(
+                (y[n], w[n]), (y[n - 1], w[n - 1]), (y[n + 1], w[n + 1]), p
+            )
 
     found: Slope = slope
     return found

@@ -34,9 +34,7 @@ state.
 """
 
 
-def _weighted(
-    weights: Sequence[float],
-) -> Callable[[FloatArray, float, FloatArray, FloatArray], None]:
+def _weighted(weights: Sequence[float]) -> Callable[[FloatArray, float, FloatArray, FloatArray], None]:
     """Return compiled out = x + h Σ w_i K_i over the nonzero weights."""
     used = tuple(i for i, weight in enumerate(weights) if weight != 0.0)
     w = tuple(float(weights[i]) for i in used)
@@ -65,13 +63,7 @@ def dop853_step(slope: Slope) -> Step:
 
     @njit(**FAST)
     def step(
-        x: FloatArray,
-        p: FloatArray,
-        left: int,
-        right: int,
-        h: float,
-        K: FloatArray,
-        out: FloatArray,
+        x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
     ) -> None:
         slope(x, p, left, right, K[0])
         _C1(x, h, K, out)
@@ -127,13 +119,7 @@ def classical_step(slope: Slope) -> Step:
 
     @njit(**FAST)
     def step(
-        x: FloatArray,
-        p: FloatArray,
-        left: int,
-        right: int,
-        h: float,
-        K: FloatArray,
-        out: FloatArray,
+        x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
     ) -> None:
         half, whole = 0.5 * h, h / 6.0
         k0, k1, k2, k3 = K[0], K[1], K[2], K[3]

@@ -46,7 +46,7 @@ def with_values_joined(words: Sequence[str]) -> list[str]:
     joined: list[str] = []
     for word in words:
         before = joined[-1] if joined else ""
-        value = word.startswith("-") and not word.startswith("--") and word not in ("-", "-h", "-o")
+        value = word[:1] == "-" and word[:2] not in ("-", "--", "-h", "-o")
         if value and before.startswith("--") and before != "--" and "=" not in before:
             joined[-1] = f"{before}={word}"
         else:

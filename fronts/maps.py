@@ -143,14 +143,15 @@ def mapped(
     if workers is None and chain.model == "averaged":
         workers = 1
     tables = () if out is None else (out, boundary_path(out))
+    values: dict[str, Any] = dict(axes)
     with resumable_tables(*tables):
         found = state_map(
-            task, refine=refine, workers=workers, out=out, resume=resume, progress=progress, **axes
+            task, refine=refine, workers=workers, out=out, resume=resume, progress=progress, **values
         )
     agreement = None
     if isinstance(chain, VdpChain):
         average = dataclasses.replace(task, chain=chain.averaged())
-        agreement = found.agreement(state_map(average, refine=0.0, workers=1, **axes))
+        agreement = found.agreement(state_map(average, refine=0.0, workers=1, **values))
     named = {held: float(getattr(chain, held))} if "eta" in axes else None
     return ComparedMap(found=found, held=named, agreement=agreement)
 

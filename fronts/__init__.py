@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from fronts.piecewise import kinetic_relation as kinetic_relation
     from fronts.piecewise import roots as roots
     from fronts.piecewise import sigma as sigma
-    from fronts.thresholds import threshold as threshold
     from theory.cells.friction import FrictionCell as FrictionCell
     from theory.chains.friction import FrictionChain as FrictionChain
     from theory.chains.nucleus import Nucleus as Nucleus
@@ -43,6 +42,11 @@ if TYPE_CHECKING:
     from verification.breathers.breather import breather as breather
     from verification.cells.cell import cell as cell
     from verification.execution.sweep import sweep as sweep
+    from verification.fronts.measure import measure_front as measure_front
+    from verification.maps.state_map import state_map as state_map
+    from verification.runs.excite import excite as excite
+    from verification.runs.simulate import simulate as simulate
+    from verification.thresholds.threshold import threshold as threshold
 
     __version__: str
 
@@ -67,7 +71,11 @@ _HOMES = {
     "roots": "fronts.piecewise",
     "sigma": "fronts.piecewise",
     "stability": "fronts.checking",
-    "threshold": "fronts.thresholds",
+    "threshold": "verification.thresholds.threshold",
+    "excite": "verification.runs.excite",
+    "measure_front": "verification.fronts.measure",
+    "simulate": "verification.runs.simulate",
+    "state_map": "verification.maps.state_map",
     "sweep": "verification.execution.sweep",
 }
 """Public name and the module that it comes from."""

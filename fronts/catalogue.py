@@ -124,15 +124,19 @@ _VDP_MAP = Call(
     grid={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
     hidden=("held", "start_point", "out", "pattern", "ends"),
 )
-_THRESHOLD = "fronts.thresholds:threshold"
+_THRESHOLD = "verification.thresholds.threshold:threshold"
+_OF_BISECTION = ("final_time", "accuracy", "lowest", "highest", "tests", "displacement")
 _VDP_THRESHOLD = Call(
     function=_THRESHOLD,
     chain=True,
     fixed={"c": 0.0, "sites": 31},
-    scene=_FIG_7,
+    scene={**_FIG_7, "method": "envelope"},
     ranged=True,
-    hidden=("definition", "final_time", "start_point", "accuracy", "c_min", "c_max"),
-    only={"perturbation": "sweep", "seed": "sweep"},
+    only={
+        "perturbation": "sweep",
+        "seed": "sweep",
+        **dict.fromkeys(_OF_BISECTION, "bisection"),
+    },
 )
 
 COMMANDS: dict[str, Command] = {
@@ -332,11 +336,18 @@ OUT-boundary.csv the boundaries.""",
             "vdp": _VDP_THRESHOLD,
             "averaged": _VDP_THRESHOLD,
             "friction": Call(
+                function="fronts.thresholds:spreading_threshold",
+                chain=True,
+                fixed={"c": 0.0},
+                ranged=True,
+                hidden=("pattern",),
+            ),
+            EVERY: Call(
                 function=_THRESHOLD,
                 chain=True,
                 fixed={"c": 0.0},
                 ranged=True,
-                hidden=("method", "perturbation", "seed", "pattern"),
+                hidden=("method", "perturbation", "seed"),
             ),
         },
     ),

@@ -130,7 +130,7 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         bound.fields.declare(group, (*(("a", "b") if eta else ()), *grid), said)
         if eta:
             words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
-            kind = real
+            kind: Callable[[str], Any] = real
             if bound.call.grid is not None:
                 kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
             group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
@@ -174,20 +174,16 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     Answer
         The result as JSON and in words.
     """
-    from fronts.files import Provenance, check_files, write_result
     from fronts.interrupted import resumable_run
     from fronts.wording import in_words
     from verification.execution.progress import Progress
 
     checkpoint = getattr(options, "checkpoint", None)
     _check_files(options.out, checkpoint)
-    check_files(options.out)
     with resumable_run(checkpoint), Progress(words[0]) as live:
         result, parameters = _computed(options, bound, live.report)
-    shown = Provenance(command=shlex.join(["fronts", *without_files(words)]), parameters=parameters)
-    for path in options.out:
-        if path != parameters.get("out"):  # what can be resumed has been written
-            write_result(path, result, shown)
+    if options.out:
+        _write(options.out, result, parameters, words)
     payload, text = result.to_dict(), in_words(result)
     if bound.call.also:
         payload |= located(bound.call.also)(result)
@@ -197,7 +193,23 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     return Answer(payload, text, int(getattr(result, "needs_attention", False)))
 
 
+def _write(
+    out: Sequence[Path], result: Result, parameters: Mapping[str, Any], words: Sequence[str]
+) -> None:
+    from fronts.files import Provenance, write_result
+
+    command = shlex.join(["fronts", *without_files(words)])
+    shown = Provenance(command=command, parameters=parameters)
+    for path in out:
+        if path != parameters.get("out"):  # what can be resumed has been written
+            write_result(path, result, shown)
+
+
 def _check_files(out: Sequence[Path], checkpoint: Path | None) -> None:
+    if out:
+        from fronts.files import check_files
+
+        check_files(out)
     if checkpoint is None:
         return
     check_writable(checkpoint, (".npz",), "--checkpoint")
@@ -261,7 +273,9 @@ def _grid(
         chosen["held"] = "a" if "a" in fields else "b"
         fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
     for name, default in bound.call.grid.items():
-        value = getattr(options, "eta", default) if name == "eta" else fields.get(name, default)
+        value: Any = (
+            getattr(options, "eta", default) if name == "eta" else fields.get(name, default)
+        )
         axes[name] = values_of(value) if is_range(value) else [value]
     for name, value in fields.items():
         if is_range(value) and name not in axes:

@@ -146,7 +146,13 @@ def mapped(
     values: dict[str, Any] = dict(axes)
     with resumable_tables(*tables):
         found = state_map(
-            task, refine=refine, workers=workers, out=out, resume=resume, progress=progress, **values
+            task,
+            refine=refine,
+            workers=workers,
+            out=out,
+            resume=resume,
+            progress=progress,
+            **values,
         )
     agreement = None
     if isinstance(chain, VdpChain):

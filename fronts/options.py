@@ -16,6 +16,8 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
     "sites": ("--n", "--sites"),
     "start.sites": ("--excite",),
     "excited": ("--nucleus", "--excited"),
+    "lowest": ("--c-min", "--lowest"),
+    "highest": ("--c-max", "--highest"),
     "left_boundary": ("--left-boundary", "--behind"),
     "point": ("--start-point",),
     "size": ("--nucleus",),

@@ -32,13 +32,9 @@ from verification.maps.vdp_rules import (
     level_of,
     positive_damping_square,
 )
-from verification.runs.vdp import run_vdp
-from verification.runs.vdp_start import displaced
-from verification.steppers import state_run as label_run
-from verification.steppers.active import FREE
-from verification.steppers.runge_kutta import fixed_steps
-from verification.steppers.slopes import ENVELOPE as ENVELOPE_CODE
-from verification.steppers.slopes import FULL as FULL_CODE
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+from verification.runs.state_run import at_rest_for_ever
 
 FULL, ENVELOPE = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
 
@@ -135,13 +131,13 @@ def test_the_labels_of_the_full_equation_hold_for_the_taylor_stepper(
     assert result["label"] == label
     chain = FULL.chain(eta, c)
     end = float(result["time"])
-    run = run_vdp(
+    run = simulate(
         chain,
-        displaced(chain, [16], 6.0),
+        excite(chain, [16], 6.0),
         end / chain.eps,
         samples=301,
         tolerance=1e-8,
-        companion=False,
+        estimate_error=False,
     )
     level = chain.unstable_amplitude
     if label == "front":
@@ -160,13 +156,12 @@ def test_the_compiled_run_follows_scipy() -> None:
     task = ENVELOPE
     times = np.linspace(0.0, 20.0, 3)
     reference = _chain_by_scipy(task, 0.05, 0.4, times)
-    chain = task.chain(0.05, 0.4)
-    state = np.zeros((2, 16))
-    state[1, -1] = 6.0
-    p = np.array([chain.a, chain.b, chain.c, chain.eps])
-    fixed_steps(ENVELOPE_CODE, state, p, FREE, 0.01, 2000, 8)
+    chain = task.at({"eta": 0.05, "c": 0.4})
+    start = np.zeros((2, 16))
+    start[1, -1] = 6.0
+    run = simulate(chain, start, 20.0 / chain.eps, samples=2, estimate_error=False, step=0.01)
     # scipy's relative tolerance of 1e-9 a step, over some hundred steps
-    assert np.hypot(*state) == pytest.approx(reference[-1], abs=3e-7)
+    assert run.amplitude[-1] == pytest.approx(reference[-1], abs=3e-7)
 
 
 def test_the_energy_rule_is_never_wrong() -> None:
@@ -174,27 +169,27 @@ def test_the_energy_rule_is_never_wrong() -> None:
     rng = np.random.default_rng(4)
     chain = FULL.at({"eta": 0.05, "c": 0.5})
     quiet = positive_damping_square(chain.a, chain.b)
-    p = np.array([chain.a, chain.b, chain.c, chain.eps])
+    stiffness = chain.eps * chain.c
     for _ in range(20):
         state = rng.standard_normal((2, 16))
         # nearly all of the energy in one site, where the damping is the smallest
         state[:, 1:] *= 1e-3
         energy = (state**2).sum() + chain.eps * chain.c * (np.diff(state[0]) ** 2).sum()
         state *= math.sqrt(0.99 * quiet / energy)
-        assert label_run.at_rest_for_ever(FULL_CODE, p, state.ravel(), quiet)
+        assert at_rest_for_ever(state.ravel(), stiffness, quiet)
         start = state[1] + 1j * state[0]
-        run = run_vdp(chain, start, 200.0, samples=41, companion=False, level=10.0)
+        run = simulate(chain, start, 200.0, samples=41, estimate_error=False, level=10.0)
         y = run.psi.imag
         energies = (run.amplitude**2).sum(1) + chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
         assert (np.diff(energies) < 1e-7 * energies[0]).all()
-        assert not label_run.at_rest_for_ever(FULL_CODE, p, 1.02 * state.ravel(), quiet)
+        assert not at_rest_for_ever(1.02 * state.ravel(), stiffness, quiet)
 
 
 @pytest.mark.parametrize("task", [ENVELOPE, FULL])
 def test_labels_and_times_do_not_depend_on_the_sign_of_the_displacement(task: StateTask) -> None:
     for eta, c in ((0.05, 0.5), (0.1, 0.1), (0.12, 0.6)):
         chain = task.at({"eta": eta, "c": c})
-        start = displaced(chain, [16], 6.0)
+        start = excite(chain, [16], 6.0)
         one, other = (find_vdp_state(chain, sign * start) for sign in (1, -1))
         assert one.state is other.state
         # sections at y = 0 rising come half a period later: up to one window of 5
@@ -206,8 +201,8 @@ def test_scaling_a_b_and_the_displacement_together_changes_nothing(task: StateTa
     for eta, c in ((0.05, 0.5), (0.05, 0.1)):
         chain = task.at({"eta": eta, "c": c})
         scaled = VdpChain(a=1.0, b=chain.eta, c=c, eps=chain.eps, sites=16)
-        first = find_vdp_state(chain, displaced(chain, [16], 6.0))
-        second = find_vdp_state(scaled, displaced(scaled, [16], 6.0 * math.sqrt(chain.a)))
+        first = find_vdp_state(chain, excite(chain, [16], 6.0))
+        second = find_vdp_state(scaled, excite(scaled, [16], 6.0 * math.sqrt(chain.a)))
         assert first.state is second.state
         assert first.time == pytest.approx(second.time, rel=1e-6)
 

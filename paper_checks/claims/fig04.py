@@ -42,11 +42,11 @@ def _threshold(
 
     from theory.chains.chain import Ends
     from theory.chains.nucleus import Place
-    from verification.thresholds.spreading import Spreading, friction_threshold
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
     chain = replace(chain_of(0.0), ends=Ends(ends))
     spreading = Spreading(size, Place(place), **options)
-    return friction_threshold(chain, spreading, lowest=0.005, accuracy=accuracy, tests=0)
+    return spreading_threshold(chain, spreading, lowest=0.005, accuracy=accuracy, tests=0)
 
 
 @lru_cache(maxsize=1)

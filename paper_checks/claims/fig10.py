@@ -15,7 +15,7 @@ C = 0.1
 def _in_phase() -> Finding:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
     from theory.chains.vdp import VdpChain
-    from verification.steppers.envelope_run import run_envelope
+    from verification.runs.envelope_run import run_envelope
     from verification.thresholds.preparation import Preparation, hold, phase_steps
 
     chain = VdpChain(a=A, b=B, c=C, eps=EPS)
@@ -123,7 +123,7 @@ def _growth() -> Finding:
     from theory.chains.nucleus import Nucleus, outward_pattern, sites_for
     from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.steppers.envelope_run import run_envelope
+    from verification.runs.envelope_run import run_envelope
 
     rows = []
     for size in (1, 3, 5, 7, 9):

@@ -80,10 +80,10 @@ def _thresholds() -> Finding:
     from verification.thresholds.continuation import breather_threshold
     from verification.thresholds.escape import escape_threshold
     from verification.thresholds.preparation import Preparation
-    from verification.thresholds.spreading import Spreading, friction_threshold
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
     def friction(size: int, place: Place) -> float:
-        return friction_threshold(
+        return spreading_threshold(
             chain_of(0.0), Spreading(size, place), lowest=0.005, accuracy=ACCURACY, tests=0
         ).c
 
@@ -136,17 +136,16 @@ def _thresholds() -> Finding:
 def _velocities() -> Finding:
     """Compare velocities in units of the largest group velocity of waves about rest."""
     from theory.chains.vdp import VdpChain
-    from verification.fronts.friction import measure_friction_front
-    from verification.fronts.vdp import measure_front
+    from verification.fronts.measure import measure_front
 
     friction = {}
     for c in (0.012, 0.02, 0.04, 0.1, 0.3, 1.0):
         sites = 31 if c < 0.02 else 61 if c < 0.2 else 101
-        front = measure_friction_front(chain_of(c, sites), accuracy=0.02, most_sites=2 * sites)
+        front = measure_front(chain_of(c, sites), accuracy=0.02, max_sites=2 * sites)
         friction[c] = (front.v or 0.0, front.error or 0.0, front.chain.largest_group_velocity)
     smooth = {
         a: {
-            c: measure_front(VdpChain(a=a, b=B, c=c), most_sites=128, accuracy=1e-2)
+            c: measure_front(VdpChain(a=a, b=B, c=c).averaged(), max_sites=128, accuracy=1e-2)
             for c in (0.21, 0.25, 0.3, 0.45, 1.0, 2.0)
         }
         for a in (A, STEEP)

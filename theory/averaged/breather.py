@@ -143,6 +143,7 @@ def breather_frequency(chain: VanDerPolChain) -> float:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> breather_frequency(VdpChain(a=2.5, b=0.5, c=0.1, eps=0.01))
     1.001
     """
@@ -185,6 +186,7 @@ def solve_breather(
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> breather = solve_breather(VdpChain(a=2.5, b=0.5, c=0.1))
     >>> [round(float(value), 4) for value in breather.amplitudes(2)]
     [2.8185, 0.2946]
@@ -230,6 +232,7 @@ def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1)).c, 6)
     0.197334
     >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1), Reading.TAIL).c, 6)

@@ -31,6 +31,7 @@ def damping(square: Real, chain: VanDerPolChain) -> Real:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1)
     >>> bool(abs(damping(chain.stable_amplitude**2, chain)) < 1e-15)
     True
@@ -79,6 +80,7 @@ def envelope_rate(phi: Complex, chain: VanDerPolChain) -> Complex:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
     >>> uniform = np.full(3, chain.stable_amplitude, dtype=complex)
     >>> bool(abs(envelope_rate(uniform, chain)).max() < 1e-14)
@@ -107,6 +109,7 @@ def envelope_jacobian(phi: Complex, chain: VanDerPolChain) -> Real:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> envelope_jacobian(np.zeros(3, complex), VdpChain(a=2.5, b=0.5, c=0, sites=3))[0, 0]
     np.float64(-0.5)
     """
@@ -147,6 +150,7 @@ def staggered_rate(r: Real, chain: VanDerPolChain) -> Real:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> float(staggered_rate(np.array([0.0, 0.0, 1.0]), VdpChain(a=2, b=0.5, c=0.2, sites=3))[1])
     -0.1
     """
@@ -174,6 +178,7 @@ def staggered_defect(r: Real, chain: VanDerPolChain) -> float:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> staggered_defect(np.array([0.1, 1.0, 0.2]), VdpChain(a=2, b=0.5, c=0.2, sites=3))
     0.020000000000000004
     """

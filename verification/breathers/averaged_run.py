@@ -12,7 +12,7 @@ from theory.averaged.envelope import envelope_rate
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
 from verification.breathers.run import NOISE, BreatherRun
-from verification.steppers.envelope_run import run_envelope
+from verification.runs.envelope_run import run_envelope
 
 BLOCK = 5.0
 """Slow time between two looks at the state."""

@@ -368,7 +368,7 @@ def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, 
 
 
 def _full(chain: VanDerPolChain) -> VdpChain:
-    return chain if isinstance(chain, VdpChain) else chain.full()  # type: ignore[attr-defined]
+    return chain if isinstance(chain, VdpChain) else chain.full()
 
 
 def _fold(fold: Fold | None) -> tuple[float | None, float | None]:

@@ -152,6 +152,7 @@ def envelope_branch(
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> branch = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1))
     >>> round(branch.fold.c, 6)
     0.190788
@@ -172,6 +173,7 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Envelope
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> found = solve_envelope_breather(VdpChain(a=2.5, b=0.5, c=0.1, sites=15), Nucleus(1))
     >>> round(float(abs(found.phi[7])), 6), round(found.omega, 12)
     (2.818455, 0.1)

@@ -36,13 +36,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import count_within, positive, within
 from theory.status import Status
 from verification.breathers.orbits import solve_orbit
-from verification.runs.comparison import COMPANION
-from verification.runs.vdp import Model, VdpRun, run_vdp
-from verification.runs.vdp_start import displaced, perturbed
+from verification.runs.comparison import COARSER
+from verification.runs.excite import add_noise, excite
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import Trajectory
 
 FloatArray = NDArray[np.float64]
 
@@ -111,7 +112,7 @@ class FollowedNucleus:
         times the tolerance.
     confirmed : bool
         Whether that run ended in the same way.
-    run : VdpRun
+    run : Trajectory
         The run.
     seconds : float
         Wall-clock time.
@@ -121,17 +122,18 @@ class FollowedNucleus:
     mirrored: bool
     same_until: float
     confirmed: bool
-    run: VdpRun
+    run: Trajectory
     seconds: float
 
 
-def evolution_of(run: VdpRun) -> Evolution:
+def evolution_of(run: Trajectory) -> Evolution:
     """Name what a run has shown, by the rules of the module.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=15)
-    >>> evolution_of(run_vdp(chain, displaced(chain, [8]), 5e3, companion=False)).outcome.value
+    >>> evolution_of(simulate(chain, excite(chain, [8]), 5e3, estimate_error=False)).outcome.value
     'held'
     """
     chain = run.chain
@@ -189,20 +191,19 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
 
 
 def follow_nucleus(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     size: int = 1,
     *,
     perturbation: float = 0.0,
     seed: int = 0,
     slow_time: float = 1000.0,
     tolerance: float = 1e-8,
-    model: Model = Model.FULL,
 ) -> FollowedNucleus:
     """Follow a nucleus in the middle of a chain: all its sites in phase on the cycle of one cell.
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         Parameters; N decides how far it can grow.
     size : int
         Excited sites, odd or even as N is, for a start of mirror symmetry.
@@ -214,8 +215,6 @@ def follow_nucleus(
         Length of the run in T = εt.
     tolerance : float
         Local error of the run; the one beside it has a hundred times as much.
-    model : Model
-        (8), or (43).
 
     Raises
     ------
@@ -224,6 +223,7 @@ def follow_nucleus(
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.195, sites=21)
     >>> followed = follow_nucleus(chain, slow_time=140.0)
     >>> followed.evolution.size, followed.mirrored, followed.confirmed
@@ -234,16 +234,20 @@ def follow_nucleus(
     positive("slow time", slow_time)
     within("perturbation", perturbation, 0.0, 1.0)
     first = (chain.sites - size) // 2 + 1
-    start = displaced(chain, range(first, first + size))
+    start = excite(chain, range(first, first + size))
     if perturbation > 0.0:
-        start = perturbed(start, perturbation, seed)
+        start = add_noise(start, perturbation, seed)
     runs = [
-        run_vdp(
-            chain, start, slow_time / chain.eps, model=model, tolerance=each, samples=SAMPLES,
-            companion=False,
+        simulate(
+            chain,
+            start,
+            slow_time / chain.eps,
+            tolerance=each,
+            samples=SAMPLES,
+            estimate_error=False,
         )
-        for each in (tolerance, min(1e-2, COMPANION * tolerance))
-    ]  # fmt: skip
+        for each in (tolerance, min(1e-2, COARSER * tolerance))
+    ]
     found = [evolution_of(run) for run in runs]
     last = runs[0].psi[-1]
     arrivals = [chain.eps * run.arrivals for run in runs]

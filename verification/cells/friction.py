@@ -25,7 +25,7 @@ from verification.cells.friction_cycles import (
     unstable_once,
 )
 from verification.cells.result import BeltCell, CellStatus, Cycle
-from verification.runs.comparison import COMPANION
+from verification.runs.comparison import COARSER
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -58,7 +58,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     within("tolerance", tolerance, 1e-14, 1e-4)
     within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, _FASTEST_BELT)
     end = cycle_end_velocity(cell, tolerance)
-    coarse_end = cycle_end_velocity(cell, COMPANION * tolerance)
+    coarse_end = cycle_end_velocity(cell, COARSER * tolerance)
     stable = stick_slip_cycle(cell, tolerance) if cell.v_d < end else None
     sliding_stable = cell.effective_damping > 0.0
     if stable is None and not sliding_stable:
@@ -88,7 +88,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
 def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None:
     """Return the stick-slip cycle, None if the slip phase from release never sticks again."""
     fine = stick_slip_once(cell, tolerance)
-    coarse = stick_slip_once(cell, COMPANION * tolerance)
+    coarse = stick_slip_once(cell, COARSER * tolerance)
     return _with_error(fine, coarse)
 
 
@@ -97,7 +97,7 @@ def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None
 
     It exists between the Hopf velocity and the end of the stick-slip cycle.
     """
-    return _with_error(unstable_once(cell, tolerance), unstable_once(cell, COMPANION * tolerance))
+    return _with_error(unstable_once(cell, tolerance), unstable_once(cell, COARSER * tolerance))
 
 
 def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:

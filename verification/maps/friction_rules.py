@@ -12,7 +12,7 @@ breather
     stuck and no site's amplitude changed by more than ``STEADY`` from one window to the next.
 fixed point
     Steady sliding: the chain is certain never to stick again, by an energy that can only fall
-    from here on (``FrictionLane.going_to_rest``).
+    from here on (``FrictionIntegration.going_to_rest``).
 undecided
     None of these by half of the end time: a state found later would be another one, namely none,
     if the end time were halved. Also a breather where steady sliding is unstable (v_d at or below
@@ -28,13 +28,12 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place
+from theory.chains.nucleus import Nucleus
 from theory.parameters import within
 from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState, Reason, State
-from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
-from verification.steppers import friction
+from verification.runs.excite import StartPoint, excite
+from verification.runs.friction_integration import FrictionIntegration
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -54,11 +53,8 @@ class FrictionRules(StateRules):
     def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
         """Return a start in steady sliding but for some sites, by default the middle one."""
         point = options.get("point") or StartPoint.MAXIMUM
-        chosen = sites or nucleus_sites(chain.sites, Place.BULK, 1)
-        start = nucleus(chain, chosen, point)
-        if options.get("displacement") is not None:
-            start[0, np.array(chosen) - 1] = options["displacement"]
-        return start
+        chosen = sites or Nucleus(1).excited(chain.sites)
+        return excite(chain, chosen, options.get("displacement"), point=point)
 
     def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
         """Return the start with noise of this size on y and ẏ, which are of order one."""
@@ -103,36 +99,36 @@ def find_friction_state(
     Examples
     --------
     >>> chain = FrictionChain(c=0.05, sites=7)
-    >>> str(find_friction_state(chain, nucleus(chain, [4])).state)
+    >>> str(find_friction_state(chain, excite(chain, [4])).state)
     'front'
     """
     begin = perf_counter()
     within("end time tau", end, 8.0 * WINDOW, 1e7)
     within("tolerance", tolerance, 1e-12, 1e-4)
-    lane = FrictionLane(chain, start, tolerance)
+    run = FrictionIntegration(chain, start, tolerance=tolerance)
     ever = np.zeros(chain.sites, dtype=bool)
     steady_from, held = 0.0, 0
-    amplitude = lane.amplitude
+    amplitude = run.amplitude
     state, reason, active = State.UNDECIDED, Reason.END_TIME, 0
     # Whole windows only: in a part of one fewer sites stick, and less changes.
-    while lane.time + WINDOW <= 0.5 * end:
-        lane.arrivals[:] = np.nan
-        lane.go_to(lane.time + WINDOW)
-        sticking = ~np.isnan(lane.arrivals)
+    while run.time + WINDOW <= 0.5 * end:
+        run.forget_arrivals()
+        run.advance_to(run.time + WINDOW)
+        sticking = ~np.isnan(run.arrivals)
         active = int(np.count_nonzero(sticking))
         fresh = bool(np.any(sticking & ~ever))
         ever |= sticking
-        before, amplitude = amplitude, lane.amplitude
+        before, amplitude = amplitude, run.amplitude
         if fresh or float(np.max(np.abs(amplitude - before))) > STEADY:
-            steady_from = lane.time
-        if lane.going_to_rest():
+            steady_from = run.time
+        if run.going_to_rest():
             state, reason = State.FIXED_POINT, Reason.DECIDED
             break
         held = held + 1 if not fresh and ever.all() and 2 * active >= chain.sites else 0
         if held == HOLD:
             state, reason = State.FRONT, Reason.DECIDED
             break
-        if active and not ever.all() and lane.time >= 2.0 * steady_from:
+        if active and not ever.all() and run.time >= 2.0 * steady_from:
             if chain.cell.effective_damping > 0.0:
                 state, reason = State.BREATHER, Reason.DECIDED
             else:
@@ -141,9 +137,9 @@ def find_friction_state(
     return FoundState(
         state=state,
         reason=reason,
-        time=lane.time,
+        time=run.time,
         above=active,
         reached=int(np.count_nonzero(ever)),
-        steps=int(lane.counters[friction.STEPS]),
+        steps=run.counts["steps"],
         seconds=perf_counter() - begin,
     )

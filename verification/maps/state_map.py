@@ -37,7 +37,7 @@ from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F
 from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.rules import rules_of
 from verification.maps.state import Reason, State
-from verification.runs.friction_start import StartPoint
+from verification.runs.excite import StartPoint
 
 HELD = ("a", "b")
 

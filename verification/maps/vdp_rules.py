@@ -7,7 +7,7 @@ front
     The far end, site 1, has been above the level for ``HOLD`` without a break.
 fixed point
     The chain is certain to go to rest, by a norm or an energy that can only fall from here on:
-    see ``verification.steppers.state_run.at_rest_for_ever``.
+    see ``verification.runs.state_run.at_rest_for_ever``.
 breather
     From some time to twice that time no site's amplitude varied by more than ``STEADY`` times the
     level within any window of length ``WINDOW``, none passed the level, and at least one site was
@@ -28,14 +28,13 @@ import numpy.typing as npt
 
 from theory.chains.chain import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, RunError, positive, within
+from theory.parameters import ParameterError, positive, within
 from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState, Reason, State
-from verification.runs.vdp_start import displaced, perturbed
-from verification.steppers import state_run
-from verification.steppers.slopes import ENVELOPE, FULL
+from verification.runs.excite import add_noise, excite
+from verification.runs.state_run import Outcome, Rules, run_to_state
 
-Complex = npt.NDArray[np.complex128]
+FloatArray = npt.NDArray[np.float64]
 
 FIGURE_15 = VdpChain(a=4.0, b=0.5, c=0.0, sites=16)
 """The chain of Fig. 15 as it is read here; η takes the place of a, of which print says nothing."""
@@ -49,10 +48,10 @@ STEADY = 1e-5
 
 
 _STATES = {
-    state_run.UNDECIDED: State.UNDECIDED,
-    state_run.FRONT: State.FRONT,
-    state_run.BREATHER: State.BREATHER,
-    state_run.FIXED_POINT: State.FIXED_POINT,
+    Outcome.UNDECIDED: State.UNDECIDED,
+    Outcome.FRONT: State.FRONT,
+    Outcome.BREATHER: State.BREATHER,
+    Outcome.FIXED_POINT: State.FIXED_POINT,
 }
 
 
@@ -69,17 +68,17 @@ class VanDerPolRules(StateRules):
         super().check(chain)
         _check(chain)
 
-    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> Complex:
+    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
         """Return a start at rest but for some sites, by default the last one displaced by 6."""
         displacement = options.get("displacement")
         size = DISPLACEMENT if displacement is None else displacement
-        return displaced(chain, sites or (chain.sites,), size)
+        return excite(chain, sites or (chain.sites,), size)
 
-    def perturbed(self, start: Complex, size: float, seed: int) -> Complex:
+    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
         """Return the start with noise relative to its largest displacement."""
-        return perturbed(start, size * float(np.abs(start).max()), seed)
+        return add_noise(start, size * float(np.abs(start).max()), seed)
 
-    def find(self, chain: Any, start: Complex, *, end: float, tolerance: float) -> FoundState:
+    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
         """Run until the state has a name."""
         return find_vdp_state(chain, start, end=end, tolerance=tolerance)
 
@@ -88,7 +87,7 @@ RULES[VanDerPolChain] = VanDerPolRules()
 
 
 def find_vdp_state(
-    chain: VanDerPolChain, start: Complex, *, end: float = 2000.0, tolerance: float = 1e-8
+    chain: VanDerPolChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
 ) -> FoundState:
     """Run a chain until its state has a name.
 
@@ -96,9 +95,9 @@ def find_vdp_state(
     ----------
     chain : VdpChain or AveragedChain
         Parameters, with free ends.
-    start : ndarray of complex, shape (N,)
-        Ψ = ẏ + iy at time zero; for the averaged chain φ. The far end is the first site, and the
-        last one is where amplitudes of (8) are sampled.
+    start : array_like, shape (2, N)
+        (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). The far end is the first site,
+        and the last one is where amplitudes of (8) are sampled.
     end : float, optional
         End time, slow; states found in its second half do not count.
     tolerance : float, optional
@@ -115,7 +114,7 @@ def find_vdp_state(
     --------
     >>> from theory.chains.vdp import AveragedChain
     >>> chain = AveragedChain(a=4, b=0.5, c=0.6, sites=16)
-    >>> str(find_vdp_state(chain, displaced(chain, [16], 6.0)).state)
+    >>> str(find_vdp_state(chain, excite(chain, [16], 6.0)).state)
     'front'
     """
     begin = perf_counter()
@@ -124,31 +123,23 @@ def find_vdp_state(
     _check(chain)
     full = isinstance(chain, VdpChain)
     level = level_of(chain.a, chain.b)
-    scale = 1.0 / chain.eps if full else 1.0
-    parts = (start.imag, start.real) if full else (start.real, start.imag)
-    code, time, above, steps = state_run.run_to_label(
-        FULL if full else ENVELOPE,
-        np.array([chain.a, chain.b, chain.c, chain.eps]),
-        np.concatenate(parts),
-        level,
-        positive_damping_square(chain.a, chain.b) if full else level**2,
-        0.5 * end * scale,
-        HOLD * scale,
-        WINDOW * scale,
-        STEADY * (level if math.isfinite(level) else 1.0),
-        tolerance,
+    scale = chain.time_unit * chain.kernel_rate
+    rules = Rules(
+        level=level,
+        quiet=positive_damping_square(chain.a, chain.b) if full else level**2,
+        stiffness=chain.eps * chain.c if full else 0.0,
+        hold=HOLD * scale,
+        window=WINDOW * scale,
+        settled=STEADY * (level if math.isfinite(level) else 1.0),
     )
-    if code == state_run.BROKEN:
-        raise RunError(
-            f"the run of {chain} needs steps below {state_run.SHORTEST:g}: displace the site less "
-            "far."
-        )
+    run = run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
+    undecided = run.outcome is Outcome.UNDECIDED
     return FoundState(
-        state=_STATES[code],
-        reason=Reason.END_TIME if code == state_run.UNDECIDED else Reason.DECIDED,
-        time=time / scale,
-        above=above,
-        steps=steps,
+        state=_STATES[run.outcome],
+        reason=Reason.END_TIME if undecided else Reason.DECIDED,
+        time=run.time / scale,
+        above=run.above,
+        steps=run.steps,
         seconds=perf_counter() - begin,
     )
 

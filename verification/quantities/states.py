@@ -32,14 +32,14 @@ def _chain(at: Mapping[str, float]) -> VdpChain:
 def _label(at: Mapping[str, float], full: bool) -> Claim:
     from verification.maps.state import State
     from verification.maps.vdp_rules import find_vdp_state
-    from verification.runs.vdp_start import displaced
+    from verification.runs.excite import as_psi, excite
 
     chain = _chain(at)
-    start = displaced(chain, [_SITES], at["displacement"])
+    start = excite(chain, [_SITES], at["displacement"])
     found = find_vdp_state(chain if full else chain.averaged(), start)
     if found.state is State.UNDECIDED:
-        return Claim(None, 0.0, note="undecided", extra=(found, start))
-    return Claim(1.0, 0.0, note=str(found.state), extra=(found, start))
+        return Claim(None, 0.0, note="undecided", extra=(found, as_psi(start)))
+    return Claim(1.0, 0.0, note=str(found.state), extra=(found, as_psi(start)))
 
 
 def _check_averaged(at: Mapping[str, float], claim: Claim) -> Check:

@@ -93,9 +93,9 @@ def run_events(
 
     Examples
     --------
-    >>> from verification.runs.friction_start import nucleus
+    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.0, sites=1)
-    >>> run = run_events(chain, nucleus(chain, [1]), 12.0)
+    >>> run = run_events(chain, excite(chain, [1]), 12.0)
     >>> run.log[:, 2].astype(int).tolist()
     [0, 1, 0, 1]
     """

@@ -86,9 +86,9 @@ def run_regularised(
 
     Examples
     --------
-    >>> from verification.runs.friction_start import nucleus
+    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.02, sites=2)
-    >>> run_regularised(chain, nucleus(chain, [1]), 1.0, delta=1e-2).finished
+    >>> run_regularised(chain, excite(chain, [1]), 1.0, delta=1e-2).finished
     True
     """
     from scipy.integrate import solve_ivp

@@ -105,9 +105,9 @@ def run_switch(
 
     Examples
     --------
-    >>> from verification.runs.friction_start import nucleus
+    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.02, sites=3)
-    >>> run = run_switch(chain, nucleus(chain, [1]), 20.0, step=0.01)
+    >>> run = run_switch(chain, excite(chain, [1]), 20.0, step=0.01)
     >>> run.steps, bool(run.arrivals[0] < 5)
     (2000, True)
     """

@@ -115,9 +115,7 @@ def simulate(
     runs = [first]
     if estimate_error:
         state = checked_state(chain, start)
-        for each, ulps in zip(
-            coarser_tolerances(first.tolerance), (PERTURBATION, 0), strict=True
-        ):
+        for each, ulps in zip(coarser_tolerances(first.tolerance), (PERTURBATION, 0), strict=True):
             other = first.perturbed(chain, state, ulps) if ulps else state
             runs.append(integration(chain, other, sampled, **{**options, "tolerance": each}))
     budget = first.default_budget if budget is None else budget
@@ -168,7 +166,7 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
         tolerance=first.tolerance,
         method=first.method,
         counts={**first.counts, **first.events},
-        events=first.log,
+        event_log=first.log,
         seconds=perf_counter() + offset,
     )
 

@@ -70,6 +70,8 @@ class SmoothIntegration(Integration):
         Rates of change of parameters, per unit of t.
     step : float, optional
         Equal steps of this length, in kernel time, instead of the tolerance.
+    shortest_step, longest_step : float
+        Steps in kernel time: the run is given up below the first, and none is above the second.
     watch, memory : optional
         A stop condition (``steppers.smooth.Watch``) and its numbers.
     """
@@ -90,6 +92,7 @@ class SmoothIntegration(Integration):
         left_boundary_wave: bool = False,
         drift: dict[str, float] | None = None,
         step: float | None = None,
+        shortest_step: float = SHORTEST_STEP,
         longest_step: float = math.inf,
         watch: smooth.Watch | None = None,
         memory: FloatArray | None = None,
@@ -130,7 +133,7 @@ class SmoothIntegration(Integration):
             RING if ring else FOLLOWING if left_boundary_wave else FREE,
             self.end * self._rate,
             0.0 if step is not None else tolerance,
-            STIFF_STEP if self._stiff else SHORTEST_STEP,
+            STIFF_STEP if self._stiff else shortest_step,
             longest_step if step is None else step,
             REVIEW if chain.oscillates else 0.0,
             self._rest,
@@ -278,7 +281,7 @@ class SmoothIntegration(Integration):
         elif ended is StopCode.STEP_TOO_SHORT:
             raise StandstillError(
                 f"a displacement of {np.abs(run.state).max():.3g} makes the model "
-                f"{self.chain.model} need steps below {SHORTEST_STEP:g} of its time at "
+                f"{self.chain.model} need steps below {self._task.shortest:g} of its time at "
                 f"t = {self.time:.6g}: start from a smaller one"
                 + (", or run (8), which has a stiff method." if self._has_full() else ".")
             )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Chain, SmoothChain
+from theory.chains.chain import SmoothChain
 from theory.result import Result, plain
 from theory.status import Status
 
@@ -69,13 +69,13 @@ class Trajectory(Result):
         The stepper.
     counts : mapping
         ``steps``, ``site_steps``, and what else the stepper counts.
-    events : ndarray, shape (K, 3)
+    event_log : ndarray, shape (K, 3)
         Time, site (from 1) and kind of the first events of a friction chain, if asked for.
     seconds : float
         Run time, of all sessions if it was resumed.
     """
 
-    chain: Chain
+    chain: Any
     times: FloatArray = field(metadata={"axis": "t"})
     states: FloatArray = field(metadata={"dims": ("t", "component", "site")})
     amplitude: FloatArray = field(metadata={"dims": ("t", "site")})
@@ -88,7 +88,7 @@ class Trajectory(Result):
     tolerance: float
     method: str
     counts: Mapping[str, int]
-    events: FloatArray
+    event_log: FloatArray
     seconds: float
 
     def to_dict(self) -> dict[str, Any]:
@@ -116,7 +116,7 @@ class Trajectory(Result):
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """Return what a file of arrays holds: samples by name, as the model calls them."""
         if isinstance(self.chain, SmoothChain):
-            states = {"psi": self.psi}
+            states: dict[str, npt.NDArray[Any]] = {"psi": self.psi}
         else:
             states = {"y": self.y, "velocity": self.velocity, "envelope": self.amplitude}
         return {
@@ -148,13 +148,25 @@ class Trajectory(Result):
         """Phase of φ in radians, shape (M, N); for (8) of Ψe^{-it}."""
         oscillates = getattr(self.chain, "oscillates", False)
         turn: Any = np.exp(-1j * self.times)[:, None] if oscillates else 1.0
-        return np.angle(self.psi * turn)
+        phase: FloatArray = np.angle(self.psi * turn)
+        return phase
 
     @property
     def width(self) -> npt.NDArray[np.int64]:
         """Number of sites above the level at each sample, shape (M,)."""
         width: npt.NDArray[np.int64] = np.count_nonzero(self.amplitude > self.level, axis=1)
         return width
+
+    @property
+    def stuck(self) -> npt.NDArray[np.bool_]:
+        """Sites of a friction chain that stick at the last sample, shape (N,)."""
+        stuck: npt.NDArray[np.bool_] = np.equal(self.velocity[-1], self.chain.v_d)
+        return stuck
+
+    @property
+    def event_count(self) -> int:
+        """Number of events of a friction chain; 0 of a smooth one."""
+        return sum(self.counts.get(kind, 0) for kind in ("sticks", "releases", "reversals"))
 
     @property
     def steps(self) -> int:

@@ -428,9 +428,7 @@ def _switch(
     return -1
 
 
-def new_run(
-    y: FloatArray, w: FloatArray, modes: IntArray, samples: int, logged: int
-) -> Run:
+def new_run(y: FloatArray, w: FloatArray, modes: IntArray, samples: int, logged: int) -> Run:
     """Return the state of a run that begins, with fresh arrays for its bookkeeping."""
     sites = y.size
     return Run(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +23,14 @@ FloatArray = npt.NDArray[np.float64]
 Slope = Callable[[FloatArray, FloatArray, int, int, FloatArray], None]
 """From a state, parameters, and what is beyond the two ends, to its derivative (last argument)."""
 
-FAST = {"error_model": "numpy", "fastmath": {"contract"}}
-"""Options of compiled arithmetic: no exception at a division, products fused with sums."""
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def fast(function: Function) -> Function:
+    """Compile arithmetic: no exception at a division, products fused with sums."""
+    compiled: Any = njit(error_model="numpy", fastmath={"contract"})(function)
+    found: Function = compiled
+    return found
 
 
 def slope_of(chain: SmoothChain) -> Slope:
@@ -57,7 +63,9 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
     ahead : int
         Quarter turns by which a wave that goes on beyond the left end is ahead of its neighbour.
     """
-    site: Any = njit(forceinline=True, **FAST)(getattr(kernel, "py_func", kernel))
+    plain: Any = getattr(kernel, "py_func", kernel)
+    site: Any = njit(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
+    tuple_of: Any = to_fixed_tuple
 
     @njit(forceinline=True)
     def beyond(code: int, end: Any, far: Any) -> Any:
@@ -76,9 +84,11 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
         return 0.0, 0.0
 
     # One exit only: with several, numba counts references to the four views at each call.
-    @njit(**FAST)
-    def slope(x: FloatArray, parameters: FloatArray, left: int, right: int, out: FloatArray) -> None:
-        p = to_fixed_tuple(parameters, count)
+    @fast
+    def slope(
+        x: FloatArray, parameters: FloatArray, left: int, right: int, out: FloatArray
+    ) -> None:
+        p = tuple_of(parameters, count)
         m = x.size // 2
         end = m - 1
         y, w, next_y, next_w = x[:m], x[m:], out[:m], out[m:]
@@ -88,9 +98,7 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
             after = beyond(right, last, first) if n == end else (y[n + 1], w[n + 1])
             next_y[n], next_w[n] = site((y[n], w[n]), before, after, p)
         for n in range(1, end):
-            next_y[n], next_w[n] = site(
-                (y[n], w[n]), (y[n - 1], w[n - 1]), (y[n + 1], w[n + 1]), p
-            )
+            next_y[n], next_w[n] = site((y[n], w[n]), (y[n - 1], w[n - 1]), (y[n + 1], w[n + 1]), p)
 
     found: Slope = slope
     return found

@@ -11,7 +11,7 @@ E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy.typing as npt
 from scipy.integrate import DOP853
 
 from verification.execution.compiled import njit
-from verification.steppers.kernel import FAST, Slope
+from verification.steppers.kernel import Slope, fast
 from verification.steppers.rows import finite, largest
 
 FloatArray = npt.NDArray[np.float64]
@@ -34,13 +34,15 @@ state.
 """
 
 
-def _weighted(weights: Sequence[float]) -> Callable[[FloatArray, float, FloatArray, FloatArray], None]:
+def _weighted(
+    weights: FloatArray,
+) -> Callable[[FloatArray, float, FloatArray, FloatArray], None]:
     """Return compiled out = x + h Σ w_i K_i over the nonzero weights."""
     used = tuple(i for i, weight in enumerate(weights) if weight != 0.0)
     w = tuple(float(weights[i]) for i in used)
     count = len(used)
 
-    @njit(**FAST)
+    @fast
     def combine(x: FloatArray, h: float, K: FloatArray, out: FloatArray) -> None:
         for n in range(x.size):
             total = w[0] * K[used[0], n]
@@ -61,9 +63,15 @@ _FIFTH, _THIRD = _weighted(DOP853.E5[:STAGES]), _weighted(DOP853.E3[:STAGES])
 def dop853_step(slope: Slope) -> Step:
     """Return one step of DOP853, of order 8, for a right-hand side."""
 
-    @njit(**FAST)
+    @fast
     def step(
-        x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
+        x: FloatArray,
+        p: FloatArray,
+        left: int,
+        right: int,
+        h: float,
+        K: FloatArray,
+        out: FloatArray,
     ) -> None:
         slope(x, p, left, right, K[0])
         _C1(x, h, K, out)
@@ -94,7 +102,7 @@ def dop853_step(slope: Slope) -> Step:
     return found
 
 
-@njit(cache=True, **FAST)
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
     """Return DOP853's estimate of the local error, the largest over sites, relative to ``size``.
 
@@ -117,9 +125,15 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
 def classical_step(slope: Slope) -> Step:
     """Return one classical step of order 4 for a right-hand side; for benchmarks."""
 
-    @njit(**FAST)
+    @fast
     def step(
-        x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
+        x: FloatArray,
+        p: FloatArray,
+        left: int,
+        right: int,
+        h: float,
+        K: FloatArray,
+        out: FloatArray,
     ) -> None:
         half, whole = 0.5 * h, h / 6.0
         k0, k1, k2, k3 = K[0], K[1], K[2], K[3]

@@ -129,8 +129,7 @@ overwritten.
 """
 
 
-@njit
-def never(
+def _never(
     t: float,
     h: float,
     before: FloatArray,
@@ -142,6 +141,18 @@ def never(
 ) -> int:
     """Go on."""
     return 0
+
+
+_go_on: Any = njit(_never)
+
+
+def _not_given(*_: object) -> None:
+    """Stand for the step of a chain, for which the loop is compiled."""
+    raise NotImplementedError
+
+
+take_step: Step = _not_given
+stop: Condition = _go_on
 
 
 @njit(cache=True)
@@ -203,7 +214,7 @@ def _advance(task: Task, run: Run, max_steps: int) -> int:
             if drifting:
                 for i in range(p.size):
                     p[i] = task.parameters[i] + task.drift[i] * (t + clock[4] + 0.5 * h)
-            take_step(x, p, left, right, h, K, new)  # noqa: F821
+            take_step(x, p, left, right, h, K, new)
             if tolerance == 0.0:
                 break
             ratio = step_error(K, h, room, size) / tolerance
@@ -218,7 +229,7 @@ def _advance(task: Task, run: Run, max_steps: int) -> int:
             break
         while counters[SAMPLED] < times.size and times[counters[SAMPLED]] <= t + h:
             part = times[counters[SAMPLED]] - t - clock[4]
-            take_step(x, p, left, right, part, K, inside)  # noqa: F821
+            take_step(x, p, left, right, part, K, inside)
             sample = samples[counters[SAMPLED]]
             put(state[0], sample[0])
             put(state[1], sample[1])
@@ -235,7 +246,7 @@ def _advance(task: Task, run: Run, max_steps: int) -> int:
             below = x[n] ** 2 + x[m + n] ** 2 - square
             for _ in range(_MAX_TRIALS):
                 part = low + below / (below - above) * (high - low)
-                take_step(x, p, left, right, part, K, inside)  # noqa: F821
+                take_step(x, p, left, right, part, K, inside)
                 value = inside[n] ** 2 + inside[m + n] ** 2 - square
                 if abs(value) <= met * square or high - low <= met * h:
                     break
@@ -245,7 +256,7 @@ def _advance(task: Task, run: Run, max_steps: int) -> int:
                     high, above, below = part, value, 0.5 * below
             arrivals[lo + n] = t + part
             foremost = lo + n
-        found = stop(t, h, x, new, p, K, inside, run.memory)  # noqa: F821
+        found = stop(t, h, x, new, p, K, inside, run.memory)
         put(new, x)
         whole = h + clock[4]
         clock[0] = t + whole
@@ -305,7 +316,7 @@ def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
             _advance,
             "-".join(marks),
             take_step=take_step,
-            stop=never if watch is None else watch(take_step),
+            stop=_go_on if watch is None else watch(take_step),
         )
     return _LOOPS[key]
 

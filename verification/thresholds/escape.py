@@ -122,6 +122,7 @@ def escape_range(
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> found = escape_range(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 500.0, 1e-3)
     >>> found.low < 0.19079 < found.high, found.monotone
     (True, True)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
 from theory.chains.vdp import VanDerPolChain, VdpChain
-from verification.steppers.envelope_run import EnvelopeRun, run_envelope
+from verification.runs.envelope_run import EnvelopeRun, run_envelope
 
 Complex = NDArray[np.complex128]
 

@@ -10,15 +10,23 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, positive
-from verification.steppers.envelope_run import run_envelope
+from verification.runs.envelope_run import run_envelope
+from verification.thresholds.escape import escape_range
 from verification.thresholds.preparation import Preparation
-from verification.thresholds.result import Delay
+from verification.thresholds.result import (
+    Definition,
+    Delay,
+    Mechanism,
+    Threshold,
+    ThresholdMethod,
+)
 
 Real = NDArray[np.float64]
 
@@ -119,3 +127,35 @@ def measure_delay(
             )
         escapes.append(found)
     return fit_delay(rates, escapes, time.perf_counter() - started)
+
+
+def sweep_threshold(chain: VanDerPolChain, preparation: Preparation) -> Threshold:
+    """Find the limit of rate zero of slow sweeps, or where that has none, hold the coupling.
+
+    What does not escape at a fold has no limit of rate zero that these sweeps could show; the
+    threshold is then that of `escape_range`, with the sweeps beside it.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus does not escape, or not hold.
+    """
+    if preparation.perturbation > 0.0:
+        # Noise leaves the breather before its fold; a sweep would not tell where.
+        return escape_range(chain, preparation)
+    delay = measure_delay(chain, preparation)
+    if delay.c_0 is None or delay.error is None:
+        held = escape_range(chain, preparation)
+        return replace(held, delay=delay, seconds=held.seconds + delay.seconds)
+    return Threshold(
+        c=delay.c_0,
+        error=delay.error,
+        method=ThresholdMethod.SWEEP,
+        definition=Definition.EXISTENCE,
+        mechanism=Mechanism.SLOW_SWEEP,
+        model="averaged",
+        nucleus=preparation.nucleus,
+        sites=preparation.chain(chain, 0.0).sites,
+        delay=delay,
+        seconds=delay.seconds,
+    )

@@ -1,9 +1,9 @@
-"""Critical coupling of Model I (Fig. 4): the coupling from which on a nucleus spreads.
+"""Thresholds by direct runs, of any chain: the coupling from which on a nucleus spreads (Fig. 4).
 
-The number depends on what counts as spreading, on the ends, on the point of the cycle and on the
-final time; each is an option with a name. The search:
+The number depends on what counts as spreading, on the ends, on the start and on the final time;
+each is an option with a name. The search:
 
-* runs at couplings that grow by a constant factor, until one spreads: the lowest is wanted, and at
+* runs at couplings that grow by a constant factor, until one spreads: the lowest is sought, and at
   high coupling a small nucleus may go to rest instead;
 * bisection between that coupling and the one before it;
 * the same with twice the final time, from there downwards: spreading can be late;
@@ -19,14 +19,19 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Any
+
+import numpy as np
 
 from theory.cells.friction import check_sliding_stable
+from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus, Place
+from theory.chains.nucleus import STEPS, Nucleus, Place
 from theory.parameters import ParameterError, count_within, positive, within
-from verification.runs.comparison import COMPANION
-from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
+from verification.runs import friction_integration, smooth_integration  # noqa: F401  (register)
+from verification.runs.comparison import COARSER
+from verification.runs.excite import StartPoint, excite
+from verification.runs.integration import integration
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
 GROWTH = 1.25
@@ -35,7 +40,8 @@ REACH = 0.2
 """Part of the threshold on either side of it where monotony is tested."""
 SEVERAL = 3
 """New sites on each side of the nucleus for ``Definition.SEVERAL``."""
-_LOOK = 50.0
+_BUDGET = 20_000
+"""Sites times steps between two looks at what has been reached."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +55,18 @@ class Spreading:
     place : Place
         At the edge or in the middle.
     definition : Definition
-        What counts.
+        What counts: ``first``, ``several`` or ``whole``.
     final_time : float
-        τ, from 1 to 1e6.
+        In units of the chain's `time_unit` (τ of (5), slow time of (8) and (43)), from 1 to 1e6.
     point : StartPoint
-        Point of the cycle from which the excited sites start.
+        Point of the cycle of (5) from which the excited sites start.
     tolerance : float
         Of the integrator, from 1e-12 to 1e-4.
+    pattern : str
+        Phase steps between the excited sites of a smooth chain, as in `Nucleus`; all in phase if
+        empty.
+    displacement : float or None
+        Of the excited sites; by default the excited state of one cell.
 
     Raises
     ------
@@ -69,29 +80,37 @@ class Spreading:
     final_time: float = 1000.0
     point: StartPoint = StartPoint.MAXIMUM
     tolerance: float = 1e-8
+    pattern: str = ""
+    displacement: float | None = None
 
     def __post_init__(self) -> None:
         count_within("nucleus size", self.size, 1, 100_000)
-        within("final time tau", self.final_time, 1.0, 1e6)
+        within("final time", self.final_time, 1.0, 1e6)
         within("tolerance", self.tolerance, 1e-12, 1e-4)
         object.__setattr__(self, "place", Place(self.place))
         for name, kind in (("definition", Definition), ("point", StartPoint)):
             object.__setattr__(self, name, kind(getattr(self, name)))
+        if self.definition in (Definition.EXISTENCE, Definition.STABILITY):
+            raise ParameterError(
+                "definition", self.definition.value, "first, several or whole for runs",
+                "take one of them, or a method that follows breathers",
+            )  # fmt: skip
+        _ = self.nucleus
 
     @property
     def nucleus(self) -> Nucleus:
-        """The excited sites, all in phase."""
-        return Nucleus(self.size, "0" * (self.size - 1), self.place)
+        """The excited sites."""
+        return Nucleus(self.size, self.pattern or "0" * (self.size - 1), self.place)
 
     def watched(self, sites: int) -> tuple[int, ...]:
-        """Return the sites that must stick, of which ``FIRST`` asks for one and others for all.
+        """Return the sites to be reached, of which ``first`` asks for one and others for all.
 
         Examples
         --------
         >>> Spreading(3, Place.BULK, Definition.SEVERAL).watched(31)
         (12, 13, 14, 18, 19, 20)
         """
-        excited = nucleus_sites(sites, self.place, self.size)
+        excited = self.nucleus.excited(sites)
         others = [n for n in range(1, sites + 1) if n not in excited]
         if self.definition is Definition.SEVERAL:
             low, high = excited[0] - SEVERAL, excited[-1] + SEVERAL
@@ -102,14 +121,33 @@ class Spreading:
             )
         return tuple(others)
 
+    def start(self, chain: Chain) -> Any:
+        """Return the start, (y, w) of every site."""
+        sites = self.nucleus.excited(_sites(chain))
+        turns = np.cumsum([0.0, *(STEPS[sign] for sign in self.nucleus.pattern)]) / (0.5 * np.pi)
+        return excite(
+            chain,
+            sites,
+            self.displacement,
+            quarter_turns=[round(turn) for turn in turns],
+            point=self.point,
+        )
 
-def spreads(chain: FrictionChain, spreading: Spreading, final_time: float | None = None) -> bool:
+
+def _sites(chain: Chain) -> int:
+    sites: int = getattr(chain, "sites", 0)
+    if not sites:
+        raise ParameterError("model", chain.model, "a chain of finite length", "take another chain")
+    return sites
+
+
+def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None) -> bool:
     """Run the chain until the nucleus has spread, has gone to rest, or the final time is over.
 
     Parameters
     ----------
-    chain : FrictionChain
-        Parameters, with its coupling.
+    chain : Chain
+        Parameters, with its coupling; of any model that is integrated in time.
     spreading : Spreading
         What is excited and what counts.
     final_time : float, optional
@@ -120,22 +158,25 @@ def spreads(chain: FrictionChain, spreading: Spreading, final_time: float | None
     >>> [spreads(FrictionChain(c=c), Spreading()) for c in (0.01, 0.011)]
     [False, True]
     """
-    watched = spreading.watched(chain.sites)
-    excited = nucleus_sites(chain.sites, spreading.place, spreading.size)
-    start = nucleus(chain, excited, spreading.point)
-    lane = FrictionLane(chain, start, spreading.tolerance, watched=watched)
-    wanted = 1 if spreading.definition is Definition.FIRST else len(watched)
-    end = spreading.final_time if final_time is None else final_time
-    while lane.time < end:
-        if lane.go_to(min(end, lane.time + _LOOK), wanted=wanted):
+    watched = np.array(spreading.watched(_sites(chain))) - 1
+    required = 1 if spreading.definition is Definition.FIRST else watched.size
+    end = chain.time_unit * (spreading.final_time if final_time is None else final_time)
+    run = integration(chain, spreading.start(chain), [end], tolerance=spreading.tolerance, end=end)
+
+    def spread() -> bool:
+        return int(np.count_nonzero(run.arrivals[watched] <= end)) >= required
+
+    while not run.finished:
+        run.advance(_BUDGET)
+        if spread():
             return True
-        if lane.going_to_rest():
+        if run.going_to_rest():
             return False
-    return lane.arrived >= wanted
+    return spread()
 
 
-def friction_threshold(
-    chain: FrictionChain,
+def spreading_threshold(
+    chain: Chain,
     spreading: Spreading,
     *,
     lowest: float = 1e-3,
@@ -148,8 +189,8 @@ def friction_threshold(
 
     Parameters
     ----------
-    chain : FrictionChain
-        Parameters; its coupling is not used.
+    chain : Chain
+        Of any model with a coupling c that is integrated in time; its c is not used.
     spreading : Spreading
         What is excited and what counts.
     lowest, highest : float
@@ -160,7 +201,7 @@ def friction_threshold(
         Couplings on each side of the threshold where monotony is tested; 0 for no test of it, nor
         of what a later final time changes.
     progress : callable, optional
-        Told, after each run, the fraction done, as far as it can be foreseen.
+        Called after each run with the fraction done, as far as it can be foreseen.
 
     Raises
     ------
@@ -169,7 +210,7 @@ def friction_threshold(
 
     Examples
     --------
-    >>> found = friction_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-4, tests=0)
+    >>> found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-4, tests=0)
     >>> found.low < 0.01056 < found.high, found.error < 1e-4
     (True, True)
     """
@@ -188,7 +229,7 @@ def friction_threshold(
             progress(runs / (runs + expected))
         tolerance = min(1e-4, coarser * spreading.tolerance)
         final = longer * spreading.final_time
-        return spreads(replace(chain, c=c), replace(spreading, tolerance=tolerance), final)
+        return spreads(chain.replace(c=c), replace(spreading, tolerance=tolerance), final)
 
     def first_above(start: float, longer: float, coarser: float) -> tuple[float, float]:
         low, c = start, start
@@ -198,11 +239,12 @@ def friction_threshold(
                     "highest coupling",
                     highest,
                     "one up to which the nucleus spreads",
-                    "take a lower v_d, a wider nucleus or a later final time",
+                    "take a wider nucleus, a later final time, or for friction a lower v_d",
                 )
             low, c = c, min(highest, GROWTH * c)
         if c == start:
-            check_sliding_stable(chain.cell)
+            if isinstance(chain, FrictionChain):
+                check_sliding_stable(chain.cell)
             raise ParameterError(
                 "lowest coupling", start, "one at which the nucleus does not spread", "lower it"
             )
@@ -214,8 +256,8 @@ def friction_threshold(
 
     low, high = first_above(lowest, 1.0, 1.0)
     c, error = 0.5 * (low + high), 0.5 * (high - low)
-    if at(low, 1.0, COMPANION) or not at(high, 1.0, COMPANION):
-        error += abs(c - 0.5 * sum(first_above(lowest, 1.0, COMPANION)))
+    if at(low, 1.0, COARSER) or not at(high, 1.0, COARSER):
+        error += abs(c - 0.5 * sum(first_above(lowest, 1.0, COARSER)))
     late, fuzzy, monotone = c, None, True
     if tests > 0:
         if at(low, 2.0, 1.0):
@@ -233,9 +275,9 @@ def friction_threshold(
         method=ThresholdMethod.BISECTION,
         definition=spreading.definition,
         mechanism=Mechanism.SPREADING,
-        model="friction",
+        model=chain.model,
         nucleus=spreading.nucleus,
-        sites=chain.sites,
+        sites=_sites(chain),
         low=low,
         high=high,
         final_time=spreading.final_time,

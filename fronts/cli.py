@@ -26,10 +26,28 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
+    def refuse(self, word: str, value: str) -> NoReturn:
+        """Refuse an option that this command and model do not have."""
+        flag, _, joined = word.partition("=")
+        model = self.prog.split()[2:]
+        where = f"the model {model[0]}" if model else f"'{self.prog}'"
+        if not flag.startswith("--"):
+            self.error(f"'{word}' is not expected here")
+        raise UsageError(
+            f"{flag} has no meaning for {where}: leave it out.",
+            quantity=flag,
+            value=joined or value,
+            allowed=f"absent for {where}",
+            remedy="leave it out",
+        )
+
     def read(self, words: Sequence[str]) -> argparse.Namespace:
         """Return the options, or raise what names the option that cannot be read."""
         try:
-            return self.parse_args(with_values_joined(words))
+            options, unknown = self.parse_known_args(with_values_joined(words))
+            if unknown:
+                self.refuse(unknown[0], " ".join(unknown[1:2]))
+            return options
         except argparse.ArgumentError as error:
             name, cause = error.argument_name, error.__context__
             if name is None:

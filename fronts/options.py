@@ -30,7 +30,7 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
 }
 """Options whose names are not their parameter's, and the other names that are understood."""
 
-INTERNAL = frozenset({"progress", "executor", "chain", "start", "nucleus"})
+INTERNAL = frozenset({"progress", "executor", "chain", "nucleus"})
 """Parameters that no shell can give."""
 
 _READERS: Mapping[str, Any] = {

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -180,7 +181,8 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
 
     checkpoint = getattr(options, "checkpoint", None)
     _check_files(options.out, checkpoint)
-    with resumable_run(checkpoint), Progress(words[0]) as live:
+    saved = nullcontext() if checkpoint is None else resumable_run(checkpoint)
+    with saved, Progress(words[0]) as live:
         result, parameters = _computed(options, bound, live.report)
     if options.out:
         _write(options.out, result, parameters, words)

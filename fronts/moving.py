@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from verification.fronts.result import Front
-
 from theory.chains.piecewise import PiecewiseChain
+from verification.fronts.result import Front
 
 
 def piecewise_front(

@@ -18,7 +18,7 @@ from typing import Any
 REQUIRED = inspect.Parameter.empty
 """Default of a parameter that has none."""
 
-_ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*) :(?: (.*))?$")
+_ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :(?: (.*))?)?$")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,8 @@ def test_a_command_answers_as_recorded(name: str) -> None:
     case = CASES[name]
     answer = replay(shlex.split(case["command"]))
     expected = {key: case[key] for key in ("exit", "answer", "refusal") if key in case}
-    assert differences(expected, answer) == []
+    lines = differences(expected, answer)
+    assert not lines, "\n".join([case["command"], *lines])
 
 
 def _drop(one: Json) -> None:

@@ -356,7 +356,7 @@ def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
     text = choice.as_text([row])
     assert "the default all the same: it is inexact" in text
     assert "one root is no rival: one root in an interval" in text
-    assert "stale: it does not say which code was measured" in text
+    assert "stale: it does not say which code it depends on" in text
 
 
 def test_a_rival_without_a_reason_is_said_to_have_none():

@@ -301,7 +301,7 @@ def test_the_claim_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert claim.judge().verdict is Verdict.PARTIAL
 
 
-def test_the_command_writes_map_boundary_stamp_and_picture(
+def test_the_command_writes_map_boundary_record_and_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, drawn = tmp_path / "map.csv", tmp_path / "map.png"
@@ -323,8 +323,8 @@ def test_the_command_writes_map_boundary_stamp_and_picture(
     )
     assert edge.size == answer["boundary_points"] > 5
     assert (edge["low"] <= edge["at"]).all()
-    stamp = json.loads((tmp_path / "map.csv.json").read_text(encoding="utf-8"))
-    assert stamp["parameters"]["model"] == "envelope"
+    record = json.loads((tmp_path / "map.csv.json").read_text(encoding="utf-8"))
+    assert record["parameters"]["model"] == "envelope"
     # again: nothing is left to compute
     assert main([*shlex.split(line), "--resume"]) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 24

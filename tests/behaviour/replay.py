@@ -99,6 +99,8 @@ def shortened(answer: Json) -> Json:
 
 def differences(old: Json, new: Json) -> list[str]:
     """Return one line for each place where a new answer departs from the recorded one."""
+    if "answer" in old and "refusal" in new:
+        return [f"exit {new['exit']}: {new['refusal']['message']}"]
     return list(_compare(old, new, "", None, prose=False))
 
 
@@ -184,7 +186,7 @@ def _size(one: Json) -> float:
 def _same(old: Json, new: Json, error: float | None, size: float, *, prose: bool) -> bool:
     if isinstance(old, float) and _is_number(new):
         room = 0.0 if error is None else min(2 * error, max(LARGEST_PART * size, PART))
-        return abs(new - old) <= max(room, PART * size, ROUNDING)
+        return bool(abs(new - old) <= max(room, PART * size, ROUNDING))
     if isinstance(old, str) and isinstance(new, str) and old != new:
         if error is not None and NUMBER.fullmatch(old.lstrip("-")):
             digits = Decimal(new) - Decimal(old)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import groupby
 from time import perf_counter
@@ -19,6 +19,7 @@ from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
+from theory.piecewise.stability import front_stability, stability_limit
 from theory.result import Result
 
 LARGEST_COUPLING = 1e8
@@ -53,6 +54,11 @@ class Branch(Result):
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
         ζ of the violation nearest 0.
+    stable : bool or None
+        Whether the front is linearly stable (``theory.piecewise.stability``); None if it is not
+        admissible, or if it was not decided or not asked for.
+    multiplier : float or None
+        Largest modulus of a nontrivial multiplier, where one is near or beyond one.
     """
 
     v: float
@@ -62,6 +68,8 @@ class Branch(Result):
     by_eta: float
     admissible: bool | None
     fails_at: float | None
+    stable: bool | None = None
+    multiplier: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +115,18 @@ class KineticRelation(Result):
     terms: int
     seconds: float
 
+    @property
+    def c_stable(self) -> float | None:
+        """Coupling up to which the fastest front is stable; None if no loss of it was found.
+
+        Computed when it is first asked for, in a fraction of a second
+        (`theory.piecewise.stability.stability_limit`).
+        """
+        if self.c_fold is None:
+            return None
+        limit = stability_limit(self.eta)
+        return None if limit is None else limit.c
+
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a branch, or a single one without a velocity; see `Result.columns`."""
         rows: tuple[Branch | None, ...] = self.branches or (None,)
@@ -125,11 +145,15 @@ class KineticRelation(Result):
             "by_eta": listed("by_eta", float),
             "admissible": listed("admissible", object),
             "fails_at": listed("fails_at", float),
+            "stable": listed("stable", object),
+            "multiplier": listed("multiplier", float),
         }
 
 
 def kinetic_relation(c: float, eta: float) -> KineticRelation:
     """Return every front velocity at coupling c and η = b/a², and the thresholds (Eq. 54).
+
+    With each velocity comes whether the front is admissible (47), and whether it is stable.
 
     Parameters
     ----------
@@ -155,7 +179,15 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
 0.455301).'
     """
     (answer,) = trace_kinetic_relation([c], [eta])
-    return answer
+    return replace(answer, branches=tuple(_with_stability(b, c) for b in answer.branches))
+
+
+def _with_stability(branch: Branch, c: float) -> Branch:
+    """Return an admissible branch with its linear stability."""
+    if not branch.admissible:
+        return branch
+    found = front_stability(branch.v, c)
+    return replace(branch, stable=found.stable, multiplier=found.multiplier)
 
 
 def trace_kinetic_relation(

@@ -249,10 +249,11 @@ def _found(store: Store, total: int) -> dict[int, dict[str, Scalar]]:
 def _metadata(function: Task, points: Sequence[Point], command: str, needed: bool) -> Metadata:
     """Return what identifies a sweep, and where it was computed."""
     name = task_name(function)
-    parameters: dict[str, Any] = {"function": name}
+    parameters: dict[str, Any] = {}
     code = None
     try:
-        parameters["parameters"] = parameters_of(function)
+        held = parameters_of(function)
+        parameters = held if isinstance(held, dict) else {}
         modules, loose = _code_of(function)
         packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
         digest = digest_of([digest_of_code(modules, packages), loose])
@@ -261,13 +262,16 @@ def _metadata(function: Task, points: Sequence[Point], command: str, needed: boo
         if needed:
             raise
     rows = [list(point.items()) for point in points]
-    parameters["points"] = {"count": len(points), "digest": digest_of(rows)}
+    parameters |= {
+        "function": name,
+        "points": {"count": len(points), "digest": digest_of(rows)},
+    }
     return Metadata(command=command or f"sweep({name}, ...)", parameters=parameters, code=code)
 
 
 def _identity(metadata: Metadata) -> dict[str, Any]:
     return {
-        **metadata.parameters,
+        "parameters": dict(metadata.parameters),
         "versions": dict(metadata.versions),
         "code": None if metadata.code is None else metadata.code.digest,
     }

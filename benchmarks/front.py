@@ -129,7 +129,13 @@ def by_us(scene: Scene, sites: int, tolerance: float) -> FloatArray:
     """Return slow times at which sites beyond the start are reached, by our stepper."""
     chain = chain_of(scene, sites)
     run = simulate(
-        model_of(scene).chain_of(chain), excite_edge(chain, FILLED), 1.2 * sites / (1.1 * chain.c) / chain.eps, tolerance=tolerance, samples=2, estimate_error=False)  # fmt: skip
+        model_of(scene).chain_of(chain),
+        excite_edge(chain, FILLED),
+        1.2 * sites / (1.1 * chain.c) / chain.eps,
+        tolerance=tolerance,
+        samples=2,
+        estimate_error=False,
+    )
     arrivals = run.arrivals[FILLED : sites - MARGIN] * chain.eps
     if not np.isfinite(arrivals).all():
         raise ArithmeticError("the front did not run through the chain")

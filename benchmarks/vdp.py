@@ -334,8 +334,13 @@ def _front_cost(lengths: Sequence[int]) -> Target:
         chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
         begin = process_time()
         simulate(
-            chain.averaged(), excite_edge(chain, 24), sites / 0.72 / chain.eps,
-            trailing_sites=24, estimate_error=False, samples=2)  # fmt: skip
+            chain.averaged(),
+            excite_edge(chain, 24),
+            sites / 0.72 / chain.eps,
+            trailing_sites=24,
+            estimate_error=False,
+            samples=2,
+        )
         seconds.append(process_time() - begin)
     exponent = float(np.polyfit(np.log(lengths), np.log(seconds), 1)[0])
     detail = ", ".join(f"{n} sites {s:.2g} s" for n, s in zip(lengths, seconds, strict=True))

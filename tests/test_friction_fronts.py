@@ -245,7 +245,8 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
     assert at(final_time=1200.0) < first
     literal = replace(chain, ends=Ends.LITERAL)
     one = [
-        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c for ends in (chain, literal)
+        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c
+        for ends in (chain, literal)
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
     assert abs(one[0] - one[1]) > 10 * 1e-4

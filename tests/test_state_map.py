@@ -158,7 +158,7 @@ def test_the_compiled_run_follows_scipy() -> None:
     reference = _chain_by_scipy(task, 0.05, 0.4, times)
     chain = task.at({"eta": 0.05, "c": 0.4})
     start = np.zeros((2, 16))
-    start[1, -1] = 6.0
+    start[0, -1] = 6.0
     run = simulate(chain, start, 20.0 / chain.eps, samples=2, estimate_error=False, step=0.01)
     # scipy's relative tolerance of 1e-9 a step, over some hundred steps
     assert run.amplitude[-1] == pytest.approx(reference[-1], abs=3e-7)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from theory.cells.friction import FrictionCell
+from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.cells.friction import friction_cell
 from verification.cells.result import Cell
-from verification.cells.vdp import vdp_cell
+from verification.cells.vdp import averaged_cell, vdp_cell
 
 
-def cell(of: FrictionCell | FrictionChain | VdpChain, *, tolerance: float = 1e-12) -> Cell:
+def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
     """Return rest, cycles and basin of one cell, alone or taken from a chain.
 
     Parameters
@@ -53,6 +54,8 @@ def cell(of: FrictionCell | FrictionChain | VdpChain, *, tolerance: float = 1e-1
         return friction_cell(of, tolerance)
     if isinstance(of, VdpChain):
         return vdp_cell(of.a, of.b, of.eps, tolerance)
+    if isinstance(of, AveragedChain):
+        return averaged_cell(of.a, of.b, of.eps)
     raise ParameterError(
         "cell", type(of).__name__, "a friction cell, or a chain of cells that have cycles",
         "give a FrictionCell, FrictionChain, VdpChain or AveragedChain",

@@ -47,8 +47,13 @@ def _run(at: Mapping[str, float], full: bool) -> Claim:
     end = _END if full else _END / chain.eps
     level = max(1e-9, 0.5 * at["displacement"])
     run = simulate(
-        chain if full else chain.averaged(), start, end, samples=2, level=level,
-        tolerance=at["tolerance"])  # fmt: skip
+        chain if full else chain.averaged(),
+        start,
+        end,
+        samples=2,
+        level=level,
+        tolerance=at["tolerance"],
+    )
     assert run.error is not None
     return Claim(run.psi[-1], run.error, extra=as_psi(start))
 

@@ -134,7 +134,7 @@ def _turning_points(cell: FrictionCell) -> tuple[float, float]:
 
 
 def excite_edge(chain: SmoothChain, filled: int) -> FloatArray:
-    """Return a start of a front: the first sites excited, with the phase step of the chain's fronts.
+    """Return a start of a front: the first sites excited, with the phase step of its fronts.
 
     Fronts of (8) and (43) lock to a phase step of -π/2 a site.
 

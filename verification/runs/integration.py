@@ -1,11 +1,12 @@
-"""What an integration is: one run of a chain in progress, and the contract that every stepper fulfils.
+"""What an integration is: one run of a chain in progress, and the contract of every stepper.
 
 How to write a new integration
 ------------------------------
 1. Derive from :class:`Integration` and register a function that makes one for your chain::
 
        @integration.register
-       def _(chain: MyChain, start, times, **options): return MyIntegration(chain, start, times, ...)
+       def _(chain: MyChain, start, times, **options):
+           return MyIntegration(chain, start, times, **options)
 
    Options that it does not know it refuses with ``ParameterError``.
 2. Hold the whole state of the run in numpy arrays, made once, changed in place, and listed in
@@ -182,7 +183,8 @@ def integration(
     times : array_like, shape (M,)
         Times t of the samples, ascending from 0 or later.
     **options
-        ``tolerance``, ``end`` (by default the last of ``times``), and what the class of the integration takes.
+        ``tolerance``, ``end`` (by default the last of ``times``), and what the class of the
+        integration takes.
 
     Raises
     ------

@@ -155,7 +155,7 @@ class SmoothIntegration(Integration):
         return found / self._rate
 
     def _close_window(self) -> float:
-        """Close the window around what moves; return the amplitude up to which a site is at rest."""
+        """Close the window around what moves; return the amplitude below which a site rests."""
         rest = self.tolerance * self._size
         state, counters, sites = self._run.state, self._run.counters, self.chain.sites
         counters[smooth.HI] = sites

@@ -1,4 +1,4 @@
-"""What a run of a chain has shown: states, amplitudes, arrivals, and how far they can be trusted."""
+"""What a run of a chain has shown: states, amplitudes, arrivals, and how far to trust them."""
 
 from __future__ import annotations
 

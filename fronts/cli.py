@@ -119,20 +119,24 @@ def _chosen(
     calls = command.calls if "" in command.calls else derived.models_of(command)
     model, rest = _model(name, command, calls, rest)
     bound = derived.Bound(calls[model], model)
-    parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, _examples(command, model))
+    examples = _examples(command, model, f"{name} {model} {bound.required()}".rstrip())
+    parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, examples)
     derived.configure(parser, bound)
     words = [word for word in (name, model, *rest) if word]
     return parser, lambda options: derived.run(options, bound, words), rest
 
 
-def _examples(command: Command, model: str) -> str:
-    """Return the examples of a model, or all where there is none of its own."""
+def _examples(command: Command, model: str, required: str = "") -> str:
+    """Return the examples of a model, or all where none is named.
+
+    Of a model that has none of its own, ``required`` is one.
+    """
     every = command.examples.split("\n  fronts ")[1:]
     named = {each: each.split()[1] for each in every}
     wanted = {model} if model != command.default else {model, *_not_models(command, named.values())}
-    own = [each for each in every if named[each] in wanted]
+    own = [each for each in every if named[each] in wanted] if model else every
     notes = f"\n\n{command.notes}" if command.notes else ""
-    return "\n  fronts ".join(["examples:", *(own if model and own else every)]) + notes
+    return "\n  fronts ".join(["examples:", *(own or [required])]) + notes
 
 
 def _not_models(command: Command, words: Iterable[str]) -> set[str]:

@@ -85,6 +85,17 @@ class Bound:
         shown = [each for each in parameters if each.name not in without]
         return Group(prefix, tuple(shown), {"nucleus.size": 1, **self.call.scene}, ranged)
 
+    def required(self) -> str:
+        """Return the options that must be given, as they are written."""
+        free = {"a", "b"} if self.takes_eta else {*(self.call.grid or ())}
+        names = [
+            option(each.name)
+            for group in (self.fields, self.start, self.own)
+            for each in group.parameters
+            if group.is_required(each) and each.name not in free
+        ]
+        return " ".join(f"{name} {name.strip('-').upper()}" for name in names)
+
     @property
     def takes_eta(self) -> bool:
         """Whether η may stand for a and b of the chain."""

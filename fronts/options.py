@@ -126,6 +126,10 @@ class Group:
                 help=words,
             )
 
+    def is_required(self, each: Described) -> bool:
+        """Tell whether a parameter has no default."""
+        return self._default(each) is REQUIRED
+
     def given(self, options: argparse.Namespace) -> dict[str, Any]:
         """Return what was given or is set by the command, as the library takes it."""
         found = {}

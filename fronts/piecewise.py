@@ -7,7 +7,7 @@ Four functions of the public API, `fronts.kinetic_relation`, `fronts.sigma`, `fr
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -19,6 +19,7 @@ from theory.piecewise.kinetic_relation import (
     KineticRelation,
     Status,
     trace_kinetic_relation,
+    with_stability,
 )
 from theory.result import Result
 
@@ -69,6 +70,7 @@ def kinetic_relation(
     *,
     a: float | None = None,
     b: float | None = None,
+    stability: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> KineticRelation | KineticCurve:
     """Return every velocity at which the piecewise-linear front can travel (Eq. 54).
@@ -81,6 +83,8 @@ def kinetic_relation(
         η = b/a², dimensionless, positive; two limit cycles exist below 1/8.
     a, b : float, optional
         Damping coefficients of (8), dimensionless; both, in place of eta.
+    stability : bool, optional
+        Also decide the linear stability of each admissible front, which takes longer.
     progress : callable, optional
         Called with the fraction done, now and then.
 
@@ -114,6 +118,8 @@ def kinetic_relation(
     eta_ = _eta(eta, a, b)
     c_ = np.asarray(c, dtype=float)
     answers = trace_kinetic_relation(c_, eta_, progress=progress)
+    if stability:
+        answers = [_with_stability(answer) for answer in answers]
     if c_.ndim == 0 and np.ndim(eta_) == 0:
         return answers[0]
     return KineticCurve(
@@ -121,6 +127,11 @@ def kinetic_relation(
         points=tuple(answers),
         seconds=sum(answer.seconds for answer in answers),
     )
+
+
+def _with_stability(answer: KineticRelation) -> KineticRelation:
+    branches = tuple(with_stability(branch, answer.c) for branch in answer.branches)
+    return replace(answer, branches=branches)
 
 
 def _eta(eta: Any, a: float | None, b: float | None) -> Any:
@@ -241,8 +252,6 @@ def _by_quadrature(v: float | str, c: float | str, digits: int) -> KineticSum:
 
 def _rounded(found: KineticSum) -> KineticSum:
     """Return a precise sum in double precision, the rounding in its error."""
-    from dataclasses import replace
-
     value = complex(found.value)
     error = float(found.error) + abs(value) * np.finfo(float).eps
     return replace(found, value=value, error=float(error), digits=_DOUBLE)

@@ -69,7 +69,8 @@ def digits_that_hold(value: float, error: float) -> str:
 def _verdict(branch: Any) -> str:
     if branch.admissible is None:
         return "not decided"
-    return "yes" if branch.admissible else f"no, fails at zeta = {branch.fails_at:.3g}"
+    stable = {True: ", stable", False: ", not stable", None: ""}[branch.stable]
+    return f"yes{stable}" if branch.admissible else f"no, fails at zeta = {branch.fails_at:.3g}"
 
 
 def _kinetic_curve(curve: Any) -> str:
@@ -292,16 +293,23 @@ def _held_threshold(found: Any) -> str:
     return "\n".join([*lines, f"  {found.runs} runs, {found.seconds:.3f} s"])
 
 
+def _start_of(found: Any) -> str:
+    """Return ends and start of the friction chain, whose thresholds say them."""
+    if not hasattr(found, "start_point"):
+        return ""
+    return f"; {found.ends} ends; start at the {found.start_point} of the cycle"
+
+
 def _run_threshold(found: Any) -> str:
     if found.method.value == "hold":
         return _held_threshold(found)
     lines = [
         f"spreads from c = {found.c:.8g} on, uncertain by {found.error:.1e}",
         f"  {found.definition.sentence}",
-        f"  final time tau = {found.final_time:g}; {found.ends} ends; start at the "
-        f"{found.start_point} of the cycle",
-        f"  by tau = {2.0 * found.final_time:g}: c = {found.late:.8g}",
+        f"  final time {found.final_time:g}" + _start_of(found),
     ]
+    if found.late is not None:
+        lines.append(f"  by twice that time: c = {found.late:.8g}")
     if found.fuzzy is not None:
         lines.append(
             f"  fuzzy from c = {found.fuzzy[0]:.8g} to {found.fuzzy[1]:.8g}, a width of "

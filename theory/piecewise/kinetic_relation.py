@@ -179,11 +179,11 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
 0.455301).'
     """
     (answer,) = trace_kinetic_relation([c], [eta])
-    return replace(answer, branches=tuple(_with_stability(b, c) for b in answer.branches))
+    return replace(answer, branches=tuple(with_stability(b, c) for b in answer.branches))
 
 
-def _with_stability(branch: Branch, c: float) -> Branch:
-    """Return an admissible branch with its linear stability."""
+def with_stability(branch: Branch, c: float) -> Branch:
+    """Return a branch at coupling c with its linear stability, if it is admissible."""
     if not branch.admissible:
         return branch
     found = front_stability(branch.v, c)

@@ -131,7 +131,7 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
 
 
 def test_the_list_is_the_same_again() -> None:
-    source = (ROOT / "theory" / "dispersion.py").read_text(encoding="utf-8")
+    source = (ROOT / "theory" / "piecewise" / "dispersion.py").read_text(encoding="utf-8")
     first, second = (mutants_of("theory/piecewise/dispersion.py", source) for _ in range(2))
     assert [m.name for m in first] == [m.name for m in second]
     assert len(first) > 30

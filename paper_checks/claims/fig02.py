@@ -15,9 +15,10 @@ from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
-    from theory.cells.friction import FrictionCell
     from verification.cells.friction_continuation import CycleDiagram
     from verification.cells.friction_orbits import CellOrbits
+
+    from theory.cells.friction import FrictionCell
     from verification.references.friction_events import EventRun
 
 V_D = 1.25
@@ -37,8 +38,9 @@ EVENT_RUNS = Method("runs with scipy's DOP853, events located on its dense outpu
 
 @lru_cache(maxsize=1)
 def _orbits() -> CellOrbits:
-    from theory.cells.friction import FrictionCell
     from verification.cells.friction_orbits import cell_orbits
+
+    from theory.cells.friction import FrictionCell
 
     return cell_orbits(FrictionCell(V_D))
 
@@ -180,9 +182,10 @@ class Regions:
 
 def regions() -> Regions:
     """Find both ends of bistability by shooting, and run from both starts at six velocities."""
-    from theory.cells.friction import FrictionCell
     from verification.cells.friction_continuation import continue_cycles
     from verification.cells.friction_orbits import stick_slip_cycle
+
+    from theory.cells.friction import FrictionCell
 
     cell = FrictionCell(V_D)
     end = _orbits().cycle_end_velocity
@@ -249,8 +252,9 @@ class Subcritical:
 
 def subcritical() -> Subcritical:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
-    from theory.cells.friction import FrictionCell, friction_slope
     from verification.cells.friction_orbits import unstable_cycle
+
+    from theory.cells.friction import FrictionCell, friction_slope
 
     hopf = FrictionCell(V_D).hopf_velocity
     ratios, repels = [], []
@@ -331,9 +335,10 @@ class Stick:
 
 def stick() -> Stick:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
+    from verification.runs.friction import run_friction
+
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
-    from verification.runs.friction import run_friction
 
     cell = _orbits().cell
     chain, start = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])

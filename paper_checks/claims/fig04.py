@@ -35,9 +35,10 @@ EVENTS = "verification.references.friction_events:run_events"
 def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> float:
     from dataclasses import replace
 
-    from theory.chains.friction import FrictionEnds
     from verification.runs.friction_start import Place
     from verification.thresholds.friction import Spreading, friction_threshold
+
+    from theory.chains.friction import FrictionEnds
 
     chain = replace(chain_of(0.0), ends=FrictionEnds(ends))
     spreading = Spreading(size, Place(place), **options)
@@ -182,8 +183,9 @@ class LongRuns:
 
 def _reached(c: float, size: int, place: str) -> int:
     """Return how many sites have stuck by the time the chain is full, or by `LONG`."""
-    from verification.runs.friction_integration import FrictionLane
     from verification.runs.friction_start import Place, nucleus, nucleus_sites
+
+    from verification.runs.friction_integration import FrictionLane
 
     chain = chain_of(c)
     lane = FrictionLane(chain, nucleus(chain, nucleus_sites(SITES, Place(place), size)), 1e-9)

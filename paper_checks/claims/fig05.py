@@ -93,9 +93,10 @@ class StateMap:
 def state_map() -> StateMap:
     """Label a map of 10 by 10 points, bisect its boundaries, and check three points by scipy."""
     from verification.cells.friction_orbits import cycle_end_velocity
+    from verification.maps.friction import FrictionStateTask, friction_points
+
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
-    from verification.maps.friction import FrictionStateTask, friction_points
 
     task = FrictionStateTask()
     states = sweep(task, friction_points(COUPLINGS, VELOCITIES), workers=1)
@@ -172,8 +173,9 @@ class Lasting:
 
 def _lasting(v_d: float, size: int) -> tuple[int, int]:
     """Return how many sites have ever stuck, and how many do in its last window."""
-    from verification.runs.friction_integration import FrictionLane
     from verification.runs.friction_start import Place, nucleus, nucleus_sites
+
+    from verification.runs.friction_integration import FrictionLane
 
     chain = chain_of(STRONG, SITES, v_d)
     lane = FrictionLane(chain, nucleus(chain, nucleus_sites(SITES, Place.BULK, size)), 1e-8)

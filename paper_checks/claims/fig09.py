@@ -63,10 +63,11 @@ class Multipliers:
 
 def multipliers() -> Multipliers:
     """Follow all multipliers along the approximate and the true orbit."""
-    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus
     from verification.thresholds.breather import Method as By
     from verification.thresholds.breather import breather_threshold
+
+    from theory.chains.vdp import VdpChain
 
     true = breather_threshold(VdpChain(A, B, 0.0, EPS, SITES), Nucleus(1), By.ORBIT)
     test = orbit_of(0.19)
@@ -151,8 +152,9 @@ class Escape:
 
 def escape() -> Escape:
     """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
-    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleus import Nucleus, outward_pattern
+
+    from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
     turns, rows = 8, []

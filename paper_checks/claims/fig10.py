@@ -60,9 +60,10 @@ class InPhase:
 @lru_cache(maxsize=1)
 def in_phase() -> InPhase:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
-    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, hold, phase_steps
     from verification.steppers.envelope_run import run_envelope
+
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(A, B, C, EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, END + 1.0, 5.0)])

@@ -79,11 +79,12 @@ class Folds:
 @lru_cache(maxsize=1)
 def folds() -> Folds:
     """Follow the mirror-symmetric breathers to their folds, and bisect runs for their escape."""
-    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
     from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.thresholds.breather import Method as By
     from verification.thresholds.breather import breather_threshold
+
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(A, B, 0.0, EPS)
     nuclei = {n: Nucleus(n, outward_pattern(n)) for n in ODD}
@@ -135,9 +136,10 @@ class Sweeps:
 
 def sweeps() -> Sweeps:
     """Sweep c slowly through the folds of sizes 1 and 3."""
-    from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation
     from verification.breathers.slow_sweep import measure_delay
+
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(A, B, 0.0, EPS)
     found = {n: measure_delay(chain, Preparation(n)) for n in PRINTED}
@@ -264,10 +266,11 @@ class Nuclei:
 @lru_cache(maxsize=1)
 def nuclei() -> Nuclei:
     """Enumerate, follow and test every phase-locked breather."""
+    from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
+
     from theory.chains.vdp import VdpChain
     from verification.breathers import phase_locked
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
 
     branches = {}
     for n in (*RANGE, *FAMILY):
@@ -321,8 +324,9 @@ def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
 
 def _seeded_runs() -> tuple[int, ...]:
     """Run the averaged chain at the last printed coupling from nuclei with random phases."""
-    from theory.chains.vdp import VdpChain
     from verification.steppers.envelope_run import run_envelope
+
+    from theory.chains.vdp import VdpChain
 
     sites, reached = 41, []
     chain = VdpChain(A, B, LAST, EPS, sites)

@@ -54,9 +54,10 @@ class Steady:
 
 def steady() -> Steady:
     """Run the chain from one displaced site, and time the front at every site."""
-    from theory.chains.vdp import VdpChain
     from verification.runs.vdp import run_vdp
     from verification.runs.vdp_start import displaced
+
+    from theory.chains.vdp import VdpChain
 
     chain = VdpChain(A, B, C, eps=EPS, sites=SITES)
     run = run_vdp(chain, displaced(chain, [1]), TIMES[-1] + BEYOND, samples=206, tolerance=1e-8)

@@ -92,10 +92,11 @@ class Scaling:
 @lru_cache(maxsize=1)
 def scaling() -> Scaling:
     """Measure v̂ of (43) and of (8), and compare with scipy and with the law for large c."""
-    from theory.averaged.front import strong_coupling_front
-    from theory.chains.vdp import VdpChain
     from verification.fronts.vdp import measure_front
     from verification.runs.vdp import Model
+
+    from theory.averaged.front import strong_coupling_front
+    from theory.chains.vdp import VdpChain
 
     averaged = [
         measure_front(VdpChain(A, B, c), accuracy=1e-3, most_sites=1000 if c > 1.0 else 250)
@@ -200,11 +201,11 @@ class Law:
 def velocity_law() -> Law:
     """Measure (8) from c = 10 to 1000 at three η, and find where κ changes sign."""
     from scipy.optimize import brentq
+    from verification.fronts.vdp import measure_front
+    from verification.runs.vdp import Model
 
     from theory.averaged.front import strong_coupling_front
     from theory.chains.vdp import VdpChain
-    from verification.fronts.vdp import measure_front
-    from verification.runs.vdp import Model
 
     rows = []
     for eta in LAW_ETAS:

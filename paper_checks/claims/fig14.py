@@ -53,9 +53,10 @@ class Collapse:
 
 def collapse() -> Collapse:
     """Measure the front of (8) at equal η and different (a, b), and along the curve."""
-    from theory.chains.vdp import VdpChain
     from verification.fronts.vdp import measure_front
     from verification.runs.vdp import Model
+
+    from theory.chains.vdp import VdpChain
 
     def full(a: float, eta: float) -> float:
         chain = VdpChain(a, eta * a**2, C, eps=EPS)

@@ -82,10 +82,11 @@ def sequences(states: Table, name: str) -> set[tuple[str, ...]]:
 
 def state_map() -> StateMap:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
-    from verification.execution.sweep import sweep
-    from verification.maps.boundary import Bisection, boundary_lines
     from verification.maps.vdp import StateTask, compare, state_points
     from verification.runs.vdp import Model
+
+    from verification.execution.sweep import sweep
+    from verification.maps.boundary import Bisection, boundary_lines
 
     points = state_points(ETAS, COUPLINGS)
     full = StateTask(Model.FULL)
@@ -161,10 +162,11 @@ def _listed(found: frozenset[tuple[str, ...]]) -> str:
 
 def alike() -> Alike:
     """Read both maps column by column, from weak to strong coupling."""
-    from verification.execution.sweep import sweep
     from verification.maps.friction import FrictionStateTask, friction_points
     from verification.maps.vdp import StateTask, state_points
     from verification.runs.vdp import Model
+
+    from verification.execution.sweep import sweep
 
     one = sweep(
         FrictionStateTask().alone(),

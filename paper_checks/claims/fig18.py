@@ -57,11 +57,12 @@ class Alike:
 
 def alike() -> Alike:
     """Measure and solve for v̂ along η."""
+    from verification.fronts.vdp import measure_front
+
     from theory.chains.vdp import VdpChain
     from theory.piecewise.folds import fold_eta
     from theory.piecewise.kinetic_relation import kinetic_relation
     from theory.piecewise.limits import pinning_eta
-    from verification.fronts.vdp import measure_front
     from verification.piecewise.simulation import simulate_front
 
     fold = fold_eta(C).value

@@ -153,8 +153,9 @@ class Patterns:
 
 def patterns() -> Patterns:
     """Start several patterns at three belt velocities and see which sites stick late."""
-    from verification.runs.friction_integration import FrictionLane
     from verification.runs.friction_start import nucleus
+
+    from verification.runs.friction_integration import FrictionLane
 
     late: dict[float, tuple[tuple[int, ...], ...]] = {}
     for v_d in (SLOW, BISTABLE, FAST):
@@ -215,9 +216,10 @@ class Nucleation:
 @lru_cache(maxsize=1)
 def nucleation() -> Nucleation:
     """Follow the single site through its loss, with and without mirror symmetry."""
+    from verification.runs.friction_start import Place, nucleus, nucleus_sites
+
     from verification.breathers.outcome import growth
     from verification.runs.friction_integration import FrictionLane
-    from verification.runs.friction_start import Place, nucleus, nucleus_sites
 
     rows: dict[float, tuple[Growth, ...]] = {}
     excited = nucleus_sites(SITES, Place.BULK, 1)

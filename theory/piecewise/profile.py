@@ -13,7 +13,7 @@ strip. For one f, all m together are a Fourier transform.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +22,14 @@ from theory.parameters import ParameterError, count_within, within
 from theory.piecewise.dispersion import ComplexArray, FloatArray, root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
+from theory.result import Result
 
 MOST_POINTS = 1 << 21
 _EPS = float(np.finfo(float).eps)
 
 
-@dataclass(frozen=True)
-class FrontProfile:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrontProfile(Result):
     """Values of the front's shape.
 
     Attributes
@@ -43,8 +44,8 @@ class FrontProfile:
         Points of the quadrature, or roots.
     """
 
-    zeta: FloatArray
-    phi: ComplexArray
+    zeta: FloatArray = field(metadata={"axis": "zeta"})
+    phi: ComplexArray = field(metadata={"dims": ("zeta",)})
     error: float
     points: int
 
@@ -82,15 +83,14 @@ def front_profile(
     if not np.all(np.isfinite(position)):
         raise ParameterError("position zeta", "nan or infinite", "finite", "give finite positions")
     if position.size == 0:
-        return FrontProfile(position, np.empty(0, dtype=complex), 0.0, 0)
-    m = np.floor(position)
-    grid = ProfileGrid.make(v, c, float(np.abs(m).max()) + 1.0, tolerance)
+        return FrontProfile(zeta=position, phi=np.empty(0, dtype=complex), error=0.0, points=0)
+    grid = ProfileGrid.make(v, c, float(np.abs(np.floor(position)).max()) + 1.0, tolerance)
     phi = np.empty(position.shape, dtype=complex)
     rows = max(1, (1 << 18) // grid.points)
     for begin in range(0, position.size, rows):
         some = slice(begin, begin + rows)
-        phi[some] = grid.at(m[some], (position - m)[some])
-    return FrontProfile(position, phi, grid.error, grid.points)
+        phi[some] = grid.at(position[some])
+    return FrontProfile(zeta=position, phi=phi, error=grid.error, points=grid.points)
 
 
 @dataclass(frozen=True)
@@ -148,19 +148,26 @@ class ProfileGrid:
         rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
         return cls(v, c, k, 1.0 / A, pole, a, wave, truncation + rounding)
 
-    def _bracket(self, f: FloatArray) -> ComplexArray:
-        """Return the factor of e^{ikm}, shape (len(f), N)."""
-        f = f[:, None]
-        late: ComplexArray = np.exp(-self.a * (1.0 - f)) * self.wave
+    def _bracket(self, rest: FloatArray) -> ComplexArray:
+        """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
+
+        It is the distance and not f that counts: over a small v its rounding would be multiplied.
+        """
+        late: ComplexArray = np.exp(-self.a * rest[:, None]) * self.wave
         late /= -np.expm1(1j * self.k - self.a)
         return (self.pole + late) * self.inverse_onsite
 
-    def at(self, m: FloatArray, f: FloatArray) -> ComplexArray:
-        """Return φ/φ_s at ζ = m + f, shape (n,)."""
+    def at(self, zeta: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at ζ, shape (n,)."""
+        m = np.floor(zeta)
+        return self.between(m, (m + 1.0) - zeta)
+
+    def between(self, m: FloatArray, rest: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
         # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
         turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points) + 1)
         phase = np.pi * _wrapped(turns, self.points) / self.points
-        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(f), axis=1)
+        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(rest), axis=1)
         return 0.5 - total / (2.0 * self.points)
 
     def on_lattice(self, per_site: int) -> tuple[FloatArray, ComplexArray]:
@@ -168,7 +175,7 @@ class ProfileGrid:
         points = self.points
         m = np.arange(points) - points // 2
         f = np.arange(per_site) / per_site
-        spectrum = np.fft.ifft(self._bracket(f), axis=1)
+        spectrum = np.fft.ifft(self._bracket(1.0 - f), axis=1)
         turn = np.exp(1j * np.pi * m / points)
         phi = 0.5 - 0.5 * turn * spectrum[:, m % points]
         zeta = m[None, :] + f[:, None]
@@ -277,4 +284,4 @@ def front_profile_by_roots(
         # Beyond the last root terms fall at least like 1/k² there, two a period.
         last = float(np.max(np.abs(residue[-2:]) * np.abs(waves[:, -2:]).max(axis=0)))
         error = max(error, 2.0 * last * count / 2.0 + 1e-14)
-    return FrontProfile(position, phi, error, count)
+    return FrontProfile(zeta=position, phi=phi, error=error, points=count)

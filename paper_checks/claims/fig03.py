@@ -71,11 +71,11 @@ class Breather:
 @lru_cache(maxsize=1)
 def breather() -> Breather:
     """Run the chain of Fig. 3a; compare its first sticks with scipy on a short chain."""
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain = chain_of(0.004)
-    run = run_friction(chain, nucleus(chain, CORE), TIMES_A[-1], times=TIMES_A)
+    run = simulate(chain, excite(chain, CORE), TIMES_A[-1], times=TIMES_A)
     return Breather(
         envelope=run.envelope,
         stuck=tuple(int(n) + 1 for n in np.flatnonzero(np.isfinite(run.arrivals))),
@@ -133,11 +133,11 @@ class Front:
 
 def front() -> Front:
     """Count the sites that stick-slip at the three times, and compare amplitudes."""
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain = chain_of(0.02)
-    run = run_friction(chain, nucleus(chain, [1]), TIMES_B[-1], times=TIMES_B)
+    run = simulate(chain, excite(chain, [1]), TIMES_B[-1], times=TIMES_B)
     arrived = [int(np.count_nonzero(run.arrivals <= time)) for time in TIMES_B]
     return Front(
         envelope=run.envelope,

@@ -28,21 +28,20 @@ ASIDE = 0.02
 """Distance from a threshold, relative, at which long runs must be on either side of it."""
 
 BISECTION = Method("bisection of runs from event to event",
-                   "verification.thresholds.friction:friction_threshold")  # fmt: skip
+                   "verification.thresholds.spreading:spreading_threshold")  # fmt: skip
 EVENTS = "verification.references.friction_events:run_events"
 
 
 def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> float:
     from dataclasses import replace
 
-    from verification.runs.friction_start import Place
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from theory.chains.chain import Ends
+    from theory.chains.nucleus import Place
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
-    from theory.chains.friction import FrictionEnds
-
-    chain = replace(chain_of(0.0), ends=FrictionEnds(ends))
+    chain = replace(chain_of(0.0), ends=Ends(ends))
     spreading = Spreading(size, Place(place), **options)
-    return friction_threshold(chain, spreading, lowest=0.005, accuracy=ACCURACY, tests=0).c
+    return spreading_threshold(chain, spreading, lowest=0.005, accuracy=ACCURACY, tests=0).c
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,15 +182,17 @@ class LongRuns:
 
 def _reached(c: float, size: int, place: str) -> int:
     """Return how many sites have stuck by the time the chain is full, or by `LONG`."""
-    from verification.runs.friction_start import Place, nucleus, nucleus_sites
-
-    from verification.runs.friction_integration import FrictionLane
+    from theory.chains.nucleus import Place, nucleus_sites
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(c)
-    lane = FrictionLane(chain, nucleus(chain, nucleus_sites(SITES, Place(place), size)), 1e-9)
+    lane = FrictionIntegration(
+        chain, excite(chain, nucleus_sites(SITES, Place(place), size)), tolerance=1e-9
+    )
     count, time = 0, 500.0
     while count < SITES and time <= LONG:
-        lane.go_to(time)
+        lane.advance_to(time)
         count = int(np.count_nonzero(~np.isnan(lane.arrivals)))
         time = LONG if 0.6 * LONG < time < LONG else 1.5 * time
     return count

@@ -92,9 +92,9 @@ class StateMap:
 
 def state_map() -> StateMap:
     """Label a map of 10 by 10 points, bisect its boundaries, and check three points by scipy."""
-    from verification.cells.friction_orbits import cycle_end_velocity
     from verification.maps.friction import FrictionStateTask, friction_points
 
+    from verification.cells.friction import cycle_end_velocity
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
 
@@ -173,17 +173,19 @@ class Lasting:
 
 def _lasting(v_d: float, size: int) -> tuple[int, int]:
     """Return how many sites have ever stuck, and how many do in its last window."""
-    from verification.runs.friction_start import Place, nucleus, nucleus_sites
-
-    from verification.runs.friction_integration import FrictionLane
+    from theory.chains.nucleus import Place, nucleus_sites
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(STRONG, SITES, v_d)
-    lane = FrictionLane(chain, nucleus(chain, nucleus_sites(SITES, Place.BULK, size)), 1e-8)
+    lane = FrictionIntegration(
+        chain, excite(chain, nucleus_sites(SITES, Place.BULK, size)), tolerance=1e-8
+    )
     ever = np.zeros(SITES, dtype=bool)
     while lane.time < LATE:
         lane.arrivals[:] = np.nan
         # Only the last window counts as lasting; some sixty periods are in it.
-        lane.go_to(lane.time + WINDOW if lane.time >= LATE - WINDOW else LATE - WINDOW)
+        lane.advance_to(lane.time + WINDOW if lane.time >= LATE - WINDOW else LATE - WINDOW)
         ever |= ~np.isnan(lane.arrivals)
         if lane.going_to_rest():
             return int(ever.sum()), 0
@@ -242,7 +244,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("runs from event to event to τ = 12000",
-                   "verification.runs.friction_integration:FrictionLane"),
+                   "verification.runs.friction_integration:FrictionIntegration"),
             replace(SCIPY, covers="the arrivals at two velocities"),
         ),
         expensive=True,

@@ -33,7 +33,7 @@ def closed_form(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.flo
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
 
-    chains = [VdpChain(A, B, float(c), EPS) for c in places]
+    chains = [VdpChain(a=A, b=B, c=float(c), eps=EPS) for c in places]
     return np.array([solve_breather(chain, reading).amplitudes(2) for chain in chains])
 
 
@@ -75,7 +75,7 @@ def amplitudes() -> Amplitudes:
                      - orbits[k].state).max())
         for k in (4, 10)
     ]  # fmt: skip
-    none = solve_breather(VdpChain(A, B, C, EPS), Reading.CENTRE).status.value == "none"
+    none = solve_breather(VdpChain(a=A, b=B, c=C, eps=EPS), Reading.CENTRE).status.value == "none"
     return Amplitudes(
         exact=np.array([orbit.amplitudes[CENTRE : CENTRE + 2] for orbit in orbits]),
         theory=closed_form(Reading.NEIGHBOUR, c),

@@ -28,7 +28,7 @@ def _approximate(c: float, *, misprinted: bool = False) -> Any:
     from theory.chains.vdp import VdpChain
     from verification.breathers.floquet import approximate_multipliers
 
-    chain = VdpChain(A, B, c, EPS, SITES)
+    chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=SITES)
     return approximate_multipliers(chain, solve_breather(chain), misprinted=misprinted)
 
 
@@ -63,13 +63,12 @@ class Multipliers:
 
 def multipliers() -> Multipliers:
     """Follow all multipliers along the approximate and the true orbit."""
-    from verification.breathers.nucleus import Nucleus
-    from verification.thresholds.breather import Method as By
-    from verification.thresholds.breather import breather_threshold
-
+    from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import Method as By
+    from verification.thresholds.continuation import breather_threshold
 
-    true = breather_threshold(VdpChain(A, B, 0.0, EPS, SITES), Nucleus(1), By.ORBIT)
+    true = breather_threshold(VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES), Nucleus(1), By.ORBIT)
     test = orbit_of(0.19)
     by_scipy = np.sort(
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))
@@ -152,15 +151,14 @@ class Escape:
 
 def escape() -> Escape:
     """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-
+    from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
     turns, rows = 8, []
     for size in (1, 3):
         orbit = solve_orbit(
-            VdpChain(A, B, 0.15, EPS, 9), Nucleus(size, outward_pattern(size))
+            VdpChain(a=A, b=B, c=0.15, eps=EPS, sites=9), Nucleus(size, outward_pattern(size))
         )  # fmt: skip
         values, vectors = np.linalg.eig(monodromy_by_differences(orbit.state, 0.15, orbit.period))
         apart = np.argsort(np.abs(values - 1.0))[1:]

@@ -60,12 +60,11 @@ class InPhase:
 @lru_cache(maxsize=1)
 def in_phase() -> InPhase:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
-    from verification.breathers.nucleation import Preparation, hold, phase_steps
-    from verification.steppers.envelope_run import run_envelope
-
     from theory.chains.vdp import VdpChain
+    from verification.runs.envelope_run import run_envelope
+    from verification.thresholds.preparation import Preparation, hold, phase_steps
 
-    chain = VdpChain(A, B, C, EPS)
+    chain = VdpChain(a=A, b=B, c=C, eps=EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, END + 1.0, 5.0)])
     steps, shapes = {}, {}
     for size in SIZES:
@@ -163,7 +162,7 @@ CLAIMS = (
         figure=draw,
         text=__name__,
         methods=(
-            Method("runs of the averaged chain", "verification.breathers.nucleation:hold"),
+            Method("runs of the averaged chain", "verification.thresholds.preparation:hold"),
             Method("run of (8) with scipy's DOP853", "paper_checks.claims._breathers:flow",
                    "the phase steps of three sites at εt = 12"),
         ),

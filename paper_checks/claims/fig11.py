@@ -79,14 +79,14 @@ class Folds:
 @lru_cache(maxsize=1)
 def folds() -> Folds:
     """Follow the mirror-symmetric breathers to their folds, and bisect runs for their escape."""
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.thresholds.breather import Method as By
-    from verification.thresholds.breather import breather_threshold
-
+    from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import Method as By
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     nuclei = {n: Nucleus(n, outward_pattern(n)) for n in ODD}
     orbit = {n: breather_threshold(chain, each, By.ORBIT) for n, each in nuclei.items()}
     averaged = {n: breather_threshold(chain, each, By.ENVELOPE) for n, each in nuclei.items()}
@@ -136,12 +136,11 @@ class Sweeps:
 
 def sweeps() -> Sweeps:
     """Sweep c slowly through the folds of sizes 1 and 3."""
-    from verification.breathers.nucleation import Preparation
-    from verification.breathers.slow_sweep import measure_delay
-
     from theory.chains.vdp import VdpChain
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.slow_sweep import measure_delay
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     found = {n: measure_delay(chain, Preparation(n)) for n in PRINTED}
     return Sweeps(
         folds=folds(),
@@ -266,8 +265,7 @@ class Nuclei:
 @lru_cache(maxsize=1)
 def nuclei() -> Nuclei:
     """Enumerate, follow and test every phase-locked breather."""
-    from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
-
+    from theory.chains.nucleus import Nucleus, outward_pattern, sites_for
     from theory.chains.vdp import VdpChain
     from verification.breathers import phase_locked
     from verification.breathers.envelope import solve_envelope_breather
@@ -278,7 +276,7 @@ def nuclei() -> Nuclei:
         branches[n] = tuple(phase_locked.follow(each, A, B) for each in found)
     by_envelope, here = {}, {}
     for n in (1, 3, 5, 7):
-        chain = VdpChain(A, B, 0.1, EPS, sites_for(n))
+        chain = VdpChain(a=A, b=B, c=0.1, eps=EPS, sites=sites_for(n))
         other = solve_envelope_breather(chain, Nucleus(n, outward_pattern(n)))
         if other.exponents is None:
             raise ArithmeticError(f"no breather of size {n} at c = 0.1")
@@ -312,7 +310,7 @@ def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
         phi = point.phi
         centre = int(np.argmax(np.abs(phi)))
         phi = phi * np.exp(-1j * np.angle(phi[centre]))
-        chain = VdpChain(A, B, ORBIT_AT, EPS, phi.size)
+        chain = VdpChain(a=A, b=B, c=ORBIT_AT, eps=EPS, sites=phi.size)
         period = 2.0 * np.pi / (1.0 + EPS * point.omega)
         guess = np.concatenate([phi.imag, phi.real, [period]])
         u = solve_at(shooting_system(chain, centre), guess, ORBIT_AT).u
@@ -324,12 +322,11 @@ def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
 
 def _seeded_runs() -> tuple[int, ...]:
     """Run the averaged chain at the last printed coupling from nuclei with random phases."""
-    from verification.steppers.envelope_run import run_envelope
-
     from theory.chains.vdp import VdpChain
+    from verification.runs.envelope_run import run_envelope
 
     sites, reached = 41, []
-    chain = VdpChain(A, B, LAST, EPS, sites)
+    chain = VdpChain(a=A, b=B, c=LAST, eps=EPS, sites=sites)
     for n in range(1, 9):
         phases = np.random.default_rng(n).uniform(-np.pi, np.pi, n)
         phi = np.zeros(sites, dtype=complex)
@@ -412,11 +409,11 @@ def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
 
 ORBIT = Method(
     "continuation of periodic orbits of (8) through their folds",
-    "verification.thresholds.breather:breather_threshold",
+    "verification.thresholds.continuation:breather_threshold",
 )
 RUNS = Method(
     "bisection of runs of the averaged chain",
-    "verification.breathers.nucleation:escape_threshold",
+    "verification.thresholds.preparation:escape_threshold",
     "sizes 1, 3 and 5 as ε → 0",
 )
 LOCKED = Method("all phase-locked breathers by Newton's method, with their exponents",

@@ -92,19 +92,18 @@ class Scaling:
 @lru_cache(maxsize=1)
 def scaling() -> Scaling:
     """Measure v̂ of (43) and of (8), and compare with scipy and with the law for large c."""
-    from verification.fronts.vdp import measure_front
-    from verification.runs.vdp import Model
-
     from theory.averaged.front import strong_coupling_front
     from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
 
     averaged = [
-        measure_front(VdpChain(A, B, c), accuracy=1e-3, most_sites=1000 if c > 1.0 else 250)
+        measure_front(
+            VdpChain(a=A, b=B, c=c).averaged(), accuracy=1e-3, max_sites=1000 if c > 1.0 else 250
+        )
         for c in AVERAGED
     ]
     full = [
-        measure_front(VdpChain(A, B, c, eps=EPS), Model.FULL, accuracy=1e-3, most_sites=250)
-        for c in FULL
+        measure_front(VdpChain(a=A, b=B, c=c, eps=EPS), accuracy=1e-3, max_sites=250) for c in FULL
     ]
     if any(each.v is None or each.error is None for each in (*averaged, *full)):
         raise ArithmeticError("a front did not run")
@@ -201,27 +200,23 @@ class Law:
 def velocity_law() -> Law:
     """Measure (8) from c = 10 to 1000 at three η, and find where κ changes sign."""
     from scipy.optimize import brentq
-    from verification.fronts.vdp import measure_front
-    from verification.runs.vdp import Model
 
     from theory.averaged.front import strong_coupling_front
     from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
 
     rows = []
     for eta in LAW_ETAS:
         kappa = strong_coupling_front(eta).kappa
         for c in LAW_COUPLINGS:
             run = measure_front(
-                VdpChain(1.0, eta, c, eps=EPS, sites=500), Model.FULL, accuracy=2e-3,
-                most_sites=2000,
-            )  # fmt: skip
+                VdpChain(a=1.0, b=eta, c=c, eps=EPS, sites=500), accuracy=2e-3,
+                max_sites=2000)  # fmt: skip
             waves, bend = fastest_waves(c)
             law = waves + kappa * bend
             v = run.v if run.steady else None
             rows.append((eta, c, v, run.error or 0.0, law, waves))
-    one = measure_front(
-        VdpChain(A, B, ONE, eps=EPS, sites=31), Model.FULL, accuracy=1e-5, most_sites=2000
-    )
+    one = measure_front(VdpChain(a=A, b=B, c=ONE, eps=EPS, sites=31), accuracy=1e-5, max_sites=2000)
     return Law(
         rows=tuple(rows),
         turning=float(brentq(lambda eta: strong_coupling_front(eta).kappa, 0.05, 0.06, xtol=1e-9)),

@@ -53,16 +53,14 @@ class Collapse:
 
 def collapse() -> Collapse:
     """Measure the front of (8) at equal η and different (a, b), and along the curve."""
-    from verification.fronts.vdp import measure_front
-    from verification.runs.vdp import Model
-
     from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
 
     def full(a: float, eta: float) -> float:
-        chain = VdpChain(a, eta * a**2, C, eps=EPS)
-        return measure_front(chain, Model.FULL, accuracy=ACCURACY, most_sites=250).v or np.nan
+        chain = VdpChain(a=a, b=eta * a**2, c=C, eps=EPS)
+        return measure_front(chain, accuracy=ACCURACY, max_sites=250).v or np.nan
 
-    curve = [measure_front(VdpChain(1.0, eta, C), most_sites=250).v for eta in ETAS]
+    curve = [measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v for eta in ETAS]
     if any(v is None for v in curve):
         raise ArithmeticError("a front did not run")
     return Collapse(

@@ -83,10 +83,10 @@ def sequences(states: Table, name: str) -> set[tuple[str, ...]]:
 def state_map() -> StateMap:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
     from verification.maps.vdp import StateTask, compare, state_points
-    from verification.runs.vdp import Model
 
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
+    from verification.runs.model import Model
 
     points = state_points(ETAS, COUPLINGS)
     full = StateTask(Model.FULL)
@@ -164,9 +164,9 @@ def alike() -> Alike:
     """Read both maps column by column, from weak to strong coupling."""
     from verification.maps.friction import FrictionStateTask, friction_points
     from verification.maps.vdp import StateTask, state_points
-    from verification.runs.vdp import Model
 
     from verification.execution.sweep import sweep
+    from verification.runs.model import Model
 
     one = sweep(
         FrictionStateTask().alone(),

@@ -57,17 +57,19 @@ class Alike:
 
 def alike() -> Alike:
     """Measure and solve for v̂ along η."""
-    from verification.fronts.vdp import measure_front
-
     from theory.chains.vdp import VdpChain
     from theory.piecewise.folds import fold_eta
     from theory.piecewise.kinetic_relation import kinetic_relation
     from theory.piecewise.limits import pinning_eta
+    from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
 
     fold = fold_eta(C).value
-    averaged = [measure_front(VdpChain(1.0, eta, C), most_sites=250).v or 0.0 for eta in ETAS]
-    beyond = measure_front(VdpChain(1.0, 2.0 * fold, C), most_sites=250).v
+    averaged = [
+        measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v or 0.0
+        for eta in ETAS
+    ]
+    beyond = measure_front(VdpChain(a=1.0, b=2.0 * fold, c=C).averaged(), max_sites=250).v
     return Alike(
         simplified=tuple(kinetic_relation(C, eta).branches[-1].v for eta in ETAS),
         averaged=tuple(averaged),

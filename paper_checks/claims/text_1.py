@@ -15,7 +15,7 @@ from paper_checks.claims._friction_cell import friction
 from paper_checks.ruling import corrected, fails, holds, partly
 
 if TYPE_CHECKING:
-    from verification.breathers.outcome import Growth
+    from verification.breathers.outcome import Evolution
 
 EXACT = 1e-12
 """Rounding."""
@@ -153,19 +153,18 @@ class Patterns:
 
 def patterns() -> Patterns:
     """Start several patterns at three belt velocities and see which sites stick late."""
-    from verification.runs.friction_start import nucleus
-
-    from verification.runs.friction_integration import FrictionLane
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     late: dict[float, tuple[tuple[int, ...], ...]] = {}
     for v_d in (SLOW, BISTABLE, FAST):
         chain, rows = chain_of(WEAK, SITES, v_d), []
         source = chain_of(WEAK)  # the cycle of the bistable cell starts all of them
         for excited in PATTERNS:
-            lane = FrictionLane(chain, nucleus(source, excited), 1e-9)
-            lane.go_to(LATE)
+            lane = FrictionIntegration(chain, excite(source, excited), tolerance=1e-9)
+            lane.advance_to(LATE)
             lane.arrivals[:] = np.nan
-            lane.go_to(LATE + 100.0)
+            lane.advance_to(LATE + 100.0)
             rows.append(tuple(int(n) + 1 for n in np.flatnonzero(~np.isnan(lane.arrivals))))
         late[v_d] = tuple(rows)
     return Patterns(late=late, gap=disagreement(chain_of(WEAK, 7), (2, 6), 60.0))
@@ -188,14 +187,14 @@ END, PAUSE, PUSH = 4000.0, 1000.0, 1e-3
 class Nucleation:
     """What a single site of Model I ends as, by coupling."""
 
-    outcomes: dict[float, tuple[Growth, ...]]
+    outcomes: dict[float, tuple[Evolution, ...]]
     """By displacement of one neighbour."""
     gap: float
 
     def words(self, push: float) -> str:
         """Write the ends at `FRICTION` for one displacement."""
         pairs = zip(FRICTION, self.outcomes[push], strict=True)
-        return ", ".join(f"{each.end.value} at {c:g}" for c, each in pairs)
+        return ", ".join(f"{each.outcome.value} at {c:g}" for c, each in pairs)
 
     @property
     def mirrored(self) -> str:
@@ -210,29 +209,29 @@ class Nucleation:
     @property
     def ends(self) -> set[str]:
         """All ends met."""
-        return {each.end.value for row in self.outcomes.values() for each in row}
+        return {each.outcome.value for row in self.outcomes.values() for each in row}
 
 
 @lru_cache(maxsize=1)
 def nucleation() -> Nucleation:
     """Follow the single site through its loss, with and without mirror symmetry."""
-    from verification.runs.friction_start import Place, nucleus, nucleus_sites
+    from theory.chains.nucleus import Place, nucleus_sites
+    from verification.breathers.outcome import evolution
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
-    from verification.breathers.outcome import growth
-    from verification.runs.friction_integration import FrictionLane
-
-    rows: dict[float, tuple[Growth, ...]] = {}
+    rows: dict[float, tuple[Evolution, ...]] = {}
     excited = nucleus_sites(SITES, Place.BULK, 1)
     for push in (0.0, PUSH):
         found = []
         for c in FRICTION:
-            start = nucleus(chain_of(c), excited)
+            start = excite(chain_of(c), excited)
             start[0, excited[-1]] += push
-            lane = FrictionLane(chain_of(c), start, 1e-9)
-            lane.go_to(END)
+            lane = FrictionIntegration(chain_of(c), start, tolerance=1e-9)
+            lane.advance_to(END)
             joined = lane.arrivals.copy()
             joined[excited[0] - 1] = 0.0
-            found.append(growth(joined, END, int(np.count_nonzero(~np.isnan(joined))), PAUSE))
+            found.append(evolution(joined, END, int(np.count_nonzero(~np.isnan(joined))), PAUSE))
         rows[push] = tuple(found)
     return Nucleation(outcomes=rows, gap=disagreement(chain_of(FRICTION[-2], 5), (3,), 300.0))
 
@@ -251,7 +250,9 @@ def rule_nucleation(e: Nucleation) -> Ruling:
 
 
 EVENTS = "verification.references.friction_events:run_events"
-LANE = Method("runs from event to event", "verification.runs.friction_integration:FrictionLane")
+LANE = Method(
+    "runs from event to event", "verification.runs.friction_integration:FrictionIntegration"
+)
 
 CLAIMS = (
     Claim(

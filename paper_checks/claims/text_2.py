@@ -18,7 +18,7 @@ from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import corrected, fails, holds, partly
 
 if TYPE_CHECKING:
-    from verification.breathers.outcome import Fate
+    from verification.breathers.outcome import FollowedNucleus
 
 SETS = ((2.5, 0.5), (4.0, 0.5))
 """The (a, b) of Figs. 7-11, and of Figs. 12, 13, 16, 17."""
@@ -139,7 +139,7 @@ def small() -> Small:
             pair.append(float(np.ptp(size) / size.mean()))
         ripples.append(pair)
     return Small(
-        effective=tuple(effective_epsilon(VdpChain(a, b, 0.0, EPS)) for a, b in SETS),
+        effective=tuple(effective_epsilon(VdpChain(a=a, b=b, c=0.0, eps=EPS)) for a, b in SETS),
         ripple=tuple(pair[0] for pair in ripples),
         orders=tuple(math.log(pair[0] / pair[1]) / math.log(4.0) for pair in ripples),
     )
@@ -218,7 +218,7 @@ def extraction() -> Extraction:
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
 
-    closed = solve_breather(VdpChain(A, B, 0.1, EPS))
+    closed = solve_breather(VdpChain(a=A, b=B, c=0.1, eps=EPS))
     generator = np.random.default_rng(37)
     hits = [
         solutions(site, 0.1, generator.uniform((1.0, 0.02), (3.5, 0.95), (150, 2)))
@@ -351,19 +351,21 @@ def to_larger() -> ToLarger:
     from theory.chains.vdp import VdpChain
     from verification.breathers.outcome import distance_from_breather, follow_nucleus
 
-    fates: dict[tuple[int | None, float], Fate] = {}
+    fates: dict[tuple[int | None, float], FollowedNucleus] = {}
     for seed in (None, *SEEDS):
         for c in COUPLINGS:
-            chain = VdpChain(A, B, c, EPS, CHAIN_SITES)
+            chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=CHAIN_SITES)
             noise = 0.0 if seed is None else NOISE
             fates[seed, c] = follow_nucleus(chain, perturbation=noise, seed=seed or 0)
-    stand = [c for c in COUPLINGS if fates[None, c].growth.end.value == "larger nucleus"]
+    stand = [c for c in COUPLINGS if fates[None, c].evolution.outcome.value == "larger nucleus"]
     every = (None, *SEEDS)
     return ToLarger(
-        ends={s: {c: fates[s, c].growth.end.value for c in COUPLINGS} for s in every},
-        sizes={s: {c: fates[s, c].growth.size for c in COUPLINGS} for s in every},
+        ends={s: {c: fates[s, c].evolution.outcome.value for c in COUPLINGS} for s in every},
+        sizes={s: {c: fates[s, c].evolution.size for c in COUPLINGS} for s in every},
         histories={
-            (s, c): tuple(float(fates[s, c].growth.size_at(at)) for at in np.linspace(0, 1000, 201))
+            (s, c): tuple(
+                float(fates[s, c].evolution.size_at(at)) for at in np.linspace(0, 1000, 201)
+            )
             for s in (None, SEEDS[0])
             for c in DRAWN
         },

@@ -120,7 +120,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> tuple[Outcome, ..
     Returns
     -------
     tuple of Outcome
-        One for each claim, those first that others follow from; see ``.claim`` and ``.judgement``.
+        One for each claim; see ``.claim`` and ``.judgement``.
 
     Raises
     ------
@@ -133,16 +133,14 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> tuple[Outcome, ..
     >>> [each.claim.key for each in fr.judge("fig16-admissible")]
     ['fig16-admissible']
     """
-    from paper_checks.following import resolved, with_followed
-
     from paper_checks import discover
     from paper_checks.run import run
     from paper_checks.shipped import FOLDER, Shipped
     from verification.execution.digest import SOURCES
 
-    every = resolved(discover.find_entries())
+    every = discover.find_entries()
     try:
-        entries = with_followed(discover.select(every, keys), every)
+        entries = discover.select(every, keys)
     except discover.UnknownKeyError as error:
         raise ParameterError("claim", " ".join(keys), "a claim that exists", str(error)) from None
     return run(

@@ -175,7 +175,8 @@ def _array(values: list[Any]) -> Any:
 
 def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     import matplotlib as mpl
-    from paper_checks.pictures import new_axes
+
+    from paper_checks.report.pictures import new_axes
 
     figure, axes = new_axes("page", height=3.6)
     result.plot(axes)

@@ -116,7 +116,7 @@ def _profile(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
-    from paper_checks.cell_picture import draw_bifurcation
+    from paper_checks.report.cell_picture import draw_bifurcation
 
     draw_bifurcation(axes, result.cell, result.diagram)
 
@@ -182,7 +182,7 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _state_map(result: Any, axes: Axes, **style: Any) -> None:
-    from paper_checks.state_picture import draw_states
+    from paper_checks.report.state_picture import draw_states
 
     found = getattr(result, "found", result)
     across, up = (*found.axes, *found.axes)[:2]

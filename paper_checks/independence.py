@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from paper_checks.claim import Method
-from paper_checks.imports import closure
+from verification.execution.digest import closure
 
 PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 
@@ -19,9 +19,7 @@ DEFINITIONS = (
     "theory.result",
     "theory.cells",
     "theory.chains",
-    "verification.runs.friction_start",
-    "verification.breathers.nucleus",
-    "verification.steppers.slopes",
+    "verification.runs.excite",
     "verification.steppers.rows",
     "verification.execution",
     "theory.piecewise.dispersion",

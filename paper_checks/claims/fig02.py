@@ -16,9 +16,10 @@ from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.diagram import CycleDiagram
+    from verification.cells.diagram import CellDiagram
     from verification.cells.result import BeltCell
     from verification.references.friction_events import EventRun
+    from verification.runs.trajectory import Trajectory
 
 V_D = 1.25
 VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
@@ -132,7 +133,9 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
     """Draw time series on the left and the state space on the right, as Fig. 2 has them."""
     figure, (top, right, bottom, spare) = new_panels(2, 2, width="page", height=3.6)
     spare.remove()
-    right.set_subplotspec(right.get_subplotspec().get_gridspec()[:, 1])
+    place = right.get_subplotspec()
+    assert place is not None
+    right.set_subplotspec(place.get_gridspec()[:, 1])
     blue, black = COLOURS["blue"], COLOURS["black"]
     y, v = e.cycle.y[:, 0], e.cycle.velocity[:, 0]
     top.plot(e.cycle.times, y, color=blue)
@@ -169,7 +172,7 @@ class Regions:
     stick_at_end: float
     seen: tuple[tuple[bool, bool], ...]
     """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
-    diagram: CycleDiagram
+    diagram: CellDiagram
     cell: FrictionCell
 
     @property
@@ -337,14 +340,19 @@ def stick() -> Stick:
 
     cell = _orbits().cell
     chain, start = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
-    runs = (_scipy(cell, 2.0, 40.0), simulate(chain, start, 40.0, samples=1001, logged_events=1000))
+    runs: tuple[EventRun, Trajectory] = (
+        _scipy(cell, 2.0, 40.0),
+        simulate(chain, start, 40.0, samples=1001, logged_events=1000),
+    )
     largest, sticks = [], []
-    for each in runs:
+    logs = [runs[0].log, runs[1].event_log]
+    each: EventRun | Trajectory
+    for each, log in ((runs[0], logs[0]), (runs[1], logs[1])):
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
-        begin, end = (each.log[each.log[:, 2] == kind, 0] for kind in (0, 1))
+        begin, end = (log[log[:, 2] == kind, 0] for kind in (0, 1))
         sticks.append([float(b - a) for a, b in zip(begin, end, strict=False)])
-    stops = [run.log[run.log[:, 2] == 1, 0] for run in runs]
+    stops = [log[log[:, 2] == 1, 0] for log in logs]
     ends = (
         run_events(chain, start, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
         simulate(chain, start, 40.0, times=stops[1].tolist()),

@@ -77,7 +77,7 @@ def breather() -> Breather:
     chain = chain_of(0.004)
     run = simulate(chain, excite(chain, CORE), TIMES_A[-1], times=TIMES_A)
     return Breather(
-        envelope=run.envelope,
+        envelope=run.amplitude,
         stuck=tuple(int(n) + 1 for n in np.flatnonzero(np.isfinite(run.arrivals))),
         gap=disagreement(chain_of(0.004, 7), (3, 4, 5), 60.0),
     )
@@ -140,11 +140,11 @@ def front() -> Front:
     run = simulate(chain, excite(chain, [1]), TIMES_B[-1], times=TIMES_B)
     arrived = [int(np.count_nonzero(run.arrivals <= time)) for time in TIMES_B]
     return Front(
-        envelope=run.envelope,
+        envelope=run.amplitude,
         arrived=tuple(arrived),
-        trailing=tuple(float(run.envelope[k, : arrived[k] - 1].min()) for k in range(3)),
-        ahead=tuple(float(run.envelope[k, arrived[k] + 5 :].max()) for k in range(3)),
-        arrival_error=run.arrival_error,
+        trailing=tuple(float(run.amplitude[k, : arrived[k] - 1].min()) for k in range(3)),
+        ahead=tuple(float(run.amplitude[k, arrived[k] + 5 :].max()) for k in range(3)),
+        arrival_error=run.arrival_error or 0.0,
         gap=disagreement(chain_of(0.02, 8), (1,), 180.0),
     )
 

@@ -92,14 +92,14 @@ class StateMap:
 
 def state_map() -> StateMap:
     """Label a map of 10 by 10 points, bisect its boundaries, and check three points by scipy."""
-    from verification.maps.friction import FrictionStateTask, friction_points
-
     from verification.cells.friction import cycle_end_velocity
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
+    from verification.maps.state_map import StateTask, state_points
 
-    task = FrictionStateTask()
-    states = sweep(task, friction_points(COUPLINGS, VELOCITIES), workers=1)
+    task = StateTask(chain=chain_of(0.0))
+    points = state_points(task, {"c": COUPLINGS, "v_d": VELOCITIES})
+    states = sweep(task, points, workers=1)
     lines = boundary_lines(states, ("c", "v_d"))
     cell = chain_of(0.0).cell
     return StateMap(

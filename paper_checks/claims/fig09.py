@@ -65,8 +65,8 @@ def multipliers() -> Multipliers:
     """Follow all multipliers along the approximate and the true orbit."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
-    from verification.thresholds.continuation import Method as By
     from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod as By
 
     true = breather_threshold(VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES), Nucleus(1), By.ORBIT)
     test = orbit_of(0.19)

@@ -81,10 +81,10 @@ def folds() -> Folds:
     """Follow the mirror-symmetric breathers to their folds, and bisect runs for their escape."""
     from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.thresholds.continuation import Method as By
     from verification.thresholds.continuation import breather_threshold
     from verification.thresholds.escape import escape_threshold
     from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod as By
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     nuclei = {n: Nucleus(n, outward_pattern(n)) for n in ODD}
@@ -146,7 +146,7 @@ def sweeps() -> Sweeps:
         folds=folds(),
         rates=tuple(found[1].rates),
         escapes={n: tuple(each.escapes) for n, each in found.items()},
-        exponents={n: each.exponent for n, each in found.items()},
+        exponents={n: each.exponent or 0.0 for n, each in found.items()},
     )
 
 

@@ -82,21 +82,21 @@ def sequences(states: Table, name: str) -> set[tuple[str, ...]]:
 
 def state_map() -> StateMap:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
-    from verification.maps.vdp import StateTask, compare, state_points
-
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
-    from verification.runs.model import Model
+    from verification.maps.state_map import StateTask, compare, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
-    points = state_points(ETAS, COUPLINGS)
-    full = StateTask(Model.FULL)
+    full = StateTask(chain=FIGURE_15)
+    average = StateTask(chain=FIGURE_15.averaged())
+    points = state_points(full, {"eta": ETAS, "c": COUPLINGS})
     states = sweep(full, points, workers=1)
-    averaged = sweep(full.averaged(), points, workers=1)
+    averaged = sweep(average, points, workers=1)
     lines = boundary_lines(averaged, ("eta", "c"))
-    held = sweep(StateTask(Model.ENVELOPE, held="a", value=4.0), points, workers=1)
+    held = sweep(StateTask(chain=FIGURE_15.averaged().replace(a=4.0), held="a"), points, workers=1)
     return StateMap(
         states=states,
-        boundary=sweep(Bisection(full.averaged().alone(), 1e-3), lines, workers=1),
+        boundary=sweep(Bisection(average.alone(), 1e-3), lines, workers=1),
         same=compare(states, averaged).same,
         other_reading=compare(averaged, held).same,
     )
@@ -162,19 +162,19 @@ def _listed(found: frozenset[tuple[str, ...]]) -> str:
 
 def alike() -> Alike:
     """Read both maps column by column, from weak to strong coupling."""
-    from verification.maps.friction import FrictionStateTask, friction_points
-    from verification.maps.vdp import StateTask, state_points
-
+    from theory.chains.friction import FrictionChain
     from verification.execution.sweep import sweep
-    from verification.runs.model import Model
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
-    one = sweep(
-        FrictionStateTask().alone(),
-        friction_points((0.005, 0.015, 0.025, 0.035, 0.055, 0.095), (1.1, 1.25, 1.35, 1.45, 1.6,
-                                                                     1.9)),
-        workers=1,
-    )  # fmt: skip
-    two = sweep(StateTask(Model.ENVELOPE), state_points(ETAS, COUPLINGS), workers=1)
+    belt = StateTask(chain=FrictionChain(c=0.0)).alone()
+    couplings, speeds = (
+        (0.005, 0.015, 0.025, 0.035, 0.055, 0.095),
+        (1.1, 1.25, 1.35, 1.45, 1.6, 1.9),
+    )
+    one = sweep(belt, state_points(belt, {"c": couplings, "v_d": speeds}), workers=1)
+    average = StateTask(chain=FIGURE_15.averaged())
+    two = sweep(average, state_points(average, {"eta": ETAS, "c": COUPLINGS}), workers=1)
     first = {}
     for name, table, forcing in (("I", one, "v_d"), ("II", two, "eta")):
         met = {float(x): sequence(table, forcing, float(x)) for x in np.unique(table[forcing])}

@@ -370,7 +370,7 @@ def to_larger() -> ToLarger:
             for c in DRAWN
         },
         confirmed=all(fate.confirmed for fate in fates.values()),
-        gap=max((distance_from_breather(fates[None, c])[0] for c in stand), default=0.0),
+        gap=max((distance_from_breather(fates[None, c]).gap for c in stand), default=0.0),
         ripple=2.0 * EPS * fates[None, COUPLINGS[0]].run.chain.stable_amplitude,
     )
 

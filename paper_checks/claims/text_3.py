@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def gauge() -> Gauge:
         found = []
         for omega in (1.0, 1.0 + eps * c):
             run = solve_ivp(
-                lambda _, phi, omega=omega, eps=eps: _rate_34(phi, c, eps, omega),
+                partial(_rate_34, c=c, eps=eps, omega=omega),
                 (0.0, end), start, method="DOP853", rtol=1e-10, atol=1e-12,
             )  # fmt: skip
             # y = Im(φ e^{iωt})/ω: both must describe the same y, up to O(ε).
@@ -49,7 +49,7 @@ def gauge() -> Gauge:
     return Gauge(gaps=tuple(gaps))
 
 
-def _rate_34(phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
+def _rate_34(_: float, phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
     """Return dφ/d(εt) of (34) for any ω, free ends."""
     pull = np.zeros_like(phi)
     pull[1:] += phi[1:] - phi[:-1]

@@ -11,8 +11,8 @@ from functools import cached_property
 from pathlib import Path
 
 from paper_checks.claim import NAME, Erratum, Verdict
-from paper_checks.report.figure_links import pictures_of
 from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.section import Section
 from verification.execution.metadata import now, this_machine
 

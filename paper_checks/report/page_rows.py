@@ -6,10 +6,11 @@ import base64
 from html import escape
 
 from paper_checks.claim import Finding, Picture
+from paper_checks.outcome import Outcome
+from paper_checks.report.document import Report
 from paper_checks.report.inline_math import typeset
 from paper_checks.report.inline_svg import inline_svg, width_of
 from paper_checks.report.mathml import formula
-from paper_checks.outcome import Outcome
 from paper_checks.report.page_parts import (
     STATUS,
     because,
@@ -19,7 +20,6 @@ from paper_checks.report.page_parts import (
     moment,
     place,
 )
-from paper_checks.report.document import Report
 from paper_checks.report.table import duration
 
 WIDE = 300

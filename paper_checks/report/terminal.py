@@ -106,7 +106,9 @@ def _origin(outcome: Outcome) -> list[str]:
     origin = judged.provenance
     if origin is None:
         return []
-    versions = ", ".join(f"{name} {version}" for name, version in origin.versions.items() if version)
+    versions = ", ".join(
+        f"{name} {version}" for name, version in origin.versions.items() if version
+    )
     stale = "; stale, since the code that it depends on has changed" if origin.stale else ""
     return [
         f"Stored: found {judged.judged} in {duration(judged.seconds)}, with {versions}{stale}.",

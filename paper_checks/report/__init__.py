@@ -1,0 +1,1 @@
+"""What renders a run: the page and its parts, pictures, tables for the terminal."""

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
-from paper_checks.claim import Verdict
-from paper_checks.claims import fig15
 from theory.chains.vdp import Ends, VdpChain
 from theory.parameters import ParameterError
 from verification.execution.journal import journal_path
@@ -286,21 +284,6 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
 def test_bad_parameters_are_refused(make: object) -> None:
     with pytest.raises(ParameterError):
         make()  # type: ignore[operator]
-
-
-def test_the_claim_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.1, 0.11, 0.13))
-    monkeypatch.setattr(fig15, "COUPLINGS", (0.05, 0.15, 0.5))
-    claim = fig15.CLAIMS[0]
-    assert claim.judge().verdict is claim.recorded is Verdict.PARTIAL
-    # without the column that has states of none of the three kinds
-    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.11, 0.13))
-    assert claim.judge().verdict is Verdict.REPRODUCED
-    # without a coupling low enough for a breather, a region is missing
-    monkeypatch.setattr(fig15, "ETAS", (0.01, 0.05, 0.13))
-    monkeypatch.setattr(fig15, "COUPLINGS", (0.05, 0.5))
-    monkeypatch.setattr(fig15, "_breathers_lowest", lambda *_: False)
-    assert claim.judge().verdict is Verdict.PARTIAL
 
 
 def test_the_command_writes_map_boundary_stamp_and_picture(

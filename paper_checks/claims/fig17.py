@@ -67,7 +67,7 @@ class Scaling:
     @property
     def over_root(self) -> float:
         """v̂/√c at c = 10⁴."""
-        return self.v[-1] / self.c[-1] ** 0.5
+        return float(self.v[-1] / self.c[-1] ** 0.5)
 
     @property
     def series_gap(self) -> float:

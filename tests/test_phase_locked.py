@@ -1,0 +1,92 @@
+"""Phase-locked breathers of any size: against another solver, differences, and runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from verification.breathers import phase_locked
+from verification.breathers.nucleus import Nucleus, outward_pattern
+from verification.breathers.phase_locked import MARGIN, follow, follow_to, locked_breathers
+
+A, B = 2.5, 0.5
+
+
+def rate(phi: np.ndarray, c: float) -> np.ndarray:
+    """Return dφ/dT of (43) with free ends, written site by site."""
+    out = np.empty_like(phi)
+    for n, value in enumerate(phi):
+        near = [phi[k] for k in (n - 1, n + 1) if 0 <= k < phi.size]
+        size = abs(value) ** 2
+        pull = sum(value - other for other in near)
+        out[n] = 0.5j * c * pull - 0.5 * value * (1 - A * size / 4 + B * size**2 / 8)
+    return out
+
+
+def test_a_breather_turns_and_does_nothing_else() -> None:
+    for found in locked_breathers(4, A, B):
+        turn = 1j * found.omega * found.phi
+        assert np.abs(rate(found.phi, found.c) - turn).max() < 1e-11
+
+
+def test_the_jacobian_is_the_slope_of_the_residual() -> None:
+    u = np.random.default_rng(1).normal(size=2 * (2 * MARGIN + 3) + 1)
+    step = 1e-6
+    columns = [
+        (phase_locked.residual(u + step * e, 0.1, A, B)
+         - phase_locked.residual(u - step * e, 0.1, A, B)) / (2 * step)
+        for e in np.eye(u.size)
+    ]  # fmt: skip
+    # Third derivatives of the damping at |φ| of about two, times the step squared.
+    assert np.abs(np.array(columns).T - phase_locked.jacobian(u, 0.1, A, B)).max() < 1e-7
+
+
+@pytest.mark.parametrize("size", [1, 3])
+def test_folds_are_those_of_the_continuation_of_the_averaged_chain(size: int) -> None:
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.breather import breather_threshold
+
+    other = breather_threshold(VdpChain(A, B, 0.0, 0.01), Nucleus(size, outward_pattern(size)))
+    ends = [follow(found, A, B).c_end for found in locked_breathers(size, A, B)]
+    assert min(abs(end - other.c) for end in ends) < 2e-7
+
+
+def test_odd_sizes_have_quarter_turns_only_and_none_above_one_is_stable() -> None:
+    for size in (3, 5):
+        found = locked_breathers(size, A, B)
+        assert len(found) == {3: 3, 5: 10}[size]
+        assert not any(one.stable for one in found)
+        # Beyond the first order in c the steps differ from a quarter by terms of order c.
+        assert all(np.abs(np.abs(one.steps) - 0.5).max() < 0.03 for one in found)
+
+
+def test_breathers_of_six_sites_are_stable_beyond_the_end_of_one_site() -> None:
+    """And a run of (43) by scipy forgets a perturbation there."""
+    end = follow(locked_breathers(1, A, B)[0], A, B).c_end
+    steps = np.pi * np.array([-0.03, -0.5, 0.0, 0.5, 0.03])
+    u = phase_locked.solve(phase_locked.start_from(steps, A, B, 0.03), 0.03, A, B)
+    assert u is not None
+    start = phase_locked.LockedBreather(
+        size=6, c=0.03, phi=u[: u.size // 2] + 1j * u[u.size // 2 : -1], omega=float(u[-1]),
+        growth=phase_locked.growth_rate(u, 0.03, A, B),
+    )  # fmt: skip
+    six = follow_to(start, 0.195, A, B)
+    assert six.c > end
+    assert six.stable
+    noise = 1e-3 * np.random.default_rng(2).normal(size=(2, six.phi.size))
+    kicked = six.phi + noise[0] + 1j * noise[1]
+
+    def apart(phi: np.ndarray) -> float:
+        turn = np.vdot(six.phi, phi)
+        return float(np.abs(phi - six.phi * turn / abs(turn)).max())
+
+    run = solve_ivp(lambda _, z: rate(z, 0.195), (0.0, 60.0), kicked, "DOP853", rtol=1e-8)
+    # The slowest mode decays at 0.0012: what the run can show is that nothing has grown.
+    assert apart(run.y[:, -1]) < apart(kicked)
+
+
+def test_the_end_of_a_branch_cannot_be_passed() -> None:
+    (one,) = locked_breathers(1, A, B)
+    with pytest.raises(ArithmeticError, match="ends before"):
+        follow_to(one, 0.195, A, B)

@@ -16,7 +16,7 @@ from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_continuation import CycleDiagram
+    from verification.cells.friction_continuation import Continuation
     from verification.cells.friction_orbits import CellOrbits
     from verification.references.friction_events import EventRun
 
@@ -132,7 +132,9 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
     """Draw time series on the left and the state space on the right, as Fig. 2 has them."""
     figure, (top, right, bottom, spare) = new_panels(2, 2, width="page", height=3.6)
     spare.remove()
-    right.set_subplotspec(right.get_subplotspec().get_gridspec()[:, 1])
+    both = right.get_subplotspec()
+    if both is not None:
+        right.set_subplotspec(both.get_gridspec()[:, 1])
     blue, black = COLOURS["blue"], COLOURS["black"]
     y, v = e.cycle.y[:, 0], e.cycle.velocity[:, 0]
     top.plot(e.cycle.times, y, color=blue)
@@ -169,7 +171,7 @@ class Regions:
     stick_at_end: float
     seen: tuple[tuple[bool, bool], ...]
     """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
-    diagram: CycleDiagram
+    diagram: Continuation
     cell: FrictionCell
 
     @property

@@ -144,7 +144,7 @@ def front() -> Front:
         arrived=tuple(arrived),
         trailing=tuple(float(run.envelope[k, : arrived[k] - 1].min()) for k in range(3)),
         ahead=tuple(float(run.envelope[k, arrived[k] + 5 :].max()) for k in range(3)),
-        arrival_error=run.arrival_error,
+        arrival_error=run.arrival_error or np.inf,
         gap=disagreement(chain_of(0.02, 8), (1,), 180.0),
     )
 

@@ -96,7 +96,9 @@ def thresholds() -> Thresholds:
     """Bisect every threshold of the figure, and check two of them by scipy."""
     edge = tuple(_threshold(size, "edge") for size in SIZES)
     # Close to the threshold of three sites a new site takes longer than scipy can be given.
-    cases = [((1,), edge[0] * (1.0 + side)) for side in (-ASIDE, ASIDE)]
+    cases: list[tuple[tuple[int, ...], float]] = [
+        ((1,), edge[0] * (1.0 + side)) for side in (-ASIDE, ASIDE)
+    ]
     cases += [((1, 2, 3), edge[1] * factor) for factor in (0.97, 1.4)]
     return Thresholds(
         edge=edge,

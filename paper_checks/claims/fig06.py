@@ -105,9 +105,9 @@ def velocities() -> Velocities:
         if front.v is None or front.error is None:
             raise ArithmeticError(f"no velocity at c = {c:g}: {front.status}")
         rows.append((c, front.v, front.error, front.chain.largest_group_velocity))
-    c, v, error, waves = zip(*rows, strict=True)
+    columns = list(zip(*rows, strict=True))
     return Velocities(
-        c=c, v=v, error=error, waves=waves,
+        c=columns[0], v=columns[1], error=columns[2], waves=columns[3],
         gap=max(disagreement(chain_of(c, 6), (1,), end) for c, end in SCIPY),
     )  # fmt: skip
 

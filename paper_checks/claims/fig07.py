@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
-from paper_checks.claims._breathers import flow
-from paper_checks.claims._orbits import CENTRE, EPS, SITES, orbit_of
+from paper_checks.claims._breathers import EPS, flow
+from paper_checks.claims._orbits import CENTRE, SITES, orbit_of
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.ruling import fails, holds

@@ -72,7 +72,7 @@ def steady() -> Steady:
         delay=float(late.mean()),
         spread=float(np.ptp(late) / late.mean()),
         in_order=bool(np.all(np.diff(arrivals) > 0.0) and np.all(np.diff(reached) == 1)),
-        arrival_error=run.arrival_error,
+        arrival_error=run.arrival_error or np.inf,
         gap=float(np.max(np.abs(by_scipy[:COMPARED] - arrivals[:COMPARED]))),
         shapes=tuple(run.psi[k].imag for k in at),
         amplitudes=tuple(run.amplitude[k] for k in at),

@@ -39,10 +39,12 @@ def gauge() -> Gauge:
     for eps in (0.02, 0.01, 0.005):
         found = []
         for omega in (1.0, 1.0 + eps * c):
-            run = solve_ivp(
-                lambda _, phi, omega=omega, eps=eps: _rate_34(phi, c, eps, omega),
-                (0.0, end), start, method="DOP853", rtol=1e-10, atol=1e-12,
-            )  # fmt: skip
+
+            def rate(_: float, phi: np.ndarray, omega: float = omega,
+                     eps: float = eps) -> np.ndarray:  # fmt: skip
+                return _rate_34(phi, c, eps, omega)
+
+            run = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-10, atol=1e-12)
             # y = Im(φ e^{iωt})/ω: both must describe the same y, up to O(ε).
             found.append(run.y[:, -1] * np.exp(1j * (omega - 1.0) / eps * end) / omega)
         gaps.append(float(np.abs(found[1] - found[0]).max() / np.abs(found[0]).max()))

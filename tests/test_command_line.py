@@ -354,16 +354,6 @@ def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(size, held,
     assert escaped > found["c_crit"] + found["error"]
 
 
-def test_the_command_of_the_claim_on_order_prints_the_number_of_its_finding(capsys):
-    from paper_checks.claims import fig11
-
-    claim = next(claim for claim in fig11.CLAIMS if claim.key == "fig11-order")
-    folder = Path(__file__).parents[1] / "paper_checks" / "findings"
-    stored = (folder / "fig11-order.json").read_text()
-    low, high = _json(capsys, claim.command.removeprefix("fronts "))["range"]
-    assert f"size 3: {low:.6f}-{high:.6f}" in stored
-
-
 def test_sweeps_that_follow_no_law_are_replaced_by_held_runs(capsys):
     """Four sites in phase have no breather: they escape away from any fold."""
     line = "threshold vdp --nucleus 4 --method sweep"

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from paper_checks.claim import Verdict
-from paper_checks.claims import text_2_larger
+from paper_checks.claims import text_2
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.outcome import (
@@ -129,15 +128,7 @@ def test_a_nucleus_wider_than_the_chain_is_refused() -> None:
 
 def test_the_verdict_follows_what_the_runs_show() -> None:
     stands = {0.193: "larger nucleus", 0.203: "front"}
-    assert text_2_larger._asserted(stands)
-    assert not text_2_larger._asserted({0.193: "creep", 0.203: "front"})
-    assert not text_2_larger._asserted({0.193: "larger nucleus", 0.203: "creep"})
-    assert not text_2_larger._asserted({0.193: "front", 0.203: "larger nucleus"})
-
-
-def test_in_model_one_no_larger_nucleus_stands() -> None:
-    finding = next(
-        one for one in text_2_larger.CLAIMS if one.key == "text-friction-nucleation"
-    ).judge()
-    assert finding.verdict is Verdict.PARTIAL
-    assert "stand" not in finding.value
+    assert text_2.succession(stands)
+    assert not text_2.succession({0.193: "creep", 0.203: "front"})
+    assert not text_2.succession({0.193: "larger nucleus", 0.203: "creep"})
+    assert not text_2.succession({0.193: "front", 0.203: "larger nucleus"})

@@ -156,9 +156,7 @@ def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, pack
     assert report["stale"] == ["slow"]
     assert claims["slow"]["provenance"]["stale"] is True
     assert main(["check", "--out", str(tmp_path / "out")]) == 0
-    assert "Stored, and stale: found by other code than that of this run: slow." in (
-        " ".join(capsys.readouterr().out.split())
-    )
+    assert "Stale stored findings: slow;" in (" ".join(capsys.readouterr().out.split()))
     page = (tmp_path / "out" / "index.html").read_text()
     assert "stale; stored" in page.split('id="claim-slow"')[1]
     assert "Stale: the code it depends on has changed since." in page

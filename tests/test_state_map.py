@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
-from paper_checks.claim import Verdict
-from paper_checks.claims import fig15
 from theory.chains.chain import Ends
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -289,22 +287,7 @@ def test_bad_parameters_are_refused(make: object) -> None:
         make()  # type: ignore[operator]
 
 
-def test_the_claim_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.1, 0.11, 0.13))
-    monkeypatch.setattr(fig15, "COUPLINGS", (0.05, 0.15, 0.5))
-    claim = fig15.CLAIMS[0]
-    assert claim.judge().verdict is claim.recorded is Verdict.PARTIAL
-    # without the column that has states of none of the three kinds
-    monkeypatch.setattr(fig15, "ETAS", (0.05, 0.11, 0.13))
-    assert claim.judge().verdict is Verdict.REPRODUCED
-    # without a coupling low enough for a breather, a region is missing
-    monkeypatch.setattr(fig15, "ETAS", (0.01, 0.05, 0.13))
-    monkeypatch.setattr(fig15, "COUPLINGS", (0.05, 0.5))
-    monkeypatch.setattr(fig15, "_breathers_lowest", lambda *_: False)
-    assert claim.judge().verdict is Verdict.PARTIAL
-
-
-def test_the_command_writes_map_boundary_record_and_picture(
+def test_the_command_writes_map_boundary_stamp_and_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, drawn = tmp_path / "map.csv", tmp_path / "map.png"

@@ -16,10 +16,9 @@ from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.diagram import CellDiagram
-    from verification.cells.result import BeltCell
+    from verification.cells.friction_continuation import Continuation
+    from verification.cells.friction_orbits import CellOrbits
     from verification.references.friction_events import EventRun
-    from verification.runs.trajectory import Trajectory
 
 V_D = 1.25
 VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
@@ -31,17 +30,17 @@ SETTLED = 500.0
 """τ after which sliding is steady on the scale of the picture: beats decay as exp(-0.009 τ)."""
 
 ORBITS = Method("both cycles by shooting, Taylor series from event to event",
-                "verification.cells.friction:friction_cell")  # fmt: skip
+                "verification.cells.friction_orbits:cell_orbits")  # fmt: skip
 EVENTS = "verification.references.friction_events:run_events"
 EVENT_RUNS = Method("runs with scipy's DOP853, events located on its dense output", EVENTS)
 
 
 @lru_cache(maxsize=1)
-def _orbits() -> BeltCell:
+def _orbits() -> CellOrbits:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction import friction_cell
+    from verification.cells.friction_orbits import cell_orbits
 
-    return friction_cell(FrictionCell(v_d=V_D))
+    return cell_orbits(FrictionCell(V_D))
 
 
 @lru_cache(maxsize=32)
@@ -52,7 +51,7 @@ def _scipy(
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
-    chain = FrictionChain.of(cell, c=0.0, sites=1)
+    chain = FrictionChain(0.0, cell, 1)
     times = np.linspace(0.0, t_end, samples)
     tolerance, step = (1e-8, 0.4) if rough else (1e-12, 0.08)
     return run_events(
@@ -133,9 +132,9 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
     """Draw time series on the left and the state space on the right, as Fig. 2 has them."""
     figure, (top, right, bottom, spare) = new_panels(2, 2, width="page", height=3.6)
     spare.remove()
-    place = right.get_subplotspec()
-    assert place is not None
-    right.set_subplotspec(place.get_gridspec()[:, 1])
+    both = right.get_subplotspec()
+    if both is not None:
+        right.set_subplotspec(both.get_gridspec()[:, 1])
     blue, black = COLOURS["blue"], COLOURS["black"]
     y, v = e.cycle.y[:, 0], e.cycle.velocity[:, 0]
     top.plot(e.cycle.times, y, color=blue)
@@ -172,7 +171,7 @@ class Regions:
     stick_at_end: float
     seen: tuple[tuple[bool, bool], ...]
     """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
-    diagram: CellDiagram
+    diagram: Continuation
     cell: FrictionCell
 
     @property
@@ -184,10 +183,10 @@ class Regions:
 def regions() -> Regions:
     """Find both ends of bistability by shooting, and run from both starts at six velocities."""
     from theory.cells.friction import FrictionCell
-    from verification.cells.diagram import cell_diagram
-    from verification.cells.friction import stick_slip_cycle
+    from verification.cells.friction_continuation import continue_cycles
+    from verification.cells.friction_orbits import stick_slip_cycle
 
-    cell = FrictionCell(v_d=V_D)
+    cell = FrictionCell(V_D)
     end = _orbits().cycle_end_velocity
     seen = []
     for v_d in VELOCITIES:
@@ -205,7 +204,7 @@ def regions() -> Regions:
         amplitude_at_end=last.amplitude,
         stick_at_end=last.stick_time,
         seen=tuple(seen),
-        diagram=cell_diagram(cell, np.linspace(0.9, 2.0, 221).tolist()),
+        diagram=continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist()),
         cell=cell,
     )
 
@@ -253,12 +252,12 @@ class Subcritical:
 def subcritical() -> Subcritical:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
     from theory.cells.friction import FrictionCell, friction_slope
-    from verification.cells.friction import unstable_cycle
+    from verification.cells.friction_orbits import unstable_cycle
 
-    hopf = FrictionCell(v_d=V_D).hopf_velocity
+    hopf = FrictionCell(V_D).hopf_velocity
     ratios, repels = [], []
     for distance in (1e-2, 1e-3, 1e-4):
-        cell = FrictionCell(v_d=hopf + distance)
+        cell = FrictionCell(hopf + distance)
         cycle = unstable_cycle(cell)
         if cycle is None:
             raise ArithmeticError(f"no unstable cycle {distance:g} above the Hopf velocity")
@@ -294,7 +293,7 @@ def friction_law() -> FrictionLaw:
     """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
     from theory.cells.friction import FrictionCell, friction_coefficient
 
-    cell = FrictionCell(v_d=V_D)
+    cell = FrictionCell(V_D)
 
     def printed(v: float) -> float:
         return cell.mu_st + (cell.mu_st - cell.mu_d) * math.exp(-abs(v) / cell.v0)
@@ -336,26 +335,21 @@ def stick() -> Stick:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
-    from verification.runs.simulate import simulate
+    from verification.runs.friction import run_friction
 
     cell = _orbits().cell
-    chain, start = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
-    runs: tuple[EventRun, Trajectory] = (
-        _scipy(cell, 2.0, 40.0),
-        simulate(chain, start, 40.0, samples=1001, logged_events=1000),
-    )
+    chain, start = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])
+    runs = (_scipy(cell, 2.0, 40.0), run_friction(chain, start, 40.0, samples=1001, events=1000))
     largest, sticks = [], []
-    logs = [runs[0].log, runs[1].event_log]
-    each: EventRun | Trajectory
-    for each, log in ((runs[0], logs[0]), (runs[1], logs[1])):
+    for each in runs:
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
-        begin, end = (log[log[:, 2] == kind, 0] for kind in (0, 1))
+        begin, end = (each.log[each.log[:, 2] == kind, 0] for kind in (0, 1))
         sticks.append([float(b - a) for a, b in zip(begin, end, strict=False)])
-    stops = [log[log[:, 2] == 1, 0] for log in logs]
+    stops = [run.log[run.log[:, 2] == 1, 0] for run in runs]
     ends = (
         run_events(chain, start, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
-        simulate(chain, start, 40.0, times=stops[1].tolist()),
+        run_friction(chain, start, 40.0, times=stops[1].tolist()),
     )
     forces = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
     return Stick(
@@ -393,7 +387,7 @@ def switch_model() -> SwitchModel:
     stable = orbits.stable
     if stable is None:
         raise ArithmeticError("no cycle")
-    chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
+    chain = FrictionChain(0.0, orbits.cell, 1)
     rows = []
     for relative, absolute in ((1e-3, 1e-6), (1e-9, 1e-11)):
         for band in (1e-2, 1e-3, PAPER_BAND):
@@ -461,7 +455,7 @@ CLAIMS = (
         rule=rule_subcritical,
         text=__name__,
         methods=(
-            Method("the unstable cycle by shooting", "verification.cells.friction:"
+            Method("the unstable cycle by shooting", "verification.cells.friction_orbits:"
                    "unstable_cycle"),
             replace(EVENT_RUNS, covers="the two sides of the cycle at 0.01 above the Hopf "
                     "velocity"),

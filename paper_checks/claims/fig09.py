@@ -130,7 +130,11 @@ def draw(e: Multipliers) -> tuple[Picture, ...]:
         axes.axvline(e.true_odd, color=COLOURS["green"], lw=0.9,
                      label=f"true orbit, {e.true_odd:.5f}")  # fmt: skip
         axes.set(xlabel="coupling c", ylabel="|Floquet multiplier|")
-    left.set(xlim=(0, 0.2), title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01, 11 sites")
+    left.set(
+        xlim=(0, 0.2),
+        xticks=(0, 0.05, 0.1, 0.15, 0.2),
+        title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01, 11 sites",
+    )
     right.set(xlim=(0.186, 0.1978), ylim=(0.992, 1.0025), title="near the unit circle")
     left.legend(loc="center left")
     return (picture("fig09-multipliers", "", figure, long_table(series)),)

@@ -204,7 +204,7 @@ CLAIMS = (
         quote="a map of the different dynamical states in the system, namely: front-propagation, "
         "discrete breathers and trivial fixed point",
         statement="The states met over (η, c) are fronts, breathers and the fixed point.",
-        printed="16 oscillators, ε = 0.01, displacement 6",
+        printed="at 16 oscillators, displacement 6, ε = 0.01",
         recorded=Verdict.REPRODUCED,
         command="fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png",
         evidence=state_map,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -39,17 +39,19 @@ def gauge() -> Gauge:
     for eps in (0.02, 0.01, 0.005):
         found = []
         for omega in (1.0, 1.0 + eps * c):
-            run = solve_ivp(
-                partial(_rate_34, c=c, eps=eps, omega=omega),
-                (0.0, end), start, method="DOP853", rtol=1e-10, atol=1e-12,
-            )  # fmt: skip
+
+            def rate(_: float, phi: np.ndarray, omega: float = omega,
+                     eps: float = eps) -> np.ndarray:  # fmt: skip
+                return _rate_34(phi, c, eps, omega)
+
+            run = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-10, atol=1e-12)
             # y = Im(φ e^{iωt})/ω: both must describe the same y, up to O(ε).
             found.append(run.y[:, -1] * np.exp(1j * (omega - 1.0) / eps * end) / omega)
         gaps.append(float(np.abs(found[1] - found[0]).max() / np.abs(found[0]).max()))
     return Gauge(gaps=tuple(gaps))
 
 
-def _rate_34(_: float, phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
+def _rate_34(phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
     """Return dφ/d(εt) of (34) for any ω, free ends."""
     pull = np.zeros_like(phi)
     pull[1:] += phi[1:] - phi[:-1]
@@ -133,10 +135,10 @@ def velocities() -> Velocities:
     """Run (43) and (44), and solve (54)."""
     from theory.chains.vdp import VdpChain
     from theory.piecewise.kinetic_relation import kinetic_relation
-    from verification.fronts.measure import measure_front
+    from verification.fronts.vdp import measure_front
     from verification.piecewise.simulation import simulate_front
 
-    front = measure_front(VdpChain(a=A, b=B, c=0.6).averaged())
+    front = measure_front(VdpChain(A, B, 0.6))
     return Velocities(
         averaged=front.v or 0.0,
         averaged_error=front.error or 0.0,

@@ -1,0 +1,48 @@
+"""The two methods of a claim share no engine, by the imports of their code."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+from paper_checks.claim import Method
+from paper_checks.discover import find_entries
+from paper_checks.independence import engines, shared_engines
+
+CLAIMS = {entry.claim.key: entry.claim for entry in find_entries()}
+TWO = [key for key, claim in CLAIMS.items() if len(claim.methods) == 2]
+
+
+@pytest.mark.parametrize("key", TWO)
+def test_the_methods_of_a_claim_share_no_engine(key: str) -> None:
+    assert shared_engines(CLAIMS[key].methods) == frozenset()
+
+
+def test_every_method_names_code_that_is_there() -> None:
+    for claim in CLAIMS.values():
+        assert len(claim.methods) in (1, 2), claim.key
+        for method in claim.methods:
+            module, _, name = method.code.partition(":")
+            assert hasattr(importlib.import_module(module), name), (claim.key, method.code)
+
+
+def test_every_method_has_an_engine_of_its_own() -> None:
+    """Else two of them would share none by having none."""
+    for key in TWO:
+        for method in CLAIMS[key].methods:
+            assert method.module in engines(method), (key, method.code)
+
+
+def test_a_shared_engine_is_noticed() -> None:
+    pair = (
+        Method("bisection", "verification.thresholds.friction:friction_threshold"),
+        Method("a run", "verification.runs.friction:run_friction"),
+    )
+    assert "verification.steppers.friction" in shared_engines(pair)
+    assert shared_engines(pair[:1]) == frozenset()
+
+
+def test_most_claims_that_compute_have_two() -> None:
+    computed = [key for key in CLAIMS if not key.startswith(("eq", "expect", "text"))]
+    assert sum(key in TWO for key in computed) > 0.8 * len(computed)

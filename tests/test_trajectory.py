@@ -129,24 +129,24 @@ import sys
 from numba import njit, types
 from verification.steppers.specialise import pointer
 
-def adding(k):
+def fibonacci(k):
     @njit
-    def inner(x):
-        return x + k
+    def inner(n):  # calls itself twice, so that it is not inlined
+        return k if n < 2 else inner(n - 1) + inner(n - 2)
     return inner
 
-inner = adding(0.0)
+inner = fibonacci(0)
 
-def call(x):
-    return inner(x)
+def call(n):
+    return inner(n)
 
 @njit(cache=True)
 def apply(f, x):
     return f(x)
 
 for k in sys.argv[1:]:
-    f = pointer(call, types.float64(types.float64), k, inner=adding(float(k)))
-    print(apply(f, 0.5))
+    f = pointer(call, types.int64(types.int64), k, inner=fibonacci(int(k)))
+    print(apply(f, 4))
 """
 
 
@@ -163,10 +163,10 @@ def test_code_compiled_by_several_processes_is_not_mixed_up(tmp_path: Path) -> N
         )  # fmt: skip
         return done.stdout.split()
 
-    assert run("1") == ["1.5"]
-    assert run("2") == ["2.5"]
-    assert run("1", "2") == ["1.5", "2.5"]
-    assert run("2", "1") == ["2.5", "1.5"]
+    assert run("1") == ["5"]
+    assert run("2") == ["10"]
+    assert run("1", "2") == ["5", "10"]
+    assert run("2", "1") == ["10", "5"]
 
 
 def test_times_are_those_asked_for_and_the_run_goes_to_its_end() -> None:

@@ -123,6 +123,7 @@ def test_where_the_orbit_cannot_be_had_the_error_is_unknown_and_says_why() -> No
     found = breather(stiff, method="closed-form")
     assert found.error is None
     assert "eps" in found.error_unknown
+    assert found.stable is None
 
 
 @pytest.mark.parametrize(

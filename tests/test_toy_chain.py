@@ -6,6 +6,7 @@ equation, of first order, without oscillation, waves or phases. Nothing outside 
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
 
+from fronts.cli import main
 from theory.chains.chain import CHAINS, Ends, Kernel, SmoothChain, parameter
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError
@@ -242,3 +244,32 @@ def test_the_map_of_a_toy_has_boundaries_where_scipy_has_them() -> None:
     for c, count in ((float(edge["low"]), 3), (float(edge["high"]), SITES)):
         assert np.count_nonzero(late_by_scipy(c, [4, 5, 6], 4000.0)[-1] > ALPHA) == count
     assert found.to_dict()["counts"] == {"breather": 3, "front": 1}
+
+
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [
+        ("simulate nagumo --n 21 --c 0.5 --excite 11 --t-end 30", "amplitudes"),
+        ("front nagumo --c 1 --n 40", "v"),
+        ("front nagumo --c 0.5:1:2 --n 40", "points"),
+        ("threshold nagumo --place edge --accuracy 1e-2 --n 15", "c_crit"),
+        ("map nagumo --c 0.05:0.5:2 --alpha 0.1:0.3:2 --n 15 --refine 0 --workers 1", "counts"),
+    ],
+)
+def test_the_command_line_knows_the_model(
+    line: str, key: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Its options are the fields of its class; nothing in ``fronts`` names it."""
+    picture = tmp_path / "picture.svg"
+    files = [] if line.startswith("threshold") else ["-o", str(picture)]
+    assert main([*line.split(), "--json", *files]) == 0
+    assert key in json.loads(capsys.readouterr().out)
+    assert picture.exists() is bool(files)
+
+
+def test_help_shows_the_parameters_of_the_model(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["front", "nagumo", "--help"])
+    shown = capsys.readouterr().out
+    assert "threshold, from 0 to 1/2" in shown
+    assert "--eps" not in shown

@@ -159,6 +159,11 @@ class BreatherComparison(Result):
     methods: Mapping[str, Breather]
     seconds: float
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        of = {"method": "all", "pattern": self.nucleus.pattern, "c": self.chain.c}
+        return of | super().to_dict()
+
     def __getitem__(self, method: str) -> Breather:
         """Return what one method found."""
         return self.methods[method]

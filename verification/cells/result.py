@@ -89,11 +89,18 @@ class Cell(Result):
     model: str
     parameters: dict[str, Any]
     status: CellStatus
-    rest: float
+    rest: float = field(metadata={"json": "steady_sliding"})
     effective_damping: float
-    stable: Cycle | None
-    unstable: Cycle | None
+    stable: Cycle | None = field(metadata={"json": "stable_cycle"})
+    unstable: Cycle | None = field(metadata={"json": "unstable_cycle"})
     seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON: the same keys for every model."""
+        found = {"hopf_velocity": None, "cycle_end_velocity": None, **super().to_dict()}
+        if {"a", "b"} <= {*self.parameters}:
+            found["eta"] = self.parameters["b"] / self.parameters["a"] ** 2
+        return found
 
     @property
     def basin(self) -> tuple[float, float] | None:

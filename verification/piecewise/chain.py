@@ -206,7 +206,7 @@ class PiecewiseMotion:
         return suspect
 
     def _clear(self, modes: Complex, phi: Complex, step: float) -> npt.NDArray[np.bool_]:
-        """Return which sites cannot reach the threshold within ``step``, each by its own series.
+        """Return which sites stay off the threshold within ``step``, each by its own Taylor sum.
 
         Sharper than the common bound F where the sites differ by decades, as at small r.
         """

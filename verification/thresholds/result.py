@@ -102,7 +102,11 @@ class Threshold(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""
         found = {"pattern": self.nucleus.pattern, "place": str(self.nucleus.place)}
-        return found | super().to_dict()
+        found |= super().to_dict()
+        if self.delay is not None:
+            law = self.delay.to_dict()
+            found |= {name: law[name] for name in ("rates", "escapes", "delay_exponent")}
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +132,11 @@ class BranchThreshold(Threshold):
     stability_lost_by: Mechanism = field(metadata={"json": "lost_by"})
     growth: float = field(metadata={"json": "growth_half_way"})
     growth_mirrored: float | None = field(metadata={"json": "growth_half_way_mirrored"})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        unknown = {"stable_to_error": None} if self.c_stable is None else {}
+        return super().to_dict() | unknown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,6 +178,13 @@ class RunThreshold(Threshold):
         default_factory=dict, metadata={"json": "range_by_seed"}
     )
     runs: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        found = super().to_dict()
+        if self.method is ThresholdMethod.HOLD:
+            found |= {"range": list(self.bracket), "waiting_time": self.final_time}
+        return found
 
     @property
     def bracket(self) -> tuple[float, float]:

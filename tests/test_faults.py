@@ -22,6 +22,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from verification.runs.vdp import run_vdp
+from verification.runs.vdp_start import displaced
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.discover import Entry
@@ -33,8 +35,6 @@ from verification.execution.checkpoint import run_to_end
 from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import SweepError, sweep
-from verification.runs.vdp import run_vdp
-from verification.runs.vdp_start import displaced
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))

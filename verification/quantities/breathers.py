@@ -12,12 +12,13 @@ import numpy as np
 
 from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
 from theory.cells.vdp import ETA_END
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather, staggered_branch
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import solve_orbit
 from verification.quantities.quantity import Axis, Check, Claim, NoReferenceError, Quantity
-from verification.thresholds.breather import Method, breather_threshold
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.result import ThresholdMethod
 
 ETA = Axis("eta", 1e-12, ETA_END, near=(ETA_END,))
 A, C, EPSILON = Axis("a", 1e-6, 1e6), Axis("c", 1e-8, 1e6), Axis("eps", 1e-6, 1.0)
@@ -283,7 +284,7 @@ def _check_multipliers(at: Mapping[str, float], claim: Claim) -> Check:
 
 
 def _threshold(at: Mapping[str, float]) -> Claim:
-    found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), Method.ENVELOPE)
+    found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), ThresholdMethod.ENVELOPE)
     return Claim(found.c, found.error, extra=found)
 
 

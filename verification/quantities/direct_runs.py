@@ -39,19 +39,23 @@ _ROUNDED, _DECIDED = 4e-15, 1e-3
 
 
 def _run(at: Mapping[str, float], full: bool) -> Claim:
-    from verification.runs.vdp import Model, run_vdp
-    from verification.runs.vdp_start import displaced
+    from verification.runs.excite import as_psi, excite
+    from verification.runs.simulate import simulate
 
     chain = vdp_chain(at)
-    start = displaced(chain, [1], at["displacement"])
+    start = excite(chain, [1], at["displacement"])
     end = _END if full else _END / chain.eps
     level = max(1e-9, 0.5 * at["displacement"])
-    run = run_vdp(
-        chain, start, end, model=Model.FULL if full else Model.ENVELOPE, samples=2, level=level,
+    run = simulate(
+        chain if full else chain.averaged(),
+        start,
+        end,
+        samples=2,
+        level=level,
         tolerance=at["tolerance"],
-    )  # fmt: skip
+    )
     assert run.error is not None
-    return Claim(run.psi[-1], run.error, extra=start)
+    return Claim(run.psi[-1], run.error, extra=as_psi(start))
 
 
 def full_run(at: Mapping[str, float]) -> Claim:
@@ -162,12 +166,13 @@ def _compared(
 
 def friction_state(at: Mapping[str, float]) -> Claim:
     """State of the friction chain at τ = 40, the first site displaced."""
-    from verification.runs.friction import RunStatus, run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
+    from verification.runs.trajectory import RunStatus
 
     chain = friction_chain(at)
-    start = nucleus(chain, [1], at["displacement"])
-    run = run_friction(chain, start, _TAU, samples=2, tolerance=1e-10)
+    start = excite(chain, [1], at["displacement"])
+    run = simulate(chain, start, _TAU, samples=2, tolerance=1e-10)
     assert run.error is not None
     if run.status is not RunStatus.RESOLVED:
         raise RunError("the run says that its companions see other events: rounding decides.")

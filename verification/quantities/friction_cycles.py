@@ -16,7 +16,7 @@ _LONGEST = 400.0
 
 def stable_cycle(at: Mapping[str, float]) -> Claim:
     """Period and stick time; both zero where there is no cycle."""
-    from verification.cells.friction_orbits import stick_slip_cycle
+    from verification.cells.friction import stick_slip_cycle
 
     found = stick_slip_cycle(friction_cell(at))
     if found is None:
@@ -40,7 +40,9 @@ def cycle_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
     try:
         with np.errstate(all="ignore"):  # scipy tries steps that overflow
-            run = run_events(FrictionChain(0.0, cell, 1), start, end, times=np.array([end]))
+            run = run_events(
+                FrictionChain.of(cell, c=0.0, sites=1), start, end, times=np.array([end])
+            )
     except ArithmeticError as error:
         raise NoReferenceError(str(error)) from None
     ends, begins = (run.log[run.log[:, 2] == kind, 0] for kind in (STICK_ENDS, STICK_BEGINS))

@@ -29,16 +29,19 @@ _MOST_TIME = 3e4
 
 
 def _chain(at: Mapping[str, float]) -> VdpChain:
-    return VdpChain(_A, at["eta"] * _A**2, at["c"], at.get("eps", 0.01), 32)
+    return VdpChain(a=_A, b=at["eta"] * _A**2, c=at["c"], eps=at.get("eps", 0.01), sites=32)
 
 
 def _front(at: Mapping[str, float], full: bool) -> Claim:
-    from verification.fronts.arrival_fit import FrontStatus
-    from verification.fronts.vdp import Behind, measure_front
-    from verification.runs.vdp import Model
+    from verification.fronts.measure import measure_front
+    from verification.fronts.result import LeftBoundary
+    from verification.fronts.status import FrontStatus
+    from verification.runs.model import Model
 
     model = Model.FULL if full else Model.ENVELOPE
-    found = measure_front(_chain(at), model, behind=Behind.WAVE, patience=_PATIENCE)
+    found = measure_front(
+        model.chain_of(_chain(at)), left_boundary=LeftBoundary.WAVE, stall_time=_PATIENCE
+    )
     settled = found.status in (FrontStatus.STEADY, FrontStatus.PINNED)
     if not settled or found.v is None or found.error is None:
         return Claim(None, 0.0, note=found.status.value)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from theory.piecewise.kinetic_relation import kinetic_relation
-from verification.piecewise.run import FrontStatus
+from verification.fronts.status import FrontStatus
 from verification.piecewise.simulation import simulate_front
 from verification.quantities.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 

@@ -26,21 +26,20 @@ _RIPPLE = 0.05
 
 
 def _chain(at: Mapping[str, float]) -> VdpChain:
-    return VdpChain(_A, at["eta"] * _A**2, at["c"], at.get("eps", 0.01), _SITES)
+    return VdpChain(a=_A, b=at["eta"] * _A**2, c=at["c"], eps=at.get("eps", 0.01), sites=_SITES)
 
 
 def _label(at: Mapping[str, float], full: bool) -> Claim:
-    from verification.maps.state import Label
-    from verification.maps.vdp_state import label_state
-    from verification.runs.vdp import Model
-    from verification.runs.vdp_start import displaced
+    from verification.maps.state import State
+    from verification.maps.vdp_rules import find_vdp_state
+    from verification.runs.excite import as_psi, excite
 
     chain = _chain(at)
-    start = displaced(chain, [_SITES], at["displacement"])
-    found = label_state(chain, start, Model.FULL if full else Model.ENVELOPE)
-    if found.label is Label.UNDECIDED:
-        return Claim(None, 0.0, note="undecided", extra=(found, start))
-    return Claim(1.0, 0.0, note=str(found.label), extra=(found, start))
+    start = excite(chain, [_SITES], at["displacement"])
+    found = find_vdp_state(chain if full else chain.averaged(), start)
+    if found.state is State.UNDECIDED:
+        return Claim(None, 0.0, note="undecided", extra=(found, as_psi(start)))
+    return Claim(1.0, 0.0, note=str(found.state), extra=(found, as_psi(start)))
 
 
 def _check_averaged(at: Mapping[str, float], claim: Claim) -> Check:

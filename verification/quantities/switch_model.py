@@ -22,10 +22,10 @@ _TAU = 10.0
 def switch_energy(at: Mapping[str, float]) -> Claim:
     """Return √(2E) at the end of a run with fixed steps; ``band`` is a share of v_d."""
     from verification.references.switch_model import run_switch
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
 
     chain = friction_chain(at)
-    start = nucleus(chain, [1], at["displacement"])
+    start = excite(chain, [1], at["displacement"])
     run = run_switch(
         chain, start, _TAU, step=at["step"], band=at["band"] * chain.cell.v_d, samples=2
     )

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import RunError
 
 FloatArray = npt.NDArray[np.float64]
@@ -40,7 +41,8 @@ _LEAST = 0.1
 def least_error(tolerance: float, displacement: float) -> float:
     """Return what the error of a run through a stage is at least: a tenth of the tolerance.
 
-    Its error comes in leaps far below the tolerance, so that companions may agree by accident.
+    Its error comes in leaps far below the tolerance, so that runs at other tolerances may agree
+    by accident.
 
     Examples
     --------

@@ -274,6 +274,6 @@ def test_a_run_is_saved_every_few_seconds_and_not_more_often(
 def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run.npz"
     run_to_end([Logistic()], 3.0, 1, path)
-    monkeypatch.setattr(checkpoint, "digest_of_code", lambda *_: "other")
+    monkeypatch.setattr(checkpoint, "code_of_objects", lambda _: ((), "other"))
     with pytest.raises(ParameterError, match=r"same parameters, code and versions .*code"):
         run_to_end([Logistic()], 3.0, 1, path)

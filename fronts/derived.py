@@ -239,7 +239,7 @@ def _computed(
     takes = {each.name for each in described(function)}
     nucleus = bound.nucleus.given(options)
     if any(hasattr(options, f"nucleus.{name}") for name in nucleus):
-        arguments["nucleus"] = nucleus_of(nucleus, bound.model)
+        arguments["nucleus"] = nucleus_of(nucleus)
         parameters["nucleus"] = arguments["nucleus"]
     _refuse_other_methods(bound, arguments, options)
     further = {"progress": progress} if "progress" in takes else {}
@@ -383,24 +383,12 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
     return {**fields, "a": 1.0, "b": checked_eta(eta)}
 
 
-def nucleus_of(given: Mapping[str, Any], model: str) -> Any:
-    """Return the nucleus that the options describe: by default one site in the bulk.
-
-    Without a pattern the sites are in phase, or, of a Van der Pol chain, as an in-phase start
-    relaxes.
-    """
-    from theory.chains.nucleus import Nucleus, Place, outward_pattern
+def nucleus_of(given: Mapping[str, Any]) -> Any:
+    """Return the nucleus that the options describe: its sites in phase if there is no pattern."""
+    from theory.chains.nucleus import Nucleus, Place
 
     size, place = given.get("size", 1), Place(given.get("place", Place.BULK))
-    pattern = given.get("pattern")
-    if pattern is None and size > 1:
-        if model not in ("vdp", "averaged"):
-            pattern = "0" * (size - 1)
-        elif place is Place.EDGE:
-            raise UsageError("an edge nucleus of 2 or more sites needs a --pattern.")
-        else:
-            pattern = outward_pattern(size)
-    return Nucleus(size=size, pattern=pattern or "", place=place)
+    return Nucleus(size=size, pattern=given.get("pattern", "0" * max(size - 1, 0)), place=place)
 
 
 def located(where: str) -> Callable[..., Any]:

@@ -96,7 +96,7 @@ def test_below_the_loss_it_holds_and_beyond_the_range_a_front_runs() -> None:
 
 
 @pytest.mark.parametrize(
-    ("joined", "size", "end"),
+    ("joined", "size", "outcome"),
     [
         ([NAN, 0, NAN], 0, Outcome.SHRUNK),
         ([NAN, 0, NAN], 1, Outcome.HELD),

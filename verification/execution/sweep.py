@@ -33,6 +33,7 @@ from verification.execution.digest import (
     digest_of_arrays,
     digest_of_code,
     essence,
+    source_of,
 )
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import Code, Metadata
@@ -346,11 +347,10 @@ def _code_of(task: object) -> tuple[set[str], list[Any]]:
     loose: list[Any] = []
     for owner in _owners(task):
         name = getattr(owner, "__module__", None) or type(owner).__module__
-        try:
-            digest_of_code([name], {name.partition(".")[0]})
-            modules.add(name)
-        except ValueError:
+        if source_of(name) is None:
             loose.append([name, _loose(owner, name)])
+        else:
+            modules.add(name)
     return modules, loose
 
 

@@ -153,7 +153,7 @@ class StateTask:
         ]
         states = {each.state for each in found}
         reason = next((r.reason for r in found if r.reason is not Reason.DECIDED), Reason.DECIDED)
-        if len(states) > 1 and State.UNDECIDED not in states:
+        if len(states) > 1:
             reason = Reason.PERTURBATION
         decided = reason is Reason.DECIDED
         row: dict[str, Scalar] = {

@@ -16,6 +16,8 @@ from verification.runs.integration import (
     Integration,
     NotFiniteError,
     StandstillError,
+    as_psi,
+    check_options,
     checked_state,
     integration,
 )
@@ -234,8 +236,7 @@ class SmoothIntegration(Integration):
     @property
     def sampled_amplitude(self) -> FloatArray:
         """√(y² + w²) at ``times``, shape (M, N)."""
-        amplitude: FloatArray = np.hypot(self._run.samples[:, 0], self._run.samples[:, 1])
-        return amplitude
+        return np.abs(as_psi(self._run.samples))
 
     @property
     def arrivals(self) -> FloatArray:
@@ -337,4 +338,5 @@ class SmoothIntegration(Integration):
 def _(
     chain: SmoothChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
 ) -> SmoothIntegration:
+    check_options(SmoothIntegration, options)
     return SmoothIntegration(chain, start, times, **options)

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 Range = tuple[float, float, int]
 
+MAX_LINES = 40
+"""Lines of an answer that are shown beside a file that has it."""
+
 _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
 
@@ -202,6 +205,9 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         payload |= located(bound.call.also)(result)
         text += in_words_also(payload)
     if options.out:
+        lines = text.splitlines()
+        if len(lines) > MAX_LINES:  # the file has them all
+            text = "\n".join([*lines[:3], "…", *lines[-2:]])
         text += f"\nwritten to {' and '.join(str(path) for path in options.out)}"
     return Answer(payload, text, int(getattr(result, "needs_attention", False)))
 

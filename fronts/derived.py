@@ -274,7 +274,7 @@ def _computed(
     if bound.call.start:
         started = bound.start.given(options)
         arguments["start"] = located(bound.call.start)(made, **started)
-        parameters |= {**bound.start.defaults(), **started}
+        parameters["start"] = {**bound.start.defaults(), **started}
     return function(made, **arguments, **further), parameters
 
 

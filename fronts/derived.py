@@ -166,10 +166,25 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("files")
     group.add_argument(
         "-o", "--out", "--picture",
-        dest="out", type=Path, action="append", default=[], metavar="FILE",
+        dest="out", type=Path, action=_Files, default=[], metavar="FILE",
         help="write the result to a file ending in .csv, .json, .npz, .png, .svg or .pdf; repeat "
         "it for several. Each holds the command, the parameters and the versions",
     )  # fmt: skip
+
+
+class _Files(argparse.Action):
+    """Collect files, and the option by which each was named, for what is said of it."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        namespace.out = [*namespace.out, values]
+        name = "--out" if option_string == "-o" else option_string
+        namespace.named = {**getattr(namespace, "named", {}), values: name}
 
 
 def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answer:
@@ -194,7 +209,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     from verification.execution.progress import Progress
 
     checkpoint = getattr(options, "checkpoint", None)
-    _check_files(options.out, checkpoint)
+    _check_files(getattr(options, "named", {}), checkpoint)
     saved = nullcontext() if checkpoint is None else resumable_run(checkpoint)
     with saved, Progress(words[0]) as live:
         result, parameters = _computed(options, bound, live.report)
@@ -224,7 +239,7 @@ def _write(
             write_result(path, result, shown)
 
 
-def _check_files(out: Sequence[Path], checkpoint: Path | None) -> None:
+def _check_files(out: Mapping[Path, str], checkpoint: Path | None) -> None:
     if out:
         from fronts.files import check_files
 
@@ -288,7 +303,7 @@ def _grid(
     axes: dict[str, list[float]] = {}
     if "eta" in bound.call.grid:
         if {"a", "b"} <= {*fields}:
-            raise UsageError("--a and --b are not both held while eta varies: give one of them.")
+            raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
         chosen["held"] = "a" if "a" in fields else "b"
         fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
     for name, default in bound.call.grid.items():

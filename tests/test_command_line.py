@@ -199,8 +199,7 @@ def test_a_file_that_cannot_be_written_is_named_by_its_own_option(
     folder = tmp_path / ("run.png" if option == "--picture" else "run.npz")
     folder.mkdir()
     assert main(shlex.split(f"simulate vdp {_RUN} {option} {shlex.quote(str(folder))}")) == 2
-    name = "--checkpoint" if option == "--checkpoint" else "--out"
-    assert f"{name} {folder} is a folder" in capsys.readouterr().err
+    assert f"{option} {folder} is a folder" in capsys.readouterr().err
 
 
 def test_a_disk_that_fills_up_is_no_defect(

@@ -327,7 +327,7 @@ def test_the_command_writes_map_boundary_record_and_picture(
     assert edge.size == answer["boundary_points"] > 5
     assert (edge["low"] <= edge["at"]).all()
     record = json.loads((tmp_path / "map.csv.json").read_text(encoding="utf-8"))
-    assert record["parameters"]["parameters"]["chain"]["is"].endswith("AveragedChain")
+    assert record["parameters"]["chain"]["is"].endswith("AveragedChain")
     # again: nothing is left to compute
     assert main([*shlex.split(line), "--resume"]) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 24
@@ -356,7 +356,7 @@ def test_the_command_compares_the_full_equation_with_the_envelope(
     [
         ("--eta 0.14:0.01:14 --c 0.1", "let it rise"),
         ("--eta 0.01:0.14 --c 0.1", "low:high:count"),
-        ("--eta 0.01:0.14:1000 --c 0.1:1:1000", "more than"),
+        ("--eta 0.01:0.14:1000 --c 0.1:1:1000", "at most 100000"),
         ("--eta -0.1 --c 0.1", "eta = b/a^2"),
         ("--eta 0.1 --c -0.1", "coupling c"),
         ("--eta 0.1 --c 0.1 --a 4 --b 0.5", "not allowed with"),
@@ -397,9 +397,10 @@ def test_a_store_of_other_parameters_stops_the_command(
         if done > 0.5:
             raise KeyboardInterrupt
 
-    points = state_points(ENVELOPE, {"eta": [0.05], "c": [0.1, 0.2, 0.3]})
+    task = StateTask(chain=ENVELOPE.chain.replace(c=0.1))  # as the command has it
+    points = state_points(task, {"eta": [0.05], "c": [0.1, 0.2, 0.3]})
     with pytest.raises(KeyboardInterrupt):
-        sweep(ENVELOPE, points, out=out, workers=1, progress=stop)
+        sweep(task, points, out=out, workers=1, progress=stop)
     line = f"map vdp --eta 0.05 --c 0.1:0.3:3 --model envelope --out {out}"
     assert main(shlex.split(line)) == 2
     assert "--resume" in capsys.readouterr().err

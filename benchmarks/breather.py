@@ -27,9 +27,9 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
 from verification.breathers.run import RunStatus, run_breather
 from verification.quantities.scenes import Scene, damping, timed
@@ -67,7 +67,8 @@ def measure(quick: bool, tell: Tell) -> Record:
 
 def chain_of(scene: Scene) -> VdpChain:
     """Return the chain of a scene."""
-    return VdpChain(*damping(scene.values), sites=int(scene.values["sites"]))
+    a, b, c, eps = damping(scene.values)
+    return VdpChain(a=a, b=b, c=c, eps=eps, sites=int(scene.values["sites"]))
 
 
 def contenders(chain: VdpChain, ours: FloatArray, theirs: FloatArray) -> Iterator[Contender]:

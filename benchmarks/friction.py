@@ -108,7 +108,7 @@ def chain_of(scene: Scene) -> FrictionChain:
     """Return the chain of a scene."""
     from theory.chains.friction import FrictionChain
 
-    return FrictionChain(scene.c, sites=int(scene.values["sites"]))
+    return FrictionChain(c=scene.c, sites=int(scene.values["sites"]))
 
 
 def contenders(

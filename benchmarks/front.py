@@ -101,7 +101,7 @@ def model_of(scene: Scene) -> Model:
 def chain_of(scene: Scene, sites: int) -> VdpChain:
     """Return the chain of a scene; of the averaged chain eps is only the unit of time."""
     a, b, c, eps = damping(scene.values)
-    return VdpChain(a, b, c, eps or 0.01, sites=sites)
+    return VdpChain(a=a, b=b, c=c, eps=eps or 0.01, sites=sites)
 
 
 def _measured(scene: Scene, model: Model, tolerance: float, accuracy: float) -> Answer:

@@ -127,7 +127,7 @@ def _front(sites: int, behind: int, full: bool = False) -> object:
     from verification.runs.vdp import Model, run_vdp
     from verification.runs.vdp_start import staggered_front
 
-    chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
     filled = min(24, sites // 2)
     return run_vdp(
         chain, staggered_front(chain, filled), sites / 0.72 / chain.eps,
@@ -141,7 +141,7 @@ def friction_front(sites: float) -> object:
     from verification.runs.friction import run_friction
     from verification.runs.friction_start import nucleus
 
-    chain = FrictionChain(0.05, sites=int(sites))
+    chain = FrictionChain(c=0.05, sites=int(sites))
     return run_friction(
         chain, nucleus(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, companion=False
     )

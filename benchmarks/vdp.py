@@ -125,7 +125,8 @@ def task_of(scene: Scene) -> Task:
 
     from theory.chains.vdp import VdpChain
 
-    chain = VdpChain(*damping(scene.values), sites=int(scene.values["sites"]))
+    a, b, c, eps = damping(scene.values)
+    chain = VdpChain(a=a, b=b, c=c, eps=eps, sites=int(scene.values["sites"]))
     start = np.zeros(2 * chain.sites)
     start[0] = chain.stable_amplitude
     return Task(chain, start, scene.values["t"], scene.name)
@@ -143,7 +144,7 @@ def ours(task: Task, tolerance: float) -> FloatArray:
         True, 0,
     )  # fmt: skip
     while not lane.finished:
-        lane.go_on(10**9)
+        lane.advance(10**9)
     final: FloatArray = lane.samples[-1].ravel()
     return final
 
@@ -333,7 +334,7 @@ def _front_cost(lengths: Sequence[int]) -> Target:
 
     seconds = []
     for sites in lengths:
-        chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+        chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
         begin = process_time()
         run_vdp(
             chain, staggered_front(chain, 24), sites / 0.72 / chain.eps, model=Model.ENVELOPE,
@@ -365,11 +366,11 @@ def _map(model: str, limit: float) -> Target:
 
 def _thresholds() -> Target:
     from benchmarks.record import Target
+    from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.thresholds.breather import Method, breather_threshold
 
-    chain = VdpChain(2.5, 0.5, 0.0, 0.01)
+    chain = VdpChain(a=2.5, b=0.5, c=0.0, eps=0.01)
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
     found = [

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from fronts.answer import UsageError
+from verification.execution import files
 
 MOST_POINTS = 100_000
 
@@ -206,24 +205,15 @@ def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--
     Raises
     ------
     UsageError
-        If the folder does not exist or may not be written, the path is a folder, or its suffix
-        is not one of ``suffixes`` (if any are named). The folder is tried, not asked: permissions
-        say nothing of file systems that refuse.
+        If `verification.execution.files.check_writable` refuses it, or its suffix is not one of
+        ``suffixes`` (if any are named).
     """
-    folder = path.parent
     if suffixes and path.suffix.lower() not in suffixes:
         _unusable(option, path, f"must end in {' or '.join(suffixes)}", "give it such an ending")
-    if path.is_dir():
-        _unusable(option, path, "is a folder", "name a file in it")
-    if not folder.is_dir():
-        why = f"cannot be written: the folder {folder} does not exist"
-        _unusable(option, path, why, "make the folder first")
-    if path.exists() and not os.access(path, os.W_OK):
-        _unusable(option, path, f"cannot be written: no permission on {path}", "name another file")
     try:
-        _neighbour(path).unlink()
-    except OSError as error:
-        _unusable(option, path, f"cannot be written: {error.strerror}", "name another file")
+        files.check_writable(path)
+    except files.FileError as error:
+        _unusable(option, path, str(error.strerror), error.remedy)
     return path
 
 
@@ -246,30 +236,3 @@ def same_file(one: Path, other: Path) -> bool:
     True
     """
     return one.resolve() == other.resolve()
-
-
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
-    """Write a file so that it is there whole or not at all.
-
-    ``write`` fills a temporary neighbour with the same suffix, which then takes the name.
-    """
-    temporary = _neighbour(path)
-    try:
-        write(temporary)
-        mode = 0o666 & ~_umask()
-        temporary.chmod(mode)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _neighbour(path: Path) -> Path:
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=path.suffix, prefix=".writing-")
-    os.close(handle)
-    return Path(name)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

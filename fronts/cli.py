@@ -15,6 +15,9 @@ from typing import NoReturn
 
 from fronts.answer import UsageError
 from fronts.arguments import BadText, with_values_joined
+from verification.execution.files import FileError
+
+_OF_A_FILE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 COMMANDS = {
     "kinetic": "every velocity at which the piecewise-linear front can travel (Eq. 54)",
@@ -164,9 +167,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except FileError as error:
+        fields = ("quantity", "value", "allowed", "remedy")
+        _complain(str(error), as_json, {field: str(getattr(error, field)) for field in fields})
+        return 2
+    except MemoryError:
+        _complain("memory ran out: ask for fewer sites, samples or points.", as_json, {})
+        return 2
     except OSError as error:
         # Of a file only: what a file system says while writing is for the user to mend.
-        if error.filename is None and error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        if error.filename is None and error.errno not in _OF_A_FILE:
             return _defect(error, as_json)
         where = "" if error.filename is None else f" {error.filename}"
         _complain(f"the file{where} cannot be used: {error.strerror}.", as_json, {})

@@ -53,7 +53,7 @@ def cell_of(options: argparse.Namespace) -> FrictionCell:
     """
     from theory.cells.friction import FrictionCell
 
-    return FrictionCell(given(options.v_d, FrictionCell.v_d), **cell_numbers(options))
+    return FrictionCell(v_d=given(options.v_d, FrictionCell.v_d), **cell_numbers(options))
 
 
 def start_point_of(options: argparse.Namespace) -> StartPoint:

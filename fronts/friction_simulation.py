@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import given, write_whole
+from fronts.arguments import given
 from fronts.friction_options import CELL, cell_of, start_point_of
-from fronts.progress import Fraction, kept_by_checkpoint
+from fronts.interrupted import resumable_run
+from verification.execution.files import write_by
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from verification.runs.friction import FrictionRun
@@ -26,7 +28,8 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     UsageError, ParameterError
         If they cannot be carried out.
     """
-    from theory.chains.friction import FrictionChain, FrictionEnds
+    from theory.chains.chain import Ends
+    from theory.chains.friction import FrictionChain
     from theory.parameters import within
     from verification.runs.friction import run_friction
     from verification.runs.friction_start import nucleus
@@ -43,14 +46,16 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
             remedy="give one of them",
         )
     within("size of the noise", options.perturb, 0.0, 1.0)
-    chain = FrictionChain(options.c, cell_of(options), options.n, FrictionEnds(options.ends))
+    chain = FrictionChain.of(
+        cell_of(options), c=options.c, sites=options.n, ends=Ends(options.ends)
+    )
     start = nucleus(chain, options.excite, given(options.displacement, start_point_of(options)))
     if options.perturb > 0:
         noise = np.random.default_rng(options.seed).standard_normal(start.shape)
         start = start + options.perturb * noise
     with (
-        kept_by_checkpoint(options.checkpoint),
-        Fraction(f"run to tau = {options.t_end:g}") as shown,
+        resumable_run(options.checkpoint),
+        Progress(f"run to tau = {options.t_end:g}") as shown,
     ):
         result = run_friction(
             chain,
@@ -59,12 +64,12 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
             tolerance=given(options.tolerance, 1e-10),
             samples=options.samples,
             checkpoint=options.checkpoint,
-            progress=shown.show,
+            progress=shown.report,
         )
     if options.out is not None:
-        write_whole(options.out, lambda path: _save(path, result))
+        write_by(options.out, lambda path: _save(path, result))
     if options.picture is not None:
-        write_whole(options.picture, lambda path: _draw(path, result))
+        write_by(options.picture, lambda path: _draw(path, result))
     return Answer(_payload(result), _in_words(result))
 
 

@@ -12,8 +12,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from fronts.arguments import write_whole
-from fronts.progress import Fraction, kept_by_journal
+from fronts.interrupted import resumable_tables
+from verification.execution.files import write_by
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -41,7 +42,7 @@ def map_plane(plane: Plane, options: argparse.Namespace) -> tuple[dict[str, obje
 
     begin = perf_counter()
     tables = () if options.out is None else (options.out, boundary_path(options.out))
-    with kept_by_journal(*tables), _pool(plane.workers, len(plane.points)) as executor:
+    with resumable_tables(*tables), _pool(plane.workers, len(plane.points)) as executor:
         states = swept("map", plane.task, plane.points, options.out, options.resume, executor)
         map_seconds = perf_counter() - begin
         boundary = None
@@ -49,7 +50,7 @@ def map_plane(plane: Plane, options: argparse.Namespace) -> tuple[dict[str, obje
             bisection = Bisection(plane.alone, options.refine)
             boundary = _boundary(states, plane, bisection, options, executor)
     if options.picture is not None:
-        write_whole(options.picture, lambda path: _draw(path, plane, states, boundary))
+        write_by(options.picture, lambda path: _draw(path, plane, states, boundary))
     undecided = [
         {name: row[name] for name in (*plane.axes, "why", "above")}
         for row in states.rows()
@@ -71,10 +72,10 @@ def map_plane(plane: Plane, options: argparse.Namespace) -> tuple[dict[str, obje
 
 def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
     """Return one pool for both sweeps, so that processes start and load compiled code once."""
-    from verification.execution.sweep import own_workers, workers_allowed
+    from verification.execution.pool import worker_count, worker_pool
 
-    count = min(workers_allowed() if workers is None else workers, points)
-    return own_workers(count) if count > 1 else nullcontext()
+    count = min(worker_count(workers), points)
+    return worker_pool(count) if count > 1 else nullcontext()
 
 
 def swept(
@@ -88,7 +89,7 @@ def swept(
     """Sweep the points with a live line of progress."""
     from verification.execution.sweep import sweep
 
-    with Fraction(f"{name} of {len(points)} points") as shown:
+    with Progress(f"{name} of {len(points)} points") as shown:
         return sweep(
             task,
             points,
@@ -96,7 +97,7 @@ def swept(
             resume=resume,
             workers=1,
             executor=executor,
-            progress=lambda done, total, left: shown.show(done / max(total, 1)),
+            progress=shown.report,
         )
 
 

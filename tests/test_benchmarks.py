@@ -39,8 +39,8 @@ from benchmarks.runner import (
 )
 from fronts.cli import main
 from fronts.commands import bench
-from paper_checks.freshness import staleness
 from theory.averaged.envelope import envelope_rate
+from verification.execution.metadata import staleness
 from verification.quantities.scenes import REFERENCES, scene_named, timed
 from verification.runs.friction import run_friction
 from verification.runs.friction_start import nucleus
@@ -268,7 +268,7 @@ def test_the_stored_record_of_every_quantity_is_complete(quantity):
     assert record.versions["numpy"]
     for suffix in ("svg", "png"):
         assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
-    if staleness(dataclasses.asdict(record)):
+    if staleness(record.code):
         return  # it says so; scenes and methods may have changed since
     assert record.first_calls
     assert all(apart <= REFERENCES[quantity.name].accuracy for apart in record.agreement.values())
@@ -293,7 +293,7 @@ def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(quant
     assert all(row["default"] == quantity.default for row in mine)
     assert all(row["reasons"].keys() == {each["by"] for each in row["beaten"]} for row in mine)
     assert all(choice.NO_REASON not in row["reasons"].values() for row in mine)
-    if not staleness(dataclasses.asdict(record)):
+    if not staleness(record.code):
         assert {row["scene"] for row in mine} == set(quantity.scenes)
 
 

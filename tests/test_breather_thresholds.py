@@ -11,14 +11,15 @@ from scipy.integrate import solve_ivp
 
 from paper_checks.claims import fig07, fig08, fig09, fig10, fig11
 from theory.averaged.envelope import envelope_rate
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.nucleus import Nucleus, outward_pattern, right_angle_patterns
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import exponents
 from verification.breathers.continuation import trace
 from verification.breathers.escape_range import escape_range
 from verification.breathers.newton import solve_at
 from verification.breathers.nucleation import Preparation, escape_threshold, hold, phase_steps
-from verification.breathers.nucleus import Nucleus, outward_pattern, right_angle_patterns
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import RunStatus, run_breather
 from verification.breathers.slow_sweep import measure_delay
@@ -38,7 +39,7 @@ def test_continuation_finds_the_fold_of_a_circle() -> None:
     assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_a_run_of_the_envelope_is_that_of_scipy(ends: Ends) -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.15, sites=7, ends=ends)
     rng = np.random.default_rng(SEED)

@@ -341,7 +341,7 @@ def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(size, held,
     for c, wanted in ((held, False), (escaped, True)):
         for seed in range(3):
             noisy = Preparation(size, perturbation=1e-6, seed=seed)
-            assert hold(VdpChain(2.5, 0.5, 0), noisy, c, 2000.0).escaped is wanted
+            assert hold(VdpChain(a=2.5, b=0.5, c=0), noisy, c, 2000.0).escaped is wanted
     assert held < found["c_crit"] - found["error"]
     assert escaped > found["c_crit"] + found["error"]
 

@@ -9,10 +9,10 @@ import shlex
 
 import mpmath as mp
 import pytest
+from fronts.progress import PERIOD, Fraction
 
 from fronts.arguments import with_values_joined
 from fronts.cli import main
-from fronts.progress import PERIOD, Fraction
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.kinetic_relation import kinetic_relation

@@ -12,7 +12,8 @@ from derivations.oscillator import van_der_pol
 from derivations.periodic_orbit import harmonic, orbit
 from theory.averaged.breather import Reading, solve_breather
 from theory.averaged.envelope import envelope_rate
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 
 CELL = {"a": 2.5, "b": 0.5, "c": 0.1}
 

@@ -3,9 +3,9 @@
 import sys
 
 import pytest
+from paper_checks.imports import closure, essence
 
 from paper_checks import freshness
-from paper_checks.imports import closure, essence
 
 
 @pytest.fixture

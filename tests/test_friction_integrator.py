@@ -12,7 +12,8 @@ import pytest
 from scipy.integrate import simpson
 
 from theory.cells.friction import FrictionCell
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.friction_orbits import cycle_end_velocity
 from verification.references.friction_events import run_events
@@ -36,7 +37,7 @@ def holding_force(chain: FrictionChain, y: np.ndarray) -> np.ndarray:
     bend = 2 * y
     bend[:, 1:] -= y[:, :-1]
     bend[:, :-1] -= y[:, 1:]
-    if chain.ends is FrictionEnds.FREE:
+    if chain.ends is Ends.FREE:
         bend[:, 0] -= y[:, 0]
         bend[:, -1] -= y[:, -1]
     return 2 * chain.cell.xi * chain.cell.v_d + y + chain.c * bend
@@ -48,17 +49,21 @@ def sorted_log(log: np.ndarray) -> np.ndarray:
 
 
 SCENES = {
-    "cycle": (FrictionChain(0.0, sites=1), np.array([[2.0], [0.0]]), 60.0),
-    "three": (FrictionChain(0.02, sites=3), random_start(3), 60.0),
-    "five": (FrictionChain(0.05, sites=5), random_start(5), 60.0),
-    "strong": (FrictionChain(0.5, replace(CELL, v_d=0.5), 5), random_start(5), 40.0),
-    "reversals": (FrictionChain(10.0, sites=5), random_start(5), 15.0),
-    "wall": (FrictionChain(0.3, sites=4, ends=FrictionEnds.LITERAL), random_start(4), 40.0),
-    "slow belt": (FrictionChain(0.1, replace(CELL, v_d=0.01), 3), random_start(3), 60.0),
-    "undamped": (FrictionChain(0.1, replace(CELL, xi=0.0), 3), random_start(3), 40.0),
-    "steep": (FrictionChain(0.1, replace(CELL, v0=0.02, v_d=0.5), 3), random_start(3), 20.0),
-    "alike": (FrictionChain(0.3, sites=4), np.full((2, 4), 1.2) * [[1.5], [0.0]], 60.0),
-    "far": (FrictionChain(0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 20.0),
+    "cycle": (FrictionChain(c=0.0, sites=1), np.array([[2.0], [0.0]]), 60.0),
+    "three": (FrictionChain(c=0.02, sites=3), random_start(3), 60.0),
+    "five": (FrictionChain(c=0.05, sites=5), random_start(5), 60.0),
+    "strong": (FrictionChain.of(replace(CELL, v_d=0.5), c=0.5, sites=5), random_start(5), 40.0),
+    "reversals": (FrictionChain(c=10.0, sites=5), random_start(5), 15.0),
+    "wall": (FrictionChain(c=0.3, sites=4, ends=Ends.LITERAL), random_start(4), 40.0),
+    "slow belt": (FrictionChain.of(replace(CELL, v_d=0.01), c=0.1, sites=3), random_start(3), 60.0),
+    "undamped": (FrictionChain.of(replace(CELL, xi=0.0), c=0.1, sites=3), random_start(3), 40.0),
+    "steep": (
+        FrictionChain.of(replace(CELL, v0=0.02, v_d=0.5), c=0.1, sites=3),
+        random_start(3),
+        20.0,
+    ),
+    "alike": (FrictionChain(c=0.3, sites=4), np.full((2, 4), 1.2) * [[1.5], [0.0]], 60.0),
+    "far": (FrictionChain(c=0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 20.0),
 }
 
 
@@ -123,7 +128,7 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
 
     def energy(y: np.ndarray, v: np.ndarray) -> float:
         ends = np.concatenate([[0.0], y, [0.0]])
-        stretch = np.diff(ends if chain.ends is FrictionEnds.LITERAL else y)
+        stretch = np.diff(ends if chain.ends is Ends.LITERAL else y)
         return float(0.5 * (v @ v + y @ y + chain.c * stretch @ stretch))
 
     change = energy(run.y[-1], run.velocity[-1]) - energy(*start)
@@ -179,7 +184,7 @@ def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> 
 def test_mirror_symmetry_survives_to_the_last_bit(sites: int, c: float) -> None:
     half = random_start((sites + 1) // 2)
     start = np.concatenate([half, half[:, ::-1][:, sites % 2 :]], axis=1)
-    run = run_friction(FrictionChain(c, sites=sites), start, 60.0 if c < 1 else 20.0)
+    run = run_friction(FrictionChain(c=c, sites=sites), start, 60.0 if c < 1 else 20.0)
     assert np.array_equal(run.y, run.y[:, ::-1])
     assert np.array_equal(run.velocity, run.velocity[:, ::-1])
 
@@ -190,17 +195,17 @@ def test_uniform_sliding_is_an_equilibrium_of_free_ends_for_every_coupling(
     c: float, v_d: float
 ) -> None:
     cell = replace(CELL, v_d=v_d)
-    chain = FrictionChain(c, cell, 7)
+    chain = FrictionChain.of(cell, c=c, sites=7)
     start = np.array([np.full(7, cell.steady_sliding), np.zeros(7)])
     run = run_friction(chain, start, 10.0, window=False)
     # Unstable below the Hopf velocity: round-off grows by e^2 here.
     assert np.abs(run.y - cell.steady_sliding).max() < 1e-14
-    walls = run_friction(replace(chain, ends=FrictionEnds.LITERAL), start, 10.0)
+    walls = run_friction(replace(chain, ends=Ends.LITERAL), start, 10.0)
     assert bool(np.abs(walls.y - cell.steady_sliding).max() > 1e-3) is (c > 0)
 
 
 def test_a_window_run_is_the_full_run() -> None:
-    chain = FrictionChain(0.02, sites=201)
+    chain = FrictionChain(c=0.02, sites=201)
     start = nucleus(chain, [1])
     for tolerance in (1e-8, 1e-11):
         full, window = (
@@ -215,9 +220,9 @@ def test_a_window_run_is_the_full_run() -> None:
 
 def test_uncoupled_sites_move_as_alone() -> None:
     start = random_start(4)
-    run = run_friction(FrictionChain(0.0, sites=4), start, 50.0, tolerance=1e-12)
+    run = run_friction(FrictionChain(c=0.0, sites=4), start, 50.0, tolerance=1e-12)
     for n in range(4):
-        alone = run_friction(FrictionChain(0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
+        alone = run_friction(FrictionChain(c=0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
         # Steps differ: each is good to its own error.
         assert np.abs(run.y[:, n] - alone.y[:, 0]).max() < 1e-9
 
@@ -225,7 +230,7 @@ def test_uncoupled_sites_move_as_alone() -> None:
 @pytest.mark.parametrize("sites", [2, 9, 50])
 def test_sites_that_start_alike_switch_together(sites: int) -> None:
     start = np.array([np.full(sites, 1.9), np.zeros(sites)])
-    run = run_friction(FrictionChain(0.3, sites=sites), start, 60.0, events=10_000)
+    run = run_friction(FrictionChain(c=0.3, sites=sites), start, 60.0, events=10_000)
     assert np.ptp(run.y, axis=1).max() == 0.0
     times, counts = np.unique(run.log[:, 0], return_counts=True)
     assert len(times) > 10
@@ -234,14 +239,16 @@ def test_sites_that_start_alike_switch_together(sites: int) -> None:
 
 def test_a_site_sticks_for_ever() -> None:
     slow = replace(CELL, v_d=1e-12)
-    run = run_friction(FrictionChain(0.0, slow, 2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4)
+    run = run_friction(
+        FrictionChain.of(slow, c=0.0, sites=2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4
+    )
     assert run.stuck.all()
     assert run.events == 0
     assert run.y[-1] == pytest.approx([1e-8, 0.5 + 1e-8], abs=1e-15)
 
 
 def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
-    chain = FrictionChain(0.0, sites=1)
+    chain = FrictionChain(c=0.0, sites=1)
     start = np.array([[CELL.release], [CELL.v_d]])
     run = run_friction(chain, start, 20.0, events=100)
     assert run.log[0, 0] < 1e-15
@@ -256,7 +263,7 @@ def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
      cycle_end_velocity(CELL) * (1 + 1e-9)],
 )  # fmt: skip
 def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: float) -> None:
-    chain = FrictionChain(0.0, replace(CELL, v_d=v_d), 1)
+    chain = FrictionChain.of(replace(CELL, v_d=v_d), c=0.0, sites=1)
     start = np.array([[chain.cell.release - 1e-3], [v_d]])
     run = run_friction(chain, start, 60.0)
     exact = run_friction(chain, start, 60.0, tolerance=1e-14)
@@ -268,7 +275,7 @@ def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: flo
 @pytest.mark.parametrize("v0", [0.1, 1e-2, 1e-3, 1e-5])
 @pytest.mark.parametrize("v_d", [1e-6, 0.3, 0.5])
 def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
-    chain = FrictionChain(0.05, replace(CELL, v0=v0, v_d=v_d), 2)
+    chain = FrictionChain.of(replace(CELL, v0=v0, v_d=v_d), c=0.05, sites=2)
     start = np.array([[1.4, 0.4], [0.0, 0.0]])
     run = run_friction(chain, start, 15.0, tolerance=1e-10)
     exact = run_friction(chain, start, 15.0, tolerance=1e-14)
@@ -280,7 +287,7 @@ def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
 
 
 def test_a_chain_of_ten_thousand_sites_runs() -> None:
-    chain = FrictionChain(0.02, sites=10_000)
+    chain = FrictionChain(c=0.02, sites=10_000)
     long = run_friction(chain, nucleus(chain, [1]), 60.0, samples=3)
     short = replace(chain, sites=40)
     brief = run_friction(short, nucleus(short, [1]), 60.0, samples=3)
@@ -290,7 +297,7 @@ def test_a_chain_of_ten_thousand_sites_runs() -> None:
 
 
 def test_what_cannot_be_run_is_refused() -> None:
-    chain = FrictionChain(0.1, sites=2)
+    chain = FrictionChain(c=0.1, sites=2)
     for start in (np.zeros((2, 3)), np.full((2, 2), np.nan), np.full((2, 2), np.inf)):
         with pytest.raises(ParameterError, match="start"):
             run_friction(chain, start, 1.0)
@@ -301,7 +308,7 @@ def test_what_cannot_be_run_is_refused() -> None:
 
 
 def test_a_run_can_be_taken_in_parts() -> None:
-    chain = FrictionChain(0.05, sites=9)
+    chain = FrictionChain(c=0.05, sites=9)
     start = nucleus(chain, [5])
     whole, parts = (FrictionLane(chain, start, 1e-11) for _ in range(2))
     whole.go_to(50.0)
@@ -312,7 +319,7 @@ def test_a_run_can_be_taken_in_parts() -> None:
 
 
 def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
-    chain = FrictionChain(0.05, sites=300)
+    chain = FrictionChain(c=0.05, sites=300)
     lane = FrictionLane(chain, nucleus(chain, list(range(1, 301))), 1e-9)
     lane.go_to(20.0)
     for _ in range(5):
@@ -324,7 +331,7 @@ def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
 
 @pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])
 def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
-    chain = FrictionChain(0.05, sites=9)
+    chain = FrictionChain(c=0.05, sites=9)
     start = nucleus(chain, place)
     whole = run_friction(chain, start, 60.0, samples=7, events=500)
     file = tmp_path / "run.npz"
@@ -354,10 +361,10 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
 
 def test_a_checkpoint_of_another_friction_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "run.npz"
-    chain = FrictionChain(0.05, sites=9)
+    chain = FrictionChain(c=0.05, sites=9)
     run_friction(chain, nucleus(chain, [5]), 9.0, checkpoint=file)
     for other, place, end, named in (
-        (FrictionChain(0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
+        (FrictionChain(c=0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
         (chain, [4], 9.0, "start"),
         (chain, [5], 10.0, "t_end"),
     ):
@@ -366,6 +373,6 @@ def test_a_checkpoint_of_another_friction_run_is_refused(tmp_path: Path) -> None
 
 
 def test_more_samples_than_memory_holds_are_refused() -> None:
-    chain = FrictionChain(0.05, sites=1000)
+    chain = FrictionChain(c=0.05, sites=1000)
     with pytest.raises(ParameterError, match="at most 100000 for 1000 sites"):
         run_friction(chain, nucleus(chain, [5]), 9.0, samples=200_000)

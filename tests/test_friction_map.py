@@ -13,6 +13,7 @@ import pytest
 from fronts.cli import main
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place
 from theory.parameters import ParameterError
 from verification.execution.sweep import sweep
 from verification.execution.table import Point
@@ -22,7 +23,7 @@ from verification.maps.friction_state import HOLD, WINDOW, label_friction
 from verification.maps.state import Label
 from verification.references.friction_events import run_events
 from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import Place, nucleus
+from verification.runs.friction_start import nucleus
 
 SHORT = FrictionStateTask(sites=7)
 
@@ -59,7 +60,7 @@ def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: Label)
 def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> None:
     rng = np.random.default_rng(2)
     for v_d in (1.2, 1.9):
-        chain = FrictionChain(0.1, FrictionCell(v_d), 8)
+        chain = FrictionChain.of(FrictionCell(v_d=v_d), c=0.1, sites=8)
         start = 1e-4 * rng.standard_normal((2, 8))
         start[0] += chain.cell.steady_sliding
         lane = FrictionLane(chain, start, 1e-12)
@@ -71,7 +72,7 @@ def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> 
         excited = FrictionLane(chain, nucleus(chain, [4]), 1e-8)
         assert not excited.going_to_rest()
     # nothing can be said where sliding is unstable, however small the motion is
-    unstable = FrictionChain(0.1, FrictionCell(1.0), 8)
+    unstable = FrictionChain.of(FrictionCell(v_d=1.0), c=0.1, sites=8)
     assert not FrictionLane(unstable, nucleus(unstable, [1], 0.57), 1e-12).going_to_rest()
 
 
@@ -191,7 +192,7 @@ def test_simulate_gives_numbers_files_and_a_picture(
     assert main(shlex.split(line)) == 0
     answer = json.loads(capsys.readouterr().out)
     lane = FrictionLane(
-        FrictionChain(0.05, sites=9), nucleus(FrictionChain(0.05, sites=9), [1]), 1e-9
+        FrictionChain(c=0.05, sites=9), nucleus(FrictionChain(c=0.05, sites=9), [1]), 1e-9
     )
     lane.go_to(150.0)
     known = [t for t in answer["arrivals"] if t is not None]

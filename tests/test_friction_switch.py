@@ -14,9 +14,9 @@ from verification.references.switch_model import run_switch
 from verification.runs.friction import run_friction
 from verification.runs.friction_start import nucleus
 
-CHAIN = FrictionChain(0.02, sites=3)
+CHAIN = FrictionChain(c=0.02, sites=3)
 START = nucleus(CHAIN, [1])
-ONE = FrictionChain(0.0, sites=1)
+ONE = FrictionChain(c=0.0, sites=1)
 
 
 def test_the_switch_model_converges_with_the_first_power_of_the_band() -> None:
@@ -90,13 +90,13 @@ def test_every_band_gives_a_finite_run_or_stops_and_says_where(
 
 
 def test_mirror_symmetry_of_the_switch_model() -> None:
-    chain = FrictionChain(0.05, sites=7)
+    chain = FrictionChain(c=0.05, sites=7)
     run = run_switch(chain, nucleus(chain, [4]), 30.0, step=0.01)
     assert np.abs(run.y - run.y[:, ::-1]).max() < 1e-9
 
 
 def test_uniform_sliding_stays_in_the_switch_model() -> None:
-    chain = FrictionChain(3.0, sites=5)
+    chain = FrictionChain(c=3.0, sites=5)
     start = np.array([np.full(5, chain.cell.steady_sliding), np.zeros(5)])
     run = run_switch(chain, start, 20.0, step=0.01)
     assert np.abs(run.y - chain.cell.steady_sliding).max() < 1e-12

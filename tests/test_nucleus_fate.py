@@ -23,7 +23,7 @@ NAN = float("nan")
 
 
 def chain(c: float, sites: int = 41) -> VdpChain:
-    return VdpChain(A, B, c, EPS, sites)
+    return VdpChain(a=A, b=B, c=c, eps=EPS, sites=sites)
 
 
 def joined_by_scipy(c: float, sites: int, slow_time: float) -> np.ndarray:

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from paper_checks.store import Store
 
 from fronts.cli import main
 from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
 from paper_checks.data_table import columns_as_csv, long_table
 from paper_checks.pictures import new_axes, picture
-from paper_checks.store import Store
 
 HERE = Path(__file__).parent
 KEYS = ["fig9-decay", "fig9-monotone", "fig16-speed", "fig16-misprint", "fig16-escape"]

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from paper_checks.imports import closure, digest
 
 from fronts.cli import main
 from fronts.commands import check
 from paper_checks import discover, shipped
 from paper_checks.discover import find_entries
-from paper_checks.imports import closure, digest
 from paper_checks.outcome import judge
 
 CLAIM = """

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from verification.execution.journal import journal_path
 
 from fronts.cli import main
 from paper_checks.claim import Verdict
 from paper_checks.claims import fig15
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.execution.journal import journal_path
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, grid
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
@@ -279,7 +280,7 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
         lambda: state_points([0.0], [0.1]),
         lambda: state_points([0.1], [-0.1]),
         lambda: label_state(
-            VdpChain(4, 0.5, 0.1, sites=3, ends=Ends.PERIODIC), np.zeros(3, dtype=complex)
+            VdpChain(a=4, b=0.5, c=0.1, sites=3, ends=Ends.PERIODIC), np.zeros(3, dtype=complex)
         ),
     ],
 )

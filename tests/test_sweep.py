@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from verification.execution.journal import journal_path
 
 from theory.parameters import ParameterError
-from verification.execution.journal import journal_path
 from verification.execution.sweep import SweepError, sweep
 from verification.execution.table import Point, Table, grid, stamp_path, table_of
 

@@ -42,7 +42,9 @@ def test_a_front_of_the_full_chain_goes_on_with_the_fastest_waves_not_with_c() -
     q = np.linspace(1e-3, np.pi, 4001)
     waves = np.gradient(np.sqrt(1.0 + 2.0 * eps * c * (1.0 - np.cos(q))), q).max() / eps
     assert abs(waves / _fronts.wave_velocity(c, eps) - 1.0) < 1e-5
-    front = measure_front(VdpChain(4.0, 0.5, c, eps), Model.FULL, accuracy=1e-2, most_sites=300)
+    front = measure_front(
+        VdpChain(a=4.0, b=0.5, c=c, eps=eps), Model.FULL, accuracy=1e-2, most_sites=300
+    )
     assert front.v is not None
     assert 1.0 < front.v / waves < 1.02
     assert abs(_fronts.velocity_on_few_sites(c) / front.v - 1.0) < 0.02

@@ -12,7 +12,8 @@ from mpmath import mp
 from scipy.integrate import simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.runs.vdp import Model, VdpRun, run_vdp
 from verification.runs.vdp_start import displaced, perturbed, staggered_front
@@ -27,12 +28,12 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
     random = np.random.default_rng(seed)
     a = 10.0 ** random.uniform(0.0, 1.0)
     chain = VdpChain(
-        a,
-        a**2 * random.uniform(0.01, 0.12),
-        10.0 ** random.uniform(-2.0, 1.0),
-        10.0 ** random.uniform(-2.5, -0.7),
-        int(random.integers(2, 12)),
-        Ends.FREE if seed % 2 else Ends.PERIODIC,
+        a=a,
+        b=a**2 * random.uniform(0.01, 0.12),
+        c=10.0 ** random.uniform(-2.0, 1.0),
+        eps=10.0 ** random.uniform(-2.5, -0.7),
+        sites=int(random.integers(2, 12)),
+        ends=Ends.FREE if seed % 2 else Ends.PERIODIC,
     )
     start = perturbed(displaced(chain, [1]), 0.3, seed)
     run = run_vdp(
@@ -48,7 +49,7 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
 @pytest.mark.parametrize("slow_time", [20.0, 40.0, 60.0])
 def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: float) -> None:
     """On its unstable cycle a cell of (43) stands still: runs at any tolerance are the same run."""
-    cell = VdpChain(1.0, 0.11, 0.0, sites=2)
+    cell = VdpChain(a=1.0, b=0.11, c=0.0, sites=2)
     start = np.array([cell.unstable_amplitude, 0.0], dtype=complex)
     end = slow_time / cell.eps
     run = run_vdp(cell, start, end, model=Model.ENVELOPE, tolerance=1e-12, samples=2)
@@ -79,7 +80,7 @@ def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: flo
 def test_sites_left_out_do_not_change_the_run(model: Model, c: float, end: float) -> None:
     """At c = 100 fronts are wide, and their first traces run far ahead."""
     tolerance = 1e-8
-    chain = VdpChain(4.0, 0.5, c, sites=160)
+    chain = VdpChain(a=4.0, b=0.5, c=c, sites=160)
     start = staggered_front(chain, 30)
     kept, whole = (
         run_vdp(
@@ -97,7 +98,7 @@ def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_squa
     """Steps times sites, a count and not a time, with sites behind the front left out."""
     spent = []
     for sites in (100, 200):
-        chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+        chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
         run = run_vdp(
             chain, staggered_front(chain, 24), sites / 0.72 * 100, model=Model.ENVELOPE, behind=24,
             companion=False, samples=2,
@@ -140,7 +141,7 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "run.npz"
     start = displaced(FRONT, [1])
     run_vdp(FRONT, start, 50.0, checkpoint=file)
-    other = VdpChain(4.0, 0.5, 0.7, sites=40)
+    other = VdpChain(a=4.0, b=0.5, c=0.7, sites=40)
     for chain, psi, end, named in (
         (other, start, 50.0, "c: 0.6 there, 0.7 here"),
         (FRONT, displaced(FRONT, [2]), 50.0, "start"),
@@ -156,8 +157,8 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("model", list(Model))
 def test_the_motion_depends_on_a_and_b_through_eta_only(model: Model) -> None:
     eta, a = 0.03, 7.0
-    one = VdpChain(1.0, eta, 0.4, sites=12)
-    other = VdpChain(a, eta * a**2, 0.4, sites=12)
+    one = VdpChain(a=1.0, b=eta, c=0.4, sites=12)
+    other = VdpChain(a=a, b=eta * a**2, c=0.4, sites=12)
     first, second = (
         run_vdp(chain, displaced(chain, [1, 2]), 800.0, model=model, tolerance=1e-11)
         for chain in (one, other)
@@ -168,7 +169,7 @@ def test_the_motion_depends_on_a_and_b_through_eta_only(model: Model) -> None:
 
 def test_the_energy_lost_is_the_work_of_the_damping() -> None:
     """E(t) - E(0) = -ε∫Σẏ²(1 - ay² + by⁴)dt, by Simpson's rule over dense samples."""
-    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 12)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=12)
     run = run_vdp(chain, displaced(chain, [1, 2]), 40.0, samples=8001, tolerance=1e-12)
     y, w = run.psi.imag, run.psi.real
     energy = 0.5 * (w**2 + y**2).sum(1) + 0.5 * chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
@@ -181,7 +182,7 @@ def test_the_energy_lost_is_the_work_of_the_damping() -> None:
 def test_the_average_is_the_limit_of_small_eps() -> None:
     differences = []
     for eps in (0.02, 0.01, 0.005):
-        chain = VdpChain(2.5, 0.5, 0.3, eps, 10)
+        chain = VdpChain(a=2.5, b=0.5, c=0.3, eps=eps, sites=10)
         start = displaced(chain, [1, 2], steps=[0, -1])
         full, mean = (
             run_vdp(chain, start, 20.0 / eps, model=model, samples=2, companion=False)
@@ -195,7 +196,7 @@ def test_the_average_is_the_limit_of_small_eps() -> None:
 @pytest.mark.parametrize("displacement", [30.0, 100.0, 300.0])
 def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
     """εby⁴ is from 4e3 to 4e7 at first; scipy's LSODA is the other method."""
-    chain = VdpChain(4.0, 0.5, 0.6, 0.01, 5)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=5)
     start = displaced(chain, [3], displacement)
     run = run_vdp(chain, start, 30.0, samples=2, tolerance=1e-9)
     state = np.concatenate([start.imag, start.real])
@@ -210,9 +211,9 @@ def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
     assert run.stiff_steps > 0 or displacement < 50.0
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_jacobian_is_the_derivative_of_the_right_side(ends: Ends) -> None:
-    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 4, ends)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=4, ends=ends)
     x = np.random.default_rng(1).standard_normal(8)
     columns = [
         (full_right_side(chain, x + step) - full_right_side(chain, x - step)) / 2e-6
@@ -258,7 +259,7 @@ def test_bad_input_is_named(changes: dict[str, object], named: str) -> None:
 @pytest.mark.parametrize("c", [1e-3, 5.0])
 def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> None:
     """The same as with all sites stepped, and the cost does not follow the length."""
-    chain = VdpChain(4.0, 0.5, c, 0.01, 60)
+    chain = VdpChain(a=4.0, b=0.5, c=c, eps=0.01, sites=60)
     start = displaced(chain, [30], 200.0)
     part = run_vdp(chain, start, 10.0, samples=3, tolerance=1e-9)
     whole = run_vdp(chain, start, 10.0, samples=3, tolerance=1e-9, window=False)

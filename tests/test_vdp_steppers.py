@@ -11,7 +11,8 @@ import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from verification.runs.vdp_integration import Lane
 from verification.runs.vdp_start import displaced
 from verification.steppers.active import FREE, RING
@@ -68,11 +69,11 @@ def _state(psi: ComplexArray, full: bool = True) -> FloatArray:
     return np.array([psi.imag, psi.real] if full else [psi.real, psi.imag])
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 @pytest.mark.parametrize("full", [True, False])
 @pytest.mark.parametrize("order", [4, 8])
 def test_a_runge_kutta_step_has_its_order(order: int, full: bool, ends: Ends) -> None:
-    chain = VdpChain(CHAIN.a, CHAIN.b, CHAIN.c, CHAIN.eps, 7, ends)
+    chain = VdpChain(a=CHAIN.a, b=CHAIN.b, c=CHAIN.c, eps=CHAIN.eps, sites=7, ends=ends)
     end = 20.0 if full else 20.0 / chain.eps
     exact = _state(reference(chain, _start(chain), end, full), full)
     errors = []
@@ -94,12 +95,12 @@ def test_a_runge_kutta_step_has_its_order(order: int, full: bool, ends: Ends) ->
     assert math.log2(errors[0] / errors[1]) > order - 0.6
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_splitting_gains_an_order_in_eps_at_fixed_steps(ends: Ends) -> None:
     """SABA_n: O(ε h^{2n}) + O(ε² h²): at small h the error falls like ε², and like h²."""
 
     def error(eps: float, count: int) -> float:
-        chain = VdpChain(4.0, 0.5, 0.6, eps, 7, ends)
+        chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=eps, sites=7, ends=ends)
         state = _state(_start(chain))
         parameters = np.array([chain.a, chain.b, chain.c, eps])
         split_steps(state, parameters, ends is Ends.PERIODIC, 5.0 / count, count, *saba(4))
@@ -114,7 +115,7 @@ def test_the_splitting_gains_an_order_in_eps_at_fixed_steps(ends: Ends) -> None:
 def _by_runge_kutta(full: bool, tolerance: float, end: float) -> ComplexArray:
     lane = Lane(CHAIN, full, _start(CHAIN), np.array([0.0, end]), tolerance, 1.0, True, 0)
     while not lane.finished:
-        lane.go_on(10**6)
+        lane.advance(10**6)
     return lane.psi[-1]
 
 
@@ -165,13 +166,13 @@ def test_a_mirrored_state_has_the_mirrored_slope_to_the_last_bit(model: int) -> 
 
 @pytest.mark.parametrize("full", [True, False])
 def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
-    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 9, Ends.PERIODIC)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=9, ends=Ends.PERIODIC)
     start = displaced(chain, [2, 3], 3.0, steps=[0, -1])
 
     def run(psi: ComplexArray) -> ComplexArray:
         lane = Lane(chain, full, psi, np.array([0.0, 200.0]), 1e-9, 1.0, True, 0)
         while not lane.finished:
-            lane.go_on(10**6)
+            lane.advance(10**6)
         return lane.psi[-1]
 
     # Round-off of different orders of summation, grown over 200 units of time.
@@ -181,11 +182,11 @@ def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
 
 def test_the_clock_loses_nothing_over_many_equal_steps() -> None:
     """Equal steps are rounded alike: a plain sum of 20 000 of them is off by some 1e-10."""
-    chain = VdpChain(4.0, 0.5, 0.6, 0.01, 31)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=31)
     start = displaced(chain, [1])
     lane = Lane(chain, True, start, np.array([0.0, 1000.0]), 1e-13, 1.0, True, 0)
     while not lane.finished:
-        lane.go_on(10**7)
+        lane.advance(10**7)
     state = _state(start)
     parameters = np.array([chain.a, chain.b, chain.c, chain.eps])
     taylor_steps(FULL, state, parameters, FREE, 1000.0, 1e-14, taylor_order(1e-14))

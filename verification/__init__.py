@@ -9,5 +9,5 @@
 ``quantities``
     The registry of what can be computed, and the stability table over it; ``work_reduction``.
 ``execution``
-    Sweeps, worker pool, journal, checkpoint, compiled code.
+    How computations are run and stored: files, digests, records, workers, progress, resumption.
 """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import random
 import sys
 import tempfile
@@ -16,6 +15,7 @@ from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import Mutant, mutants_of
 from benchmarks.mutation.outcome import write_record
 from benchmarks.mutation.runs import Runs, Workers
+from verification.execution.digest import digest_of
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
@@ -120,7 +120,7 @@ def command_line(arguments: Sequence[str] | None) -> str:
 
 def default_work(root: Path) -> Path:
     """Return the folder for copies and results of this working tree, outside of it."""
-    mark = hashlib.sha256(str(root).encode()).hexdigest()[:8]
+    mark = digest_of(str(root))[:8]
     return Path(tempfile.gettempdir()) / f"fronts-mutation-{mark}"
 
 

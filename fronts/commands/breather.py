@@ -12,8 +12,8 @@ from fronts.arguments import given, real, refuse_other_methods, whole
 from fronts.breather_words import breather_in_words, breather_table
 
 if TYPE_CHECKING:
+    from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleus import Nucleus
 
 EXAMPLE = """examples:
   fronts breather --c 0.1
@@ -22,7 +22,7 @@ EXAMPLE = """examples:
   fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
   fronts breather --c 0.195 --method closed-form --reading tail"""
 
-MOST_SITES = {"closed-form": 100_000, "envelope": 401, "orbit": 101, "simulation": 2001}
+MAX_SITES = {"closed-form": 100_000, "envelope": 401, "orbit": 101, "simulation": 2001}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +73,7 @@ def add_nucleus_options(parser: argparse.ArgumentParser) -> None:
 
 def nucleus_of(options: argparse.Namespace) -> Nucleus:
     """Return the nucleus that the options describe."""
-    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from theory.chains.nucleus import Nucleus, outward_pattern
 
     pattern = options.pattern
     if pattern is None:
@@ -90,13 +90,13 @@ def run(options: argparse.Namespace) -> Answer:
 
     nucleus = nucleus_of(options)
     sites = nucleus.size + 14 if options.n is None else options.n
-    most = MOST_SITES.get(options.method, min(MOST_SITES.values()))
+    most = MAX_SITES.get(options.method, min(MAX_SITES.values()))
     if sites > most:
         raise UsageError(
             f"--n {sites} is too many for --method {options.method}: "
             f"at most {most}; a breather needs a few sites."
         )
-    chain = VdpChain(options.a, options.b, options.c, options.eps, sites)
+    chain = VdpChain(a=options.a, b=options.b, c=options.c, eps=options.eps, sites=sites)
     nucleus.first(sites)
     _ = chain.stable_amplitude
     payload: dict[str, Any] = {

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, given, real, real_or_range, refuse, write_whole
+from fronts.arguments import check_writable, given, real, real_or_range, refuse
 from fronts.friction_options import CELL, add_cell_options, cell_numbers
+from verification.execution.files import write_by
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
@@ -174,9 +175,9 @@ def _diagram(cell: FrictionCell, low: float, high: float, count: int, out: Path 
         lines += ["  ".join(_number(value) for value in row) for row in rows]
         return Answer(payload, "\n".join(lines))
     if out.suffix.lower() == ".csv":
-        write_whole(out, lambda path: _write_table(path, rows))
+        write_by(out, lambda path: _write_table(path, rows))
     else:
-        write_whole(out, lambda path: _draw(path, cell, diagram))
+        write_by(out, lambda path: _draw(path, cell, diagram))
     return Answer(payload, f"{count} velocities in {seconds:.3g} s, written to {out}")
 
 

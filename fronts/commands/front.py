@@ -16,7 +16,7 @@ from fronts.friction_options import (
     cell_of,
     start_point_of,
 )
-from fronts.progress import Fraction
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from verification.fronts.friction import FrictionFront
@@ -167,19 +167,19 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
     eta = eta_of(options)
     a, b = (options.a, options.b) if options.eta is None else (1.0, eta)
     chain = VdpChain(
-        a,
-        b,
-        options.c,
+        a=a,
+        b=b,
+        c=options.c,
         eps=0.01 if options.eps is None else options.eps,
         sites=count_within("number of sites n", given(options.n, 32), 2, LONGEST),
     )
-    with Fraction(f"front at c = {options.c:g}") as shown:
+    with Progress(f"front at c = {options.c:g}") as shown:
         result = measure_front(
             chain,
             model,
             behind=Behind(options.behind or "free"),
             accuracy=1e-3 if options.accuracy is None else options.accuracy,
-            progress=shown.show,
+            progress=shown.report,
         )
     payload = _numbers(result) | {"outruns_waves": result.outruns}
     return Answer(payload, "\n".join([_measured(result, "slow time"), _behind(result)]))
@@ -194,14 +194,14 @@ def _friction(options: argparse.Namespace) -> Answer:
     size = given(options.nucleus, 1)
     # Before the chain, which allows more sites than a front.
     sites = checked_sites(given(options.n, 101), size)
-    chain = FrictionChain(options.c, cell_of(options), sites)
-    with Fraction(f"front at c = {options.c:g}") as shown:
+    chain = FrictionChain.of(cell_of(options), c=options.c, sites=sites)
+    with Progress(f"front at c = {options.c:g}") as shown:
         result = measure_friction_front(
             chain,
             size=size,
             point=start_point_of(options),
             accuracy=given(options.accuracy, 1e-2),
-            progress=shown.show,
+            progress=shown.report,
         )
     payload = _numbers(result) | {"largest_group_velocity": chain.largest_group_velocity}
     return Answer(payload, _measured(result, "tau"))

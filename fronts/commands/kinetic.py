@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import add_eta_options, check_writable, eta_of, real_or_range, write_whole
-from fronts.progress import Fraction
+from fronts.arguments import add_eta_options, check_writable, eta_of, real_or_range
+from verification.execution.files import write_by
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from theory.piecewise.kinetic_relation import Branch, KineticRelation
@@ -51,16 +52,16 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--out needs a curve: give a range, as in --c 0.3:3:200.")
     c_values = np.linspace(*options.c) if ranges[0] else np.array([options.c])
     eta_values = np.linspace(*eta) if ranges[1] else np.array([eta])
-    with Fraction("kinetic relation") as live:
-        answers = trace_kinetic_relation(c_values, eta_values, progress=live.show)
+    with Progress("kinetic relation") as live:
+        answers = trace_kinetic_relation(c_values, eta_values, progress=live.report)
     if not any(ranges):
         return Answer(_payload(answers[0]), _in_words(answers[0]))
     along = "c" if ranges[0] else "eta"
     if options.out is not None:
         if options.out.suffix.lower() == ".csv":
-            write_whole(options.out, lambda path: _write_table(path, answers))
+            write_by(options.out, lambda path: _write_table(path, answers))
         else:
-            write_whole(options.out, lambda path: _draw(path, answers, along))
+            write_by(options.out, lambda path: _draw(path, answers, along))
     seconds = sum(answer.seconds for answer in answers)
     payload = {"points": [_payload(answer) for answer in answers], "seconds": seconds}
     return Answer(payload, _curve_in_words(answers, along, options.out, seconds))

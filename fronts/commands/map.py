@@ -130,14 +130,14 @@ def _values(given: float | tuple[float, float, int]) -> list[float]:
 
 def _check(options: argparse.Namespace) -> None:
     from theory.parameters import count_within, within
-    from verification.execution.journal import journal_path
+    from verification.execution.sweep import part_path
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
         # Before the map overwrites what an interrupted run has finished.
-        journal = journal_path(boundary_path(options.out))
-        if journal.exists() and not options.resume:
-            raise UsageError(f"{journal} is left by an interrupted run: --resume it, or remove it.")
+        part = part_path(boundary_path(options.out))
+        if part.exists() and not options.resume:
+            raise UsageError(f"{part} is left by an interrupted run: --resume it, or remove it.")
     if options.picture is not None:
         check_writable(options.picture, (".png", ".svg", ".pdf"), "--picture")
     if options.resume and options.out is None:
@@ -202,21 +202,21 @@ def _vdp(options: argparse.Namespace) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.cells.friction import FrictionCell
-    from theory.chains.friction import FrictionEnds
+    from theory.chains.chain import Ends
+    from theory.chains.nucleus import Place
     from verification.maps.friction import FrictionStateTask, friction_points
-    from verification.runs.friction_start import Place
 
     refuse(options, _VDP, options.chain)
     _check(options)
     couplings, velocities = _axes(options, "c", "v_d")
     points = friction_points(couplings, velocities)
-    cell = FrictionCell(velocities[0], **cell_numbers(options))
+    cell = FrictionCell(v_d=velocities[0], **cell_numbers(options))
     task = FrictionStateTask(
         sites=given(options.n, 31),
         size=given(options.nucleus, 1),
         place=Place(options.place or "bulk"),
         point=start_point_of(options),
-        ends=FrictionEnds(options.ends or "free"),
+        ends=Ends(options.ends or "free"),
         end=given(options.end, 20_000.0),
         mu_st=cell.mu_st,
         mu_d=cell.mu_d,

@@ -13,8 +13,8 @@ from fronts.arguments import (
     eta_of,
     real,
     whole,
-    write_whole,
 )
+from verification.execution.files import write_by
 
 if TYPE_CHECKING:
     from theory.piecewise.kinetic_relation import Branch
@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> Answer:
     r = threshold_ratio(answer.eta)
     if options.out is not None:
         write = _write_table if options.out.suffix.lower() == ".csv" else _draw
-        write_whole(options.out, lambda path: write(path, zeta, phi, branch, r))
+        write_by(options.out, lambda path: write(path, zeta, phi, branch, r))
     payload: dict[str, object] = {
         "c": answer.c,
         "eta": answer.eta,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import decimal, real, whole
-from fronts.progress import Fraction
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from theory.piecewise.roots import RootSet
@@ -110,10 +110,10 @@ def _rows(v: str, c: str, roots: RootSet, upper: bool, digits: int) -> list[dict
 
     rows = []
     half = "upper" if upper else "lower"
-    with mp.workdps(digits + 10), Fraction(f"digits of the {half} roots") as live:
+    with mp.workdps(digits + 10), Progress(f"digits of the {half} roots") as live:
         v_, c_ = exact(v), exact(c)
         for done, label in enumerate(roots.labels.tolist()):
-            live.show(done / roots.labels.size)
+            live.report(done / roots.labels.size)
             (k,) = precise_roots(v, c, roots.labels[done : done + 1], upper, digits)
             residual = abs(mp.mpf(0.5) - 2j * c_ * mp.sin(k / 2) ** 2 - 1j * v_ * k)
             printed = abs(k) * mp.mpf(10) ** (1 - digits)  # what printing so many digits costs

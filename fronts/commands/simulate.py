@@ -20,10 +20,11 @@ from fronts.arguments import (
     refuse,
     same_file,
     whole,
-    write_whole,
 )
 from fronts.friction_options import CELL, START, add_cell_options, add_start_option
-from fronts.progress import Fraction, kept_by_checkpoint
+from fronts.interrupted import resumable_run
+from verification.execution.files import write_by
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from verification.runs.vdp import VdpRun
@@ -151,19 +152,20 @@ def _vdp(options: argparse.Namespace) -> Answer:
     _check(options)
     if options.ends == "literal":
         raise UsageError("--ends literal is for the model friction: take free or periodic.")
-    from theory.chains.vdp import Ends, VdpChain
+    from theory.chains.chain import Ends
+    from theory.chains.vdp import VdpChain
     from theory.parameters import within
     from verification.runs.vdp import Model, run_vdp
     from verification.runs.vdp_start import displaced, perturbed
 
     a, b, eps = given(options.a, 2.5), given(options.b, 0.5), given(options.eps, 0.01)
-    chain = VdpChain(a, b, options.c, eps, options.n, Ends(options.ends))
+    chain = VdpChain(a=a, b=b, c=options.c, eps=eps, sites=options.n, ends=Ends(options.ends))
     within("size of the noise", options.perturb, 0.0, 1.0)
     start = displaced(chain, options.excite, options.displacement)
     if options.perturb > 0:
         start = perturbed(start, options.perturb, options.seed)
     level = None if chain.bistable else max(1e-3, 0.5 * float(np.abs(start).max()))
-    with kept_by_checkpoint(options.checkpoint), Fraction(f"run to t = {options.t_end:g}") as shown:
+    with resumable_run(options.checkpoint), Progress(f"run to t = {options.t_end:g}") as shown:
         result = run_vdp(
             chain,
             start,
@@ -173,12 +175,12 @@ def _vdp(options: argparse.Namespace) -> Answer:
             samples=options.samples,
             level=level,
             checkpoint=options.checkpoint,
-            progress=shown.show,
+            progress=shown.report,
         )
     if options.out is not None:
-        write_whole(options.out, lambda path: _save(path, result))
+        write_by(options.out, lambda path: _save(path, result))
     if options.picture is not None:
-        write_whole(options.picture, lambda path: _draw(path, result))
+        write_by(options.picture, lambda path: _draw(path, result))
     payload, words = _payload(result), _in_words(result)
     if chain.bistable and chain.ends is Ends.FREE:
         from verification.breathers.outcome import growth_of

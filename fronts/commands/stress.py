@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_seed, check_writable, given, whole
-from fronts.progress import Fraction, kept_by_journal
+from fronts.interrupted import resumable_tables
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from verification.quantities.quantity import Quantity
@@ -75,7 +76,7 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--resume needs --out: the journal is beside it.")
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
-    with kept_by_journal(options.out), Fraction("stress") as live:
+    with resumable_tables(options.out), Progress("stress") as live:
         found = stability(
             tuple(dict.fromkeys(options.quantity or ())),  # named twice is tried once
             points,
@@ -83,7 +84,7 @@ def run(options: argparse.Namespace) -> Answer:
             out=options.out,
             resume=options.resume,
             workers=options.workers,
-            progress=lambda done, total, _: live.show(done / max(total, 1)),
+            progress=live.report,
         )
     payload: dict[str, object] = {
         "points": len(found.table),
@@ -97,8 +98,10 @@ def run(options: argparse.Namespace) -> Answer:
         "out": None if options.out is None else str(options.out),
     }
     if options.record:
-        kept = {name: value for name, value in payload.items() if name != "out"}
-        _keep("stability", kept, f"fronts stress --points {points} --seed {seed}", STABILITY_CODE)
+        stored = {name: value for name, value in payload.items() if name != "out"}
+        _store(
+            "stability", stored, f"fronts stress --points {points} --seed {seed}", STABILITY_CODE
+        )
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 
@@ -119,20 +122,15 @@ def _alone(question: str, options: argparse.Namespace) -> None:
             )
 
 
-def _keep(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
+def _store(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
     """Store a result where the report finds it, with a digest of the code that it is of."""
-    from benchmarks.quantity import RESULTS
-    from benchmarks.record import now, these_versions, this_machine, write_json
-    from paper_checks.freshness import fingerprint
+    from fronts.commands.bench import ROOT
+    from verification.execution.metadata import Code, Metadata
+    from verification.execution.record import Record
 
-    stamp = {
-        "command": command,
-        "date": now(),
-        "machine": this_machine(),
-        "versions": these_versions(),
-        "code": fingerprint(modules),
-    }
-    write_json(stamp | payload, RESULTS / f"{name}.json")
+    metadata = Metadata(command=command, code=Code.of(modules))
+    path = ROOT / "benchmarks" / "results" / f"{name}.json"
+    Record(kind=name, content=payload, metadata=metadata).save(path)
 
 
 def _finite(value: Any) -> Any:
@@ -205,6 +203,6 @@ def _savings(record: bool) -> Answer:
         lines.append(f"    test: {row.saving.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
-        _keep("savings", payload, "fronts stress --savings", SAVINGS_CODE)
+        _store("savings", payload, "fronts stress --savings", SAVINGS_CODE)
     exceeded = not all(row.found.holds for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

@@ -19,7 +19,7 @@ from fronts.friction_options import (
     cell_of,
     start_point_of,
 )
-from fronts.progress import Fraction
+from verification.execution.progress import Progress
 
 EXAMPLE = """examples:
   fronts threshold vdp --nucleus 3
@@ -101,7 +101,7 @@ def _vdp(options: argparse.Namespace) -> Answer:
         setattr(options, name, given(getattr(options, name), default))
     from theory.chains.vdp import VdpChain
 
-    chain = VdpChain(options.a, options.b, 0.0, options.eps)
+    chain = VdpChain(a=options.a, b=options.b, c=0.0, eps=options.eps)
     _ = chain.stable_amplitude
     if options.nucleus > 41:
         raise UsageError(f"--nucleus {options.nucleus} is too wide: at most 41 sites.")
@@ -152,9 +152,9 @@ _STABILITY = {
 
 
 def _sweep(chain: Any, options: argparse.Namespace) -> Answer:
+    from theory.chains.nucleus import Nucleus, Place
     from theory.parameters import within
     from verification.breathers.nucleation import Preparation
-    from verification.breathers.nucleus import Nucleus, Place
     from verification.breathers.slow_sweep import measure_delay
 
     if options.pattern is not None:
@@ -226,11 +226,12 @@ def _closed_form(chain: Any, options: argparse.Namespace) -> Answer:
 
 def _friction(options: argparse.Namespace) -> Answer:
     refuse(options, _VDP, options.model)
-    from theory.chains.friction import FrictionChain, FrictionEnds
+    from theory.chains.chain import Ends
+    from theory.chains.friction import FrictionChain
     from verification.thresholds.friction import Definition, Spreading, friction_threshold
 
-    ends = FrictionEnds(options.ends or "free")
-    chain = FrictionChain(0.0, cell_of(options), given(options.n, 31), ends)
+    ends = Ends(options.ends or "free")
+    chain = FrictionChain.of(cell_of(options), c=0.0, sites=given(options.n, 31), ends=ends)
     spreading = Spreading(
         options.nucleus,
         options.place,
@@ -238,14 +239,14 @@ def _friction(options: argparse.Namespace) -> Answer:
         given(options.final_time, 1000.0),
         start_point_of(options),
     )
-    with Fraction("threshold") as shown:
+    with Progress("threshold") as shown:
         found = friction_threshold(
             chain,
             spreading,
             lowest=given(options.c_min, 1e-3),
             highest=given(options.c_max, 0.5),
             accuracy=given(options.accuracy, 1e-6),
-            progress=shown.show,
+            progress=shown.report,
         )
     payload: dict[str, object] = {
         "c_crit": found.c,

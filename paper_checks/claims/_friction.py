@@ -20,7 +20,7 @@ def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
     from theory.cells.friction import FrictionCell
     from theory.chains.friction import FrictionChain
 
-    return FrictionChain(c, FrictionCell(v_d), sites)
+    return FrictionChain.of(FrictionCell(v_d=v_d), c=c, sites=sites)
 
 
 def arrivals_by_scipy(

@@ -38,7 +38,7 @@ def _orbits() -> CellOrbits:
     from theory.cells.friction import FrictionCell
     from verification.cells.friction_orbits import cell_orbits
 
-    return cell_orbits(FrictionCell(V_D))
+    return cell_orbits(FrictionCell(v_d=V_D))
 
 
 @lru_cache(maxsize=32)
@@ -49,7 +49,7 @@ def _scipy(
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
-    chain = FrictionChain(0.0, cell, 1)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
     times = np.linspace(0.0, t_end, samples)
     tolerance, step = (1e-8, 0.4) if rough else (1e-12, 0.08)
     return run_events(
@@ -153,7 +153,7 @@ def _three_regions() -> Finding:
     from theory.cells.friction import FrictionCell
     from verification.cells.friction_continuation import continue_cycles
 
-    cell = FrictionCell(V_D)
+    cell = FrictionCell(v_d=V_D)
     end = _orbits().cycle_end_velocity
     hopf = cell.hopf_velocity
     seen, wanted = [], []
@@ -228,10 +228,10 @@ def _subcritical() -> Finding:
     from theory.cells.friction import FrictionCell, friction_slope
     from verification.cells.friction_orbits import unstable_cycle
 
-    hopf = FrictionCell(V_D).hopf_velocity
+    hopf = FrictionCell(v_d=V_D).hopf_velocity
     ratios, tested = [], 0
     for distance in (1e-2, 1e-3, 1e-4):
-        cell = FrictionCell(hopf + distance)
+        cell = FrictionCell(v_d=hopf + distance)
         cycle = unstable_cycle(cell)
         if cycle is None:
             raise ArithmeticError(f"no unstable cycle {distance:g} above the Hopf velocity")
@@ -272,7 +272,7 @@ def _friction_law() -> Finding:
     from derivations.printed import printed as equation
     from theory.cells.friction import FrictionCell, friction_coefficient
 
-    cell = FrictionCell(V_D)
+    cell = FrictionCell(v_d=V_D)
     found = judge(equation(2), catalogue.load("friction"))
     if found.on_print.holds or not found.on_derived.holds:
         raise ArithmeticError(f"the limits of (2): {found.on_print.statement}")
@@ -320,7 +320,7 @@ def _stick_interval() -> Finding:
 
     cell = _orbits().cell
     largest, begins = [], []
-    chain, start_at = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])
+    chain, start_at = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
     run = _scipy(cell, 2.0, 40.0)
     ours = run_friction(chain, start_at, 40.0, samples=1001, events=1000)
     for each in (run, ours):
@@ -375,7 +375,7 @@ def _switch_model() -> Finding:
     period, _ = _measured(_scipy(orbits.cell, 2.0, 40.0), V_D)
     if abs(period - stable.period) > AGREE:
         raise ArithmeticError("shooting and the run differ")
-    chain = FrictionChain(0.0, orbits.cell, 1)
+    chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
     rows = []
     for relative, absolute in ((1e-3, 1e-6), (1e-9, 1e-11)):
         for band in (1e-2, 1e-3, PAPER_BAND):

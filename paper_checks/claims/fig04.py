@@ -40,11 +40,11 @@ def _threshold(
 ) -> FrictionThreshold:
     from dataclasses import replace
 
-    from theory.chains.friction import FrictionEnds
-    from verification.runs.friction_start import Place
+    from theory.chains.chain import Ends
+    from theory.chains.nucleus import Place
     from verification.thresholds.friction import Spreading, friction_threshold
 
-    chain = replace(chain_of(0.0), ends=FrictionEnds(ends))
+    chain = replace(chain_of(0.0), ends=Ends(ends))
     spreading = Spreading(size, Place(place), **options)
     return friction_threshold(chain, spreading, lowest=0.005, accuracy=accuracy, tests=0)
 

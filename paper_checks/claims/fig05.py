@@ -136,7 +136,7 @@ def _cycle_end() -> float:
 
 
 def _fills(c: float, v_d: float, size: int) -> bool:
-    from verification.runs.friction_start import Place
+    from theory.chains.nucleus import Place
     from verification.thresholds.friction import Definition, Spreading, spreads
 
     spreading = Spreading(size, Place.BULK, Definition.WHOLE, 2000.0)

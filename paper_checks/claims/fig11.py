@@ -33,11 +33,11 @@ in some hundred periods, so with less it is not slow; 1e6 periods of 31 sites ar
 
 @lru_cache(maxsize=1)
 def _folds() -> dict[str, list[BreatherThreshold]]:
+    from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.thresholds.breather import Method, breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     return {
         method.value: [
             breather_threshold(chain, Nucleus(size, outward_pattern(size)), method)
@@ -53,7 +53,7 @@ def _runs() -> dict[int, EscapeThreshold]:
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     return {size: escape_threshold(chain, Preparation(size), tolerance=1e-5) for size in SIZES}
 
 
@@ -64,7 +64,7 @@ def _perturbed() -> dict[int, EscapeRange]:
     from verification.breathers.escape_range import escape_range
     from verification.breathers.nucleation import Preparation
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     return {size: escape_range(chain, Preparation(size, perturbation=1e-6)) for size in SIZES}
 
 
@@ -90,7 +90,7 @@ def _values() -> Finding:
 
     gap = _agree()
     folds = _folds()
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     sweeps = {size: measure_delay(chain, Preparation(size)) for size in PRINTED}
     envelope = {fold.nucleus.size: fold.c for fold in folds["envelope"]}
     orbit = {fold.nucleus.size: fold for fold in folds["orbit"]}
@@ -334,11 +334,11 @@ def _growth_by_differences(phi: NDArray[np.complex128], omega: float, c: float) 
 
 def _growth_half_way(fold: BreatherThreshold) -> tuple[float, float]:
     """Return the growth rate half way to a fold, and how far another one is from it."""
+    from theory.chains.nucleus import sites_for
     from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import sites_for
 
-    half = VdpChain(A, B, 0.5 * fold.c, EPS, sites_for(fold.nucleus.size))
+    half = VdpChain(a=A, b=B, c=0.5 * fold.c, eps=EPS, sites=sites_for(fold.nucleus.size))
     breather = solve_envelope_breather(half, fold.nucleus)
     if breather.exponents is None:
         raise ArithmeticError(f"no breather {fold.nucleus.pattern} half way to its fold")
@@ -352,12 +352,12 @@ def pattern_folds() -> tuple[list[BreatherThreshold], float]:
 
     And how far those of the staggered reduction are from them, for sizes 3 and 5.
     """
+    from theory.chains.nucleus import Nucleus, right_angle_patterns, sites_for
     from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import staggered_branch
-    from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
     from verification.thresholds.breather import breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     rows, gaps = [], []
     for size in (3, 5, 7):
         for pattern in right_angle_patterns(size):
@@ -368,7 +368,7 @@ def pattern_folds() -> tuple[list[BreatherThreshold], float]:
             found = breather_threshold(chain, Nucleus(size, pattern))
             rows.append(found)
             if size < 7:
-                here = VdpChain(A, B, 0.0, EPS, sites_for(size))
+                here = VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=sites_for(size))
                 fold = staggered_branch(here, Nucleus(size, pattern)).fold
                 gaps.append(abs(fold.c - found.c) if fold is not None else 1.0)
     if max(gaps) > 1e-8:

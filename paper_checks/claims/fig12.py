@@ -32,7 +32,7 @@ def _steady() -> Finding:
     from verification.runs.vdp import Model, run_vdp
     from verification.runs.vdp_start import displaced
 
-    chain = VdpChain(A, B, C, eps=EPS, sites=SITES)
+    chain = VdpChain(a=A, b=B, c=C, eps=EPS, sites=SITES)
     start = displaced(chain, [1])
     run = run_vdp(chain, start, TIMES[-1] + _BEYOND, samples=206, tolerance=1e-8)
     reached = np.flatnonzero(~np.isnan(run.arrivals))

@@ -52,7 +52,7 @@ def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
         wide = c >= 30.0
         fronts.append(
             measure_front(
-                VdpChain(A, B, c, eps=EPS, sites=500 if wide else 31),
+                VdpChain(a=A, b=B, c=c, eps=EPS, sites=500 if wide else 31),
                 Model.FULL,
                 accuracy=5e-3 if wide else 1e-2 if c > 3.0 else 1e-3,
                 most_sites=500 if wide else 250,
@@ -83,16 +83,16 @@ def _scaling() -> Finding:
 
     law = strong_coupling_front(B / A**2)
     fronts = [
-        measure_front(VdpChain(A, B, c), accuracy=2e-4, most_sites=2000 if c > 1.0 else 250)
+        measure_front(VdpChain(a=A, b=B, c=c), accuracy=2e-4, most_sites=2000 if c > 1.0 else 250)
         for c in AVERAGED
     ]
     if not all(each.v and each.error is not None for each in fronts):
         raise ArithmeticError("a front did not run")
     v_full, error_full = _full_velocities()
-    slow = [measure_front(VdpChain(A, B, each), behind=Behind.WAVE).v or 0.0 for each in SLOW]
+    slow = [measure_front(VdpChain(a=A, b=B, c=each), behind=Behind.WAVE).v or 0.0 for each in SLOW]
     rise, foot = np.polyfit(SLOW, np.square(slow), 1)
     stop = -foot / rise
-    below = measure_front(VdpChain(A, B, stop - 1e-3), behind=Behind.WAVE)
+    below = measure_front(VdpChain(a=A, b=B, c=stop - 1e-3), behind=Behind.WAVE)
     if below.status is not FrontStatus.PINNED:
         raise ArithmeticError(f"a front is {below.status} where it should have stopped")
     c, v = np.array(AVERAGED), np.array([each.v for each in fronts])

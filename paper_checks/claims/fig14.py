@@ -30,11 +30,11 @@ def _collapse() -> Finding:
 
     largest = by_scipy = 0.0
     for eta in COMPARED:
-        one = VdpChain(1.0, eta, C, sites=24)
+        one = VdpChain(a=1.0, b=eta, c=C, sites=24)
         own_velocity = staggered_velocity(1.0, eta, C, 40)
         own = run_vdp(one, displaced(one, [1, 2], steps=[0, -1]), 600.0, samples=61)
         for a in STRETCHES:
-            other = VdpChain(a, eta * a**2, C, sites=24)
+            other = VdpChain(a=a, b=eta * a**2, c=C, sites=24)
             start = displaced(other, [1, 2], steps=[0, -1])
             run = run_vdp(other, start, 600.0, samples=61)
             gap = np.max(np.abs(run.psi * np.sqrt(a) - own.psi)) / own.amplitude.max()
@@ -66,12 +66,13 @@ def _velocity() -> Finding:
     from verification.runs.vdp import Model
 
     def front(eta: float, behind: Behind = Behind.FREE) -> FrontMeasurement:
-        return measure_front(VdpChain(1.0, eta, C), behind=behind, most_sites=250)
+        return measure_front(VdpChain(a=1.0, b=eta, c=C), behind=behind, most_sites=250)
 
     free = [front(eta) for eta in ETAS]
     wave = [front(eta, Behind.WAVE) for eta in ETAS]
     full = [
-        measure_front(VdpChain(1.0, eta, C, eps=0.01), Model.FULL, most_sites=250) for eta in FULL
+        measure_front(VdpChain(a=1.0, b=eta, c=C, eps=0.01), Model.FULL, most_sites=250)
+        for eta in FULL
     ]
     if any(each.v is None for each in (*free, *wave, *full)):
         raise ArithmeticError("a front did not run")
@@ -88,7 +89,7 @@ def _velocity() -> Finding:
         else:
             low = middle
     beyond = front(high).status.value
-    strength = effective_epsilon(VdpChain(1.0, FULL[0], C, eps=0.01))
+    strength = effective_epsilon(VdpChain(a=1.0, b=FULL[0], c=C, eps=0.01))
     falls = bool(np.all(np.diff(v) < 0.0))
     worst = max(each.error or 0.0 for each in free)
     varies = float(np.ptp(v)) > 10.0 * worst
@@ -161,9 +162,11 @@ def _epsilon() -> Finding:
     from verification.runs.vdp import Model
 
     limit = staggered_velocity(4.0, 0.5, C)
-    averaged = measure_front(VdpChain(4.0, 0.5, C), accuracy=1e-5).v or 0.0
+    averaged = measure_front(VdpChain(a=4.0, b=0.5, c=C), accuracy=1e-5).v or 0.0
     runs = [
-        measure_front(VdpChain(4.0, 0.5, C, eps=eps), Model.FULL, accuracy=1e-4, most_sites=250)
+        measure_front(
+            VdpChain(a=4.0, b=0.5, c=C, eps=eps), Model.FULL, accuracy=1e-4, most_sites=250
+        )
         for eps in EPSILONS
     ]
     v = np.array([each.v or 0.0 for each in runs])

@@ -38,7 +38,7 @@ def _cells() -> Finding:
     friction = math.log10(gaps[1e-3] / gaps[1e-4])
     smooth = {}
     for part in (1e-3, 1e-4):
-        chain = VdpChain(1.0, 0.125 * (1.0 - part), 0.0)
+        chain = VdpChain(a=1.0, b=0.125 * (1.0 - part), c=0.0)
         smooth[part] = chain.stable_amplitude - chain.unstable_amplitude
     van_der_pol = math.log10(smooth[1e-3] / smooth[1e-4])
     slow = FrictionCell(v_d=0.9 * cell.hopf_velocity)
@@ -75,11 +75,9 @@ def _cells() -> Finding:
 
 def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
+    from theory.chains.nucleus import Nucleus, Place, outward_pattern
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.nucleus import Place as Where
-    from verification.runs.friction_start import Place
     from verification.thresholds.breather import breather_threshold
     from verification.thresholds.friction import Spreading, friction_threshold
 
@@ -88,12 +86,12 @@ def _thresholds() -> Finding:
             chain_of(0.0), Spreading(size, place), lowest=0.005, accuracy=ACCURACY, tests=0
         ).c
 
-    chain = VdpChain(A, B, 0.0)
+    chain = VdpChain(a=A, b=B, c=0.0)
     first = [friction(1, Place.BULK), friction(3, Place.BULK), friction(1, Place.EDGE)]
     folds = [
         breather_threshold(chain, Nucleus(1)),
         breather_threshold(chain, Nucleus(3, outward_pattern(3))),
-        breather_threshold(chain, Nucleus(1, "", Where.EDGE)),
+        breather_threshold(chain, Nucleus(1, "", Place.EDGE)),
     ]
     second = [fold.c for fold in folds]
     noisy = escape_threshold(chain, Preparation(3, perturbation=1e-6), tolerance=1e-4).c
@@ -147,7 +145,7 @@ def _velocities() -> Finding:
         friction[c] = (front.v or 0.0, front.error or 0.0, front.chain.largest_group_velocity)
     smooth = {
         a: {
-            c: measure_front(VdpChain(a, B, c), most_sites=128, accuracy=1e-2)
+            c: measure_front(VdpChain(a=a, b=B, c=c), most_sites=128, accuracy=1e-2)
             for c in (0.21, 0.25, 0.3, 0.45, 1.0, 2.0)
         }
         for a in (A, STEEP)

@@ -83,7 +83,7 @@ def _many_patterns() -> Finding:
 
 def _promotes() -> Finding:
     """See on a ladder of couplings whether each kind of nucleus spreads."""
-    from verification.runs.friction_start import Place
+    from theory.chains.nucleus import Place
     from verification.thresholds.friction import Definition, Spreading, spreads
 
     changes, first = [], []

@@ -40,7 +40,7 @@ def _fates() -> dict[tuple[int | None, float], Fate]:
     for seed in (None, *SEEDS):
         for c in COUPLINGS:
             size = 0.0 if seed is None else PERTURBATION
-            chain = VdpChain(A, B, c, EPS, CHAIN_SITES)
+            chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=CHAIN_SITES)
             found[seed, c] = follow_nucleus(chain, perturbation=size, seed=seed or 0)
     return found
 
@@ -167,9 +167,10 @@ def _to_larger() -> Finding:
 @lru_cache(maxsize=32)
 def _friction_growth(c: float, push: float, size: int = 1) -> Growth:
     """Return how a nucleus of Model I grew, its right neighbour displaced by ``push``."""
+    from theory.chains.nucleus import Place
     from verification.breathers.outcome import growth
     from verification.runs.friction_integration import FrictionLane
-    from verification.runs.friction_start import Place, nucleus, nucleus_sites
+    from verification.runs.friction_start import nucleus, nucleus_sites
 
     chain = chain_of(c)
     excited = nucleus_sites(SITES, Place.BULK, size)

@@ -23,7 +23,7 @@ def _lone() -> Finding:
     from theory.chains.vdp import VdpChain
     from verification.steppers.envelope_run import run_envelope
 
-    chain = VdpChain(A, B, 0.25, EPS, 15)
+    chain = VdpChain(a=A, b=B, c=0.25, eps=EPS, sites=15)
     still = np.zeros(15, dtype=complex)
     uniform = np.full(15, chain.stable_amplitude, dtype=complex)
     rates = {}
@@ -57,12 +57,12 @@ def _lone() -> Finding:
 
 def _limit_of_sizes() -> Finding:
     """Compare the threshold of size 3 with those that no longer change with size."""
+    from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, outward_pattern
     from verification.thresholds.breather import Method, breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     folds = {
         size: breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE)
         for size in (3, 5, 7)
@@ -98,12 +98,12 @@ def _limit_of_sizes() -> Finding:
 
 def _two_values() -> Finding:
     """Find the one threshold of the single nucleus that two sections give differently."""
+    from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus
     from verification.thresholds.breather import Method, breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     orbit = breather_threshold(chain, Nucleus(1), Method.ORBIT)
     average = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
     run = escape_threshold(chain, Preparation(1), tolerance=1e-4)
@@ -141,12 +141,12 @@ def _two_values() -> Finding:
 
 def _all_lost() -> Finding:
     """Look whether any breather we can follow exists at the largest printed threshold."""
+    from theory.chains.nucleus import Nucleus, Place, outward_pattern
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, Place, outward_pattern
     from verification.thresholds.breather import Method, breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     folds, _ = pattern_folds()
     folds = [
         *folds,

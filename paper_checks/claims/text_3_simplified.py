@@ -25,7 +25,7 @@ def _velocities() -> tuple[float, float, float, float]:
     from verification.fronts.vdp import measure_front
     from verification.piecewise.simulation import simulate_front
 
-    front = measure_front(VdpChain(A, B, 0.6))
+    front = measure_front(VdpChain(a=A, b=B, c=0.6))
     branch = kinetic_relation(0.6, B / A**2).branches[-1]
     run = simulate_front(0.6, B / A**2)
     if front.v is None or front.error is None or run.v is None:
@@ -82,7 +82,7 @@ def _eta_alike() -> Finding:
     from verification.piecewise.simulation import simulate_front
 
     def measured(eta: float) -> float | None:
-        return measure_front(VdpChain(1.0, eta, C), most_sites=250).v
+        return measure_front(VdpChain(a=1.0, b=eta, c=C), most_sites=250).v
 
     def solved(eta: float) -> float | None:
         branches = kinetic_relation(C, eta).branches

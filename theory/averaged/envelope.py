@@ -18,7 +18,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 
 Real = NDArray[np.float64]

@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, real_number
+
+LARGEST = 1e300
+"""Largest velocity or coefficient: beyond, sums of them would leave double precision."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FrictionCell:
     """Parameters of one friction-excited oscillator; by default those of (7) at v_d = 1.25.
 
@@ -47,16 +50,28 @@ class FrictionCell:
     xi: float = 0.05
 
     def __post_init__(self) -> None:
-        positive("belt velocity v_d", self.v_d, "give a positive velocity")
-        positive("static friction mu_st", self.mu_st)
-        within("dynamic friction mu_d", self.mu_d, 0.0, 1e6)
+        def check(name: str, quantity: str, low: float, high: float, remedy: str) -> float:
+            number = real_number(quantity, getattr(self, name), low, high, remedy)
+            object.__setattr__(self, name, number)
+            return number
+
+        remedy = "give a positive number"
+        names = (
+            ("v_d", "belt velocity v_d"),
+            ("mu_st", "static friction mu_st"),
+            ("v0", "reference velocity v0"),
+        )
+        for name, quantity in names:
+            if check(name, quantity, 0.0, LARGEST, remedy) == 0.0:
+                raise ParameterError(quantity, 0, "positive", remedy)
+        check("mu_d", "dynamic friction mu_d", 0.0, 1e6, "give a value in this range")
         if not self.mu_d < self.mu_st:
             raise ParameterError(
                 "static friction mu_st", self.mu_st, f"greater than mu_d = {self.mu_d:g}",
                 "friction must fall with velocity for the cell to be excited",
             )  # fmt: skip
-        positive("reference velocity v0", self.v0)
-        within("damping ratio xi", self.xi, 0.0, 1e3, "give a damping that is zero or positive")
+        remedy = "give a damping that is zero or positive"
+        check("xi", "damping ratio xi", 0.0, 1e3, remedy)
 
     @property
     def steady_sliding(self) -> float:

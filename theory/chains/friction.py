@@ -6,39 +6,32 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from enum import StrEnum
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
 
 from theory.cells.friction import FrictionCell
-from theory.parameters import count_within, within
-
-MOST_SITES = 1_000_000
-
-
-class FrictionEnds(StrEnum):
-    """What (5) means at the ends; the paper says free, its formula says another thing."""
-
-    FREE = "free"
-    """One neighbour: the coupling of site 1 is c(y_1 - y_2)."""
-
-    LITERAL = "literal"
-    """(5) as it stands with the missing neighbours zero: c(2y_1 - y_2), a spring to a wall."""
+from theory.chains.chain import MAX_COUPLING, MAX_SITES, Chain, Ends, Site, parameter
+from theory.parameters import ParameterError
 
 
-@dataclass(frozen=True)
-class FrictionChain:
-    """Parameters of (5); dimensionless, checked once.
+@dataclass(frozen=True, kw_only=True)
+class FrictionChain(Chain, model="friction"):
+    """Model I, Eq. (5): friction-excited oscillators; dimensionless, checked once.
+
+    Its motion is smooth only between stick and slip, so it is integrated from event to event. A
+    site counts as reached when it first sticks.
 
     Attributes
     ----------
     c : float
         Coupling, from 0 to 1e6.
-    cell : FrictionCell
-        One oscillator.
+    v_d, mu_st, mu_d, v0, xi : float
+        As in :class:`theory.cells.friction.FrictionCell`.
     sites : int
         Number of oscillators, from 1 to 1 000 000.
-    ends : FrictionEnds
-        End condition.
+    ends : Ends
+        Free, or literal: (5) as it stands, with the missing neighbours zero.
 
     Raises
     ------
@@ -47,19 +40,80 @@ class FrictionChain:
 
     Examples
     --------
-    >>> FrictionChain(0.02).sites, round(FrictionChain(2.0).largest_group_velocity, 12)
+    >>> FrictionChain(c=0.02).sites, round(FrictionChain(c=2.0).largest_group_velocity, 12)
     (31, 1.0)
     """
 
-    c: float
-    cell: FrictionCell = field(default_factory=FrictionCell)
-    sites: int = 31
-    ends: FrictionEnds = FrictionEnds.FREE
+    allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.LITERAL)
+
+    c: float = parameter("coupling, zero or positive", "c")
+    v_d: float = parameter("velocity of the belt, positive", "v_d", FrictionCell.v_d)
+    mu_st: float = parameter("static friction, above mu_d", "μ_st", FrictionCell.mu_st)
+    mu_d: float = parameter("dynamic friction, not negative", "μ_d", FrictionCell.mu_d)
+    v0: float = parameter("reference velocity of (2), positive", "v_0", FrictionCell.v0)
+    xi: float = parameter("damping ratio, zero or positive", "ξ", FrictionCell.xi)
+    sites: int = parameter("number of sites, from 1", "N", 31)
+    ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
 
     def __post_init__(self) -> None:
-        within("coupling c", self.c, 0.0, 1e6, "give a coupling that is zero or positive")
-        count_within("number of sites n", self.sites, 1, MOST_SITES)
-        object.__setattr__(self, "ends", FrictionEnds(self.ends))
+        remedy = "give a coupling that is zero or positive"
+        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
+        cell = self.cell
+        for name in ("v_d", "mu_st", "mu_d", "v0", "xi"):
+            object.__setattr__(self, name, getattr(cell, name))
+        self._check_count("sites", "number of sites n", 1, MAX_SITES)
+        self._check_ends()
+
+    @classmethod
+    def of(
+        cls, cell: FrictionCell, *, c: float, sites: int = 31, ends: Ends = Ends.FREE
+    ) -> FrictionChain:
+        """Return the chain of this cell.
+
+        Examples
+        --------
+        >>> FrictionChain.of(FrictionCell(v_d=2.0), c=0.02, sites=5).v_d
+        2.0
+        """
+        return cls(
+            c=c,
+            v_d=cell.v_d,
+            mu_st=cell.mu_st,
+            mu_d=cell.mu_d,
+            v0=cell.v0,
+            xi=cell.xi,
+            sites=sites,
+            ends=ends,
+        )
+
+    @cached_property
+    def cell(self) -> FrictionCell:
+        """One oscillator alone."""
+        return FrictionCell(v_d=self.v_d, mu_st=self.mu_st, mu_d=self.mu_d, v0=self.v0, xi=self.xi)
+
+    @property
+    def rest_state(self) -> Site:
+        """Steady sliding, (μ(v_d), 0)."""
+        return Site(self.cell.steady_sliding, 0.0)
+
+    @property
+    def stable_amplitude(self) -> float:
+        """Half the range of y on the stick-slip cycle is not known in closed form.
+
+        Raises
+        ------
+        ParameterError
+            Always; ``verification.cells.friction_cycles`` computes it.
+        """
+        raise ParameterError(
+            "amplitude of the stick-slip cycle", "asked of the chain", "computed from the cycle",
+            "use verification.cells.friction_cycles.cycle_turning_points",
+        )  # fmt: skip
+
+    @property
+    def unstable_amplitude(self) -> float:
+        """v_d: a velocity that reaches that of the belt makes a site stick, and so be reached."""
+        return self.v_d
 
     @property
     def largest_group_velocity(self) -> float:

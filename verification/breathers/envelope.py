@@ -23,7 +23,9 @@ from theory.averaged.envelope import (
     staggered_phase,
     staggered_rate,
 )
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.continuation import Branch, Fold, arrive, trace
 from verification.breathers.exponents import (
@@ -34,7 +36,6 @@ from verification.breathers.exponents import (
     unpack,
 )
 from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
-from verification.breathers.nucleus import Nucleus
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.averaged.envelope import envelope_jacobian
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.continuation import Monitor
-from verification.breathers.nucleus import Nucleus
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.breathers.nucleus import MARGIN, Nucleus, Place, sites_for
 from verification.steppers.envelope_run import EnvelopeRun, run_envelope
 
 Complex = NDArray[np.complex128]
@@ -112,7 +112,7 @@ def hold(chain: VdpChain, preparation: Preparation, c: float, duration: float) -
 
 def phase_steps(run: EnvelopeRun, preparation: Preparation) -> NDArray[np.float64]:
     """Return the phase steps inside the nucleus in units of π, from -1 to 1."""
-    core = run.phi[~preparation.outside(VdpChain(1, 0.1, 0, sites=len(run.phi)))]
+    core = run.phi[~preparation.outside(VdpChain(a=1, b=0.1, c=0, sites=len(run.phi)))]
     return np.asarray(np.angle(core[1:] / core[:-1]) / np.pi, dtype=float)
 
 

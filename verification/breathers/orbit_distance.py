@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import solve_orbit
 
 Real = NDArray[np.float64]

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import coupling_matrix
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
 from verification.breathers.continuation import Branch, Fold, Monitor, arrive, trace
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.floquet import MARGINAL, Multipliers, floquet_multipliers
 from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.steppers.variational import STEPS, integrate_variations
 

@@ -266,7 +266,7 @@ def distance_from_breather(fate: Fate) -> tuple[float, float]:
     growth : float
         Largest growth rate of the orbit per unit of slow time, perturbations of every shape.
     """
-    from verification.breathers.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
+    from theory.chains.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
     from verification.breathers.orbits import solve_orbit
 
     size, sites = fate.growth.size, fate.run.chain.sites

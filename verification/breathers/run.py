@@ -14,9 +14,9 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import chain_rate
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.steppers.variational import integrate_chain

@@ -109,7 +109,7 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> VdpCel
     within("tolerance", tolerance, 1e-13, 1e-6)
     if not is_bistable(eta):
         return VdpCell(eta, None, None, perf_counter() - begin)
-    chain = VdpChain(a, b, 0.0, eps)
+    chain = VdpChain(a=a, b=b, c=0.0, eps=eps)
     stiffness = effective_epsilon(chain)
     if stiffness > _STIFFEST:
         raise ParameterError(

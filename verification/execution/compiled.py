@@ -6,15 +6,20 @@ function that it calls from another file, the old code would go on being used, i
 
 from __future__ import annotations
 
-import hashlib
+import atexit
 import logging
 import os
 import shutil
+import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from numba import njit
 from numba.core import config
+
+from verification.execution.digest import digest_of_files
 
 __all__ = ["njit"]
 
@@ -33,27 +38,49 @@ def source_digest(folder: Path = _HOME) -> str:
     >>> source_digest() == source_digest()
     True
     """
-    digest = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        content = path.read_bytes()
-        if b"njit" in content:
-            digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + content)
-    return digest.hexdigest()[:16]
+    compiled = [path for path in folder.rglob("*.py") if b"njit" in path.read_bytes()]
+    return digest_of_files(folder, compiled)[:16]
 
 
-def _keep_compiled_code() -> None:
-    """Name a folder for this state of the sources; remove those of older states, unused a week."""
-    given = getattr(config, _OPTION)
-    base = Path(given) if given else _HOME / "__pycache__"
-    if not given and not os.access(_HOME, os.W_OK):
-        base = Path.home() / ".cache" / "fronts"
+def keep_compiled_code() -> Path:
+    """Name, and return, a folder for this state of the sources; remove old ones unused a week."""
+    base = next(base for base in _places() if _can_be_written(base))
     folder = base / f"{_PREFIX}{source_digest(_HOME)}"
     if not folder.exists():
         logger.info("compiling the steppers: ten seconds or more, once")
         for old in base.glob(f"{_PREFIX}*"):
-            if old.stat().st_mtime < time.time() - _WEEK:
-                shutil.rmtree(old, ignore_errors=True)
+            with suppress(OSError):  # another process may be removing it as well
+                if old.stat().st_mtime < time.time() - _WEEK:
+                    shutil.rmtree(old, ignore_errors=True)
     setattr(config, _OPTION, str(folder))
+    return folder
 
 
-_keep_compiled_code()
+def _places() -> Iterator[Path]:
+    """Yield where compiled code may go, the last one until this process ends."""
+    given = getattr(config, _OPTION)
+    if given:
+        yield Path(given)
+    yield _HOME / "__pycache__"
+    with suppress(RuntimeError):  # no home
+        yield Path.home() / ".cache" / "fronts"
+    # A folder of one name in a place where everybody may write could be prepared by somebody else.
+    temporary = tempfile.mkdtemp(prefix="fronts-")
+    atexit.register(shutil.rmtree, temporary, ignore_errors=True)
+    os.environ["NUMBA_CACHE_DIR"] = temporary  # for worker processes
+    logger.info("no folder for compiled code can be written; it is compiled for this run only")
+    yield Path(temporary)
+
+
+def _can_be_written(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=folder)
+        os.close(handle)
+        Path(name).unlink()
+    except OSError:
+        return False
+    return True
+
+
+keep_compiled_code()

@@ -1,96 +1,95 @@
-"""One sweep engine for every map: a task, points, any executor, a journal, a table.
+"""One sweep engine for every map: a function, points, any executor, a store, a table.
 
-The table depends on the task and the points only: not on the number of workers, the order in which
-they finish, or how often the sweep was killed and resumed.
+The table depends on the function and the points only: not on the number of workers, the order in
+which they finish, or how often the sweep was killed and resumed.
 
-A point whose task raises does not stop the others: they are finished and put into the journal,
-then `SweepError` names the failed ones. These are not in the journal, so that a resumed sweep
-tries them, and only them, again.
+A point whose computation raises does not stop the others: they are finished and put into the store,
+then `SweepError` names the failed ones. These are not in the store, so that a resumed sweep tries
+them, and only them, again.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import functools
-import hashlib
-import importlib.metadata
-import importlib.util
-import json
-import multiprocessing
-import os
-import platform
-import signal
-import threading
+import itertools
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing, contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import closing, nullcontext
+from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
+from types import CodeType
 from typing import Any, TypeAlias
 
-from theory.parameters import count_within
-from verification.execution.journal import Journal, journal_path
-from verification.execution.table import Point, Scalar, Table, load_table, plain, table_of
+import numpy as np
 
-Task: TypeAlias = Callable[[Point], Mapping[str, Scalar]]
-"""From a point to its results; picklable (a function of a module, or a frozen dataclass with
+from theory.parameters import ParameterError
+from verification.execution.digest import SOURCES, digest_of, digest_of_arrays, digest_of_code
+from verification.execution.interruption import terminated_as_interrupted
+from verification.execution.metadata import Code, Metadata
+from verification.execution.pool import answers
+from verification.execution.progress import ProgressCallback
+from verification.execution.store import Store
+from verification.execution.table import Point, Scalar, Table, grid, load_table, plain, table_of
+
+Task: TypeAlias = Callable[[Point], Any]
+"""From a point to its results: a mapping of names to numbers or words, one such value, or a result
+with ``to_dict``. Importable by name (a function of a module, or a frozen dataclass with
 ``__call__``) where there is more than one worker."""
-
-ProgressCallback: TypeAlias = Callable[[int, int, float | None], None]
-"""Told of points done, points in all, and seconds left (None before the first)."""
-
-SOURCES = ("theory", "verification")
-"""Packages whose code a result may depend on."""
 
 
 class SweepError(RuntimeError):
-    """Points that could not be computed; the finished ones are in the journal, if there is one.
+    """Points that could not be computed; the finished ones are in the store, if there is one.
 
     Parameters
     ----------
     message : str
         One sentence.
-    failures : sequence of (Point, BaseException)
+    failures : sequence of (Point, Exception)
         The points and what was raised.
     """
 
-    def __init__(self, message: str, failures: Sequence[tuple[Point, BaseException]] = ()) -> None:
+    def __init__(self, message: str, failures: Sequence[tuple[Point, Exception]] = ()) -> None:
         self.failures = tuple(failures)
         super().__init__(message)
 
 
 def sweep(
-    task: Task,
-    points: Sequence[Point],
+    function: Task,
+    points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any],
     *,
     out: Path | None = None,
     resume: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
     progress: ProgressCallback | None = None,
+    command: str = "",
 ) -> Table:
-    """Compute a task at every point.
+    """Compute a function at every point.
 
     Parameters
     ----------
-    task : callable
-        See `Task`. Its name and, for a dataclass or ``functools.partial``, its parameters go into
-        the stamp.
-    points : sequence of Point
-        Where; all with the same names.
+    function : callable
+        See `Task`. Its name, its code and its parameters (of a dataclass, a ``functools.partial``,
+        a closure) are held against a file that is resumed.
+    points : sequence of mappings, or mapping
+        Where: all with the same names; or names with values, of which every combination is taken,
+        the last one fastest.
     out : Path, optional
-        CSV file for the table; the stamp goes beside it into ``<out>.json``, and while the sweep
-        runs the journal into ``<out>.part``.
+        CSV file for the table; its record goes beside it into ``<out>.json``, and while the sweep
+        runs the finished points into ``<out>.part``.
     resume : bool, optional
-        Go on from the journal, if there is one; take the table if it is there already.
+        Go on from ``<out>.part``, if it is there; take the table if that is there already.
     workers : int, optional
         Processes, by default one a core that may be used; 1 computes in this process.
-    executor : Executor, optional
+    executor : concurrent.futures.Executor, optional
         Used in place of own processes, and left open.
     progress : callable, optional
-        See `ProgressCallback`.
+        See `verification.execution.progress.ProgressCallback`.
+    command : str, optional
+        What gives the table again, for its record.
 
     Returns
     -------
@@ -100,73 +99,175 @@ def sweep(
     Raises
     ------
     ParameterError
-        If the journal cannot be used, or the number of workers is not allowed.
+        If the points, the file to resume from or the number of workers cannot be used.
+    FileError
+        If a file cannot be written, or another sweep writes it.
     SweepError
-        If a task raised, or a worker process died.
+        If the function raised, or a worker process died.
 
     Examples
     --------
-    >>> from verification.execution.table import grid
-    >>> table = sweep(lambda point: {"square": point.number("x") ** 2}, grid(x=[1, 2]), workers=1)
+    >>> table = sweep(lambda point: {"square": point["x"] ** 2}, {"x": [1, 2]}, workers=1)
     >>> table["square"]
-    array([1., 4.])
+    array([1, 4])
     """
     begin = time.perf_counter()
-    points = [point if isinstance(point, Point) else Point(point) for point in points]
-    stamp = stamp_of(task, points)
-    if out and resume and not journal_path(out).exists():
+    asked = points_of(points)
+    out = None if out is None else Path(out)
+    metadata = _metadata(function, asked, command, needed=out is not None)
+    if out is not None and resume and not part_path(out).exists():
         table = load_table(out)
-        if table is not None and table.stamp == stamp:
+        known = None if table is None else table.metadata
+        if table is not None and known is not None and _identity(known) == _identity(metadata):
             return table
-    finished: dict[int, Mapping[str, Scalar]] = {}
-    failures: dict[int, Exception] = {}
-    journal = Journal(journal_path(out), stamp, len(points), resume) if out else None
-    with journal or nullcontext():
-        finished.update(journal.finished if journal else {})
-        resumed = len(finished)
-        left = [(index, point) for index, point in enumerate(points) if index not in finished]
-        if progress:
-            progress(resumed, len(points), None)
-        # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
-        with closing(_outcomes(task, left, executor, workers)) as outcomes:
-            for index, outcome in outcomes:
-                if isinstance(outcome, Exception):
-                    failures[index] = outcome
-                    continue
-                if journal:
-                    journal.add(index, outcome)
-                finished[index] = outcome
-                if progress:
-                    new = len(finished) - resumed
-                    rate = (time.perf_counter() - begin) / new
-                    progress(len(finished), len(points), rate * (len(left) - new))
+    store = None if out is None else Store(part_path(out), _identity(metadata), resume=resume)
+    with store or nullcontext(), terminated_as_interrupted() if out else nullcontext():
+        found = {} if store is None else _found(store, len(asked))
+        resumed = len(found)
+        failures = _compute(function, asked, found, store, workers, executor, progress)
         if failures:
-            raise _failed([(points[index], failures[index]) for index in sorted(failures)])
-        rows = [{**point, **finished[index]} for index, point in enumerate(points)]
-        table = table_of(rows, stamp, time.perf_counter() - begin, resumed)
-        if out and journal:
+            raise _failed([(asked[index], failures[index]) for index in sorted(failures)])
+        rows = [{**point, **found[index]} for index, point in enumerate(asked)]
+        table = table_of(rows, metadata, time.perf_counter() - begin, resumed)
+        if out is not None and store is not None:
             table.save(out)
-            journal.remove()
+            store.remove()
     return table
 
 
-def stamp_of(task: Task, points: Sequence[Point]) -> dict[str, Any]:
-    """Return what identifies a sweep: task, parameters, points, versions, code."""
-    rows = json.dumps([list(point.items()) for point in points]).encode()
+def part_path(out: Path) -> Path:
+    """Return where the finished points of an unfinished sweep are.
+
+    Examples
+    --------
+    >>> part_path(Path("map.csv")).name
+    'map.csv.part'
+    """
+    return out.with_name(out.name + ".part")
+
+
+def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> tuple[Point, ...]:
+    """Return points, given one by one or as the values on each axis.
+
+    Raises
+    ------
+    ParameterError
+        If they differ in their names.
+    """
+    if isinstance(points, Mapping) and not isinstance(points, Point):
+        axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
+        found = grid(**axes) if axes else ()
+    else:
+        given: Any = (points,) if isinstance(points, Point) else points
+        found = tuple(point if isinstance(point, Point) else Point(point) for point in given)
+    for point in found:
+        if list(point) != list(found[0]):
+            raise ParameterError(
+                "points", f"{point} beside {found[0]}", "all of the same names", "name them alike"
+            )
+    return found
+
+
+def _compute(
+    function: Task,
+    points: Sequence[Point],
+    found: dict[int, dict[str, Scalar]],
+    store: Store | None,
+    workers: int | None,
+    executor: Executor | None,
+    progress: ProgressCallback | None,
+) -> dict[int, Exception]:
+    """Fill ``found`` by index of the point; return what was raised, likewise."""
+    failures: dict[int, Exception] = {}
+    left = [index for index in range(len(points)) if index not in found]
+    if progress:
+        progress(len(found) / max(len(points), 1))
+    # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
+    with closing(
+        answers(
+            _PlainResult(function),
+            [points[index] for index in left],
+            workers=workers,
+            executor=executor,
+        )
+    ) as coming:
+        for number, answer in coming:
+            index = left[number]
+            if isinstance(answer, Exception):
+                failures[index] = answer
+                continue
+            if store is not None:
+                store.add(str(index), list(answer.items()))
+            found[index] = answer
+            if progress:
+                progress((len(found) + len(failures)) / len(points))
+    return failures
+
+
+@dataclass(frozen=True)
+class _PlainResult:
+    """The function, with its results as cells of a table."""
+
+    function: Task
+
+    def __str__(self) -> str:
+        return task_name(self.function)
+
+    def __call__(self, point: Point) -> dict[str, Scalar]:
+        result = self.function(point)
+        if hasattr(result, "to_dict"):
+            result = {
+                name: value
+                for name, value in result.to_dict().items()
+                if isinstance(value, bool | int | float | str)
+            }
+        elif not isinstance(result, Mapping):
+            result = {"value": result}
+        return {str(name): plain(value) for name, value in result.items()}
+
+
+def _found(store: Store, total: int) -> dict[int, dict[str, Scalar]]:
+    """Return the results in a store by index of the point; what is none is left out."""
+    found: dict[int, dict[str, Scalar]] = {}
+    for key, row in store.results.items():
+        try:
+            index = int(key)
+            if 0 <= index < total and key == str(index):
+                found[index] = {str(name): plain(value) for name, value in row}
+        except (ValueError, TypeError):
+            continue
+    return found
+
+
+def _metadata(function: Task, points: Sequence[Point], command: str, needed: bool) -> Metadata:
+    """Return what identifies a sweep, and where it was computed."""
+    name = task_name(function)
+    parameters: dict[str, Any] = {"function": name}
+    code = None
+    try:
+        parameters["parameters"] = parameters_of(function)
+        modules, loose = _code_of(function)
+        packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
+        digest = digest_of([digest_of_code(modules, packages), loose])
+        code = Code(modules=tuple(sorted(modules)), digest=digest)
+    except ParameterError:
+        if needed:
+            raise
+    rows = [list(point.items()) for point in points]
+    parameters["points"] = {"count": len(points), "digest": digest_of(rows)}
+    return Metadata(command=command or f"sweep({name}, ...)", parameters=parameters, code=code)
+
+
+def _identity(metadata: Metadata) -> dict[str, Any]:
     return {
-        "task": task_name(task),
-        "parameters": parameters_of(task),
-        "points": {"count": len(points), "sha256": hashlib.sha256(rows).hexdigest()},
-        "versions": {
-            "python": platform.python_version(),
-            **{name: importlib.metadata.version(name) for name in ("numpy", "scipy", "numba")},
-        },
-        "source": _source_hash(),
+        **metadata.parameters,
+        "versions": dict(metadata.versions),
+        "code": None if metadata.code is None else metadata.code.digest,
     }
 
 
 def task_name(task: object) -> str:
-    """Return the importable name of a task's function or class.
+    """Return the importable name of a function or class.
 
     Examples
     --------
@@ -180,7 +281,13 @@ def task_name(task: object) -> str:
 
 
 def parameters_of(task: object) -> Any:
-    """Return the parameters of a task as JSON would give them back."""
+    """Return the parameters of a function or object as JSON has them.
+
+    Raises
+    ------
+    ParameterError
+        If it holds something that JSON does not have.
+    """
     if isinstance(task, functools.partial):
         named = {str(i): value for i, value in enumerate(task.args)} | task.keywords
         return {name: parameters_of(value) for name, value in named.items()}
@@ -189,56 +296,81 @@ def parameters_of(task: object) -> Any:
         return {"is": task_name(task), **fields}
     if isinstance(task, Enum):
         return task.value
+    if isinstance(task, np.ndarray):
+        return {"array": digest_of_arrays({"": task})}
+    if isinstance(task, Mapping):
+        return {str(name): parameters_of(value) for name, value in task.items()}
     if isinstance(task, tuple | list):
         return [parameters_of(value) for value in task]
     if callable(task):
-        return task_name(task)
-    return task if task is None else plain(task)
+        inner = _captured(task)
+        return {"is": task_name(task), **parameters_of(inner)} if inner else task_name(task)
+    if isinstance(task, complex):
+        return [task.real, task.imag]
+    try:
+        return task if task is None else plain(task)
+    except TypeError:
+        raise ParameterError(
+            "function", f"one that holds a {type(task).__name__}",
+            "one that holds numbers, words and their collections where its results are stored",
+            "give its parameters as fields of a frozen dataclass",
+        ) from None  # fmt: skip
 
 
-def _outcomes(
-    task: Task,
-    left: Sequence[tuple[int, Point]],
-    executor: Executor | None,
-    workers: int | None,
-) -> Generator[tuple[int, Mapping[str, Scalar] | Exception], None, None]:
-    """Yield results or errors as they come."""
-    count = workers_allowed() if workers is None else count_within("workers", workers, 1, 1024)
-    count = min(count, len(left))
-    if executor is None and count <= 1:
-        for index, point in left:
-            try:
-                yield index, _plain_result(task, point)
-            except Exception as error:
-                yield index, error
-        return
-    with own_workers(count) if executor is None else nullcontext(executor) as pool:
-        futures: dict[Future[dict[str, Scalar]], int] = {}
+def _captured(task: object) -> dict[str, Any]:
+    """Return the default arguments and the captured variables of a function."""
+    code = getattr(task, "__code__", None)
+    if code is None:
+        return {}
+    cells = zip(code.co_freevars, getattr(task, "__closure__", None) or (), strict=False)
+    defaults = {f"default {i}": v for i, v in enumerate(getattr(task, "__defaults__", None) or ())}
+    return defaults | (getattr(task, "__kwdefaults__", None) or {}) | {
+        name: cell.cell_contents for name, cell in cells
+    }  # fmt: skip
+
+
+def _code_of(task: object) -> tuple[set[str], list[Any]]:
+    """Return the modules of a function and of what it holds, and the code that is in no file."""
+    modules: set[str] = set()
+    loose: list[Any] = []
+    for owner in _owners(task):
+        name = getattr(owner, "__module__", None) or type(owner).__module__
         try:
-            for index, point in left:
-                futures[pool.submit(_plain_result, task, point)] = index
-            for future in as_completed(futures):
-                try:
-                    yield futures[future], future.result()
-                except BrokenProcessPool:
-                    raise
-                except Exception as error:
-                    yield futures[future], error
-        except BrokenProcessPool:
-            raise SweepError(
-                "a worker process ended without an answer (killed, or out of memory); the "
-                "finished points are in the journal and the sweep can be resumed."
-            ) from None
-        finally:
-            for future in futures:
-                future.cancel()
+            digest_of_code([name], {name.partition(".")[0]})
+            modules.add(name)
+        except ValueError:
+            code = getattr(owner, "__code__", None)
+            loose.append([name, None if code is None else _bytecode(code)])
+    return modules, loose
 
 
-def _plain_result(task: Task, point: Point) -> dict[str, Scalar]:
-    return {name: plain(value) for name, value in task(point).items()}
+def _owners(task: object) -> Iterator[Any]:
+    """Yield whatever has code: functions, and classes of objects."""
+    if isinstance(task, functools.partial):
+        yield from _owners(task.func)
+        for value in (*task.args, *task.keywords.values()):
+            yield from _owners(value)
+    elif dataclasses.is_dataclass(task) and not isinstance(task, type):
+        yield type(task)
+        for each in dataclasses.fields(task):
+            yield from _owners(getattr(task, each.name))
+    elif isinstance(task, tuple | list):
+        yield from itertools.chain.from_iterable(map(_owners, task))
+    elif isinstance(task, Mapping):
+        yield from itertools.chain.from_iterable(map(_owners, task.values()))
+    elif callable(task):
+        yield task
+        for value in _captured(task).values():
+            yield from _owners(value)
 
 
-def _failed(failures: Sequence[tuple[Point, BaseException]]) -> SweepError:
+def _bytecode(code: CodeType) -> list[Any]:
+    """Return what a function does, without its place; for functions typed into a session."""
+    constants = [_bytecode(c) if isinstance(c, CodeType) else repr(c) for c in code.co_consts]
+    return [code.co_code.hex(), constants, list(code.co_names)]
+
+
+def _failed(failures: Sequence[tuple[Point, Exception]]) -> SweepError:
     point, error = failures[0]
     others = f" and {len(failures) - 1} other points" if len(failures) > 1 else ""
     wrapped = SweepError(
@@ -246,53 +378,3 @@ def _failed(failures: Sequence[tuple[Point, BaseException]]) -> SweepError:
     )
     wrapped.__cause__ = error
     return wrapped
-
-
-def workers_allowed() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-@contextmanager
-def own_workers(count: int) -> Iterator[Executor]:
-    """Give a pool of processes, none of which outlives this one or an interrupt."""
-    before = set(multiprocessing.active_children())
-    # 'spawn' on every system: forking a process that runs compiled threads can hang.
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin_worker)
-    try:
-        yield pool
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - before:
-            child.terminate()
-            child.join()
-        raise
-    pool.shutdown()
-
-
-def _begin_worker() -> None:
-    """Leave interrupts to the parent, and end when it ends, even if it is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()
-
-
-@functools.cache
-def _source_hash() -> str:
-    digest = hashlib.sha256()
-    for package in SOURCES:
-        spec = importlib.util.find_spec(package)
-        for folder in sorted(spec.submodule_search_locations or ()) if spec else ():
-            for path in sorted(Path(folder).rglob("*.py")):
-                digest.update(path.relative_to(folder).as_posix().encode() + b"\0")
-                digest.update(path.read_bytes())
-    return digest.hexdigest()

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +9,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+
+from verification.execution.digest import digest_of
+from verification.execution.files import write_text
+from verification.execution.metadata import Metadata
+from verification.execution.record import Record
 
 Scalar: TypeAlias = bool | int | float | str
 """What a cell of a table may hold."""
@@ -92,7 +93,7 @@ def grid(**axes: Iterable[Scalar]) -> tuple[Point, ...]:
     return tuple(points)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Table:
     """Results of a sweep, one row a point, in the order of the points.
 
@@ -100,8 +101,8 @@ class Table:
     ----------
     columns : mapping of str to ndarray
         The coordinates, then the results; all of one length, read-only.
-    stamp : mapping
-        What was computed, with which parameters and versions.
+    metadata : Metadata or None
+        Where the table comes from; None if it was put together by hand.
     seconds : float
         Wall time of the session that finished the table.
     resumed : int
@@ -115,8 +116,8 @@ class Table:
     """
 
     columns: Mapping[str, npt.NDArray[Any]]
-    stamp: Mapping[str, Any]
-    seconds: float
+    metadata: Metadata | None = None
+    seconds: float = 0.0
     resumed: int = 0
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
@@ -149,26 +150,32 @@ class Table:
         return "\n".join(lines) + "\n"
 
     def save(self, path: Path) -> None:
-        """Write the CSV, whole or not at all, and the stamp beside it in ``<path>.json``."""
+        """Write the CSV, whole or not at all, and its record beside it in ``<path>.json``.
+
+        Raises
+        ------
+        FileError
+            If they cannot be written.
+        """
         text = self.as_csv()
         about = {
             "columns": {name: column.dtype.kind for name, column in self.columns.items()},
-            "sha256": _digest(text),
+            "digest": digest_of(text),
             "seconds": self.seconds,
             "resumed": self.resumed,
         }
-        stamp = json.dumps({**self.stamp, "table": about}, indent=1)
-        write_whole(stamp_path(path), stamp + "\n")
-        write_whole(path, text)
+        metadata = self.metadata or Metadata()
+        Record(kind="table", content={"table": about}, metadata=metadata).save(record_path(path))
+        write_text(path, text)
 
 
 def load_table(path: Path) -> Table | None:
     """Read a table that `Table.save` wrote; None if it is missing or no longer what was written."""
     try:
-        stamp = json.loads(stamp_path(path).read_text(encoding="utf-8"))
-        text = path.read_text(encoding="utf-8")
-        about = stamp.pop("table")
-        if about["sha256"] != _digest(text):
+        record = Record.load(record_path(path), "table")
+        text = path.read_bytes().decode()
+        about = record.content["table"]
+        if about["digest"] != digest_of(text):
             return None
         reads: dict[str, Callable[[str], Scalar]] = {
             "f": float,
@@ -180,23 +187,25 @@ def load_table(path: Path) -> Table | None:
         lines = [line.split(",") for line in text.splitlines()[1:]]
         rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
         named = [dict(zip(about["columns"], row, strict=True)) for row in rows]
-        return table_of(named, stamp, about["seconds"], len(rows))
+        return table_of(named, record.metadata, float(about["seconds"]), len(rows))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
+def record_path(path: Path) -> Path:
+    """Return where the record of a table is written.
 
-
-def stamp_path(path: Path) -> Path:
-    """Return where the stamp of a table is written."""
+    Examples
+    --------
+    >>> record_path(Path("map.csv")).name
+    'map.csv.json'
+    """
     return path.with_name(path.name + ".json")
 
 
 def table_of(
     rows: Sequence[Mapping[str, Scalar]],
-    stamp: Mapping[str, Any] | None = None,
+    metadata: Metadata | None = None,
     seconds: float = 0.0,
     resumed: int = 0,
 ) -> Table:
@@ -218,7 +227,7 @@ def table_of(
         column = _column(name, [row[name] for row in rows])
         column.flags.writeable = False
         columns[name] = column
-    return Table(columns, dict(stamp or {}), seconds, resumed)
+    return Table(columns=columns, metadata=metadata, seconds=seconds, resumed=resumed)
 
 
 def _column(name: str, cells: list[Scalar]) -> npt.NDArray[Any]:
@@ -235,20 +244,3 @@ def _column(name: str, cells: list[Scalar]) -> npt.NDArray[Any]:
     if all(isinstance(cell, int) and not isinstance(cell, bool) for cell in cells):
         return np.array(cells, dtype=np.int64)
     return np.array([float(cell) for cell in cells])
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file so that it is there whole or not at all."""
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=path.suffix, prefix=".writing-")
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

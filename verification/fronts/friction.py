@@ -21,12 +21,14 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import check_sliding_stable
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.fronts.arrival_fit import FrontStatus, Trial, settle
 from verification.fronts.watch import RunningFront, Watch
 from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import Place, StartPoint, nucleus, nucleus_sites
+from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
 from verification.steppers import friction
 
 FloatArray = npt.NDArray[np.float64]
@@ -133,7 +135,7 @@ def measure_friction_front(
 
     Examples
     --------
-    >>> front = measure_friction_front(FrictionChain(0.05, sites=51))
+    >>> front = measure_friction_front(FrictionChain(c=0.05, sites=51))
     >>> front.status.value, abs(front.v - 0.0438) < front.error < 5e-4
     ('steady', True)
     """
@@ -145,7 +147,7 @@ def measure_friction_front(
     if chain.c == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
     check_sliding_stable(chain.cell)
-    if chain.ends is not FrictionEnds.FREE:
+    if chain.ends is not Ends.FREE:
         raise ParameterError("ends", chain.ends.value, "free for a front", "use free ends")
 
     def trial(sites: int) -> Trial:

@@ -26,7 +26,8 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.fronts.arrival_fit import FrontStatus, Trial, settle
 from verification.fronts.watch import RunningFront, Watch
@@ -281,5 +282,5 @@ class _Running:
         return bool(self.amplitude.max() < self.rest)
 
     def go_on(self) -> bool:
-        self.lane.go_on(_BUDGET)
+        self.lane.advance(_BUDGET)
         return not np.isnan(self.lane.arrivals[self.wanted - 1])

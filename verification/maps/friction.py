@@ -16,12 +16,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from theory.cells.friction import FrictionCell
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place
 from theory.parameters import count_within, within
 from verification.execution.table import Point, Scalar, grid
 from verification.maps.friction_state import WINDOW, label_friction
 from verification.maps.state import Label
-from verification.runs.friction_start import Place, StartPoint, nucleus, nucleus_sites
+from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class FrictionStateTask:
         At the edge or in the middle.
     point : StartPoint
         Point of the cycle from which they start.
-    ends : FrictionEnds
+    ends : Ends
         End condition.
     mu_st, mu_d, v0, xi : float
         Parameters of the cell; by default those of (7).
@@ -61,7 +63,7 @@ class FrictionStateTask:
     size: int = 1
     place: Place = Place.BULK
     point: StartPoint = StartPoint.MAXIMUM
-    ends: FrictionEnds = FrictionEnds.FREE
+    ends: Ends = Ends.FREE
     mu_st: float = 1.0
     mu_d: float = 0.5
     v0: float = 0.5
@@ -72,8 +74,9 @@ class FrictionStateTask:
     seed: int = 5
 
     def __post_init__(self) -> None:
-        for name, kind in (("place", Place), ("point", StartPoint), ("ends", FrictionEnds)):
-            object.__setattr__(self, name, kind(getattr(self, name)))
+        object.__setattr__(self, "place", Place(self.place))
+        object.__setattr__(self, "ends", Ends(self.ends))
+        object.__setattr__(self, "point", StartPoint(self.point))
         count_within("number of sites n", self.sites, 2, 1000)
         count_within("nucleus size", self.size, 1, self.sites, "give a nucleus that fits the chain")
         within("end time tau", self.end, 8.0 * WINDOW, 1e7)
@@ -87,8 +90,8 @@ class FrictionStateTask:
 
     def chain(self, c: float, v_d: float) -> FrictionChain:
         """Return the chain at a point."""
-        cell = FrictionCell(v_d, self.mu_st, self.mu_d, self.v0, self.xi)
-        return FrictionChain(c, cell, self.sites, self.ends)
+        cell = FrictionCell(v_d=v_d, mu_st=self.mu_st, mu_d=self.mu_d, v0=self.v0, xi=self.xi)
+        return FrictionChain.of(cell, c=c, sites=self.sites, ends=self.ends)
 
     def __call__(self, point: Point) -> dict[str, Scalar]:
         """Return label, why it is undecided if it is, time, active sites, and steps."""

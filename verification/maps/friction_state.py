@@ -97,7 +97,7 @@ def label_friction(
     Examples
     --------
     >>> from verification.runs.friction_start import nucleus
-    >>> chain = FrictionChain(0.05, sites=7)
+    >>> chain = FrictionChain(c=0.05, sites=7)
     >>> str(label_friction(chain, nucleus(chain, [4])).label)
     'front'
     """

@@ -12,9 +12,9 @@ import numpy as np
 
 from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
 from theory.cells.vdp import ETA_END
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather, staggered_branch
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import solve_orbit
 from verification.quantities.quantity import Axis, Check, Claim, NoReferenceError, Quantity
 from verification.thresholds.breather import Method, breather_threshold

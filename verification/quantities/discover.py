@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import functools
-import importlib
-import pkgutil
 from collections.abc import Sequence
 
 from theory.parameters import ParameterError
+from verification.execution.discovery import check_distinct, exposed
 from verification.quantities.quantity import Quantity
 
 PACKAGE = "verification.quantities"
@@ -27,14 +26,10 @@ def all_quantities() -> tuple[Quantity, ...]:
     >>> "sigma-integral" in [quantity.name for quantity in all_quantities()]
     True
     """
-    home = importlib.import_module(PACKAGE)
     found: list[Quantity] = []
-    for name in sorted(module.name for module in pkgutil.iter_modules(home.__path__)):
-        module = importlib.import_module(f"{PACKAGE}.{name}")
-        found += getattr(module, "QUANTITIES", ())
-    names = [quantity.name for quantity in found]
-    if len(set(names)) < len(names):
-        raise ValueError(f"two quantities of one name among {names}")
+    for quantities in exposed(PACKAGE, "QUANTITIES").values():
+        found += quantities
+    check_distinct("quantities", (quantity.name for quantity in found))
     return tuple(found)
 
 

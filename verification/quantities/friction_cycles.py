@@ -40,7 +40,9 @@ def cycle_by_scipy(at: Mapping[str, float], claim: Claim) -> Check:
     start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
     try:
         with np.errstate(all="ignore"):  # scipy tries steps that overflow
-            run = run_events(FrictionChain(0.0, cell, 1), start, end, times=np.array([end]))
+            run = run_events(
+                FrictionChain.of(cell, c=0.0, sites=1), start, end, times=np.array([end])
+            )
     except ArithmeticError as error:
         raise NoReferenceError(str(error)) from None
     ends, begins = (run.log[run.log[:, 2] == kind, 0] for kind in (STICK_ENDS, STICK_BEGINS))

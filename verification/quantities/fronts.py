@@ -29,7 +29,7 @@ _MOST_TIME = 3e4
 
 
 def _chain(at: Mapping[str, float]) -> VdpChain:
-    return VdpChain(_A, at["eta"] * _A**2, at["c"], at.get("eps", 0.01), 32)
+    return VdpChain(a=_A, b=at["eta"] * _A**2, c=at["c"], eps=at.get("eps", 0.01), sites=32)
 
 
 def _front(at: Mapping[str, float], full: bool) -> Claim:

@@ -26,7 +26,7 @@ _RIPPLE = 0.05
 
 
 def _chain(at: Mapping[str, float]) -> VdpChain:
-    return VdpChain(_A, at["eta"] * _A**2, at["c"], at.get("eps", 0.01), _SITES)
+    return VdpChain(a=_A, b=at["eta"] * _A**2, c=at["c"], eps=at.get("eps", 0.01), sites=_SITES)
 
 
 def _label(at: Mapping[str, float], full: bool) -> Claim:

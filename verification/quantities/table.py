@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from theory.parameters import count_within
-from verification.execution.sweep import ProgressCallback, sweep
+from verification.execution.progress import ProgressCallback
+from verification.execution.sweep import sweep
 from verification.execution.table import Point, Table
 from verification.quantities.discover import chosen
 from verification.quantities.judging import BAD, Outcome, StressTask

@@ -17,7 +17,8 @@ import numpy.typing as npt
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
 
 FloatArray = npt.NDArray[np.float64]
@@ -93,7 +94,7 @@ def run_events(
     Examples
     --------
     >>> from verification.runs.friction_start import nucleus
-    >>> chain = FrictionChain(0.0, sites=1)
+    >>> chain = FrictionChain(c=0.0, sites=1)
     >>> run = run_events(chain, nucleus(chain, [1]), 12.0)
     >>> run.log[:, 2].astype(int).tolist()
     [0, 1, 0, 1]
@@ -148,7 +149,7 @@ class _Law:
     def __init__(self, chain: FrictionChain) -> None:
         self.cell, self.c, self.sites = chain.cell, chain.c, chain.sites
         ring = 2.0 * np.eye(self.sites) - np.eye(self.sites, k=1) - np.eye(self.sites, k=-1)
-        if chain.ends is FrictionEnds.FREE:
+        if chain.ends is Ends.FREE:
             ring[0, 0] -= 1.0
             ring[-1, -1] -= 1.0
         self.spring = np.eye(self.sites) + chain.c * ring

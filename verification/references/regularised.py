@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
 
 FloatArray = npt.NDArray[np.float64]
@@ -86,7 +87,7 @@ def run_regularised(
     Examples
     --------
     >>> from verification.runs.friction_start import nucleus
-    >>> chain = FrictionChain(0.02, sites=2)
+    >>> chain = FrictionChain(c=0.02, sites=2)
     >>> run_regularised(chain, nucleus(chain, [1]), 1.0, delta=1e-2).finished
     True
     """
@@ -96,7 +97,7 @@ def run_regularised(
     positive("end time tau", t_end)
     positive("width delta", delta)
     within("tolerance", tolerance, 1e-13, 1e-1)
-    cell, c, free = chain.cell, chain.c, chain.ends is FrictionEnds.FREE
+    cell, c, free = chain.cell, chain.c, chain.ends is Ends.FREE
     sites = chain.sites
 
     def right_side(_: float, z: FloatArray) -> FloatArray:

@@ -20,7 +20,8 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, positive, within
 from verification.execution.compiled import njit
 
@@ -105,7 +106,7 @@ def run_switch(
     Examples
     --------
     >>> from verification.runs.friction_start import nucleus
-    >>> chain = FrictionChain(0.02, sites=3)
+    >>> chain = FrictionChain(c=0.02, sites=3)
     >>> run = run_switch(chain, nucleus(chain, [1]), 20.0, step=0.01)
     >>> run.steps, bool(run.arrivals[0] < 5)
     (2000, True)
@@ -129,7 +130,7 @@ def run_switch(
     fixed = 0.0 if step is None else t_end / math.ceil(t_end / step - 1e-9)
     reached = _trapezoid(
         np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c, band]),
-        chain.ends is FrictionEnds.FREE,
+        chain.ends is Ends.FREE,
         np.array(start, dtype=float),
         t_end,
         fixed,

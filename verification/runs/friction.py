@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, end_time, within
-from verification.execution.checkpoint import check_samples, run_through
+from verification.execution.checkpoint import check_samples, run_to_end
 from verification.runs.comparison import (
     ROUNDINGS,
     arrival_error_from,
@@ -160,7 +160,7 @@ def run_friction(
     Examples
     --------
     >>> from verification.runs.friction_start import nucleus
-    >>> chain = FrictionChain(0.02, sites=5)
+    >>> chain = FrictionChain(c=0.02, sites=5)
     >>> run = run_friction(chain, nucleus(chain, [1]), 50.0, samples=2)
     >>> run.y.shape, run.error < 1e-6, run.status.value
     ((2, 5), True, 'resolved')
@@ -190,7 +190,7 @@ def run_friction(
         )
         for each, roundings in runs
     ]
-    spent = run_through(lanes, t_end, budget, checkpoint, progress)
+    spent = run_to_end(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
     error = arrival_error = None
     status = RunStatus.RESOLVED
@@ -232,7 +232,7 @@ def moved(chain: FrictionChain, start: FloatArray, roundings: int) -> FloatArray
 
     Examples
     --------
-    >>> chain = FrictionChain(0.02, sites=2)
+    >>> chain = FrictionChain(c=0.02, sites=2)
     >>> (moved(chain, np.ones((2, 2)), 4) - 1.0).tolist()
     [[8.881784197001252e-16, 8.881784197001252e-16], [0.0, 0.0]]
     """

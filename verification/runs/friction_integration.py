@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.friction import FrictionChain, FrictionEnds
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError, positive
 from verification.steppers import friction
 from verification.steppers.friction_series import binomials
@@ -77,7 +78,7 @@ class FrictionLane:
         self.chain, self.tolerance = chain, positive("tolerance", tolerance)
         self.order = taylor_order(tolerance)
         self._parameters = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c])
-        self._free = chain.ends is FrictionEnds.FREE
+        self._free = chain.ends is Ends.FREE
         self._binomial = binomials(self.order)
         self.y = start[0].copy()
         self._w = start[1] - cell.v_d
@@ -125,7 +126,7 @@ class FrictionLane:
         return self.time >= self.end
 
     @property
-    def kept(self) -> dict[str, npt.NDArray[Any]]:
+    def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
         return {
             "y": self.y,
@@ -141,7 +142,7 @@ class FrictionLane:
         }
 
     @property
-    def stamp(self) -> dict[str, float | int | str | bool]:
+    def metadata(self) -> dict[str, float | int | str | bool]:
         """What decides the run, to be held against a checkpoint."""
         cell = self.chain.cell
         return {
@@ -157,7 +158,17 @@ class FrictionLane:
             "start": self._start,
         }
 
-    def go_on(self, budget: int) -> None:
+    def check_state(self) -> None:
+        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        first, last = (int(self.counters[n]) for n in (friction.LO, friction.HI))
+        sampled, logged = (int(self.counters[n]) for n in (friction.SAMPLED, friction.LOGGED))
+        if not np.all(np.isfinite(self._clock)):
+            raise ValueError("a clock that is finite")
+        counted = 0 <= sampled <= len(self._samples) and 0 <= logged <= len(self._log)
+        if not (0 <= first <= last <= self.chain.sites and counted):
+            raise ValueError("counters within the arrays that they count")
+
+    def advance(self, budget: int) -> None:
         """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
         self.go_to(self.end, most_steps=1 + budget // self.chain.sites)
 

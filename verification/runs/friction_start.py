@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place
 from theory.parameters import ParameterError, count_within, within
 
 FloatArray = npt.NDArray[np.float64]
@@ -29,16 +30,6 @@ class StartPoint(StrEnum):
 
     MINIMUM = "minimum"
     """At the smallest y."""
-
-
-class Place(StrEnum):
-    """Where the nucleus is."""
-
-    EDGE = "edge"
-    """The first sites of the chain."""
-
-    BULK = "bulk"
-    """The middle of the chain."""
 
 
 def nucleus_sites(sites: int, place: Place, size: int) -> tuple[int, ...]:
@@ -97,7 +88,7 @@ def nucleus(
 
     Examples
     --------
-    >>> nucleus(FrictionChain(0.02, sites=3), [2], 2.0)[0].round(6).tolist()
+    >>> nucleus(FrictionChain(c=0.02, sites=3), [2], 2.0)[0].round(6).tolist()
     [0.541042, 2.0, 0.541042]
     """
     if not sites:

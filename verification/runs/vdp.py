@@ -17,9 +17,10 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, end_time, positive, within
-from verification.execution.checkpoint import check_samples, run_through
+from verification.execution.checkpoint import check_samples, run_to_end
 from verification.runs.comparison import (
     ROUNDINGS,
     arrival_error_from,
@@ -194,7 +195,7 @@ def run_vdp(
         Lane(chain, model is Model.FULL, each_psi, times, each, threshold, window, behind)
         for each, each_psi in runs
     ]
-    spent = run_through(lanes, t_end, budget, checkpoint, progress)
+    spent = run_to_end(lanes, t_end, budget, checkpoint, progress)
     first = lanes[0]
     error = arrival_error = None
     if companion:

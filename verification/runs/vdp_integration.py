@@ -7,7 +7,8 @@ import hashlib
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import RunError
 from verification.steppers import stepping
 from verification.steppers.active import FOLLOWING, FREE, RING
@@ -91,7 +92,7 @@ class Lane:
                 self.state[:, self.counters[1] :] = 0.0
 
     @property
-    def kept(self) -> dict[str, FloatArray | npt.NDArray[np.int64]]:
+    def state_arrays(self) -> dict[str, FloatArray | npt.NDArray[np.int64]]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
         return {
             "state": self.state,
@@ -102,7 +103,7 @@ class Lane:
         }
 
     @property
-    def stamp(self) -> dict[str, float | int | str | bool]:
+    def metadata(self) -> dict[str, float | int | str | bool]:
         """What decides the run, to be held against a checkpoint."""
         chain = self._chain
         return {
@@ -122,6 +123,14 @@ class Lane:
             "samples": int(self.sample_times.size),
             "start": self._start,
         }
+
+    def check_state(self) -> None:
+        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        first, last, sampled = (int(n) for n in self.counters[:3])
+        if not np.all(np.isfinite(self.clock)):
+            raise ValueError("a clock that is finite")
+        if not (0 <= first <= last <= self._chain.sites and 0 <= sampled <= len(self.samples)):
+            raise ValueError("counters within the arrays that they count")
 
     @property
     def time(self) -> float:
@@ -155,7 +164,7 @@ class Lane:
         """Times t of arrival, shape (N,)."""
         return self._arrivals / self._scale
 
-    def go_on(self, budget: int) -> None:
+    def advance(self, budget: int) -> None:
         """Step until the end, or until some ``budget`` of sites times steps is spent.
 
         Raises

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from verification.execution.compiled import njit
 from verification.steppers.active import FREE, RING, end_codes
 from verification.steppers.rows import put

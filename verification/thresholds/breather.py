@@ -11,13 +11,13 @@ import time
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+from theory.chains.nucleus import MARGIN, Nucleus, Place
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import envelope as envelope_breather
 from verification.breathers import exponents, orbits
 from verification.breathers.continuation import Branch, Crossing, Monitor, first_crossing
 from verification.breathers.newton import System
-from verification.breathers.nucleus import MARGIN, Nucleus, Place
 
 EXTRA = 3
 """Sites added on each side to measure what the finite chain does to a threshold."""

@@ -23,10 +23,11 @@ from time import perf_counter
 
 from theory.cells.friction import check_sliding_stable
 from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.runs.comparison import COMPANION
 from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import Place, StartPoint, nucleus, nucleus_sites
+from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
 
 GROWTH = 1.25
 """Factor between couplings of the first search."""
@@ -86,7 +87,8 @@ class Spreading:
         count_within("nucleus size", self.size, 1, 100_000)
         within("final time tau", self.final_time, 1.0, 1e6)
         within("tolerance", self.tolerance, 1e-12, 1e-4)
-        for name, kind in (("place", Place), ("definition", Definition), ("point", StartPoint)):
+        object.__setattr__(self, "place", Place(self.place))
+        for name, kind in (("definition", Definition), ("point", StartPoint)):
             object.__setattr__(self, name, kind(getattr(self, name)))
 
     def watched(self, sites: int) -> tuple[int, ...]:
@@ -171,7 +173,7 @@ def spreads(chain: FrictionChain, spreading: Spreading, final_time: float | None
 
     Examples
     --------
-    >>> [spreads(FrictionChain(c), Spreading()) for c in (0.01, 0.011)]
+    >>> [spreads(FrictionChain(c=c), Spreading()) for c in (0.01, 0.011)]
     [False, True]
     """
     watched = spreading.watched(chain.sites)
@@ -223,7 +225,7 @@ def friction_threshold(
 
     Examples
     --------
-    >>> found = friction_threshold(FrictionChain(0.0), Spreading(), accuracy=1e-4, tests=0)
+    >>> found = friction_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-4, tests=0)
     >>> found.low < 0.01056 < found.high, found.error < 1e-4
     (True, True)
     """

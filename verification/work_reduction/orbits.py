@@ -9,8 +9,8 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from theory.averaged.envelope import coupling_matrix
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import STIFFEST, Orbit, solve_orbit, steps_for
 from verification.steppers.variational import STEPS, integrate_variations
 from verification.work_reduction.comparison import Comparison

@@ -10,7 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from theory.piecewise.limits import pinning_coupling
-from verification.execution.sweep import own_workers, sweep
+from verification.execution.pool import worker_pool
+from verification.execution.sweep import sweep
 from verification.execution.table import Point, Scalar, grid
 from verification.work_reduction.comparison import Comparison, timed
 
@@ -29,7 +30,7 @@ def no_more_workers_than_points(points: int = 1) -> Comparison:
     asked = grid(eta=np.linspace(0.01, 0.05, points))
     here, spent = timed(lambda: sweep(pinned, asked, workers=2 if points == 1 else 1))
     begin = perf_counter()
-    with own_workers(2) as pool:
+    with worker_pool(2) as pool:
         there = sweep(pinned, asked, executor=pool)
     whole = perf_counter() - begin
     changed = float(np.abs(here["c_pin"] - there["c_pin"]).max())

@@ -1,4 +1,12 @@
-"""Which of the toolkit's files a module depends on, found by reading import statements."""
+"""Digests: of the code that a result depends on, of plain data, of arrays.
+
+The code of a result is that of the module it comes from and of all of the toolkit's modules which
+that one imports, directly or through others, found by reading import statements. Docstrings,
+comments and line breaks do not count.
+
+What a digest protects from: code, parameters, a truncated or damaged file that are taken for
+others. What it does not: somebody who forges a file and its digest, which anybody can compute.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +15,111 @@ import functools
 import hashlib
 import importlib.util
 import io
+import json
 import tokenize
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
+"""Packages whose code a result may depend on; ``fronts``, which only shows it, is not one."""
+
+DRAWING = (
+    "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
+)  # fmt: skip
+"""Modules that show what was measured, and change nothing of it."""
 
 
-def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
+def digest_of(data: object) -> str:
+    """Return a digest of plain data: what JSON can hold, floats to the last bit.
+
+    Examples
+    --------
+    >>> digest_of({"a": 1, "b": 2}) == digest_of({"b": 2, "a": 1})
+    True
+    """
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def digest_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+    """Return a digest of named arrays: names, types, shapes and every bit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> digest_of_arrays({"a": np.zeros(2)}) == digest_of_arrays({"a": -np.zeros(2)})
+    False
+    """
+    total = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        total.update(f"{name}\0{array.dtype.str}\0{array.shape}\0".encode())
+        total.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+    return total.hexdigest()
+
+
+def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
+    """Return a digest of the names from a folder on, and of the contents, of files."""
+    total = hashlib.sha256()
+    for path in sorted(files):
+        content = path.read_bytes()
+        total.update(f"{path.relative_to(folder).as_posix()}\0{len(content)}\0".encode())
+        total.update(content)
+    return total.hexdigest()
+
+
+def digest_of_code(
+    modules: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = DRAWING
+) -> str:
+    """Return a digest of the code that modules depend on.
+
+    Parameters
+    ----------
+    modules : iterable of str
+        Dotted names.
+    packages : collection of str, optional
+        Top-level packages whose code counts.
+    without : collection of str, optional
+        Modules of it that do not count.
+
+    Raises
+    ------
+    ValueError
+        If there is no such module.
+    """
+    files: dict[str, Path] = {}
+    for module in modules:
+        found = closure(module, packages, without)
+        if module not in found:
+            raise ValueError(f"there is no module {module} whose code could be read")
+        files |= found
+    total = hashlib.sha256()
+    for name, path in sorted(files.items()):
+        total.update(f"{name}\0{essence(path)}\0".encode())
+    return total.hexdigest()
+
+
+def digest_of_packages(packages: Iterable[str]) -> str:
+    """Return a digest of every Python file of some packages, wherever they are installed.
+
+    Examples
+    --------
+    >>> digest_of_packages(["theory"]) == digest_of_packages(["theory"])
+    True
+    """
+    found = {}
+    for package in packages:
+        home = _file(package)
+        if home is not None:
+            found[package] = digest_of_files(home.parent, home.parent.rglob("*.py"))
+    return digest_of(found)
+
+
+def closure(
+    module: str, packages: Collection[str] = SOURCES, without: Collection[str] = ()
+) -> dict[str, Path]:
     """Return the files that a module imports, itself included, directly or through others.
 
     Imports inside functions count; those under ``if TYPE_CHECKING`` do not. A module that
@@ -22,8 +129,10 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
     ----------
     module : str
         Dotted name.
-    packages : collection of str
+    packages : collection of str, optional
         Top-level packages that are followed; all others are left out.
+    without : collection of str, optional
+        Modules that are left out, and not followed.
 
     Returns
     -------
@@ -39,7 +148,7 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        if name in found or name.partition(".")[0] not in packages:
+        if name in found or name in without or name.partition(".")[0] not in packages:
             continue
         path = _file(name)
         if path is None:
@@ -48,23 +157,11 @@ def closure(module: str, packages: Collection[str]) -> dict[str, Path]:
         parent = name.rpartition(".")[0]
         if parent:
             waiting.append(parent)
-        names, computed = _imports(path, name if path.name == "__init__.py" else parent)
+        names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
         waiting.extend(names)
         if computed:
             waiting.extend(_all_of(name.partition(".")[0]))
     return dict(sorted(found.items()))
-
-
-def digest(modules: Iterable[str], packages: Collection[str], without: Collection[str] = ()) -> str:
-    """Return a digest of the `essence` of all files in the `closure` of modules, some left out."""
-    files: dict[str, Path] = {}
-    for module in modules:
-        files |= closure(module, packages)
-    total = hashlib.sha256()
-    for name, path in sorted(files.items()):
-        if name not in without:
-            total.update(f"{name}\0{essence(path)}\0".encode())
-    return total.hexdigest()
 
 
 def essence(path: Path) -> str:
@@ -130,7 +227,7 @@ def _file(name: str) -> Path | None:
     top, *rest = name.split(".")
     spec = importlib.util.find_spec(top)
     homes = list(spec.submodule_search_locations or ()) if spec else []
-    for folder in homes or [str(Path(__file__).parents[1] / top)]:
+    for folder in homes or [str(Path(__file__).parents[2] / top)]:
         place = Path(folder, *rest)
         for path in (place / "__init__.py", place.with_suffix(".py")):
             if path.is_file():
@@ -138,8 +235,16 @@ def _file(name: str) -> Path | None:
     return None
 
 
-def _imports(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
-    """Return what may be modules that a file imports, and whether it imports computed names."""
+def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
+    """Return what may be modules that a file imports, and whether it imports computed names.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    package : str
+        Dotted name of the package it is in, for relative imports.
+    """
     status = path.stat()
     return _imports_of(path, package, status.st_mtime_ns, status.st_size)
 

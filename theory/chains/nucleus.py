@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError
+from theory.chains.chain import MAX_SITES
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError, whole_number
+from theory.status import Status
 
 Complex = NDArray[np.complex128]
 
@@ -26,11 +27,11 @@ MARGIN = 7
 """Sites at rest on each side of a nucleus by default: a tail of ratio 0.25 falls to 6e-5."""
 
 
-class Place(StrEnum):
+class Place(Status):
     """Where the nucleus is."""
 
-    BULK = "bulk"
-    EDGE = "edge"
+    BULK = "bulk", "The nucleus is in the middle of the chain."
+    EDGE = "edge", "The nucleus is the first sites of the chain."
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ class Nucleus:
     place: Place = Place.BULK
 
     def __post_init__(self) -> None:
-        if self.size != int(self.size) or self.size < 1:
-            raise ParameterError("nucleus", self.size, "a whole number from 1", "excite a site")
+        size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")
+        object.__setattr__(self, "size", size)
         if len(self.pattern) != self.size - 1 or set(self.pattern) - set(STEPS):
             raise ParameterError(
                 "pattern",
@@ -76,6 +77,22 @@ class Nucleus:
     def phases(self) -> NDArray[np.float64]:
         """Return the phases θ_n of the excited sites, the first one zero."""
         return np.concatenate([[0.0], np.cumsum([STEPS[sign] for sign in self.pattern])])
+
+    def excited(self, sites: int) -> tuple[int, ...]:
+        """Return the excited sites of a chain, counted from 1.
+
+        Raises
+        ------
+        ParameterError
+            If the nucleus is wider than the chain.
+
+        Examples
+        --------
+        >>> Nucleus(3, "00").excited(31), Nucleus(2, "0", Place.EDGE).excited(31)
+        ((15, 16, 17), (1, 2))
+        """
+        first = self.first(sites)
+        return tuple(range(first + 1, first + self.size + 1))
 
     def first(self, sites: int) -> int:
         """Return the index of the first excited site in a chain.
@@ -104,7 +121,7 @@ class Nucleus:
         flipped = self.pattern[::-1].translate(str.maketrans("+-", "-+"))
         return self.place is Place.BULK and (sites - self.size) % 2 == 0 and flipped == self.pattern
 
-    def envelope(self, chain: VdpChain) -> Complex:
+    def envelope(self, chain: VanDerPolChain) -> Complex:
         """Return the start at c = 0: |φ_s| with these phases on the nucleus, rest elsewhere."""
         phi = np.zeros(chain.sites, dtype=complex)
         first = self.first(chain.sites)

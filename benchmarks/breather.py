@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from verification.quantities.scenes import Scene, damping, timed
 
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
@@ -32,7 +33,6 @@ from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
 from verification.breathers.run import RunStatus, run_breather
-from verification.quantities.scenes import Scene, damping, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -25,11 +25,11 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from verification.quantities.scenes import damping, timed
 
 from benchmarks.quantity import Quantity, Tell
 from derivations.averaging_evidence import damping_mean
 from derivations.periodic_orbit import orbit
-from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from verification.quantities.scenes import Scene, damping, timed
 
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
@@ -28,7 +29,6 @@ from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
 from theory.chains.vdp import VdpChain
 from verification.fronts.vdp import measure_front
-from verification.quantities.scenes import Scene, damping, timed
 from verification.runs.vdp import Model, run_vdp
 from verification.runs.vdp_start import staggered_front
 

@@ -21,6 +21,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 import numpy as np
+from verification.quantities.scenes import Scene, timed
 
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, Target, WorkPoint, stamped
@@ -29,7 +30,6 @@ from benchmarks.vdp_peers import right_side
 from verification.execution.table import Point
 from verification.maps.state import Label
 from verification.maps.vdp import StateTask
-from verification.quantities.scenes import Scene, timed
 from verification.runs.vdp import Model
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from verification.quantities.scenes import timed
 
 from benchmarks.breather import chain_of
 from benchmarks.quantity import Quantity, Tell
@@ -27,7 +28,6 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import solve_orbit, steps_for
-from verification.quantities.scenes import timed
 from verification.steppers.variational import integrate_variations
 
 if TYPE_CHECKING:

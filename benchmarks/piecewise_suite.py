@@ -7,13 +7,14 @@ from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
 
+from verification.quantities.scenes import timed
+
 from benchmarks.piecewise_peers import by_contour_roots, plain_quad
 from benchmarks.piecewise_sum import QUANTITY, contenders, first_batch, references
 from benchmarks.piecewise_targets import batch_target, other_targets, ratio_targets
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Effort, measure_side_by_side
-from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

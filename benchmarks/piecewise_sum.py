@@ -9,6 +9,7 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
+from verification.quantities.scenes import Scene
 
 from benchmarks.piecewise_peers import peers
 from benchmarks.runner import Answer, Contender, distance
@@ -19,7 +20,6 @@ from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import KineticSum
 from theory.piecewise.sums.series import sum_by_roots
-from verification.quantities.scenes import Scene
 
 QUANTITY = "sum"
 REFERENCE_DIGITS = 60

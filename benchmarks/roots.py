@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath as mp
 import numpy as np
+from verification.quantities.scenes import timed
 
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
@@ -27,7 +28,6 @@ from theory.piecewise.certified_roots import certify_roots
 from theory.piecewise.precise_roots import precise_roots
 from theory.piecewise.root_count import box_of_strips, count_in_strips
 from theory.piecewise.roots import labelled_roots
-from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

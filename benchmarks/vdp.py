@@ -18,19 +18,20 @@ from functools import partial
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
+from verification.quantities.scenes import damping, timed
+
 from benchmarks.equal_error import least_factor
 from benchmarks.quantity import Quantity, Tell
-from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    from verification.quantities.scenes import Scene
 
     from benchmarks.diagram import Style
     from benchmarks.record import Failure, Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
     from theory.chains.vdp import VdpChain
-    from verification.quantities.scenes import Scene
 
     FloatArray = npt.NDArray[np.float64]
 

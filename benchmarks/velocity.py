@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath as mp
 import numpy as np
+from verification.quantities.scenes import timed
 
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
@@ -26,7 +27,6 @@ from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_re
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
-from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

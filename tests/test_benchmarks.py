@@ -10,6 +10,7 @@ from csv import DictReader
 
 import numpy
 import pytest
+from verification.quantities.scenes import REFERENCES, scene_named, timed
 
 from benchmarks import (
     choice,
@@ -41,7 +42,6 @@ from fronts.cli import main
 from fronts.commands import bench
 from theory.averaged.envelope import envelope_rate
 from verification.execution.metadata import staleness
-from verification.quantities.scenes import REFERENCES, scene_named, timed
 from verification.runs.friction import run_friction
 from verification.runs.friction_start import nucleus
 

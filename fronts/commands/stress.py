@@ -12,8 +12,8 @@ from fronts.interrupted import resumable_tables
 from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from verification.quantities.quantity import Quantity
-    from verification.quantities.table import Stability
+    from verification.quantities.quantity import Computation
+    from verification.quantities.robustness import Stability
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
@@ -21,12 +21,12 @@ EXAMPLE = """examples:
   fronts stress --savings --record
   fronts stress --list
 
-Every quantity is tried at named scenes, at the corners of its parameters and at random, one point
+Every quantity is tried at test problems, at the corners of its parameters and at random, one point
 in twenty with a value that is not allowed. Exit code 1: a stated error was exceeded, or a point
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
-STABILITY_CODE = ("verification.quantities.table", "verification.quantities.discover")
+STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
 SAVINGS_CODE = ("verification.work_reduction.table",)
 
 
@@ -67,8 +67,8 @@ def run(options: argparse.Namespace) -> Answer:
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
-    from verification.quantities.discover import quantity_named
-    from verification.quantities.table import stability
+    from verification.quantities.registry import computation_named
+    from verification.quantities.robustness import stability
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> Answer:
         "seed": seed,
         "counts": found.counts,
         "quantities": [
-            vars(line) | _range_of(quantity_named(line.quantity)) for line in found.lines
+            vars(line) | _range_of(computation_named(line.quantity)) for line in found.lines
         ],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
@@ -163,29 +163,29 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
-def _range_of(quantity: Quantity) -> dict[str, str]:
+def _range_of(quantity: Computation) -> dict[str, str]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
-    return {"what": quantity.what, "over": axes, "ends": quantity.ends}
+    return {"what": quantity.title, "over": axes, "ends": quantity.limits}
 
 
 def _list() -> Answer:
-    from verification.quantities.discover import all_quantities
+    from verification.quantities.registry import all_computations
 
     rows = [
         {
             "quantity": quantity.name,
-            "what": quantity.what,
+            "what": quantity.title,
             "axes": [{"name": a.name, "low": a.low, "high": a.high} for a in quantity.axes],
-            "ends": quantity.ends,
+            "ends": quantity.limits,
             "seconds": quantity.seconds,
         }
-        for quantity in all_quantities()
+        for quantity in all_computations()
     ]
     lines = []
-    for quantity in all_quantities():
+    for quantity in all_computations():
         said = _range_of(quantity)
         lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
-        if quantity.ends:
+        if quantity.limits:
             lines.append(f"{'':26}({said['ends']})")
     return Answer({"quantities": rows}, "\n".join(lines))
 

@@ -71,8 +71,8 @@ def measure(quick: bool, tell: Tell) -> Record:
     from benchmarks import record
     from benchmarks.runner import Effort, measure_side_by_side
     from verification.references.friction_events import run_events
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     effort = Effort(0.1, 1, 9, 0.2, 10.0) if quick else Effort(0.2, 3, 21, 0.4, 60.0)
     points: list[WorkPoint] = []
@@ -82,11 +82,13 @@ def measure(quick: bool, tell: Tell) -> Record:
     for scene in timed("friction")[: 1 if quick else None]:
         chain = chain_of(scene)
         end = scene.values["t"]
-        start = nucleus(chain, [1])
+        start = excite(chain, [1])
         tell(f"friction at the scene {scene.name}: the references")
-        reference = run_friction(chain, start, end, tolerance=1e-13, samples=SAMPLES, events=10_000)
+        reference = simulate(
+            chain, start, end, tolerance=1e-13, samples=SAMPLES, logged_events=10_000
+        )
         second = run_events(chain, start, end)
-        if len(second.log) != reference.events:
+        if len(second.log) != reference.event_count:
             raise ArithmeticError("the two references do not have the same events")
         agreement[scene.name] = float(np.abs(second.y - reference.y).max())
         waited += second.seconds
@@ -171,9 +173,9 @@ def _exact(
     tolerance: float,
     stated: bool = False,
 ) -> Answer:
-    from verification.runs.friction import run_friction
+    from verification.runs.simulate import simulate
 
-    run = run_friction(chain, start, end, tolerance=tolerance, samples=SAMPLES, companion=stated)
+    run = simulate(chain, start, end, tolerance=tolerance, samples=SAMPLES, estimate_error=stated)
     return _answer(run.y, true, run.error)
 
 
@@ -262,11 +264,11 @@ def _first(method: str) -> None:
     """Run a tenth of the ordinary scene, compared with nothing."""
     import numpy as np
 
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
 
     scene = timed("friction")[0]
     chain = chain_of(scene)
-    start, end = nucleus(chain, [1]), 0.1 * scene.values["t"]
+    start, end = excite(chain, [1]), 0.1 * scene.values["t"]
     nothing = np.zeros((SAMPLES, chain.sites))
     if method == EXACT:
         _exact(chain, start, nothing, end, 1e-8)

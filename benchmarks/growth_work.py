@@ -124,26 +124,24 @@ def whole_front(sites: float) -> object:
 
 def _front(sites: int, behind: int, full: bool = False) -> object:
     from theory.chains.vdp import VdpChain
-    from verification.runs.vdp import Model, run_vdp
-    from verification.runs.vdp_start import staggered_front
+    from verification.runs.excite import excite_edge
+    from verification.runs.simulate import simulate
 
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
     filled = min(24, sites // 2)
-    return run_vdp(
-        chain, staggered_front(chain, filled), sites / 0.72 / chain.eps,
-        model=Model.FULL if full else Model.ENVELOPE, tolerance=1e-6 if full else 1e-9,
-        behind=min(behind, filled), companion=False, samples=2,
-    )  # fmt: skip
+    return simulate(
+        chain if full else chain.averaged(), excite_edge(chain, filled), sites / 0.72 / chain.eps, tolerance=1e-6 if full else 1e-9,
+        trailing_sites=min(behind, filled), estimate_error=False, samples=2)  # fmt: skip
 
 
 def friction_front(sites: float) -> object:
     from theory.chains.friction import FrictionChain
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain = FrictionChain(c=0.05, sites=int(sites))
-    return run_friction(
-        chain, nucleus(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, companion=False
+    return simulate(
+        chain, excite(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, estimate_error=False
     )
 
 
@@ -189,7 +187,7 @@ def full_workers(count: float) -> object:
 def _map(points: int, count: int, full: bool = False) -> object:
     from verification.execution.sweep import sweep
     from verification.maps.vdp import StateTask, state_points
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     side = math.isqrt(points)
     etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)

@@ -30,7 +30,7 @@ from benchmarks.vdp_peers import right_side
 from verification.execution.table import Point
 from verification.maps.state import Label
 from verification.maps.vdp import StateTask
-from verification.runs.vdp import Model
+from verification.runs.model import Model
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

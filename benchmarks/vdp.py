@@ -137,16 +137,16 @@ def ours(task: Task, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) of our default stepper."""
     import numpy as np
 
-    from verification.runs.vdp_integration import Lane
-    from verification.runs.vdp_start import displaced
+    from verification.runs.excite import excite
+    from verification.runs.smooth_integration import SmoothIntegration
 
-    lane = Lane(
-        task.chain, True, displaced(task.chain, [1]), np.array([0.0, task.end]), tolerance, 1.0,
-        True, 0,
-    )  # fmt: skip
-    while not lane.finished:
-        lane.advance(10**9)
-    final: FloatArray = lane.samples[-1].ravel()
+    times = np.array([0.0, task.end])
+    run = SmoothIntegration(
+        task.chain, excite(task.chain, [1]), times, tolerance=tolerance, level=1.0
+    )
+    while not run.finished:
+        run.advance(10**9)
+    final: FloatArray = run.samples[-1].ravel()
     return final
 
 
@@ -154,11 +154,11 @@ def _stated(task: Task, true: FloatArray, tolerance: float) -> Answer:
     """Return the error with the claim: the run as a user asks for it, a companion beside it."""
     import numpy as np
 
-    from verification.runs.vdp import run_vdp
-    from verification.runs.vdp_start import displaced
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
-    run = run_vdp(
-        task.chain, displaced(task.chain, [1]), task.end, tolerance=tolerance, samples=2
+    run = simulate(
+        task.chain, excite(task.chain, [1]), task.end, tolerance=tolerance, samples=2
     )  # fmt: skip
     return _answer(np.concatenate([run.psi[-1].imag, run.psi[-1].real]), true, run.error)
 
@@ -166,8 +166,7 @@ def _stated(task: Task, true: FloatArray, tolerance: float) -> Answer:
 def by_series(task: Task, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) by Taylor series."""
     from verification.steppers.active import FREE
-    from verification.steppers.slopes import FULL
-    from verification.steppers.taylor import taylor_order, taylor_steps
+    from verification.steppers.taylor import FULL, taylor_order, taylor_steps
 
     state = task.start.reshape(2, -1).copy()
     order = taylor_order(tolerance)
@@ -253,15 +252,13 @@ def _own(
 
 
 def _fixed(task: Task, true: FloatArray, order: int, steps: int) -> Answer:
-    from verification.steppers.active import FREE
-    from verification.steppers.runge_kutta import fixed_steps
-    from verification.steppers.slopes import FULL
+    from verification.steppers.fixed import fixed_steps
     from verification.steppers.splitting import saba, split_steps
 
     state = task.start.reshape(2, -1).copy()
     h = task.end / steps
     if order:
-        fixed_steps(FULL, state, task.parameters, FREE, h, steps, order)
+        fixed_steps(task.chain, state, h, steps, order)
     else:
         split_steps(state, task.parameters, False, h, steps, *saba(4))
     return _answer(state.ravel(), true)
@@ -330,17 +327,16 @@ def _front_cost(lengths: Sequence[int]) -> Target:
 
     from benchmarks.record import Target
     from theory.chains.vdp import VdpChain
-    from verification.runs.vdp import Model, run_vdp
-    from verification.runs.vdp_start import staggered_front
+    from verification.runs.excite import excite_edge
+    from verification.runs.simulate import simulate
 
     seconds = []
     for sites in lengths:
         chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
         begin = process_time()
-        run_vdp(
-            chain, staggered_front(chain, 24), sites / 0.72 / chain.eps, model=Model.ENVELOPE,
-            behind=24, companion=False, samples=2,
-        )  # fmt: skip
+        simulate(
+            chain.averaged(), excite_edge(chain, 24), sites / 0.72 / chain.eps,
+            trailing_sites=24, estimate_error=False, samples=2)  # fmt: skip
         seconds.append(process_time() - begin)
     exponent = float(np.polyfit(np.log(lengths), np.log(seconds), 1)[0])
     detail = ", ".join(f"{n} sites {s:.2g} s" for n, s in zip(lengths, seconds, strict=True))
@@ -355,7 +351,7 @@ def _map(model: str, limit: float) -> Target:
     from benchmarks.record import Target
     from verification.execution.sweep import sweep
     from verification.maps.vdp import StateTask, state_points
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()
     begin = perf_counter()

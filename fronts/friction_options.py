@@ -9,7 +9,7 @@ from fronts.arguments import given, real
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.runs.friction_start import StartPoint
+    from verification.runs.excite import StartPoint
 
 CELL = ("v_d", "mu_st", "mu_d", "v0", "xi")
 """Names of the options of one cell; each is None where it was not given."""
@@ -58,6 +58,6 @@ def cell_of(options: argparse.Namespace) -> FrictionCell:
 
 def start_point_of(options: argparse.Namespace) -> StartPoint:
     """Return the point of the cycle that the options name."""
-    from verification.runs.friction_start import StartPoint
+    from verification.runs.excite import StartPoint
 
     return StartPoint(options.start_point or "maximum")

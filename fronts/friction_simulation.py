@@ -17,7 +17,7 @@ from verification.execution.files import write_by
 from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from verification.runs.friction import FrictionRun
+    from verification.runs.trajectory import Trajectory
 
 
 def simulate_friction(options: argparse.Namespace) -> Answer:
@@ -31,8 +31,8 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     from theory.chains.chain import Ends
     from theory.chains.friction import FrictionChain
     from theory.parameters import within
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     if options.ends == "periodic":
         raise UsageError("--ends periodic is for the model vdp: take free or literal.")
@@ -49,7 +49,7 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     chain = FrictionChain.of(
         cell_of(options), c=options.c, sites=options.n, ends=Ends(options.ends)
     )
-    start = nucleus(chain, options.excite, given(options.displacement, start_point_of(options)))
+    start = excite(chain, options.excite, options.displacement, point=start_point_of(options))
     if options.perturb > 0:
         noise = np.random.default_rng(options.seed).standard_normal(start.shape)
         start = start + options.perturb * noise
@@ -57,7 +57,7 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
         resumable_run(options.checkpoint),
         Progress(f"run to tau = {options.t_end:g}") as shown,
     ):
-        result = run_friction(
+        result = simulate(
             chain,
             start,
             options.t_end,
@@ -73,18 +73,19 @@ def simulate_friction(options: argparse.Namespace) -> Answer:
     return Answer(_payload(result), _in_words(result))
 
 
-def _payload(run: FrictionRun) -> dict[str, object]:
+def _payload(run: Trajectory) -> dict[str, object]:
     arrival_error = run.arrival_error
     return {
         "model": "friction",
         "t_end": float(run.times[-1]),
-        "amplitudes": run.envelope[-1].tolist(),
+        "amplitudes": run.amplitude[-1].tolist(),
         "width": int(np.count_nonzero(~np.isnan(run.arrivals))),
         "arrivals": [None if np.isnan(t) else float(t) for t in run.arrivals],
-        "sticks": run.sticks,
-        "releases": run.releases,
-        "reversals": run.reversals,
+        "sticks": run.counts["sticks"],
+        "releases": run.counts["releases"],
+        "reversals": run.counts["reversals"],
         "status": run.status.value,
+        "resolved_until": run.resolved_until,
         "error": run.error,
         "arrival_error": arrival_error if np.isfinite(arrival_error or 0.0) else None,
         "steps": run.steps,
@@ -93,8 +94,8 @@ def _payload(run: FrictionRun) -> dict[str, object]:
     }
 
 
-def _in_words(run: FrictionRun) -> str:
-    last = run.envelope[-1]
+def _in_words(run: Trajectory) -> str:
+    last = run.amplitude[-1]
     reached = int(np.count_nonzero(~np.isnan(run.arrivals)))
     loudest = int(np.argmax(last))
     return "\n".join(
@@ -104,13 +105,18 @@ def _in_words(run: FrictionRun) -> str:
             f"  largest amplitude {last[loudest]:.8g} at site {loudest + 1}",
             f"  error of the states at most {run.error:.1e} (from two less exact runs beside it: "
             f"{run.status.value})",
-            f"  {run.sticks} sticks, {run.releases} releases, {run.reversals} reversals",
+            *_resolution(run),
+            "  {sticks} sticks, {releases} releases, {reversals} reversals".format(**run.counts),
             f"  {run.steps} steps of {run.mean_active:.1f} sites, {run.seconds:.3f} s",
         ]
     )
 
 
-def _save(path: Path, run: FrictionRun) -> None:
+def _resolution(run: Trajectory) -> list[str]:
+    return [f"  {run.status.sentence}"] if run.status.value != "resolved" else []
+
+
+def _save(path: Path, run: Trajectory) -> None:
     chain = run.chain
     parameters = {
         "model": "friction",
@@ -126,14 +132,14 @@ def _save(path: Path, run: FrictionRun) -> None:
         times=run.times,
         y=run.y,
         velocity=run.velocity,
-        envelope=run.envelope,
+        envelope=run.amplitude,
         arrivals=run.arrivals,
         parameters=json.dumps(parameters),
     )
 
 
-def _draw(path: Path, run: FrictionRun) -> None:
+def _draw(path: Path, run: Trajectory) -> None:
     from fronts.space_time import draw_space_time
 
     quantity = "half of maximum - minimum of y"
-    draw_space_time(path, run.times, run.envelope, run.arrivals, "sticks", "time τ", quantity)
+    draw_space_time(path, run.times, run.amplitude, run.arrivals, "sticks", "time τ", quantity)

@@ -42,8 +42,8 @@ from fronts.cli import main
 from fronts.commands import bench
 from theory.averaged.envelope import envelope_rate
 from verification.execution.metadata import staleness
-from verification.runs.friction import run_friction
-from verification.runs.friction_start import nucleus
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
 
 def _fake(method, log, value=1.0, claimed=0.5, **options):
@@ -220,8 +220,8 @@ def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
 def test_every_friction_method_gives_its_largest_error():
     scene = timed("friction")[0]
     chain, end = friction.chain_of(scene), scene.values["t"]
-    start = nucleus(chain, [1])
-    true = run_friction(chain, start, end, samples=friction.SAMPLES).y
+    start = excite(chain, [1])
+    true = simulate(chain, start, end, samples=friction.SAMPLES).y
     rows = friction.contenders(chain, start, true, end, quick=True)
     seen = {}
     for row in rows:

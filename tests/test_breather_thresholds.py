@@ -23,7 +23,7 @@ from verification.breathers.nucleation import Preparation, escape_threshold, hol
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import RunStatus, run_breather
 from verification.breathers.slow_sweep import measure_delay
-from verification.steppers.envelope_run import run_envelope
+from verification.runs.envelope_run import run_envelope
 from verification.thresholds.breather import Mechanism, Method, breather_threshold
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)

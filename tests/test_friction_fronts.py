@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place
+from theory.chains.nucleus import Place, nucleus_sites
 from theory.parameters import ParameterError
 from verification.fronts.arrival_fit import (
     FrontStatus,
@@ -22,9 +22,9 @@ from verification.fronts.arrival_fit import (
     settle,
     velocity_of_arrivals,
 )
-from verification.fronts.friction import measure_friction_front
-from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
+from verification.fronts.measure import measure_front
+from verification.runs.excite import StartPoint, excite
+from verification.runs.friction_integration import FrictionIntegration
 from verification.thresholds.friction import (
     Definition,
     Spreading,
@@ -90,9 +90,9 @@ def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[
 
 def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
     chain = FrictionChain(c=0.1, sites=12)
-    start = nucleus(chain, [1])
-    lane = FrictionLane(chain, start, 1e-10)
-    lane.go_to(110.0)
+    start = excite(chain, [1])
+    lane = FrictionIntegration(chain, start, tolerance=1e-10)
+    lane.advance_to(110.0)
     by_scipy = _arrivals_by_scipy(0.1, start[0], 110.0)
     known = ~np.isnan(by_scipy)
     assert np.count_nonzero(known) >= 9
@@ -101,7 +101,7 @@ def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
     assert np.max(np.abs(by_scipy - lane.arrivals)[known]) < 1e-5
     reached = np.flatnonzero(known)[2:]
     slope = np.polyfit(reached, by_scipy[reached], 1)[0]
-    front = measure_friction_front(FrictionChain(c=0.1, sites=61), accuracy=0.02)
+    front = measure_front(FrictionChain(c=0.1, sites=61), accuracy=0.02)
     # a few sites only, timed in steps of a period of 6.35: one step over the sites seen
     few = 6.35 / (reached.size * slope)
     assert front.v == pytest.approx(1.0 / slope, rel=few)
@@ -113,7 +113,7 @@ def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
     found = friction_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
     assert found.error < 1e-5
     for c, arrives in ((0.98 * found.low, False), (1.02 * found.high, True)):
-        start = nucleus(replace(chain, c=c), [1])
+        start = excite(replace(chain, c=c), [1])
         by_scipy = _arrivals_by_scipy(c, start[0], 400.0)
         assert (not np.isnan(by_scipy[1])) is arrives
 
@@ -134,9 +134,11 @@ def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: in
 
 def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
     chain = FrictionChain(c=0.05, sites=15)
-    one, other = (FrictionLane(chain, nucleus(chain, [site]), 1e-10) for site in (1, 15))
+    one, other = (
+        FrictionIntegration(chain, excite(chain, [site]), tolerance=1e-10) for site in (1, 15)
+    )
     for lane in (one, other):
-        lane.go_to(200.0)
+        lane.advance_to(200.0)
     assert np.count_nonzero(~np.isnan(one.arrivals)) > 6
     # sums in another order: round-off, a little amplified
     np.testing.assert_allclose(one.arrivals, other.arrivals[::-1], atol=1e-8)
@@ -144,8 +146,8 @@ def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
 
 def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
     for c, long in ((0.1, 121), (0.2, 161)):
-        short = measure_friction_front(FrictionChain(c=c, sites=41), most_sites=41, accuracy=0.1)
-        far = measure_friction_front(FrictionChain(c=c, sites=long), most_sites=long, accuracy=0.1)
+        short = measure_front(FrictionChain(c=c, sites=41), max_sites=41, accuracy=0.1)
+        far = measure_front(FrictionChain(c=c, sites=long), max_sites=long, accuracy=0.1)
         assert short.v is not None
         assert short.error is not None
         assert far.v is not None
@@ -155,19 +157,19 @@ def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
 
 
 def test_statuses() -> None:
-    pinned = measure_friction_front(FrictionChain(c=0.008, sites=31))
+    pinned = measure_front(FrictionChain(c=0.008, sites=31))
     assert (pinned.status, pinned.v, pinned.steady) == (FrontStatus.PINNED, 0.0, False)
     assert pinned.error == pytest.approx(1.0 / 3000.0)
     beyond = FrictionChain.of(FrictionCell(v_d=1.9), c=0.05, sites=31)
-    collapsed = measure_friction_front(beyond)
+    collapsed = measure_front(beyond)
     assert (collapsed.status, collapsed.v) == (FrontStatus.COLLAPSED, None)
     # the same coupling from six sites: they creep on, below the threshold of one
-    wide = measure_friction_front(FrictionChain(c=0.009, sites=31), size=6, accuracy=0.1)
+    wide = measure_front(FrictionChain(c=0.009, sites=31), excited=6, accuracy=0.1)
     assert wide.steady
     assert wide.v is not None
     assert 0.002 < wide.v < 0.004
-    unsteady = measure_friction_front(
-        FrictionChain(c=0.1, sites=31), most_sites=31, accuracy=1e-6
+    unsteady = measure_front(
+        FrictionChain(c=0.1, sites=31), max_sites=31, accuracy=1e-6
     )  # fmt: skip
     assert unsteady.status is FrontStatus.UNSTEADY
 
@@ -289,11 +291,11 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         lambda: friction_threshold(FrictionChain(c=0.0), Spreading(), lowest=0.0),
         lambda: friction_threshold(FrictionChain(c=0.0), Spreading(), highest=1e-4),
         lambda: friction_threshold(FrictionChain(c=0.0), Spreading(), accuracy=0.0),
-        lambda: measure_friction_front(FrictionChain(c=0.0, sites=101)),
-        lambda: measure_friction_front(FrictionChain(c=0.02, sites=5)),
-        lambda: measure_friction_front(FrictionChain(c=0.02, sites=101), size=0),
-        lambda: measure_friction_front(FrictionChain(c=0.02, sites=101), accuracy=1.0),
-        lambda: measure_friction_front(FrictionChain(c=0.02, sites=101, ends=Ends.LITERAL)),
+        lambda: measure_front(FrictionChain(c=0.0, sites=101)),
+        lambda: measure_front(FrictionChain(c=0.02, sites=5)),
+        lambda: measure_front(FrictionChain(c=0.02, sites=101), excited=0),
+        lambda: measure_front(FrictionChain(c=0.02, sites=101), accuracy=1.0),
+        lambda: measure_front(FrictionChain(c=0.02, sites=101, ends=Ends.LITERAL)),
         lambda: nucleus_sites(31, Place.EDGE, 32),
     ],
 )

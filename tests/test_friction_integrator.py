@@ -17,9 +17,12 @@ from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.friction_orbits import cycle_end_velocity
 from verification.references.friction_events import run_events
-from verification.runs.friction import FrictionRun, RunStatus, run_friction
-from verification.runs.friction_integration import FrictionLane, FrictionRunError
-from verification.runs.friction_start import nucleus
+from verification.runs.trajectory import Trajectory
+from verification.runs.trajectory import RunStatus
+from verification.runs.simulate import simulate
+from theory.parameters import RunError
+from verification.runs.friction_integration import FrictionIntegration, 
+from verification.runs.excite import excite
 from verification.steppers import friction
 
 CELL = FrictionCell()
@@ -70,7 +73,7 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_every_event_is_that_of_scipy(name: str) -> None:
     chain, start, t_end = SCENES[name]
-    ours = run_friction(chain, start, t_end, tolerance=1e-13, events=10_000, samples=201)
+    ours = simulate(chain, start, t_end, tolerance=1e-13, logged_events=10_000, samples=201)
     with warnings.catch_warnings():
         # In trial steps beyond an event the continued exponential may overflow; they are refused.
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -91,8 +94,8 @@ def test_every_event_is_that_of_scipy(name: str) -> None:
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_the_error_reported_bounds_the_true_one(name: str, tolerance: float) -> None:
     chain, start, t_end = SCENES[name]
-    exact = run_friction(chain, start, t_end, tolerance=1e-14)
-    rough = run_friction(chain, start, t_end, tolerance=tolerance)
+    exact = simulate(chain, start, t_end, tolerance=1e-14)
+    rough = simulate(chain, start, t_end, tolerance=tolerance)
     assert rough.error is not None
     assert np.abs(rough.y - exact.y).max() <= rough.error
     assert np.abs(rough.velocity - exact.velocity).max() <= rough.error
@@ -106,10 +109,10 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
     """
     chain, start, t_end = SCENES[name]
     cell = chain.cell
-    first = run_friction(chain, start, t_end, tolerance=1e-12, events=10_000)
+    first = simulate(chain, start, t_end, tolerance=1e-12, logged_events=10_000)
     edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.log[:, 0]]))
     pieces = [np.linspace(a, b, 81) for a, b in pairwise(edges)]
-    run = run_friction(chain, start, t_end, tolerance=1e-12, times=np.concatenate(pieces).tolist())
+    run = simulate(chain, start, t_end, tolerance=1e-12, times=np.concatenate(pieces).tolist())
     gained = belt = burnt = 0.0
     for k, t in enumerate(pieces):
         rows = slice(81 * k, 81 * (k + 1))
@@ -138,7 +141,7 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
     assert belt - burnt == pytest.approx(gained + simpson_damping(run, pieces, cell), abs=1e-6)
 
 
-def simpson_damping(run: FrictionRun, pieces: list[np.ndarray], cell: FrictionCell) -> float:
+def simpson_damping(run: Trajectory, pieces: list[np.ndarray], cell: FrictionCell) -> float:
     total = 0.0
     for k, t in enumerate(pieces):
         v = run.velocity[81 * k : 81 * (k + 1)]
@@ -149,7 +152,7 @@ def simpson_damping(run: FrictionRun, pieces: list[np.ndarray], cell: FrictionCe
 @pytest.mark.parametrize("name", ["three", "five", "strong", "reversals", "undamped"])
 def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> None:
     chain, start, t_end = SCENES[name]
-    run = run_friction(chain, start, t_end, tolerance=1e-12, samples=4001, events=10_000)
+    run = simulate(chain, start, t_end, tolerance=1e-12, samples=4001, logged_events=10_000)
     w = run.velocity - chain.cell.v_d
     stuck = run.velocity == chain.cell.v_d
     force = np.abs(holding_force(chain, run.y.copy()))
@@ -184,7 +187,7 @@ def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> 
 def test_mirror_symmetry_survives_to_the_last_bit(sites: int, c: float) -> None:
     half = random_start((sites + 1) // 2)
     start = np.concatenate([half, half[:, ::-1][:, sites % 2 :]], axis=1)
-    run = run_friction(FrictionChain(c=c, sites=sites), start, 60.0 if c < 1 else 20.0)
+    run = simulate(FrictionChain(c=c, sites=sites), start, 60.0 if c < 1 else 20.0)
     assert np.array_equal(run.y, run.y[:, ::-1])
     assert np.array_equal(run.velocity, run.velocity[:, ::-1])
 
@@ -197,19 +200,19 @@ def test_uniform_sliding_is_an_equilibrium_of_free_ends_for_every_coupling(
     cell = replace(CELL, v_d=v_d)
     chain = FrictionChain.of(cell, c=c, sites=7)
     start = np.array([np.full(7, cell.steady_sliding), np.zeros(7)])
-    run = run_friction(chain, start, 10.0, window=False)
+    run = simulate(chain, start, 10.0, active_window=False)
     # Unstable below the Hopf velocity: round-off grows by e^2 here.
     assert np.abs(run.y - cell.steady_sliding).max() < 1e-14
-    walls = run_friction(replace(chain, ends=Ends.LITERAL), start, 10.0)
+    walls = simulate(replace(chain, ends=Ends.LITERAL), start, 10.0)
     assert bool(np.abs(walls.y - cell.steady_sliding).max() > 1e-3) is (c > 0)
 
 
 def test_a_window_run_is_the_full_run() -> None:
     chain = FrictionChain(c=0.02, sites=201)
-    start = nucleus(chain, [1])
+    start = excite(chain, [1])
     for tolerance in (1e-8, 1e-11):
         full, window = (
-            run_friction(chain, start, 150.0, tolerance=tolerance, window=each)
+            simulate(chain, start, 150.0, tolerance=tolerance, active_window=each)
             for each in (False, True)
         )
         assert window.mean_active < 60 < full.mean_active
@@ -220,9 +223,9 @@ def test_a_window_run_is_the_full_run() -> None:
 
 def test_uncoupled_sites_move_as_alone() -> None:
     start = random_start(4)
-    run = run_friction(FrictionChain(c=0.0, sites=4), start, 50.0, tolerance=1e-12)
+    run = simulate(FrictionChain(c=0.0, sites=4), start, 50.0, tolerance=1e-12)
     for n in range(4):
-        alone = run_friction(FrictionChain(c=0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
+        alone = simulate(FrictionChain(c=0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
         # Steps differ: each is good to its own error.
         assert np.abs(run.y[:, n] - alone.y[:, 0]).max() < 1e-9
 
@@ -230,7 +233,7 @@ def test_uncoupled_sites_move_as_alone() -> None:
 @pytest.mark.parametrize("sites", [2, 9, 50])
 def test_sites_that_start_alike_switch_together(sites: int) -> None:
     start = np.array([np.full(sites, 1.9), np.zeros(sites)])
-    run = run_friction(FrictionChain(c=0.3, sites=sites), start, 60.0, events=10_000)
+    run = simulate(FrictionChain(c=0.3, sites=sites), start, 60.0, logged_events=10_000)
     assert np.ptp(run.y, axis=1).max() == 0.0
     times, counts = np.unique(run.log[:, 0], return_counts=True)
     assert len(times) > 10
@@ -239,7 +242,7 @@ def test_sites_that_start_alike_switch_together(sites: int) -> None:
 
 def test_a_site_sticks_for_ever() -> None:
     slow = replace(CELL, v_d=1e-12)
-    run = run_friction(
+    run = simulate(
         FrictionChain.of(slow, c=0.0, sites=2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4
     )
     assert run.stuck.all()
@@ -250,10 +253,10 @@ def test_a_site_sticks_for_ever() -> None:
 def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
     chain = FrictionChain(c=0.0, sites=1)
     start = np.array([[CELL.release], [CELL.v_d]])
-    run = run_friction(chain, start, 20.0, events=100)
+    run = simulate(chain, start, 20.0, logged_events=100)
     assert run.log[0, 0] < 1e-15
     assert run.log[0, 2] == ENDS
-    beyond = run_friction(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
+    beyond = simulate(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
     assert np.all(np.diff(beyond.velocity[:50, 0]) < 0)
 
 
@@ -265,8 +268,8 @@ def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
 def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: float) -> None:
     chain = FrictionChain.of(replace(CELL, v_d=v_d), c=0.0, sites=1)
     start = np.array([[chain.cell.release - 1e-3], [v_d]])
-    run = run_friction(chain, start, 60.0)
-    exact = run_friction(chain, start, 60.0, tolerance=1e-14)
+    run = simulate(chain, start, 60.0)
+    exact = simulate(chain, start, 60.0, tolerance=1e-14)
     assert np.isfinite(run.y).all()
     assert run.error is not None
     assert np.abs(run.y - exact.y).max() <= run.error
@@ -277,8 +280,8 @@ def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: flo
 def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
     chain = FrictionChain.of(replace(CELL, v0=v0, v_d=v_d), c=0.05, sites=2)
     start = np.array([[1.4, 0.4], [0.0, 0.0]])
-    run = run_friction(chain, start, 15.0, tolerance=1e-10)
-    exact = run_friction(chain, start, 15.0, tolerance=1e-14)
+    run = simulate(chain, start, 15.0, tolerance=1e-10)
+    exact = simulate(chain, start, 15.0, tolerance=1e-14)
     assert run.sticks > 0
     assert run.error is not None
     assert np.abs(run.y - exact.y).max() <= run.error
@@ -288,9 +291,9 @@ def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
 
 def test_a_chain_of_ten_thousand_sites_runs() -> None:
     chain = FrictionChain(c=0.02, sites=10_000)
-    long = run_friction(chain, nucleus(chain, [1]), 60.0, samples=3)
+    long = simulate(chain, excite(chain, [1]), 60.0, samples=3)
     short = replace(chain, sites=40)
-    brief = run_friction(short, nucleus(short, [1]), 60.0, samples=3)
+    brief = simulate(short, excite(short, [1]), 60.0, samples=3)
     assert np.isfinite(long.y).all()
     # Forty sites are enough for τ = 60: the far end is not reached to round-off.
     assert np.abs(long.y[:, :20] - brief.y[:, :20]).max() < 1e-9
@@ -300,31 +303,31 @@ def test_what_cannot_be_run_is_refused() -> None:
     chain = FrictionChain(c=0.1, sites=2)
     for start in (np.zeros((2, 3)), np.full((2, 2), np.nan), np.full((2, 2), np.inf)):
         with pytest.raises(ParameterError, match="start"):
-            run_friction(chain, start, 1.0)
+            simulate(chain, start, 1.0)
     with pytest.raises(ParameterError, match="tau"):
-        run_friction(chain, np.zeros((2, 2)), -1.0)
-    with pytest.raises(FrictionRunError):
-        run_friction(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
+        simulate(chain, np.zeros((2, 2)), -1.0)
+    with pytest.raises(RunError):
+        simulate(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
 
 
 def test_a_run_can_be_taken_in_parts() -> None:
     chain = FrictionChain(c=0.05, sites=9)
-    start = nucleus(chain, [5])
-    whole, parts = (FrictionLane(chain, start, 1e-11) for _ in range(2))
-    whole.go_to(50.0)
+    start = excite(chain, [5])
+    whole, parts = (FrictionIntegration(chain, start, tolerance=1e-11) for _ in range(2))
+    whole.advance_to(50.0)
     for t in (13.0, 29.5, 50.0):
-        parts.go_to(t)
+        parts.advance_to(t)
     assert np.abs(whole.y - parts.y).max() < 1e-8
     assert np.array_equal(whole.modes, parts.modes)
 
 
 def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
     chain = FrictionChain(c=0.05, sites=300)
-    lane = FrictionLane(chain, nucleus(chain, list(range(1, 301))), 1e-9)
-    lane.go_to(20.0)
+    lane = FrictionIntegration(chain, excite(chain, list(range(1, 301))), tolerance=1e-9)
+    lane.advance_to(20.0)
     for _ in range(5):
         before = int(lane.counters[friction.STEPS])
-        lane.go_to(1e5, most_steps=40)
+        lane.advance_to(1e5, most_steps=40)
         assert int(lane.counters[friction.STEPS]) - before == 40
     assert lane.counters[friction.KINDS :].sum() > 300
 
@@ -332,8 +335,8 @@ def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
 @pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])
 def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
     chain = FrictionChain(c=0.05, sites=9)
-    start = nucleus(chain, place)
-    whole = run_friction(chain, start, 60.0, samples=7, events=500)
+    start = excite(chain, place)
+    whole = simulate(chain, start, 60.0, samples=7, logged_events=500)
     file = tmp_path / "run.npz"
     looks = 0
 
@@ -346,10 +349,9 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
     # A budget of one step of nine sites: the run is left after every step.
     for _ in range(2000):
         try:
-            resumed = run_friction(
-                chain, start, 60.0, samples=7, events=500, checkpoint=file, progress=interrupt,
-                budget=1,
-            )  # fmt: skip
+            resumed = simulate(
+                chain, start, 60.0, samples=7, logged_events=500, checkpoint=file, progress=interrupt,
+                budget=1)  # fmt: skip
             break
         except KeyboardInterrupt:
             continue
@@ -362,17 +364,17 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
 def test_a_checkpoint_of_another_friction_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "run.npz"
     chain = FrictionChain(c=0.05, sites=9)
-    run_friction(chain, nucleus(chain, [5]), 9.0, checkpoint=file)
+    simulate(chain, excite(chain, [5]), 9.0, checkpoint=file)
     for other, place, end, named in (
         (FrictionChain(c=0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
         (chain, [4], 9.0, "start"),
         (chain, [5], 10.0, "t_end"),
     ):
         with pytest.raises(ParameterError, match=named):
-            run_friction(other, nucleus(other, place), end, checkpoint=file)
+            simulate(other, excite(other, place), end, checkpoint=file)
 
 
 def test_more_samples_than_memory_holds_are_refused() -> None:
     chain = FrictionChain(c=0.05, sites=1000)
     with pytest.raises(ParameterError, match="at most 100000 for 1000 sites"):
-        run_friction(chain, nucleus(chain, [5]), 9.0, samples=200_000)
+        simulate(chain, excite(chain, [5]), 9.0, samples=200_000)

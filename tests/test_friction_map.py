@@ -22,8 +22,8 @@ from verification.maps.friction import FrictionStateTask, friction_points
 from verification.maps.friction_state import HOLD, WINDOW, label_friction
 from verification.maps.state import Label
 from verification.references.friction_events import run_events
-from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import nucleus
+from verification.runs.excite import excite
+from verification.runs.friction_integration import FrictionIntegration
 
 SHORT = FrictionStateTask(sites=7)
 
@@ -43,7 +43,7 @@ def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: Label)
     assert result["label"] == label
     chain = SHORT.chain(c, v_d)
     end = min(float(result["time"]), 250.0)
-    run = run_events(chain, nucleus(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
+    run = run_events(chain, excite(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
     sticks = run.log[run.log[:, 2] == 0]
     late = sticks[sticks[:, 0] > end - WINDOW]
     if label is Label.FRONT:
@@ -63,24 +63,26 @@ def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> 
         chain = FrictionChain.of(FrictionCell(v_d=v_d), c=0.1, sites=8)
         start = 1e-4 * rng.standard_normal((2, 8))
         start[0] += chain.cell.steady_sliding
-        lane = FrictionLane(chain, start, 1e-12)
+        lane = FrictionIntegration(chain, start, tolerance=1e-12)
         assert lane.going_to_rest()
         before = np.abs(lane.velocity).max()
-        lane.go_to(400.0)
+        lane.advance_to(400.0)
         assert lane.arrived == 0
         assert np.abs(lane.velocity).max() < before
-        excited = FrictionLane(chain, nucleus(chain, [4]), 1e-8)
+        excited = FrictionIntegration(chain, excite(chain, [4]), tolerance=1e-8)
         assert not excited.going_to_rest()
     # nothing can be said where sliding is unstable, however small the motion is
     unstable = FrictionChain.of(FrictionCell(v_d=1.0), c=0.1, sites=8)
-    assert not FrictionLane(unstable, nucleus(unstable, [1], 0.57), 1e-12).going_to_rest()
+    assert not FrictionIntegration(
+        unstable, excite(unstable, [1], 0.57), tolerance=1e-12
+    ).going_to_rest()
 
 
 def test_a_front_needs_all_sites_and_time_to_hold() -> None:
     chain = SHORT.chain(0.05, 1.25)
-    start = nucleus(chain, [4])
-    lane = FrictionLane(chain, start, 1e-8)
-    lane.go_to(1000.0)
+    start = excite(chain, [4])
+    lane = FrictionIntegration(chain, start, tolerance=1e-8)
+    lane.advance_to(1000.0)
     found = label_friction(chain, start)
     assert found.label is Label.FRONT
     assert (found.reached, found.why) == (7, "decided")
@@ -123,7 +125,7 @@ def test_a_perturbation_can_undecide_beside_a_boundary() -> None:
 def test_the_label_of_the_mirror_image_is_the_same() -> None:
     for c, v_d in ((0.05, 1.25), (0.005, 1.5), (0.09, 1.6)):
         chain = SHORT.chain(c, v_d)
-        one, other = (label_friction(chain, nucleus(chain, [site])) for site in (2, 6))
+        one, other = (label_friction(chain, excite(chain, [site])) for site in (2, 6))
         assert (one.label, one.time, one.reached) == (other.label, other.time, other.reached)
 
 
@@ -191,10 +193,10 @@ def test_simulate_gives_numbers_files_and_a_picture(
     )
     assert main(shlex.split(line)) == 0
     answer = json.loads(capsys.readouterr().out)
-    lane = FrictionLane(
-        FrictionChain(c=0.05, sites=9), nucleus(FrictionChain(c=0.05, sites=9), [1]), 1e-9
+    lane = FrictionIntegration(
+        FrictionChain(c=0.05, sites=9), excite(FrictionChain(c=0.05, sites=9), [1]), tolerance=1e-9
     )
-    lane.go_to(150.0)
+    lane.advance_to(150.0)
     known = [t for t in answer["arrivals"] if t is not None]
     np.testing.assert_allclose(known, lane.arrivals[~np.isnan(lane.arrivals)], atol=1e-6)
     assert answer["width"] == len(known)

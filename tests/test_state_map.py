@@ -12,6 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from verification.execution.journal import journal_path
+from verification.steppers.slopes import ENVELOPE as ENVELOPE_CODE
+from verification.steppers.slopes import FULL as FULL_CODE
 
 from fronts.cli import main
 from paper_checks.claim import Verdict
@@ -31,13 +33,12 @@ from verification.maps.vdp_state import (
     positive_damping_square,
 )
 from verification.references.equations import amplitude_of, as_state, averaged_rate, full_rate
-from verification.runs.vdp import Model, run_vdp
-from verification.runs.vdp_start import displaced
-from verification.steppers import state_run as label_run
+from verification.runs import state_run as label_run
+from verification.runs.excite import excite
+from verification.runs.model import Model
+from verification.runs.simulate import simulate
 from verification.steppers.active import FREE
 from verification.steppers.runge_kutta import fixed_steps
-from verification.steppers.slopes import ENVELOPE as ENVELOPE_CODE
-from verification.steppers.slopes import FULL as FULL_CODE
 
 FULL, ENVELOPE = StateTask(Model.FULL), StateTask(Model.ENVELOPE)
 
@@ -120,13 +121,13 @@ def test_the_labels_of_the_full_equation_hold_for_the_taylor_stepper(
     assert result["label"] == label
     chain = FULL.chain(eta, c)
     end = float(result["time"])
-    run = run_vdp(
+    run = simulate(
         chain,
-        displaced(chain, [16], 6.0),
+        excite(chain, [16], 6.0),
         end / chain.eps,
         samples=301,
         tolerance=1e-8,
-        companion=False,
+        estimate_error=False,
     )
     level = chain.unstable_amplitude
     if label == "front":
@@ -168,7 +169,7 @@ def test_the_energy_rule_is_never_wrong() -> None:
         state *= math.sqrt(0.99 * quiet / energy)
         assert label_run.at_rest_for_ever(FULL_CODE, p, state.ravel(), quiet)
         start = state[1] + 1j * state[0]
-        run = run_vdp(chain, start, 200.0, samples=41, companion=False, level=10.0)
+        run = simulate(chain, start, 200.0, samples=41, estimate_error=False, level=10.0)
         y = run.psi.imag
         energies = (run.amplitude**2).sum(1) + chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
         assert (np.diff(energies) < 1e-7 * energies[0]).all()
@@ -179,7 +180,7 @@ def test_the_energy_rule_is_never_wrong() -> None:
 def test_labels_and_times_do_not_depend_on_the_sign_of_the_displacement(task: StateTask) -> None:
     for eta, c in ((0.05, 0.5), (0.1, 0.1), (0.12, 0.6)):
         chain = task.chain(eta, c)
-        start = displaced(chain, [16], 6.0)
+        start = excite(chain, [16], 6.0)
         one, other = (label_state(chain, sign * start, task.model) for sign in (1, -1))
         assert one.label is other.label
         # sections at y = 0 rising come half a period later: up to one window of 5
@@ -191,8 +192,8 @@ def test_scaling_a_b_and_the_displacement_together_changes_nothing(task: StateTa
     for eta, c in ((0.05, 0.5), (0.05, 0.1)):
         chain = task.chain(eta, c)
         scaled = VdpChain(a=1.0, b=chain.eta, c=c, eps=chain.eps, sites=16)
-        first = label_state(chain, displaced(chain, [16], 6.0), task.model)
-        second = label_state(scaled, displaced(scaled, [16], 6.0 * math.sqrt(chain.a)), task.model)
+        first = label_state(chain, excite(chain, [16], 6.0), task.model)
+        second = label_state(scaled, excite(scaled, [16], 6.0 * math.sqrt(chain.a)), task.model)
         assert first.label is second.label
         assert first.time == pytest.approx(second.time, rel=1e-6)
 

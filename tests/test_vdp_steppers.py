@@ -10,19 +10,19 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
+from verification.steppers.slopes import ENVELOPE, FULL, slope
 
 from theory.chains.chain import Ends
 from theory.chains.vdp import VdpChain
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
-from verification.runs.vdp_integration import Lane
-from verification.runs.vdp_start import displaced
+from verification.runs.excite import excite
+from verification.runs.smooth_integration import SmoothIntegration as Lane
 from verification.steppers.active import FREE, RING
 from verification.steppers.runge_kutta import (
     fixed_steps,
     step_error,
     take_step,
 )
-from verification.steppers.slopes import ENVELOPE, FULL, slope
 from verification.steppers.splitting import saba, split_steps
 from verification.steppers.taylor import taylor_order, taylor_steps
 
@@ -43,7 +43,7 @@ def reference(
 
 
 def _start(chain: VdpChain) -> ComplexArray:
-    return displaced(chain, [1, 3], 3.0, steps=[0, -1])
+    return excite(chain, [1, 3], 3.0, quarter_turns=[0, -1])
 
 
 def _state(psi: ComplexArray, full: bool = True) -> FloatArray:
@@ -148,7 +148,7 @@ def test_a_mirrored_state_has_the_mirrored_slope_to_the_last_bit(model: int) -> 
 @pytest.mark.parametrize("full", [True, False])
 def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=9, ends=Ends.PERIODIC)
-    start = displaced(chain, [2, 3], 3.0, steps=[0, -1])
+    start = excite(chain, [2, 3], 3.0, quarter_turns=[0, -1])
 
     def run(psi: ComplexArray) -> ComplexArray:
         lane = Lane(chain, full, psi, np.array([0.0, 200.0]), 1e-9, 1.0, True, 0)
@@ -164,7 +164,7 @@ def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
 def test_the_clock_loses_nothing_over_many_equal_steps() -> None:
     """Equal steps are rounded alike: a plain sum of 20 000 of them is off by some 1e-10."""
     chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=31)
-    start = displaced(chain, [1])
+    start = excite(chain, [1])
     lane = Lane(chain, True, start, np.array([0.0, 1000.0]), 1e-13, 1.0, True, 0)
     while not lane.finished:
         lane.advance(10**7)

@@ -22,7 +22,7 @@ from verification.execution.sweep import sweep
 from verification.execution.table import Point, grid
 from verification.piecewise.chain import PiecewiseChain, Switching
 from verification.piecewise.window import travelling_state, truncation_bound
-from verification.runs.vdp import Model
+from verification.runs.model import Model
 from verification.work_reduction import orbits, process, runs, sums, table
 from verification.work_reduction.comparison import Comparison
 from verification.work_reduction.table import SAVINGS, MeasuredSaving, Saving
@@ -118,7 +118,7 @@ def test_sites_at_rest_change_less_than_a_tenth_of_the_tolerance(
 def test_sites_behind_change_less_than_the_error_of_the_arrivals(
     c: float, end: float, tolerance: float
 ) -> None:
-    held(runs.sites_behind(c, end, tolerance), 1e6 * tolerance)  # times of 1e4, COMPANION = 100
+    held(runs.sites_behind(c, end, tolerance), 1e6 * tolerance)  # times of 1e4, COARSER = 100
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (1.5, 0.05), (3.0, 0.03125)])

@@ -19,10 +19,9 @@ from fronts.friction_options import (
 from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from verification.fronts.friction import FrictionFront
-    from verification.fronts.vdp import FrontMeasurement
+    from verification.fronts.result import Front
     from verification.piecewise.run import FrontRun
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
 EXAMPLE = """examples:
   fronts front piecewise --c 0.5 --eta 0.03125
@@ -144,13 +143,13 @@ _MEANING = {
 
 
 def _vdp(options: argparse.Namespace) -> Answer:
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     return _chain(options, Model.FULL)
 
 
 def _envelope(options: argparse.Namespace) -> Answer:
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     refuse(options, ("eps",), options.model)
     return _chain(options, Model.ENVELOPE)
@@ -160,7 +159,8 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
     """Measure a front of (8) or (43); with --eta alone a = 1 and b = η, the same up to a scale."""
     from theory.chains.vdp import VdpChain
     from theory.parameters import count_within
-    from verification.fronts.vdp import LONGEST, Behind, measure_front
+    from verification.fronts.measure import measure_front
+    from verification.fronts.result import LeftBoundary
 
     refuse(options, ("start_v", *_FRICTION), options.model)
     _moving_only(options)
@@ -171,23 +171,23 @@ def _chain(options: argparse.Namespace, model: Model) -> Answer:
         b=b,
         c=options.c,
         eps=0.01 if options.eps is None else options.eps,
-        sites=count_within("number of sites n", given(options.n, 32), 2, LONGEST),
+        sites=count_within("number of sites n", given(options.n, 32), 2, 1000),
     )
     with Progress(f"front at c = {options.c:g}") as shown:
         result = measure_front(
-            chain,
-            model,
-            behind=Behind(options.behind or "free"),
+            model.chain_of(chain),
+            left_boundary=LeftBoundary(options.behind or "free"),
             accuracy=1e-3 if options.accuracy is None else options.accuracy,
             progress=shown.report,
         )
-    payload = _numbers(result) | {"outruns_waves": result.outruns}
+    payload = _numbers(result) | {"outruns_waves": result.outruns_waves}
     return Answer(payload, "\n".join([_measured(result, "slow time"), _behind(result)]))
 
 
 def _friction(options: argparse.Namespace) -> Answer:
     from theory.chains.friction import FrictionChain
-    from verification.fronts.friction import checked_sites, measure_friction_front
+    from verification.fronts.measure import checked_friction_sites as checked_sites
+    from verification.fronts.measure import measure_front
 
     refuse(options, ("eta", "a", "b", "eps", "behind", "start_v"), options.model)
     _moving_only(options)
@@ -196,9 +196,9 @@ def _friction(options: argparse.Namespace) -> Answer:
     sites = checked_sites(given(options.n, 101), size)
     chain = FrictionChain.of(cell_of(options), c=options.c, sites=sites)
     with Progress(f"front at c = {options.c:g}") as shown:
-        result = measure_friction_front(
+        result = measure_front(
             chain,
-            size=size,
+            excited=size,
             point=start_point_of(options),
             accuracy=given(options.accuracy, 1e-2),
             progress=shown.report,
@@ -212,7 +212,7 @@ def _moving_only(options: argparse.Namespace) -> None:
         raise UsageError(f"--start {options.start} is for the model piecewise: leave it out.")
 
 
-def _numbers(result: FrontMeasurement | FrictionFront) -> dict[str, object]:
+def _numbers(result: Front) -> dict[str, object]:
     return {
         "v": result.v,
         "error": result.error,
@@ -225,13 +225,14 @@ def _numbers(result: FrontMeasurement | FrictionFront) -> dict[str, object]:
     }
 
 
-def _behind(result: FrontMeasurement) -> str:
+def _behind(result: Front) -> str:
     """Say whether what is behind the front matters."""
+    boundary = str(result.left_boundary)
     if result.v is None:
-        return "  what is behind it was: " + result.behind.value
-    if result.outruns:
+        return "  what is behind it was: " + boundary
+    if result.outruns_waves:
         return "  it outruns the waves behind it: v is above c"
-    return f"  waves behind it catch up with it: v is that with a {_BEHIND[result.behind.value]}"
+    return f"  waves behind it catch up with it: v is that with a {_BEHIND[boundary]}"
 
 
 _BEHIND = {
@@ -240,7 +241,7 @@ _BEHIND = {
 }
 
 
-def _measured(result: FrontMeasurement | FrictionFront, time: str) -> str:
+def _measured(result: Front, time: str) -> str:
     status = result.status.value
     lines = [f"{status}: {_CHAIN_MEANING[status]}"]
     if result.v is not None and status != "pinned":

@@ -160,7 +160,7 @@ def _axes(options: argparse.Namespace, first: str, second: str) -> tuple[list[fl
 
 def _vdp(options: argparse.Namespace) -> Answer:
     from verification.maps.vdp import StateTask, compare, state_points
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     refuse(options, _FRICTION, options.chain)
     _check(options)

@@ -27,7 +27,7 @@ from verification.execution.files import write_by
 from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from verification.runs.vdp import VdpRun
+    from verification.runs.trajectory import Trajectory
 
 EXAMPLE = """examples:
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
@@ -155,22 +155,22 @@ def _vdp(options: argparse.Namespace) -> Answer:
     from theory.chains.chain import Ends
     from theory.chains.vdp import VdpChain
     from theory.parameters import within
-    from verification.runs.vdp import Model, run_vdp
-    from verification.runs.vdp_start import displaced, perturbed
+    from verification.runs.excite import add_noise, excite
+    from verification.runs.model import Model
+    from verification.runs.simulate import simulate
 
     a, b, eps = given(options.a, 2.5), given(options.b, 0.5), given(options.eps, 0.01)
     chain = VdpChain(a=a, b=b, c=options.c, eps=eps, sites=options.n, ends=Ends(options.ends))
     within("size of the noise", options.perturb, 0.0, 1.0)
-    start = displaced(chain, options.excite, options.displacement)
+    start = excite(chain, options.excite, options.displacement)
     if options.perturb > 0:
-        start = perturbed(start, options.perturb, options.seed)
-    level = None if chain.bistable else max(1e-3, 0.5 * float(np.abs(start).max()))
+        start = add_noise(start, options.perturb, options.seed)
+    level = None if chain.bistable else max(1e-3, 0.5 * float(np.hypot(*start).max()))
     with resumable_run(options.checkpoint), Progress(f"run to t = {options.t_end:g}") as shown:
-        result = run_vdp(
-            chain,
+        result = simulate(
+            Model(options.model or "full").chain_of(chain),
             start,
             options.t_end,
-            model=Model(options.model or "full"),
             tolerance=given(options.tolerance, 1e-9),
             samples=options.samples,
             level=level,
@@ -201,10 +201,12 @@ def _vdp(options: argparse.Namespace) -> Answer:
     return Answer(payload, words)
 
 
-def _payload(run: VdpRun) -> dict[str, object]:
+def _payload(run: Trajectory) -> dict[str, object]:
     arrivals = [None if np.isnan(t) else float(t) for t in run.arrivals]
     return {
-        "model": run.model.value,
+        "model": "full" if run.chain.model == "vdp" else "envelope",
+        "status": run.status.value,
+        "resolved_until": run.resolved_until,
         "t_end": float(run.times[-1]),
         "amplitudes": run.amplitude[-1].tolist(),
         "width": int(run.width[-1]),
@@ -213,32 +215,40 @@ def _payload(run: VdpRun) -> dict[str, object]:
         "error": run.error,
         "arrival_error": run.arrival_error if np.isfinite(run.arrival_error or 0.0) else None,
         "steps": run.steps,
-        "stiff_steps": run.stiff_steps,
+        "stiff_steps": run.counts["stiff_steps"],
         "mean_active": run.mean_active,
         "seconds": run.seconds,
     }
 
 
-def _in_words(run: VdpRun) -> str:
+def _in_words(run: Trajectory) -> str:
     last = run.amplitude[-1]
     reached = int(np.count_nonzero(~np.isnan(run.arrivals)))
     loudest = int(np.argmax(last))
+    stiff = run.counts["stiff_steps"]
+    resolved = run.status.value == "resolved"
+    doubt = (
+        []
+        if resolved
+        else [f"  {run.status.value} after t = {run.resolved_until:g}: {run.status.sentence}"]
+    )
     return "\n".join(
         [
+            *doubt,
             f"t = {run.times[-1]:g}: {run.width[-1]} of {run.chain.sites} sites above "
             f"{run.level:.4g} (at the start {run.width[0]}), {reached} were at some time",
             f"  largest amplitude {last[loudest]:.8g} at site {loudest + 1}",
             f"  error of the states at most {run.error:.1e} (from two less exact runs beside it)",
-            f"  {run.steps} steps of {run.mean_active:.1f} sites, {run.stiff_steps} stiff steps, "
+            f"  {run.steps} steps of {run.mean_active:.1f} sites, {stiff} stiff steps, "
             f"{run.seconds:.3f} s",
         ]
     )
 
 
-def _save(path: Path, run: VdpRun) -> None:
+def _save(path: Path, run: Trajectory) -> None:
     chain = run.chain
     parameters = {
-        "model": run.model.value,
+        "model": "full" if run.chain.model == "vdp" else "envelope",
         "a": chain.a,
         "b": chain.b,
         "c": chain.c,
@@ -258,7 +268,7 @@ def _save(path: Path, run: VdpRun) -> None:
     )
 
 
-def _draw(path: Path, run: VdpRun) -> None:
+def _draw(path: Path, run: Trajectory) -> None:
     from fronts.space_time import draw_space_time
 
     mark = f"reaches {run.level:.3g}"

@@ -28,9 +28,9 @@ def arrivals_by_scipy(
 ) -> NDArray[np.float64]:
     """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
     from verification.references.friction_events import run_events
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
 
-    run = run_events(chain, nucleus(chain, excited), end, tolerance=1e-9, longest_step=0.5)
+    run = run_events(chain, excite(chain, excited), end, tolerance=1e-9, longest_step=0.5)
     arrivals = np.full(chain.sites, np.nan)
     for time, site, kind in run.log[::-1]:
         if kind == 0:
@@ -42,11 +42,11 @@ def arrivals_compiled(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return the same by the event-exact Taylor stepper."""
-    from verification.runs.friction_integration import FrictionLane
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
-    lane = FrictionLane(chain, nucleus(chain, excited), 1e-10)
-    lane.go_to(end)
+    lane = FrictionIntegration(chain, excite(chain, excited), tolerance=1e-10)
+    lane.advance_to(end)
     return lane.arrivals
 
 

@@ -316,27 +316,27 @@ def _stick_interval() -> Finding:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
-    from verification.runs.friction import run_friction
+    from verification.runs.simulate import simulate
 
     cell = _orbits().cell
     largest, begins = [], []
     chain, start_at = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
     run = _scipy(cell, 2.0, 40.0)
-    ours = run_friction(chain, start_at, 40.0, samples=1001, events=1000)
+    ours = simulate(chain, start_at, 40.0, samples=1001, logged_events=1000)
     for each in (run, ours):
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
-    for log in (run.log, ours.log):
+    for log in (run.log, ours.event_log):
         start = log[log[:, 2] == 0, 0]
         stop = log[log[:, 2] == 1, 0]
         begins.append([float(b - a) for a, b in zip(start, stop, strict=False)])
     gap = max(abs(a - b) for a, b in zip(*begins, strict=True))
     if gap > AGREE:
         raise ArithmeticError(f"stick times of the two runs differ by {gap:.1e}")
-    stops = [log[log[:, 2] == 1, 0] for log in (run.log, ours.log)]
+    stops = [log[log[:, 2] == 1, 0] for log in (run.log, ours.event_log)]
     ends = (
         run_events(chain, start_at, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
-        run_friction(chain, start_at, 40.0, times=stops[1].tolist()),
+        simulate(chain, start_at, 40.0, times=stops[1].tolist()),
     )
     released = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
     off = max(float(np.abs(force - cell.mu_st).max()) for force in released)

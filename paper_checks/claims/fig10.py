@@ -16,7 +16,7 @@ def _in_phase() -> Finding:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
     from theory.chains.vdp import VdpChain
     from verification.breathers.nucleation import Preparation, hold, phase_steps
-    from verification.steppers.envelope_run import run_envelope
+    from verification.runs.envelope_run import run_envelope
 
     chain = VdpChain(a=A, b=B, c=C, eps=EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, 801.0, 5.0)])
@@ -123,7 +123,7 @@ def _growth() -> Finding:
     from theory.chains.nucleus import Nucleus, outward_pattern, sites_for
     from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.steppers.envelope_run import run_envelope
+    from verification.runs.envelope_run import run_envelope
 
     rows = []
     for size in (1, 3, 5, 7, 9):

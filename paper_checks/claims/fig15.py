@@ -30,7 +30,7 @@ def _regions() -> Finding:
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
     from verification.maps.vdp import StateTask, compare, state_points
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     points = state_points(ETAS, COUPLINGS)
     full = StateTask(Model.FULL)

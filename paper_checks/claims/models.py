@@ -135,17 +135,16 @@ def _thresholds() -> Finding:
 def _velocities() -> Finding:
     """Compare velocities in units of the largest group velocity of waves about rest."""
     from theory.chains.vdp import VdpChain
-    from verification.fronts.friction import measure_friction_front
-    from verification.fronts.vdp import measure_front
+    from verification.fronts.measure import measure_front
 
     friction = {}
     for c in (0.012, 0.02, 0.04, 0.1, 0.3, 1.0):
         sites = 31 if c < 0.02 else 61 if c < 0.2 else 101
-        front = measure_friction_front(chain_of(c, sites), accuracy=0.02, most_sites=2 * sites)
+        front = measure_front(chain_of(c, sites), accuracy=0.02, max_sites=2 * sites)
         friction[c] = (front.v or 0.0, front.error or 0.0, front.chain.largest_group_velocity)
     smooth = {
         a: {
-            c: measure_front(VdpChain(a=a, b=B, c=c), most_sites=128, accuracy=1e-2)
+            c: measure_front(VdpChain(a=a, b=B, c=c).averaged(), max_sites=128, accuracy=1e-2)
             for c in (0.21, 0.25, 0.3, 0.45, 1.0, 2.0)
         }
         for a in (A, STEEP)
@@ -271,7 +270,7 @@ def _maps() -> Finding:
     from verification.execution.table import Point
     from verification.maps.friction import FrictionStateTask, friction_points
     from verification.maps.vdp import StateTask, state_points
-    from verification.runs.vdp import Model
+    from verification.runs.model import Model
 
     task = FrictionStateTask().alone()
     first = sweep(task, friction_points(MAP_COUPLINGS, MAP_VELOCITIES), workers=1)

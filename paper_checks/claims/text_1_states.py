@@ -32,14 +32,14 @@ BEYOND = 1.35
 
 def _kept(pattern: tuple[int, ...], belt: float, end: float) -> frozenset[int]:
     """Return the sites that stick between ``end`` and ``end`` + 40, some six periods."""
-    from verification.runs.friction_integration import FrictionLane
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(WEAK, SITES, belt)
-    lane = FrictionLane(chain, nucleus(chain, pattern), 1e-8)
-    lane.go_to(end)
+    lane = FrictionIntegration(chain, excite(chain, pattern), tolerance=1e-8)
+    lane.advance_to(end)
     lane.arrivals[:] = np.nan
-    lane.go_to(end + 40.0)
+    lane.advance_to(end + 40.0)
     return frozenset((np.flatnonzero(~np.isnan(lane.arrivals)) + 1).tolist())
 
 

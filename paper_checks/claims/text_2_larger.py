@@ -167,17 +167,17 @@ def _to_larger() -> Finding:
 @lru_cache(maxsize=32)
 def _friction_growth(c: float, push: float, size: int = 1) -> Growth:
     """Return how a nucleus of Model I grew, its right neighbour displaced by ``push``."""
-    from theory.chains.nucleus import Place
+    from theory.chains.nucleus import Place, nucleus_sites
     from verification.breathers.outcome import growth
-    from verification.runs.friction_integration import FrictionLane
-    from verification.runs.friction_start import nucleus, nucleus_sites
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(c)
     excited = nucleus_sites(SITES, Place.BULK, size)
-    start = nucleus(chain, excited)
+    start = excite(chain, excited)
     start[0, excited[-1]] += push
-    lane = FrictionLane(chain, start, 1e-9)
-    lane.go_to(FRICTION_TIME)
+    lane = FrictionIntegration(chain, start, tolerance=1e-9)
+    lane.advance_to(FRICTION_TIME)
     joined = lane.arrivals.copy()
     joined[excited[0] - 1 : excited[-1]] = 0.0
     reached = int(np.count_nonzero(~np.isnan(joined)))

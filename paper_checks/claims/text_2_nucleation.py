@@ -21,7 +21,7 @@ def _lone() -> Finding:
     """Look for other stable states above the largest printed threshold."""
     from theory.averaged.envelope import envelope_jacobian
     from theory.chains.vdp import VdpChain
-    from verification.steppers.envelope_run import run_envelope
+    from verification.runs.envelope_run import run_envelope
 
     chain = VdpChain(a=A, b=B, c=0.25, eps=EPS, sites=15)
     still = np.zeros(15, dtype=complex)

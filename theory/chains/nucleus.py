@@ -170,3 +170,20 @@ def right_angle_patterns(size: int) -> tuple[str, ...]:
 def sites_for(size: int, margin: int = MARGIN) -> int:
     """Return a chain length with ``margin`` sites on each side of a nucleus."""
     return size + 2 * margin
+
+
+def nucleus_sites(sites: int, place: Place, size: int) -> tuple[int, ...]:
+    """Return the excited sites of a nucleus without a pattern, from 1.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus does not fit.
+
+    Examples
+    --------
+    >>> nucleus_sites(31, Place.BULK, 3), nucleus_sites(31, Place.EDGE, 2)
+    ((15, 16, 17), (1, 2))
+    """
+    whole_number("nucleus size", size, 1, sites, "give a nucleus that fits the chain")
+    return Nucleus(size, "0" * (size - 1), Place(place)).excited(sites)

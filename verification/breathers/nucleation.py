@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.steppers.envelope_run import EnvelopeRun, run_envelope
+from verification.runs.envelope_run import EnvelopeRun, run_envelope
 
 Complex = NDArray[np.complex128]
 

@@ -38,9 +38,11 @@ from numpy.typing import NDArray
 
 from theory.chains.vdp import VdpChain
 from theory.parameters import count_within, positive, within
-from verification.runs.comparison import COMPANION
-from verification.runs.vdp import Model, VdpRun, run_vdp
-from verification.runs.vdp_start import displaced, perturbed
+from verification.runs.comparison import COARSER
+from verification.runs.excite import add_noise, excite
+from verification.runs.model import Model
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import Trajectory
 
 FloatArray = NDArray[np.float64]
 
@@ -109,7 +111,7 @@ class Fate:
         times the tolerance.
     confirmed : bool
         Whether that run ended in the same way.
-    run : VdpRun
+    run : Trajectory
         The run.
     seconds : float
         Wall-clock time.
@@ -119,17 +121,17 @@ class Fate:
     mirrored: bool
     same_until: float
     confirmed: bool
-    run: VdpRun
+    run: Trajectory
     seconds: float
 
 
-def growth_of(run: VdpRun) -> Growth:
+def growth_of(run: Trajectory) -> Growth:
     """Name what a run has shown, by the rules of the module.
 
     Examples
     --------
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=15)
-    >>> growth_of(run_vdp(chain, displaced(chain, [8]), 5e3, companion=False)).end.value
+    >>> growth_of(simulate(chain, excite(chain, [8]), 5e3, estimate_error=False)).end.value
     'held'
     """
     chain = run.chain
@@ -230,15 +232,14 @@ def follow_nucleus(
     positive("slow time", slow_time)
     within("perturbation", perturbation, 0.0, 1.0)
     first = (chain.sites - size) // 2 + 1
-    start = displaced(chain, range(first, first + size))
+    start = excite(chain, range(first, first + size))
     if perturbation > 0.0:
-        start = perturbed(start, perturbation, seed)
+        start = add_noise(start, perturbation, seed)
     runs = [
-        run_vdp(
-            chain, start, slow_time / chain.eps, model=model, tolerance=each, samples=SAMPLES,
-            companion=False,
-        )
-        for each in (tolerance, min(1e-2, COMPANION * tolerance))
+        simulate(
+            model.chain_of(chain), start, slow_time / chain.eps, tolerance=each, samples=SAMPLES,
+            estimate_error=False)
+        for each in (tolerance, min(1e-2, COARSER * tolerance))
     ]  # fmt: skip
     found = [growth_of(run) for run in runs]
     last = runs[0].psi[-1]

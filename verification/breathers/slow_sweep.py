@@ -17,7 +17,7 @@ import numpy as np
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, positive
 from verification.breathers.nucleation import Preparation
-from verification.steppers.envelope_run import run_envelope
+from verification.runs.envelope_run import run_envelope
 
 SETTLING = 300.0
 """Slow time at the starting coupling before a sweep begins."""

@@ -26,7 +26,7 @@ from verification.cells.friction_cycles import (
     stick_slip_once,
     unstable_once,
 )
-from verification.runs.comparison import COMPANION
+from verification.runs.comparison import COARSER
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -120,7 +120,7 @@ def cell_orbits(cell: FrictionCell, tolerance: float = 1e-12) -> CellOrbits:
     within("tolerance", tolerance, 1e-14, 1e-4)
     within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, _FASTEST_BELT)
     end = cycle_end_velocity(cell, tolerance)
-    coarse_end = cycle_end_velocity(cell, COMPANION * tolerance)
+    coarse_end = cycle_end_velocity(cell, COARSER * tolerance)
     stable = stick_slip_cycle(cell, tolerance) if cell.v_d < end else None
     sliding_stable = cell.effective_damping > 0.0
     if stable is None and not sliding_stable:
@@ -137,7 +137,7 @@ def cell_orbits(cell: FrictionCell, tolerance: float = 1e-12) -> CellOrbits:
 def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None:
     """Return the stick-slip cycle, None if the slip phase from release never sticks again."""
     fine = stick_slip_once(cell, tolerance)
-    coarse = stick_slip_once(cell, COMPANION * tolerance)
+    coarse = stick_slip_once(cell, COARSER * tolerance)
     return _with_error(fine, coarse)
 
 
@@ -146,7 +146,7 @@ def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None
 
     It exists between the Hopf velocity and the end of the stick-slip cycle.
     """
-    return _with_error(unstable_once(cell, tolerance), unstable_once(cell, COMPANION * tolerance))
+    return _with_error(unstable_once(cell, tolerance), unstable_once(cell, COARSER * tolerance))
 
 
 def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:

@@ -22,34 +22,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
+
+from verification.fronts.status import FrontStatus
 
 FloatArray = npt.NDArray[np.float64]
 
 
 _NOISE, _DRIFT = 3.0, 6.0
-
-
-class FrontStatus(StrEnum):
-    """What became of the front."""
-
-    STEADY = "steady"
-    """It runs, and its velocity has settled."""
-
-    UNSTEADY = "unsteady"
-    """It runs, and its velocity has not settled on the longest chain allowed."""
-
-    PINNED = "pinned"
-    """No site was reached for long, and the amplitudes have stopped changing."""
-
-    CREEPING = "creeping"
-    """No site was reached for long, but the amplitudes still change: nothing can be said."""
-
-    COLLAPSED = "collapsed"
-    """The excited sites went to rest."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +42,7 @@ class Trial:
     ----------
     stopped : FrontStatus or None
         What became of a front that did not reach the end; None if it did.
-    arrivals, companion : ndarray, shape (m,)
+    arrivals, coarser : ndarray, shape (m,)
         Arrival times by site, nan where there was none; the second at a hundred times the
         tolerance, empty if the first run stopped.
     steps : int
@@ -69,7 +51,7 @@ class Trial:
 
     stopped: FrontStatus | None
     arrivals: FloatArray
-    companion: FloatArray
+    coarser: FloatArray
     steps: int
 
 
@@ -102,7 +84,7 @@ class Settled:
 def settle(
     trial: Callable[[int], Trial],
     sites: int,
-    most_sites: int,
+    max_sites: int,
     accuracy: float,
     seen: float,
     enough: Callable[[int, float], bool] = lambda sites, v: True,
@@ -116,7 +98,7 @@ def settle(
         From a number of sites to a pair of runs.
     sites : int
         Length tried first; doubled each time.
-    most_sites : int
+    max_sites : int
         Longest chain.
     accuracy : float
         Relative error of v at which the front counts as steady.
@@ -141,12 +123,12 @@ def settle(
         if runs.stopped is not None:
             v, error = (0.0, seen) if runs.stopped is FrontStatus.PINNED else (None, None)
             return Settled(runs.stopped, v, error, arrivals, sites, steps)
-        reached, beside = leading(runs.arrivals), leading(runs.companion)
+        reached, beside = leading(runs.arrivals), leading(runs.coarser)
         both = min(reached.size, beside.size)
         v, error = velocity_of_arrivals(reached[:both])
         other, _ = velocity_of_arrivals(beside[:both])
         error = max(error, abs(v - other))
-        long, longest = enough(sites, v), 2 * sites > most_sites
+        long, longest = enough(sites, v), 2 * sites > max_sites
         if longest and not long and doubt is not None:
             error = max(error, abs(v - doubt))
         if error < accuracy * v and (long or longest):
@@ -157,7 +139,7 @@ def settle(
 
 
 def leading(arrivals: FloatArray) -> FloatArray:
-    """Return when each site or one beyond it was first reached; sites beyond the last are left out.
+    """Return when each site or one beyond it was first reached; sites beyond the last are not used.
 
     Examples
     --------

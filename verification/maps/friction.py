@@ -18,12 +18,12 @@ import numpy as np
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place
+from theory.chains.nucleus import Place, nucleus_sites
 from theory.parameters import count_within, within
 from verification.execution.table import Point, Scalar, grid
 from verification.maps.friction_state import WINDOW, label_friction
 from verification.maps.state import Label
-from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
+from verification.runs.excite import StartPoint, excite
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class FrictionStateTask:
         """Return label, why it is undecided if it is, time, active sites, and steps."""
         chain = self.chain(point.number("c"), point.number("v_d"))
         excited = nucleus_sites(self.sites, self.place, self.size)
-        starts = [nucleus(chain, excited, self.point)]
+        starts = [excite(chain, excited, point=self.point)]
         if self.perturbation:
             noise = np.random.default_rng(self.seed).standard_normal((2, self.sites))
             starts.append(starts[0] + self.perturbation * noise)

@@ -12,7 +12,7 @@ breather
     stuck and no site's amplitude changed by more than ``STILL`` from one window to the next.
 fixed point
     Steady sliding: the chain is certain never to stick again, by an energy that can only fall
-    from here on (``FrictionLane.going_to_rest``).
+    from here on (``FrictionIntegration.going_to_rest``).
 undecided
     None of these by half of the end time: a label found later would be another one, namely none,
     if the end time were halved. Also a breather where steady sliding is unstable (v_d at or below
@@ -30,8 +30,7 @@ import numpy.typing as npt
 from theory.chains.friction import FrictionChain
 from theory.parameters import within
 from verification.maps.state import Label
-from verification.runs.friction_integration import FrictionLane
-from verification.steppers import friction
+from verification.runs.friction_integration import FrictionIntegration
 
 WINDOW = 40.0
 HOLD = 3
@@ -96,23 +95,23 @@ def label_friction(
 
     Examples
     --------
-    >>> from verification.runs.friction_start import nucleus
+    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.05, sites=7)
-    >>> str(label_friction(chain, nucleus(chain, [4])).label)
+    >>> str(label_friction(chain, excite(chain, [4])).label)
     'front'
     """
     begin = perf_counter()
     within("end time tau", end, 8.0 * WINDOW, 1e7)
     within("tolerance", tolerance, 1e-12, 1e-4)
-    lane = FrictionLane(chain, start, tolerance)
+    lane = FrictionIntegration(chain, start, tolerance=tolerance)
     ever = np.zeros(chain.sites, dtype=bool)
     still_from, held = 0.0, 0
     amplitude = lane.amplitude
     label, why, active = Label.UNDECIDED, "end time", 0
     # Whole windows only: in a part of one fewer sites stick, and less changes.
     while lane.time + WINDOW <= 0.5 * end:
-        lane.arrivals[:] = np.nan
-        lane.go_to(lane.time + WINDOW)
+        lane.forget_arrivals()
+        lane.advance_to(lane.time + WINDOW)
         sticking = ~np.isnan(lane.arrivals)
         active = int(np.count_nonzero(sticking))
         fresh = bool(np.any(sticking & ~ever))
@@ -139,6 +138,6 @@ def label_friction(
         lane.time,
         active,
         int(np.count_nonzero(ever)),
-        int(lane.counters[friction.STEPS]),
+        lane.counts["steps"],
         perf_counter() - begin,
     )

@@ -22,8 +22,8 @@ from theory.parameters import ParameterError, count_within, positive, within
 from verification.execution.table import Point, Scalar, Table, grid
 from verification.maps.state import Label
 from verification.maps.vdp_state import HOLD, label_state
-from verification.runs.vdp import Model
-from verification.runs.vdp_start import displaced, perturbed
+from verification.runs.excite import add_noise, excite
+from verification.runs.model import Model
 
 
 @dataclass(frozen=True)
@@ -101,12 +101,12 @@ class StateTask:
     def __call__(self, point: Point) -> dict[str, Scalar]:
         """Return label, why it is undecided if it is, time, sites above the level, and steps."""
         chain = self.chain(point.number("eta"), point.number("c"))
-        starts = [displaced(chain, [self.sites], self.displacement)]
+        starts = [excite(chain, [self.sites], self.displacement)]
         if self.perturbation:
             size = self.perturbation * self.displacement
-            starts.append(perturbed(starts[0], size, self.seed))
+            starts.append(add_noise(starts[0], size, self.seed))
         states = [
-            label_state(chain, start, self.model, end=self.end, tolerance=self.tolerance)
+            label_state(self.model.chain_of(chain), start, end=self.end, tolerance=self.tolerance)
             for start in starts
         ]
         first, labels = states[0], {state.label for state in states}

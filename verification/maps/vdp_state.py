@@ -7,7 +7,7 @@ front
     The far end, site 1, has been above the level for ``HOLD`` without a break.
 fixed point
     The chain is certain to go to rest, by a norm or an energy that can only fall from here on:
-    see ``verification.steppers.state_run.at_rest_for_ever``.
+    see ``verification.runs.state_run.at_rest_for_ever``.
 breather
     From some time to twice that time no site's amplitude varied by more than ``STILL`` times the
     level within any window of length ``WINDOW``, none passed the level, and at least one site was
@@ -23,15 +23,12 @@ import math
 from dataclasses import dataclass
 from time import perf_counter
 
-import numpy as np
 import numpy.typing as npt
 
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, positive, within
 from verification.maps.state import Label
-from verification.runs.vdp import Model
-from verification.steppers import state_run as label_run
-from verification.steppers.slopes import ENVELOPE, FULL
+from verification.runs.state_run import Outcome, Rules, run_to_state
 
 HOLD = 10.0
 WINDOW = 5.0
@@ -39,10 +36,10 @@ STILL = 1e-5
 
 
 _LABELS = {
-    label_run.UNDECIDED: Label.UNDECIDED,
-    label_run.FRONT: Label.FRONT,
-    label_run.BREATHER: Label.BREATHER,
-    label_run.FIXED_POINT: Label.FIXED_POINT,
+    Outcome.UNDECIDED: Label.UNDECIDED,
+    Outcome.FRONT: Label.FRONT,
+    Outcome.BREATHER: Label.BREATHER,
+    Outcome.FIXED_POINT: Label.FIXED_POINT,
 }
 
 
@@ -60,8 +57,8 @@ class StateLabel:
         Sites above the level at the last sample.
     steps : int
         Steps taken.
-    model : Model
-        Equation that was stepped.
+    model : str
+        Model that was stepped.
     seconds : float
         Run time.
     """
@@ -70,14 +67,13 @@ class StateLabel:
     time: float
     above: int
     steps: int
-    model: Model
+    model: str
     seconds: float
 
 
 def label_state(
-    chain: VdpChain,
-    start: npt.NDArray[np.complex128],
-    model: Model = Model.FULL,
+    chain: VanDerPolChain,
+    start: npt.ArrayLike,
     *,
     end: float = 2000.0,
     tolerance: float = 1e-8,
@@ -86,13 +82,11 @@ def label_state(
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         Parameters, with free ends.
-    start : ndarray of complex, shape (N,)
-        Ψ = ẏ + iy at time zero; for the envelope φ. The far end is the first site, and the last
-        one is where amplitudes of (8) are sampled.
-    model : Model, optional
-        Equation.
+    start : array_like
+        State at time zero. The far end is the first site, and the last one is where amplitudes of
+        (8) are sampled.
     end : float, optional
         End time, slow; labels found in its second half do not count.
     tolerance : float, optional
@@ -107,9 +101,9 @@ def label_state(
 
     Examples
     --------
-    >>> from verification.runs.vdp_start import displaced
-    >>> chain = VdpChain(a=4, b=0.5, c=0.6, sites=16)
-    >>> str(label_state(chain, displaced(chain, [16], 6.0), Model.ENVELOPE).label)
+    >>> from verification.runs.excite import excite
+    >>> chain = VdpChain(a=4, b=0.5, c=0.6, sites=16).averaged()
+    >>> str(label_state(chain, excite(chain, [16], 6.0)).label)
     'front'
     """
     begin = perf_counter()
@@ -117,30 +111,28 @@ def label_state(
     within("tolerance", tolerance, 1e-13, 1e-3)
     if chain.ends != "free":
         raise ParameterError("ends", str(chain.ends), "free", "the far end must be an end")
-    if model is Model.FULL:
+    full = isinstance(chain, VdpChain)
+    if full:
         within("small parameter eps", chain.eps, 1e-4, 10.0, "use the envelope for smaller eps")
-    full = model is Model.FULL
     level = level_of(chain.a, chain.b)
-    scale = 1.0 / chain.eps if full else 1.0
-    parts = (start.imag, start.real) if full else (start.real, start.imag)
-    code, time, above, steps = label_run.run_to_label(
-        FULL if full else ENVELOPE,
-        np.array([chain.a, chain.b, chain.c, chain.eps]),
-        np.concatenate(parts),
-        level,
-        positive_damping_square(chain.a, chain.b) if full else level**2,
-        0.5 * end * scale,
-        HOLD * scale,
-        WINDOW * scale,
-        STILL * (level if math.isfinite(level) else 1.0),
-        tolerance,
+    scale = chain.time_unit * chain.kernel_rate
+    rules = Rules(
+        level=level,
+        quiet=positive_damping_square(chain.a, chain.b) if full else level**2,
+        stiffness=chain.eps * chain.c if full else 0.0,
+        hold=HOLD * scale,
+        window=WINDOW * scale,
+        settled=STILL * (level if math.isfinite(level) else 1.0),
     )
-    if code == label_run.BROKEN:
-        raise ArithmeticError(
-            f"the {model} run at {chain} needs steps below {label_run.SHORTEST:g}: displace the "
-            "site less far."
-        )
-    return StateLabel(_LABELS[code], time / scale, above, steps, model, perf_counter() - begin)
+    run = run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
+    return StateLabel(
+        _LABELS[run.outcome],
+        run.time / scale,
+        run.above,
+        run.steps,
+        chain.model,
+        perf_counter() - begin,
+    )
 
 
 def level_of(a: float, b: float) -> float:

@@ -70,7 +70,7 @@ class Rest:
         return self.margin > self.remainder + 1e-13
 
 
-class PiecewiseChain:
+class PiecewiseMotion:
     """The chain (44) at one moment, right after a switching.
 
     Parameters

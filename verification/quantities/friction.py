@@ -91,12 +91,13 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
 
 def friction_state(at: Mapping[str, float]) -> StatedValue:
     """State of the friction chain at τ = 40, the first site displaced."""
-    from verification.runs.friction import RunStatus, run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
+    from verification.runs.trajectory import RunStatus
 
     chain = friction_chain(at)
-    start = nucleus(chain, [1], at["displacement"])
-    run = run_friction(chain, start, _TAU, samples=2, tolerance=1e-10)
+    start = excite(chain, [1], at["displacement"])
+    run = simulate(chain, start, _TAU, samples=2, tolerance=1e-10)
     assert run.error is not None
     if run.status is not RunStatus.RESOLVED:
         raise RunError(
@@ -151,10 +152,10 @@ _SHORT = 10.0
 def switch_energy(at: Mapping[str, float]) -> StatedValue:
     """Return √(2E) at the end of a run with fixed steps; ``band`` is a share of v_d."""
     from verification.references.switch_model import run_switch
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
 
     chain = friction_chain(at)
-    start = nucleus(chain, [1], at["displacement"])
+    start = excite(chain, [1], at["displacement"])
     run = run_switch(
         chain, start, _SHORT, step=at["step"], band=at["band"] * chain.cell.v_d, samples=2
     )

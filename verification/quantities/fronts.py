@@ -40,12 +40,15 @@ def _chain(at: Mapping[str, float]) -> VdpChain:
 
 
 def _front(at: Mapping[str, float], full: bool) -> StatedValue:
-    from verification.fronts.arrival_fit import FrontStatus
-    from verification.fronts.vdp import Behind, measure_front
-    from verification.runs.vdp import Model
+    from verification.fronts.measure import measure_front
+    from verification.fronts.result import LeftBoundary
+    from verification.fronts.status import FrontStatus
+    from verification.runs.model import Model
 
     model = Model.FULL if full else Model.ENVELOPE
-    found = measure_front(_chain(at), model, behind=Behind.WAVE, patience=_STALL_TIME)
+    found = measure_front(
+        model.chain_of(_chain(at)), left_boundary=LeftBoundary.WAVE, stall_time=_STALL_TIME
+    )
     settled = found.status in (FrontStatus.STEADY, FrontStatus.PINNED)
     if not settled or found.v is None or found.error is None:
         return StatedValue(value=None, error=0.0, note=found.status.value)
@@ -128,7 +131,7 @@ _LIMITS = "outside, scipy takes minutes for the reference, or there is no front"
 
 def _piecewise_front(at: Mapping[str, float]) -> StatedValue:
     """Measure a front of (44), where a run takes less than a minute: tails grow with c."""
-    from verification.piecewise.run import FrontStatus
+    from verification.fronts.status import FrontStatus
     from verification.piecewise.simulation import simulate_front
 
     found = simulate_front(at["c"], at["eta"])

@@ -45,19 +45,19 @@ _ROUNDING = 1e-14
 
 
 def _run(at: Mapping[str, float], full: bool) -> StatedValue:
-    from verification.runs.vdp import Model, run_vdp
-    from verification.runs.vdp_start import displaced
+    from verification.runs.excite import as_psi, excite
+    from verification.runs.simulate import simulate
 
     chain = vdp_chain(at)
-    start = displaced(chain, [1], at["displacement"])
+    start = excite(chain, [1], at["displacement"])
     end = _END if full else _END / chain.eps
     level = max(1e-9, 0.5 * at["displacement"])
-    run = run_vdp(
-        chain, start, end, model=Model.FULL if full else Model.ENVELOPE, samples=2, level=level,
+    run = simulate(
+        chain if full else chain.averaged(), start, end, samples=2, level=level,
         tolerance=at["tolerance"],
     )  # fmt: skip
     assert run.error is not None
-    return StatedValue(value=run.psi[-1], error=run.error, extra=start)
+    return StatedValue(value=run.psi[-1], error=run.error, extra=as_psi(start))
 
 
 def full_run(at: Mapping[str, float]) -> StatedValue:

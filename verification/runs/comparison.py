@@ -1,10 +1,10 @@
-"""The error of a run, from companions: the same run at larger tolerances.
+"""The error of a run, by comparison with the same run at two other, larger tolerances.
 
-There are two, at a hundred and at a thousand times the tolerance. The error is twice the larger of
-the difference from the first and a tenth of the difference from the second: an event may make one
-difference small by accident, and where rounding decides, a companion is no worse than the run.
-The first companion also starts a few roundings away. Where motion is unstable, rounding alone grows
-by e^{λt}, and no tolerance helps; so the error says it.
+They are a hundred and a thousand times the tolerance. The error is twice the larger of the
+difference from the first and a tenth of the difference from the second: an event may make one
+difference small by accident, and where rounding decides, such a run is no worse than the run itself.
+The first of them also starts a few units in the last place away. Where motion is unstable, rounding
+alone grows by e^{λt}, and no tolerance helps; so the error says it.
 """
 
 from __future__ import annotations
@@ -16,42 +16,52 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
-COMPANION = 100.0
-"""The first companion has the tolerance times this."""
+COARSER = 100.0
+"""The first run at another tolerance has the tolerance times this."""
 
-ROUNDINGS = 8
-"""Units in the last place by which the start of the first companion is moved."""
+PERTURBATION = 8
+"""Units in the last place by which the start of that run is perturbed."""
 
 _SECOND = 1000.0
-_SHARES = (1.0, COMPANION / _SECOND)
-_MOST = 0.1
+_SHARES = (1.0, COARSER / _SECOND)
+_MAX_TOLERANCE = 0.1
 
 
-def companion_tolerances(tolerance: float) -> list[float]:
-    """Return the tolerances of both companions, at most 0.1.
+def coarser_tolerances(tolerance: float) -> list[float]:
+    """Return the tolerances of both runs for comparison, at most 0.1.
 
     Examples
     --------
-    >>> companion_tolerances(2.0**-10)
+    >>> coarser_tolerances(2.0**-10)
     [0.09765625, 0.1]
     """
-    return [min(_MOST, factor * tolerance) for factor in (COMPANION, _SECOND)]
+    return [min(_MAX_TOLERANCE, factor * tolerance) for factor in (COARSER, _SECOND)]
 
 
-def error_from(
-    run: npt.NDArray[np.inexact], companions: Sequence[npt.NDArray[np.inexact]]
-) -> float:
-    """Return the error of samples, all of one shape: a bound in their own unit.
+def error_by_sample(samples: FloatArray, others: Sequence[FloatArray]) -> FloatArray:
+    """Return the error of each sample, a bound on √(Δy² + Δw²) of every site.
+
+    Parameters
+    ----------
+    samples, others : ndarray, shape (M, 2, N), and a pair of such
+        States of the run, and of the runs at the other tolerances.
+
+    Returns
+    -------
+    ndarray, shape (M,)
 
     Examples
     --------
-    >>> error_from(np.array([1.0, 2.0]), [np.array([1.0, 2.25]), np.array([1.0, 3.0])])
-    0.5
+    >>> state = np.zeros((1, 2, 1))
+    >>> error_by_sample(state, [state + 0.25, state]).round(6).tolist()
+    [0.707107]
     """
-    return _twice([float(np.max(np.abs(run - other), initial=0.0)) for other in companions])
+    apart = [np.hypot(*np.moveaxis(samples - other, 1, 0)).max(axis=-1) for other in others]
+    worst: FloatArray = 2.0 * np.max([s * a for s, a in zip(_SHARES, apart, strict=True)], axis=0)
+    return worst
 
 
-def arrival_error_from(run: FloatArray, companions: Sequence[FloatArray]) -> float:
+def arrival_error_from(run: FloatArray, others: Sequence[FloatArray]) -> float:
     """Return the error of arrival times; inf if one run saw an arrival that another did not.
 
     Examples
@@ -60,10 +70,7 @@ def arrival_error_from(run: FloatArray, companions: Sequence[FloatArray]) -> flo
     >>> arrival_error_from(one, [one + 0.5, one])
     1.0
     """
-    return _twice([difference(run, other) for other in companions])
-
-
-def _twice(apart: Sequence[float]) -> float:
+    apart = [difference(run, other) for other in others]
     return 2.0 * max(share * each for share, each in zip(_SHARES, apart, strict=True))
 
 

@@ -1,54 +1,59 @@
-"""One run of the friction chain in progress: state, bookkeeping, and how to go on with it."""
+"""The integration of the friction chain (5): exact from event to event."""
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Ends
+from theory.chains.chain import Chain, Ends
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError, RunError, positive
+from theory.parameters import count_within, positive
+from verification.execution.digest import digest_of_arrays
+from verification.runs.integration import (
+    Integration,
+    NotFiniteError,
+    StandstillError,
+    checked_state,
+    integration,
+)
 from verification.steppers import friction
 from verification.steppers.friction_series import binomials
+from verification.steppers.stop_code import StopCode
 from verification.steppers.taylor import taylor_order
 
 FloatArray = npt.NDArray[np.float64]
 
 _REST = 0.01
 _PIECE = 200_000
-"""Sites times steps, at most, between two looks at the keyboard: a fraction of a second."""
+"""Sites times steps, at most, for which compiled code is not left: a fraction of a second."""
 
 
-class FrictionRunError(RunError):
-    """A run that cannot go on: time stands still, or the state has left double precision."""
-
-
-class FrictionLane:
-    """A run of (5) at one tolerance.
+class FrictionIntegration(Integration):
+    """A run of (5); the tolerance is absolute, of y and ẏ.
 
     Parameters
     ----------
     chain : FrictionChain
         Parameters.
-    start : ndarray, shape (2, N)
-        y and ẏ at τ = 0.
+    start : array_like
+        (y, ẏ) at τ = 0.
+    times : array_like, shape (M,), optional
+        τ of the samples, ascending.
     tolerance : float
         Local error of y and ẏ, absolute.
-    window : bool
-        Leave out sites at the ends that are within a hundredth of the tolerance of steady sliding.
+    end : float, optional
+        τ of the end; by default the last of ``times``, or none.
+    active_window : bool
+        Do not step sites at the ends while they are within a hundredth of the tolerance of steady
+        sliding.
     watched : sequence of int, optional
-        Sites from 1 to N whose arrivals count for :meth:`go_to`; by default all.
-    times : ndarray, optional
-        Where the state is sampled, ascending.
-    events : int
-        Events that are kept in ``log``.
-    end : float
-        τ to which :meth:`go_on` goes.
+        Sites from 1 to N whose arrivals count for :meth:`advance_to`; by default all.
+    logged_events : int
+        Events that are kept in ``log``, from 0 to 1e8.
 
     Raises
     ------
@@ -56,69 +61,71 @@ class FrictionLane:
         If the start does not fit the chain.
     """
 
+    method: ClassVar[str] = "Taylor series, exact events"
+    default_tolerance: ClassVar[float] = 1e-10
+    default_budget: ClassVar[int] = 200_000
+
     def __init__(
         self,
         chain: FrictionChain,
-        start: FloatArray,
-        tolerance: float,
+        start: npt.ArrayLike,
+        times: npt.ArrayLike = (),
         *,
-        window: bool = True,
+        tolerance: float = 1e-10,
+        end: float | None = None,
+        active_window: bool = True,
         watched: Sequence[int] | None = None,
-        times: FloatArray | None = None,
-        events: int = 0,
-        end: float = math.inf,
+        logged_events: int = 0,
     ) -> None:
-        start = np.asarray(start, dtype=float)
-        if start.shape != (2, chain.sites) or not np.all(np.isfinite(start)):
-            raise ParameterError(
-                "start", f"an array of shape {start.shape}", f"finite, of shape (2, {chain.sites})",
-                "give y and its velocity at every site",
-            )  # fmt: skip
+        state = checked_state(chain, start)
+        self._start = digest_of_arrays({"start": state})[:16]
         cell = chain.cell
         self.chain, self.tolerance = chain, positive("tolerance", tolerance)
-        self.order = taylor_order(tolerance)
-        self._parameters = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c])
-        self._free = chain.ends is Ends.FREE
-        self._binomial = binomials(self.order)
-        self.y = start[0].copy()
-        self._w = start[1] - cell.v_d
-        self.modes = friction.initial_modes(self.y, self._w, self._parameters, self._free)
-        kept = friction.allocate(chain.sites)
-        self._released: npt.NDArray[np.bool_] = kept["released"]
-        self._clock, self.counters = kept["clock"], kept["counters"]
-        self.arrivals: FloatArray = kept["arrivals"]
-        self._extremes: FloatArray = kept["extremes"]
-        self._watched = np.ones(chain.sites, dtype=bool)
+        self.times = np.asarray(times, dtype=float)
+        self.end = (float(self.times[-1]) if self.times.size else math.inf) if end is None else end
+        logged = count_within("events logged", logged_events, 0, 10**8)
+        parameters = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c])
+        free = chain.ends is Ends.FREE
+        y, w = state[0].copy(), state[1] - cell.v_d
+        modes = friction.initial_modes(y, w, parameters, free)
+        self._run = friction.new_run(y, w, modes, self.times.size, logged)
+        self._run.counters[friction.HI] = chain.sites
+        rest = self._close_window(_REST * tolerance) if active_window and free else -1.0
+        marked = np.ones(chain.sites, dtype=bool)
         if watched is not None:
-            self._watched[:] = False
-            self._watched[[site - 1 for site in watched]] = True
-        self.times = np.zeros(0) if times is None else np.asarray(times, dtype=float)
-        self._samples = np.zeros((self.times.size, 3, chain.sites))
-        self._log = np.zeros((events, 3))
-        self.end = end
-        self._start = hashlib.sha256(np.ascontiguousarray(start).tobytes()).hexdigest()[:16]
-        self._rest = -1.0
-        self.counters[friction.HI] = chain.sites
-        if window and self._free:
-            self._leave_out_rest(_REST * tolerance)
+            marked[:] = False
+            marked[[site - 1 for site in watched]] = True
+        self.order = taylor_order(tolerance)
+        self._task = friction.Task(
+            parameters,
+            free,
+            tolerance,
+            self.order,
+            binomials(self.order),
+            rest,
+            cell.steady_sliding,
+            marked,
+            self.times,
+        )
 
-    def _leave_out_rest(self, rest: float) -> None:
-        cell, sites = self.chain.cell, self.chain.sites
-        away = np.maximum(np.abs(self.y - cell.steady_sliding), np.abs(self._w + cell.v_d))
+    def _close_window(self, rest: float) -> float:
+        """Close the window around what moves; return the distance up to which a site is at rest."""
+        cell, sites, run = self.chain.cell, self.chain.sites, self._run
+        away = np.maximum(np.abs(run.y - cell.steady_sliding), np.abs(run.w + cell.v_d))
         moving = np.flatnonzero(away > rest)
         if moving.size == 0 or cell.effective_damping <= 0.0:
-            return
+            return -1.0
         low = max(0, int(moving[0]) - friction.MARGIN)
         high = min(sites, int(moving[-1]) + friction.MARGIN + 1)
-        self._rest = rest
-        self.counters[friction.LO], self.counters[friction.HI] = low, high
+        run.counters[friction.LO], run.counters[friction.HI] = low, high
         for part in (slice(0, low), slice(high, sites)):
-            self.y[part], self._w[part] = cell.steady_sliding, -cell.v_d
+            run.y[part], run.w[part] = cell.steady_sliding, -cell.v_d
+        return rest
 
     @property
     def time(self) -> float:
         """τ reached."""
-        return float(self._clock[0])
+        return float(self._run.clock[0])
 
     @property
     def finished(self) -> bool:
@@ -128,147 +135,168 @@ class FrictionLane:
     @property
     def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
-        return {
-            "y": self.y,
-            "w": self._w,
-            "modes": self.modes,
-            "released": self._released,
-            "clock": self._clock,
-            "counters": self.counters,
-            "arrivals": self.arrivals,
-            "extremes": self._extremes,
-            "samples": self._samples,
-            "log": self._log,
-        }
+        return dict(self._run._asdict())
 
     @property
-    def metadata(self) -> dict[str, float | int | str | bool]:
+    def metadata(self) -> dict[str, Any]:
         """What decides the run, to be held against a checkpoint."""
-        cell = self.chain.cell
         return {
-            **{name: getattr(cell, name) for name in ("mu_st", "mu_d", "v0", "xi", "v_d")},
-            "c": self.chain.c,
-            "sites": self.chain.sites,
-            "ends": self.chain.ends.value,
+            **self.chain.parameters(),
             "tolerance": self.tolerance,
-            "rest": self._rest,
+            "rest": self._task.rest,
             "t_end": self.end,
-            "times": hashlib.sha256(self.times.tobytes()).hexdigest()[:16],
-            "events": len(self._log),
+            "times": digest_of_arrays({"times": self.times})[:16],
+            "logged_events": len(self._run.log),
             "start": self._start,
         }
 
     def check_state(self) -> None:
         """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
-        first, last = (int(self.counters[n]) for n in (friction.LO, friction.HI))
-        sampled, logged = (int(self.counters[n]) for n in (friction.SAMPLED, friction.LOGGED))
-        if not np.all(np.isfinite(self._clock)):
+        counters = self._run.counters
+        first, last, sampled = (int(n) for n in counters[:3])
+        if not np.all(np.isfinite(self._run.clock)):
             raise ValueError("a clock that is finite")
-        counted = 0 <= sampled <= len(self._samples) and 0 <= logged <= len(self._log)
-        if not (0 <= first <= last <= self.chain.sites and counted):
+        logged = int(counters[friction.LOGGED])
+        if not (
+            0 <= first <= last <= self.chain.sites
+            and 0 <= sampled <= self.times.size
+            and 0 <= logged <= len(self._run.log)
+        ):
             raise ValueError("counters within the arrays that they count")
 
-    def advance(self, budget: int) -> None:
-        """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
-        self.go_to(self.end, most_steps=1 + budget // self.chain.sites)
+    @property
+    def state(self) -> FloatArray:
+        """(y, ẏ) now, shape (2, N); ẏ is exactly v_d in stick."""
+        return np.array([self._run.y, self._run.w + self.chain.cell.v_d])
 
     @property
-    def velocity(self) -> FloatArray:
-        """ẏ now; exactly v_d in stick."""
-        velocity: FloatArray = self._w + self.chain.cell.v_d
-        return velocity
-
-    @property
-    def samples(self) -> FloatArray:
-        """y, ẏ and :attr:`amplitude` at ``times``, shape (M, 3, N)."""
-        samples = self._samples.copy()
-        samples[:, 1] += self.chain.cell.v_d
-        np.nan_to_num(samples[:, 2], copy=False, nan=0.0)
-        return samples
-
-    @property
-    def log(self) -> FloatArray:
-        """Rows (τ, site from 1, kind) of the events kept."""
-        log: FloatArray = self._log[: int(self.counters[friction.LOGGED])].copy()
-        log[:, 1] += 1
-        return log
+    def stuck(self) -> npt.NDArray[np.bool_]:
+        """Sites that stick now, shape (N,)."""
+        stuck: npt.NDArray[np.bool_] = self._run.modes == 0
+        return stuck
 
     @property
     def amplitude(self) -> FloatArray:
-        """Half of last maximum minus last minimum of y, per site; 0 before there are both."""
-        half = 0.5 * (self._extremes[0] - self._extremes[1])
+        """Half of last maximum minus last minimum of y, shape (N,); 0 before there are both."""
+        half = 0.5 * (self._run.extremes[0] - self._run.extremes[1])
         amplitude: FloatArray = np.nan_to_num(np.abs(half), nan=0.0)
         return amplitude
 
     @property
+    def samples(self) -> FloatArray:
+        """(y, ẏ) at ``times``, shape (M, 2, N)."""
+        samples = self._run.samples[:, :2].copy()
+        samples[:, 1] += self.chain.cell.v_d
+        return samples
+
+    @property
+    def sampled_amplitude(self) -> FloatArray:
+        """The amplitude at ``times``, shape (M, N)."""
+        return np.nan_to_num(self._run.samples[:, 2], nan=0.0)
+
+    @property
+    def arrivals(self) -> FloatArray:
+        """τ at which each site first stuck, shape (N,); nan where it did not."""
+        return self._run.arrivals
+
+    @property
     def arrived(self) -> int:
         """Watched sites that have stuck at some time."""
-        return int(np.count_nonzero(~np.isnan(self.arrivals) & self._watched))
+        return int(np.count_nonzero(~np.isnan(self._run.arrivals) & self._task.watched))
 
-    def go_to(self, stop: float, *, wanted: int = 0, most_steps: int = 2**62) -> bool:
-        """Step until ``stop``, or until so many watched sites have stuck; tell whether they have.
+    def forget_arrivals(self) -> None:
+        """Count arrivals anew from now on."""
+        self._run.arrivals[:] = np.nan
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Steps, and sites times steps."""
+        counters = self._run.counters
+        return {
+            "steps": int(counters[friction.STEPS]),
+            "site_steps": int(counters[friction.SITE_STEPS]),
+        }
+
+    @property
+    def events(self) -> dict[str, int]:
+        """Number of sticks, releases and reversals."""
+        kinds = self._run.counters[friction.KINDS :]
+        return {
+            "sticks": int(kinds[friction.STICK_BEGINS]),
+            "releases": int(kinds[friction.STICK_ENDS]),
+            "reversals": int(kinds[friction.REVERSAL]),
+        }
+
+    @property
+    def log(self) -> FloatArray:
+        """Rows (τ, site from 1, kind) of the first events."""
+        log: FloatArray = self._run.log[: int(self._run.counters[friction.LOGGED])].copy()
+        log[:, 1] += 1
+        return log
+
+    @classmethod
+    def perturbed(cls, chain: Chain, start: FloatArray, ulps: int) -> FloatArray:
+        """Return the start with y at every site so many units in the last place larger.
+
+        Examples
+        --------
+        >>> chain = FrictionChain(c=0.02, sites=2)
+        >>> (FrictionIntegration.perturbed(chain, np.ones((2, 2)), 4) - 1.0).tolist()
+        [[8.881784197001252e-16, 8.881784197001252e-16], [0.0, 0.0]]
+        """
+        moved = np.array(start, dtype=float)
+        moved[0] += ulps * np.spacing(np.maximum(np.abs(moved[0]), chain.rest_state.y))
+        return moved
+
+    def advance(self, budget: int) -> None:
+        """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
+        self.advance_to(self.end, max_steps=1 + budget // self.chain.sites)
+
+    def advance_to(self, stop: float, *, required: int = 0, max_steps: int = 2**62) -> bool:
+        """Step until ``stop``, or until so many watched sites have stuck; return whether they have.
 
         Compiled code cannot be interrupted, so it is left now and then.
 
         Raises
         ------
-        FrictionRunError
+        RunError
             If time stands still or the state overflows.
         """
-        ended, left = friction.BUDGET, most_steps
-        while ended == friction.BUDGET and left > 0:
+        ended, left = StopCode.BUDGET_SPENT, max_steps
+        while ended is StopCode.BUDGET_SPENT and left > 0:
             steps = min(left, 1 + _PIECE // self.chain.sites)
             left -= steps
-            ended = self._advance(stop, wanted, steps)
-        if ended == friction.NOT_FINITE:
-            raise FrictionRunError(
+            ended = StopCode(friction.advance(self._task, self._run, stop, required, steps))
+        if ended is StopCode.NOT_FINITE:
+            raise NotFiniteError(
                 f"the run overflowed at tau = {self.time:.6g}; start from a smaller displacement."
             )
-        if ended == friction.TOO_SHORT:
-            raise FrictionRunError(
+        if ended is StopCode.STEP_TOO_SHORT:
+            raise StandstillError(
                 f"time stands still at tau = {self.time:.6g}; take a larger v0 or a smaller c."
             )
-        return bool(ended == friction.WANTED)
-
-    def _advance(self, stop: float, wanted: int, most_steps: int) -> int:
-        ended: int = friction.advance(
-            self._parameters,
-            self._free,
-            self.y,
-            self._w,
-            self.modes,
-            self._released,
-            self._clock,
-            self.counters,
-            stop,
-            self.tolerance,
-            self.order,
-            self._binomial,
-            self._rest,
-            self.chain.cell.steady_sliding,
-            self.arrivals,
-            self._watched,
-            wanted,
-            self._extremes,
-            self.times,
-            self._samples,
-            self._log,
-            most_steps,
-        )
-        return ended
+        return ended is StopCode.CONDITION
 
     def going_to_rest(self, share: float = 1e-3) -> bool:
-        """Tell whether every site is so near to stable steady sliding that none will stick again.
+        """Whether every site is so near to stable steady sliding that none will stick again.
 
         Sufficient: the energy about steady sliding is below that at which a site could reach the
         velocity ``share`` v_d; there the friction curve is convex and all damping positive.
         """
         cell, c = self.chain.cell, self.chain.c
-        if cell.effective_damping <= 0.0 or not self._free:
+        if cell.effective_damping <= 0.0 or not self._task.free:
             return False
-        away, velocity = self.y - cell.steady_sliding, self.velocity
+        y, velocity = self.state
+        away = y - cell.steady_sliding
         energy = 0.5 * float(velocity @ velocity + away @ away)
         energy += 0.5 * c * float(np.sum(np.diff(away) ** 2))
         # Energy falls while every |ẏ| < u, for which the damping at v_d - u must be positive.
         u = min(share * cell.v_d, 0.5 * (cell.v_d - cell.hopf_velocity))
         return energy < 0.5 * u * u and math.isfinite(energy)
+
+
+@integration.register
+def _(
+    chain: FrictionChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
+) -> FrictionIntegration:
+    return FrictionIntegration(chain, start, times, **options)

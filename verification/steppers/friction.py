@@ -15,7 +15,7 @@ does not matter. All quantities are dimensionless.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +35,7 @@ from verification.steppers.friction_series import (
     site_value,
 )
 from verification.steppers.rows import put
+from verification.steppers.stop_code import StopCode
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -42,9 +43,13 @@ IntArray = npt.NDArray[np.int64]
 STICK_BEGINS, STICK_ENDS, REVERSAL = 0, 1, 2
 """Kinds of events."""
 
-REACHED, TOO_SHORT, NOT_FINITE, BUDGET, WANTED = 0, 1, 2, 3, 4
-"""How :func:`advance` ended: at the stop, at time standing still, at a number that is not finite,
-after ``most_steps``, or with as many watched arrivals as were wanted."""
+REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION = (
+    int(StopCode.REACHED),
+    int(StopCode.STEP_TOO_SHORT),
+    int(StopCode.NOT_FINITE),
+    int(StopCode.BUDGET_SPENT),
+    int(StopCode.CONDITION),
+)
 
 LO, HI, SAMPLED, STEPS, SITE_STEPS, LOGGED, STANDING = 0, 1, 2, 3, 4, 5, 6
 """Places in ``counters``; the number of events of each kind follows from ``KINDS`` on."""
@@ -208,73 +213,95 @@ def _wider(
     return min(lo, new_lo), max(hi, new_hi)
 
 
-@njit(cache=True)
-def advance(
-    parameters: FloatArray,
-    free: bool,
-    y: FloatArray,
-    w: FloatArray,
-    modes: IntArray,
-    released: npt.NDArray[np.bool_],
-    clock: FloatArray,
-    counters: IntArray,
-    stop: float,
-    tolerance: float,
-    order: int,
-    binomial: FloatArray,
-    rest: float,
-    sliding: float,
-    arrivals: FloatArray,
-    watched: npt.NDArray[np.bool_],
-    wanted: int,
-    extremes: FloatArray,
-    times: FloatArray,
-    samples: FloatArray,
-    log: FloatArray,
-    most_steps: int,
-) -> int:
-    """Step until ``stop``; return how it ended.
+class Task(NamedTuple):
+    """What :func:`advance` has to do; it does not change.
 
-    Parameters
+    Attributes
     ----------
     parameters : ndarray, shape (6,)
         μ_st, μ_d, v₀, ξ, v_d, c.
     free : bool
         Free ends; else the missing neighbours are zero.
-    y, w, modes : ndarray, shape (N,)
-        Position, ẏ - v_d, mode; in and out.
-    released : ndarray of bool, shape (N,)
-        Sites that have been released at this very time; in and out.
-    clock : ndarray, shape (1,)
-        Time.
-    counters : ndarray of int, shape (10,)
-        See ``LO`` and the names after it.
-    stop : float
-        Time to reach.
     tolerance, order
         Local error, absolute, and order of the series.
     binomial : ndarray
         ``friction_series.binomials(order)``.
     rest, sliding : float
         Sites within ``rest`` of steady sliding at y = ``sliding``, at the ends of the window
-        LO … HI, are left out; negative for all sites always.
+        LO … HI, are not stepped; negative for all sites always.
+    watched : ndarray of bool, shape (N,)
+        Sites whose arrivals are counted.
+    times : ndarray, shape (M,)
+        Where samples are required, ascending.
+    """
+
+    parameters: FloatArray
+    free: bool
+    tolerance: float
+    order: int
+    binomial: FloatArray
+    rest: float
+    sliding: float
+    watched: npt.NDArray[np.bool_]
+    times: FloatArray
+
+
+class Run(NamedTuple):
+    """What :func:`advance` changes; all in place.
+
+    Attributes
+    ----------
+    y, w, modes : ndarray, shape (N,)
+        Position, ẏ - v_d, mode.
+    released : ndarray of bool, shape (N,)
+        Sites that have been released at this very time.
+    clock : ndarray, shape (1,)
+        Time.
+    counters : ndarray of int, shape (10,)
+        See ``LO`` and the names after it.
     arrivals : ndarray, shape (N,)
         Time of the first stick; nan before.
-    watched : ndarray of bool, shape (N,)
-        Sites whose arrivals are counted for ``wanted``.
-    wanted : int
-        Watched arrivals at which to end; 0 for never.
     extremes : ndarray, shape (2, N)
         Last maximum and last minimum of y; nan before the first.
-    times, samples : ndarray, shapes (M,), (M, 3, N)
-        Where (y, w, half of the last maximum minus the last minimum) are wanted, ascending;
-        filled as they are passed.
+    samples : ndarray, shape (M, 3, N)
+        (y, w, half of the last maximum minus the last minimum); filled as times are passed.
     log : ndarray, shape (K, 3)
         Time, site, kind of the first K events.
-    most_steps : int
-        Steps after which to return with BUDGET. A run that goes on from there is the same to the
-        last bit.
     """
+
+    y: FloatArray
+    w: FloatArray
+    modes: IntArray
+    released: npt.NDArray[np.bool_]
+    clock: FloatArray
+    counters: IntArray
+    arrivals: FloatArray
+    extremes: FloatArray
+    samples: FloatArray
+    log: FloatArray
+
+
+@njit(cache=True)
+def advance(task: Task, run: Run, stop: float, required: int, max_steps: int) -> int:
+    """Step until ``stop``; return a ``StopCode``.
+
+    Parameters
+    ----------
+    task, run
+        What to do, and the state.
+    stop : float
+        Time to reach.
+    required : int
+        Watched arrivals at which to end; 0 for never.
+    max_steps : int
+        Steps after which to return. A run that goes on from there is the same to the last bit.
+    """
+    parameters, free, tolerance, order = task.parameters, task.free, task.tolerance, task.order
+    binomial, rest, sliding = task.binomial, task.rest, task.sliding
+    watched, times = task.watched, task.times
+    y, w, modes, released = run.y, run.w, run.modes, run.released
+    clock, counters, arrivals, extremes = run.clock, run.counters, run.arrivals, run.extremes
+    samples, log = run.samples, run.log
     sites = y.size
     v_d = parameters[V_D]
     lo, hi = counters[LO], counters[HI]
@@ -295,10 +322,10 @@ def advance(
         if watched[n] and not math.isnan(arrivals[n]):
             arrived += 1
     while clock[0] < stop:
-        if 0 < wanted <= arrived:
-            ended = WANTED
+        if 0 < required <= arrived:
+            ended = CONDITION
             break
-        if steps >= most_steps:
+        if steps >= max_steps:
             ended = BUDGET
             break
         for n in range(lo, hi):
@@ -401,12 +428,18 @@ def _switch(
     return -1
 
 
-def allocate(sites: int) -> dict[str, Any]:
-    """Return fresh arrays for the bookkeeping of :func:`advance`."""
-    return {
-        "released": np.zeros(sites, dtype=bool),
-        "clock": np.zeros(1),
-        "counters": np.zeros(KINDS + 3, dtype=np.int64),
-        "arrivals": np.full(sites, np.nan),
-        "extremes": np.full((2, sites), np.nan),
-    }
+def new_run(y: FloatArray, w: FloatArray, modes: IntArray, samples: int, logged: int) -> Run:
+    """Return the state of a run that begins, with fresh arrays for its bookkeeping."""
+    sites = y.size
+    return Run(
+        y,
+        w,
+        modes,
+        np.zeros(sites, dtype=bool),
+        np.zeros(1),
+        np.zeros(KINDS + 3, dtype=np.int64),
+        np.full(sites, np.nan),
+        np.full((2, sites), np.nan),
+        np.zeros((samples, 3, sites)),
+        np.zeros((logged, 3)),
+    )

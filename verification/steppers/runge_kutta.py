@@ -1,140 +1,105 @@
-"""Explicit Runge-Kutta steps for (8) and (43), compiled: DOP853, and the classical one of order 4.
+"""Explicit Runge-Kutta steps, compiled for any right-hand side: DOP853 and the classical one.
 
-The state is a row of length 2m (``active``); all quantities are dimensionless. The stages are
-written out, a loop each: one pass a term, over a tableau, takes twice as long.
+The tableau is scipy's; each of its rows becomes a compiled closure over its nonzero weights. The
+state is a row of length 2m (``active``); all quantities are dimensionless.
+
+References
+----------
+E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.10.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
 from verification.execution.compiled import njit
-from verification.steppers.active import end_codes
-from verification.steppers.rows import finite, largest, put
-from verification.steppers.slopes import slope
+from verification.steppers.kernel import Slope, fast
+from verification.steppers.rows import finite, largest
 
 FloatArray = npt.NDArray[np.float64]
 
 STAGES = DOP853.n_stages
-_A, _B, _E5, _E3 = (np.array(row) for row in (DOP853.A, DOP853.B, DOP853.E5, DOP853.E3))
+
+Step = Callable[[FloatArray, FloatArray, int, int, float, FloatArray, FloatArray], None]
+"""Of (state, parameters, left, right, h, K, out): put the state after h into ``out``.
+
+The slopes stay in K, of shape (STAGES, 2m). ``out`` is also room for the stages and must not be the
+state.
+"""
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def take_step(
-    model: int,
-    x: FloatArray,
-    parameters: FloatArray,
-    left: int,
-    right: int,
-    h: float,
-    K: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Put the state after one step of DOP853 of length h into out; the slopes stay in K.
+def _weighted(
+    weights: FloatArray,
+) -> Callable[[FloatArray, float, FloatArray, FloatArray], None]:
+    """Return compiled out = x + h Σ w_i K_i over the nonzero weights."""
+    used = tuple(i for i, weight in enumerate(weights) if weight != 0.0)
+    w = tuple(float(weights[i]) for i in used)
+    count = len(used)
 
-    Parameters
-    ----------
-    model : int
-        FULL or ENVELOPE (``slopes``).
-    x, out : ndarray, shape (2m,)
-        State; ``out`` is also room for the stages and must not be ``x``.
-    K : ndarray, shape (STAGES, 2m)
-        Room.
-    """
-    size = x.size
-    k0, k1, k2, k3, k4, k5 = K[0], K[1], K[2], K[3], K[4], K[5]
-    k6, k7, k8, k9, k10, k11 = K[6], K[7], K[8], K[9], K[10], K[11]
-    slope(model, x, parameters, left, right, k0)
-    a = _A[1]
-    for n in range(size):
-        out[n] = x[n] + h * (a[0] * k0[n])
-    slope(model, out, parameters, left, right, k1)
-    a = _A[2]
-    for n in range(size):
-        out[n] = x[n] + h * (a[0] * k0[n] + a[1] * k1[n])
-    slope(model, out, parameters, left, right, k2)
-    a = _A[3]
-    for n in range(size):
-        out[n] = x[n] + h * (a[0] * k0[n] + a[2] * k2[n])
-    slope(model, out, parameters, left, right, k3)
-    a = _A[4]
-    for n in range(size):
-        out[n] = x[n] + h * (a[0] * k0[n] + a[2] * k2[n] + a[3] * k3[n])
-    slope(model, out, parameters, left, right, k4)
-    a = _A[5]
-    for n in range(size):
-        out[n] = x[n] + h * (a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n])
-    slope(model, out, parameters, left, right, k5)
-    a = _A[6]
-    for n in range(size):
-        out[n] = x[n] + h * (a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n] + a[5] * k5[n])
-    slope(model, out, parameters, left, right, k6)
-    a = _A[7]
-    for n in range(size):
-        out[n] = x[n] + h * (
-            a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n] + a[5] * k5[n] + a[6] * k6[n]
-        )
-    slope(model, out, parameters, left, right, k7)
-    a = _A[8]
-    for n in range(size):
-        out[n] = x[n] + h * (
-            a[0] * k0[n] + a[3] * k3[n] + a[4] * k4[n] + a[5] * k5[n] + a[6] * k6[n] + a[7] * k7[n]
-        )
-    slope(model, out, parameters, left, right, k8)
-    a = _A[9]
-    for n in range(size):
-        out[n] = x[n] + h * (
-            a[0] * k0[n]
-            + a[3] * k3[n]
-            + a[4] * k4[n]
-            + a[5] * k5[n]
-            + a[6] * k6[n]
-            + a[7] * k7[n]
-            + a[8] * k8[n]
-        )
-    slope(model, out, parameters, left, right, k9)
-    a = _A[10]
-    for n in range(size):
-        out[n] = x[n] + h * (
-            a[0] * k0[n]
-            + a[3] * k3[n]
-            + a[4] * k4[n]
-            + a[5] * k5[n]
-            + a[6] * k6[n]
-            + a[7] * k7[n]
-            + a[8] * k8[n]
-            + a[9] * k9[n]
-        )
-    slope(model, out, parameters, left, right, k10)
-    a = _A[11]
-    for n in range(size):
-        out[n] = x[n] + h * (
-            a[0] * k0[n]
-            + a[3] * k3[n]
-            + a[4] * k4[n]
-            + a[5] * k5[n]
-            + a[6] * k6[n]
-            + a[7] * k7[n]
-            + a[8] * k8[n]
-            + a[9] * k9[n]
-            + a[10] * k10[n]
-        )
-    slope(model, out, parameters, left, right, k11)
-    for n in range(size):
-        out[n] = x[n] + h * (
-            _B[0] * k0[n]
-            + _B[5] * k5[n]
-            + _B[6] * k6[n]
-            + _B[7] * k7[n]
-            + _B[8] * k8[n]
-            + _B[9] * k9[n]
-            + _B[10] * k10[n]
-            + _B[11] * k11[n]
-        )
+    @fast
+    def combine(x: FloatArray, h: float, K: FloatArray, out: FloatArray) -> None:
+        for n in range(x.size):
+            total = w[0] * K[used[0], n]
+            for j in range(1, count):
+                total += w[j] * K[used[j], n]
+            out[n] = x[n] + h * total
+
+    found: Callable[[FloatArray, float, FloatArray, FloatArray], None] = combine
+    return found
+
+
+_ROWS = [DOP853.A[i, :i] for i in range(1, STAGES)] + [DOP853.B]
+_C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11, _C12 = map(_weighted, _ROWS)
+_FIFTH, _THIRD = _weighted(DOP853.E5[:STAGES]), _weighted(DOP853.E3[:STAGES])
+
+
+@lru_cache(maxsize=64)
+def dop853_step(slope: Slope) -> Step:
+    """Return one step of DOP853, of order 8, for a right-hand side."""
+
+    @fast
+    def step(
+        x: FloatArray,
+        p: FloatArray,
+        left: int,
+        right: int,
+        h: float,
+        K: FloatArray,
+        out: FloatArray,
+    ) -> None:
+        slope(x, p, left, right, K[0])
+        _C1(x, h, K, out)
+        slope(out, p, left, right, K[1])
+        _C2(x, h, K, out)
+        slope(out, p, left, right, K[2])
+        _C3(x, h, K, out)
+        slope(out, p, left, right, K[3])
+        _C4(x, h, K, out)
+        slope(out, p, left, right, K[4])
+        _C5(x, h, K, out)
+        slope(out, p, left, right, K[5])
+        _C6(x, h, K, out)
+        slope(out, p, left, right, K[6])
+        _C7(x, h, K, out)
+        slope(out, p, left, right, K[7])
+        _C8(x, h, K, out)
+        slope(out, p, left, right, K[8])
+        _C9(x, h, K, out)
+        slope(out, p, left, right, K[9])
+        _C10(x, h, K, out)
+        slope(out, p, left, right, K[10])
+        _C11(x, h, K, out)
+        slope(out, p, left, right, K[11])
+        _C12(x, h, K, out)
+
+    found: Step = step
+    return found
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -143,32 +108,11 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
 
     It is e5²/√(e5² + e3²/100) and vanishes where e3 alone is huge, so that a step that explodes
     would pass: where e3 is as large as the state, the estimate is infinite. ``room`` has the shape
-    (2, 2m).
+    (3, 2m); its last row must be zero.
     """
-    five, three = room[0], room[1]
-    k0, k5, k6, k7, k8, k9, k10, k11 = K[0], K[5], K[6], K[7], K[8], K[9], K[10], K[11]
-    for n in range(five.size):
-        five[n] = (
-            _E5[0] * k0[n]
-            + _E5[5] * k5[n]
-            + _E5[6] * k6[n]
-            + _E5[7] * k7[n]
-            + _E5[8] * k8[n]
-            + _E5[9] * k9[n]
-            + _E5[10] * k10[n]
-            + _E5[11] * k11[n]
-        )
-    for n in range(three.size):
-        three[n] = (
-            _E3[0] * k0[n]
-            + _E3[5] * k5[n]
-            + _E3[6] * k6[n]
-            + _E3[7] * k7[n]
-            + _E3[8] * k8[n]
-            + _E3[9] * k9[n]
-            + _E3[10] * k10[n]
-            + _E3[11] * k11[n]
-        )
+    five, three, zero = room[0], room[1], room[2]
+    _FIFTH(zero, 1.0, K, five)
+    _THIRD(zero, 1.0, K, three)
     e5, e3 = h * largest(five), h * largest(three)
     if not (finite(five) and finite(three)) or e3 >= size > 0.0:
         return math.inf
@@ -177,58 +121,34 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
     return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def take_classical_step(
-    model: int,
-    x: FloatArray,
-    parameters: FloatArray,
-    left: int,
-    right: int,
-    h: float,
-    K: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Put the state after one classical step of order 4 into out; as :func:`take_step`."""
-    size, half, whole = x.size, 0.5 * h, h / 6.0
-    k0, k1, k2, k3 = K[0], K[1], K[2], K[3]
-    slope(model, x, parameters, left, right, k0)
-    for n in range(size):
-        out[n] = x[n] + half * k0[n]
-    slope(model, out, parameters, left, right, k1)
-    for n in range(size):
-        out[n] = x[n] + half * k1[n]
-    slope(model, out, parameters, left, right, k2)
-    for n in range(size):
-        out[n] = x[n] + h * k2[n]
-    slope(model, out, parameters, left, right, k3)
-    for n in range(size):
-        out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])
+@lru_cache(maxsize=64)
+def classical_step(slope: Slope) -> Step:
+    """Return one classical step of order 4 for a right-hand side; for benchmarks."""
 
+    @fast
+    def step(
+        x: FloatArray,
+        p: FloatArray,
+        left: int,
+        right: int,
+        h: float,
+        K: FloatArray,
+        out: FloatArray,
+    ) -> None:
+        half, whole = 0.5 * h, h / 6.0
+        k0, k1, k2, k3 = K[0], K[1], K[2], K[3]
+        slope(x, p, left, right, k0)
+        for n in range(x.size):
+            out[n] = x[n] + half * k0[n]
+        slope(out, p, left, right, k1)
+        for n in range(x.size):
+            out[n] = x[n] + half * k1[n]
+        slope(out, p, left, right, k2)
+        for n in range(x.size):
+            out[n] = x[n] + h * k2[n]
+        slope(out, p, left, right, k3)
+        for n in range(x.size):
+            out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])
 
-@njit(cache=True, error_model="numpy")
-def fixed_steps(
-    model: int,
-    state: FloatArray,
-    parameters: FloatArray,
-    first: int,
-    h: float,
-    steps: int,
-    order: int,
-) -> None:
-    """Advance a state of shape (2, N) by steps of length h, all sites; for tests and benchmarks.
-
-    ``order`` is 8, or 4 for the classical step.
-    """
-    sites = state.shape[1]
-    left, right = end_codes(0, sites, sites, first, False)
-    x = state.copy().reshape(2 * sites)
-    out = np.zeros(2 * sites)
-    K = np.zeros((STAGES, 2 * sites))
-    for _ in range(steps):
-        if order == 8:
-            take_step(model, x, parameters, left, right, h, K, out)
-        else:
-            take_classical_step(model, x, parameters, left, right, h, K, out)
-        put(out, x)
-    put(x[:sites], state[0])
-    put(x[sites:], state[1])
+    found: Step = step
+    return found

@@ -21,9 +21,11 @@ import numpy.typing as npt
 from verification.execution.compiled import njit
 from verification.steppers.active import add_coupling, end_codes
 from verification.steppers.rows import finite, largest, put
-from verification.steppers.slopes import FULL
 
 FloatArray = npt.NDArray[np.float64]
+
+FULL, ENVELOPE = 0, 1
+"""Codes of the two equations."""
 
 
 def taylor_order(tolerance: float) -> int:

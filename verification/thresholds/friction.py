@@ -23,11 +23,11 @@ from time import perf_counter
 
 from theory.cells.friction import check_sliding_stable
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place
+from theory.chains.nucleus import Place, nucleus_sites
 from theory.parameters import ParameterError, count_within, positive, within
-from verification.runs.comparison import COMPANION
-from verification.runs.friction_integration import FrictionLane
-from verification.runs.friction_start import StartPoint, nucleus, nucleus_sites
+from verification.runs.comparison import COARSER
+from verification.runs.excite import StartPoint, excite
+from verification.runs.friction_integration import FrictionIntegration
 
 GROWTH = 1.25
 """Factor between couplings of the first search."""
@@ -178,12 +178,12 @@ def spreads(chain: FrictionChain, spreading: Spreading, final_time: float | None
     """
     watched = spreading.watched(chain.sites)
     excited = nucleus_sites(chain.sites, spreading.place, spreading.size)
-    start = nucleus(chain, excited, spreading.point)
-    lane = FrictionLane(chain, start, spreading.tolerance, watched=watched)
+    start = excite(chain, excited, point=spreading.point)
+    lane = FrictionIntegration(chain, start, tolerance=spreading.tolerance, watched=watched)
     wanted = 1 if spreading.definition is Definition.FIRST else len(watched)
     end = spreading.final_time if final_time is None else final_time
     while lane.time < end:
-        if lane.go_to(min(end, lane.time + _LOOK), wanted=wanted):
+        if lane.advance_to(min(end, lane.time + _LOOK), required=wanted):
             return True
         if lane.going_to_rest():
             return False
@@ -270,8 +270,8 @@ def friction_threshold(
 
     low, high = first_above(lowest, 1.0, 1.0)
     c, error = 0.5 * (low + high), 0.5 * (high - low)
-    if at(low, 1.0, COMPANION) or not at(high, 1.0, COMPANION):
-        error += abs(c - 0.5 * sum(first_above(lowest, 1.0, COMPANION)))
+    if at(low, 1.0, COARSER) or not at(high, 1.0, COARSER):
+        error += abs(c - 0.5 * sum(first_above(lowest, 1.0, COARSER)))
     late, fuzzy, monotone = c, None, True
     if tests > 0:
         if at(low, 2.0, 1.0):

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VdpChain
-from verification.piecewise.chain import PiecewiseChain, Rest
+from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.simulation import simulate_front
 from verification.piecewise.window import (
     ChainState,
@@ -17,8 +17,10 @@ from verification.piecewise.window import (
     widened,
     window_length,
 )
-from verification.runs.vdp import Model, VdpRun, run_vdp
-from verification.runs.vdp_start import displaced, staggered_front
+from verification.runs.excite import excite, excite_edge
+from verification.runs.model import Model
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import Trajectory
 from verification.work_reduction.comparison import Comparison, timed
 
 FloatArray = npt.NDArray[np.float64]
@@ -44,7 +46,7 @@ def sites_of_the_window(c: float = 0.5, eta: float = 0.03125) -> Comparison:
     return Comparison(short.window, passed, abs(short.v - long.v), short.error + long.error)
 
 
-class EverySite(PiecewiseChain):
+class EverySite(PiecewiseMotion):
     """A chain that seeks a crossing at every site and in every interval; or counts only."""
 
     every = True
@@ -85,7 +87,7 @@ def crossings_sought(c: float = 0.5, eta: float = 0.03125, count: int = 6) -> Co
     return Comparison(sought[0], sought[1], _apart(found[0], found[1]), 0.0)
 
 
-def _switchings(chain: PiecewiseChain, count: int) -> FloatArray:
+def _switchings(chain: PiecewiseMotion, count: int) -> FloatArray:
     """Return (time, site, direction, jitter) of the next switchings, shape (count, 4)."""
     rows: list[tuple[float, int, int, float]] = []
     time = 0.0
@@ -109,7 +111,7 @@ def steps_between_crossings(c: float = 0.5, eta: float = 0.03125, count: int = 6
     """Move the chain exactly from crossing to crossing, and by Runge-Kutta steps, in ms."""
     r = threshold_ratio(eta)
     start = _moving(c, r)
-    exact, spent = timed(lambda: _switchings(PiecewiseChain(c, r, start), count))
+    exact, spent = timed(lambda: _switchings(PiecewiseMotion(c, r, start), count))
     stepped, whole = timed(lambda: _stepped_switchings(c, r, start, count, 1e-13), 1)
     looser = _stepped_switchings(c, r, start, count, 1e-11)
     own = float(exact[:, 3].sum())
@@ -164,12 +166,11 @@ def sites_at_rest(
 ) -> Comparison:
     """Step the sites that move, and all 60."""
     chain = VdpChain(a=4, b=0.5, c=c, sites=60)
-    start = displaced(chain, [1])
+    start = excite(chain, [1])
     kept, whole = (
-        run_vdp(
-            chain, start, end, model=model, tolerance=tolerance, samples=5, window=window,
-            companion=False,
-        )
+        simulate(
+            model.chain_of(chain), start, end, tolerance=tolerance, samples=5, active_window=window,
+            estimate_error=False)
         for window in (True, False)
     )  # fmt: skip
     changed = float(np.abs(kept.psi - whole.psi).max())
@@ -181,10 +182,9 @@ def sites_behind(c: float = 0.6, end: float = 3e4, tolerance: float = 1e-9) -> C
     """Step 24 sites behind a front, and all that it has passed."""
     chain = VdpChain(a=4, b=0.5, c=c, sites=300)
     few, whole = (
-        run_vdp(
-            chain, staggered_front(chain, 24), end, model=Model.ENVELOPE, samples=2,
-            tolerance=tolerance, behind=behind,
-        )
+        simulate(
+            chain.averaged(), excite_edge(chain, 24), end, samples=2,
+            tolerance=tolerance, trailing_sites=behind)
         for behind in (24, 0)
     )  # fmt: skip
     return Comparison(
@@ -192,7 +192,7 @@ def sites_behind(c: float = 0.6, end: float = 3e4, tolerance: float = 1e-9) -> C
     )
 
 
-def _later(one: VdpRun, other: VdpRun) -> float:
+def _later(one: Trajectory, other: Trajectory) -> float:
     """Return the largest difference in arrivals; inf if other sites were reached."""
     missed = np.isnan(one.arrivals)
     if np.any(missed != np.isnan(other.arrivals)):
@@ -203,9 +203,9 @@ def _later(one: VdpRun, other: VdpRun) -> float:
 def saved_states(model: Model = Model.ENVELOPE, end: float = 3000.0) -> Comparison:
     """Keep the first and the last state, and one for every step."""
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=60)
-    start = staggered_front(chain, 24)
-    few = run_vdp(chain, start, end, model=model, samples=2, companion=False)
-    many = run_vdp(chain, start, end, model=model, samples=few.steps, companion=False)
+    start = excite_edge(chain, 24)
+    few = simulate(model.chain_of(chain), start, end, samples=2, estimate_error=False)
+    many = simulate(model.chain_of(chain), start, end, samples=few.steps, estimate_error=False)
     changed = max(float(np.abs(few.psi[-1] - many.psi[-1]).max()), _later(few, many))
     kept, whole = (run.psi.size + run.arrivals.size for run in (few, many))
     return Comparison(kept, whole, changed, 0.0)

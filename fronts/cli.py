@@ -127,7 +127,7 @@ def _version() -> str:
 def _announce_compilation() -> None:
     """Let a terminal show that the first run of a stepper compiles it."""
     logger = logging.getLogger("verification.execution.compiled")
-    if sys.stderr.isatty() and not logger.handlers:
+    if sys.stderr is not None and sys.stderr.isatty() and not logger.handlers:
         handler = logging.StreamHandler()
         handler.setFormatter(logging.Formatter("fronts: %(message)s"))
         logger.addHandler(handler)
@@ -135,6 +135,8 @@ def _announce_compilation() -> None:
 
 
 def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:
+    if sys.stderr is None:  # closed: the exit code must do
+        return
     if as_json:
         print(json.dumps({"error": {"message": message, **details}}), file=sys.stderr)
     else:
@@ -153,6 +155,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
+    if sys.stdout is None:
+        _complain("standard output is closed: open it, or send it to a file.", as_json, {})
+        return 2
     try:
         code = _run(arguments)
         sys.stdout.flush()

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import shlex
 
 import mpmath as mp
 import pytest
-from fronts.progress import PERIOD, Fraction
 
 from fronts.arguments import with_values_joined
 from fronts.cli import main
@@ -218,23 +216,6 @@ def test_the_progress_of_a_curve_rises_to_its_end():
     assert {answer.branches for answer in many} == {kinetic_relation(0.5, 0.03125).branches}
 
 
-class _Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def test_nothing_is_said_of_the_time_left_before_anything_is_done(monkeypatch):
-    clock = [0.0]
-    monkeypatch.setattr("fronts.progress.time.perf_counter", lambda: clock[0])
-    terminal = _Terminal()
-    with Fraction("run", terminal) as shown:
-        for fraction in (0.0, 0.25):
-            clock[0] += 2 * PERIOD
-            shown.show(fraction)
-    assert "... run: 0 %\r" in terminal.getvalue()
-    assert f"25 %, about {3 * 4 * PERIOD:.0f} s left" in terminal.getvalue()
-
-
 def _stopped(capsys: pytest.CaptureFixture[str], line: str) -> str:
     assert main(shlex.split(line)) == 130
     message: str = json.loads(capsys.readouterr().err.splitlines()[-1])["error"]["message"]
@@ -246,7 +227,7 @@ def test_an_interrupted_run_names_its_checkpoint(chain, tmp_path, capsys, monkey
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fronts.progress.Fraction.show", stop)
+    monkeypatch.setattr("verification.execution.progress.Progress.report", stop)
     file = tmp_path / "kept.npz"
     line = f"simulate {chain} --excite 1 --t-end 50 --json"
     assert _stopped(capsys, line) == "interrupted; nothing half-written is left behind."
@@ -264,22 +245,22 @@ def test_an_interrupted_run_names_its_checkpoint(chain, tmp_path, capsys, monkey
         "stress --quantity c-pin --points 60 --workers 1",
     ],
 )
-def test_an_interrupted_sweep_names_its_journal(line, tmp_path, capsys, monkeypatch):
+def test_an_interrupted_sweep_names_its_file(line, tmp_path, capsys, monkeypatch):
     def stop(_: object, fraction: float) -> None:
         if fraction > 0:
             raise KeyboardInterrupt
 
     out = tmp_path / "table.csv"
     with monkeypatch.context() as patch:
-        patch.setattr("fronts.progress.Fraction.show", stop)
+        patch.setattr("verification.execution.progress.Progress.report", stop)
         said = _stopped(capsys, f"{line} --out {shlex.quote(str(out))} --json")
-    journal = tmp_path / "table.csv.part"
-    assert journal.exists()
-    assert f"{journal} is kept" in said
+    part = tmp_path / "table.csv.part"
+    assert part.exists()
+    assert f"{part} is there" in said
     assert "--resume" in said
     assert main(shlex.split(f"{line} --out {shlex.quote(str(out))} --resume")) == 0
     assert out.exists()
-    assert not journal.exists()
+    assert not part.exists()
 
 
 @pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])

@@ -21,7 +21,7 @@ from verification.runs.trajectory import Trajectory
 from verification.runs.trajectory import RunStatus
 from verification.runs.simulate import simulate
 from theory.parameters import RunError
-from verification.runs.friction_integration import FrictionIntegration, 
+from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.excite import excite
 from verification.steppers import friction
 
@@ -80,8 +80,8 @@ def test_every_event_is_that_of_scipy(name: str) -> None:
         step = 0.003 if name in ("steep", "far") else 0.05
         theirs = run_events(chain, start, t_end, longest_step=step)
     assert ours.status is RunStatus.RESOLVED
-    assert len(ours.log) == len(theirs.log) == ours.events
-    mine, other = sorted_log(ours.log), sorted_log(theirs.log)
+    assert len(ours.event_log) == len(theirs.log) == ours.event_count
+    mine, other = sorted_log(ours.event_log), sorted_log(theirs.log)
     assert np.array_equal(mine[:, 1:], other[:, 1:])
     # DOP853 at 1e-13 accumulates about 1e-12 in these times, 1e-10 where y is 20 or μ is steep.
     room = 2e-9 if name in ("steep", "far") else 2e-11
@@ -110,7 +110,7 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
     chain, start, t_end = SCENES[name]
     cell = chain.cell
     first = simulate(chain, start, t_end, tolerance=1e-12, logged_events=10_000)
-    edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.log[:, 0]]))
+    edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.event_log[:, 0]]))
     pieces = [np.linspace(a, b, 81) for a, b in pairwise(edges)]
     run = simulate(chain, start, t_end, tolerance=1e-12, times=np.concatenate(pieces).tolist())
     gained = belt = burnt = 0.0
@@ -161,7 +161,7 @@ def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> 
     # Exactly one mode: the log alone says which, and w agrees with it at every sample.
     for n in range(chain.sites):
         mode = int(np.sign(start[1, n] - chain.cell.v_d))
-        events = run.log[run.log[:, 1] == n + 1]
+        events = run.event_log[run.event_log[:, 1] == n + 1]
         expected, k = np.zeros(run.times.size, dtype=int), 0
         for i, t in enumerate(run.times):
             while k < len(events) and events[k, 0] < t:
@@ -218,7 +218,7 @@ def test_a_window_run_is_the_full_run() -> None:
         assert window.mean_active < 60 < full.mean_active
         assert full.error is not None
         assert np.abs(full.y - window.y).max() <= max(full.error, tolerance)
-        assert full.events == window.events
+        assert full.event_count == window.event_count
 
 
 def test_uncoupled_sites_move_as_alone() -> None:
@@ -235,7 +235,7 @@ def test_sites_that_start_alike_switch_together(sites: int) -> None:
     start = np.array([np.full(sites, 1.9), np.zeros(sites)])
     run = simulate(FrictionChain(c=0.3, sites=sites), start, 60.0, logged_events=10_000)
     assert np.ptp(run.y, axis=1).max() == 0.0
-    times, counts = np.unique(run.log[:, 0], return_counts=True)
+    times, counts = np.unique(run.event_log[:, 0], return_counts=True)
     assert len(times) > 10
     assert np.all(counts == sites)
 
@@ -246,7 +246,7 @@ def test_a_site_sticks_for_ever() -> None:
         FrictionChain.of(slow, c=0.0, sites=2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4
     )
     assert run.stuck.all()
-    assert run.events == 0
+    assert run.event_count == 0
     assert run.y[-1] == pytest.approx([1e-8, 0.5 + 1e-8], abs=1e-15)
 
 
@@ -254,8 +254,8 @@ def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
     chain = FrictionChain(c=0.0, sites=1)
     start = np.array([[CELL.release], [CELL.v_d]])
     run = simulate(chain, start, 20.0, logged_events=100)
-    assert run.log[0, 0] < 1e-15
-    assert run.log[0, 2] == ENDS
+    assert run.event_log[0, 0] < 1e-15
+    assert run.event_log[0, 2] == ENDS
     beyond = simulate(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
     assert np.all(np.diff(beyond.velocity[:50, 0]) < 0)
 
@@ -282,7 +282,7 @@ def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
     start = np.array([[1.4, 0.4], [0.0, 0.0]])
     run = simulate(chain, start, 15.0, tolerance=1e-10)
     exact = simulate(chain, start, 15.0, tolerance=1e-14)
-    assert run.sticks > 0
+    assert run.counts["sticks"] > 0
     assert run.error is not None
     assert np.abs(run.y - exact.y).max() <= run.error
     # At tolerance 1e-10 the peak e^{-|w|/v₀} must have been seen, however narrow.
@@ -326,10 +326,10 @@ def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
     lane = FrictionIntegration(chain, excite(chain, list(range(1, 301))), tolerance=1e-9)
     lane.advance_to(20.0)
     for _ in range(5):
-        before = int(lane.counters[friction.STEPS])
-        lane.advance_to(1e5, most_steps=40)
-        assert int(lane.counters[friction.STEPS]) - before == 40
-    assert lane.counters[friction.KINDS :].sum() > 300
+        before = lane.counts["steps"]
+        lane.advance_to(1e5, max_steps=40)
+        assert lane.counts["steps"] - before == 40
+    assert sum(lane.events.values()) > 300
 
 
 @pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])

@@ -37,7 +37,7 @@ def test_a_reference_imports_none_of_the_engines(path: Path) -> None:
 
 
 def test_following_imports_would_see_an_engine() -> None:
-    assert "verification.steppers.slopes" in closure("verification.runs.vdp")
+    assert "verification.steppers.kernel" in closure("verification.runs.simulate")
 
 
 def test_no_other_place_writes_the_damping_of_the_chain_for_scipy() -> None:

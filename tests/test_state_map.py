@@ -11,9 +11,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from verification.execution.journal import journal_path
-from verification.steppers.slopes import ENVELOPE as ENVELOPE_CODE
-from verification.steppers.slopes import FULL as FULL_CODE
 
 from fronts.cli import main
 from paper_checks.claim import Verdict
@@ -21,7 +18,7 @@ from paper_checks.claims import fig15
 from theory.chains.chain import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.execution.sweep import sweep
+from verification.execution.sweep import part_path, sweep
 from verification.execution.table import Point, grid
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.state import Label
@@ -33,12 +30,11 @@ from verification.maps.vdp_state import (
     positive_damping_square,
 )
 from verification.references.equations import amplitude_of, as_state, averaged_rate, full_rate
-from verification.runs import state_run as label_run
 from verification.runs.excite import excite
 from verification.runs.model import Model
 from verification.runs.simulate import simulate
-from verification.steppers.active import FREE
-from verification.steppers.runge_kutta import fixed_steps
+from verification.runs.state_run import at_rest_for_ever
+from verification.steppers.fixed import fixed_steps
 
 FULL, ENVELOPE = StateTask(Model.FULL), StateTask(Model.ENVELOPE)
 
@@ -148,9 +144,8 @@ def test_the_compiled_run_follows_scipy() -> None:
     reference = _chain_by_scipy(task, 0.05, 0.4, times)
     chain = task.chain(0.05, 0.4)
     state = np.zeros((2, 16))
-    state[1, -1] = 6.0
-    p = np.array([chain.a, chain.b, chain.c, chain.eps])
-    fixed_steps(ENVELOPE_CODE, state, p, FREE, 0.01, 2000, 8)
+    state[0, -1] = 6.0
+    fixed_steps(chain.averaged(), state, 0.01, 2000, 8)
     # scipy's relative tolerance of 1e-9 a step, over some hundred steps
     assert np.hypot(*state) == pytest.approx(reference[-1], abs=3e-7)
 
@@ -160,20 +155,19 @@ def test_the_energy_rule_is_never_wrong() -> None:
     rng = np.random.default_rng(4)
     chain = FULL.chain(0.05, 0.5)
     quiet = positive_damping_square(chain.a, chain.b)
-    p = np.array([chain.a, chain.b, chain.c, chain.eps])
     for _ in range(20):
         state = rng.standard_normal((2, 16))
         # nearly all of the energy in one site, where the damping is the smallest
         state[:, 1:] *= 1e-3
         energy = (state**2).sum() + chain.eps * chain.c * (np.diff(state[0]) ** 2).sum()
         state *= math.sqrt(0.99 * quiet / energy)
-        assert label_run.at_rest_for_ever(FULL_CODE, p, state.ravel(), quiet)
+        assert at_rest_for_ever(state.ravel(), chain.eps * chain.c, quiet)
         start = state[1] + 1j * state[0]
         run = simulate(chain, start, 200.0, samples=41, estimate_error=False, level=10.0)
         y = run.psi.imag
         energies = (run.amplitude**2).sum(1) + chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
         assert (np.diff(energies) < 1e-7 * energies[0]).all()
-        assert not label_run.at_rest_for_ever(FULL_CODE, p, 1.02 * state.ravel(), quiet)
+        assert not at_rest_for_ever(1.02 * state.ravel(), chain.eps * chain.c, quiet)
 
 
 @pytest.mark.parametrize("task", [ENVELOPE, FULL])
@@ -181,7 +175,8 @@ def test_labels_and_times_do_not_depend_on_the_sign_of_the_displacement(task: St
     for eta, c in ((0.05, 0.5), (0.1, 0.1), (0.12, 0.6)):
         chain = task.chain(eta, c)
         start = excite(chain, [16], 6.0)
-        one, other = (label_state(chain, sign * start, task.model) for sign in (1, -1))
+        chain = task.model.chain_of(chain)
+        one, other = (label_state(chain, sign * start) for sign in (1, -1))
         assert one.label is other.label
         # sections at y = 0 rising come half a period later: up to one window of 5
         assert one.time == pytest.approx(other.time, abs=5.1)
@@ -192,8 +187,9 @@ def test_scaling_a_b_and_the_displacement_together_changes_nothing(task: StateTa
     for eta, c in ((0.05, 0.5), (0.05, 0.1)):
         chain = task.chain(eta, c)
         scaled = VdpChain(a=1.0, b=chain.eta, c=c, eps=chain.eps, sites=16)
-        first = label_state(chain, excite(chain, [16], 6.0), task.model)
-        second = label_state(scaled, excite(scaled, [16], 6.0 * math.sqrt(chain.a)), task.model)
+        first = label_state(task.model.chain_of(chain), excite(chain, [16], 6.0))
+        far = excite(scaled, [16], 6.0 * math.sqrt(chain.a))
+        second = label_state(task.model.chain_of(scaled), far)
         assert first.label is second.label
         assert first.time == pytest.approx(second.time, rel=1e-6)
 
@@ -375,13 +371,13 @@ def test_bad_input_to_the_command_ends_with_two_and_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_journal_of_other_parameters_stops_the_command(
+def test_a_store_of_other_parameters_stops_the_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "map.csv"
 
-    def stop(done: int, total: int, left: float | None) -> None:
-        if done == 2:
+    def stop(done: float) -> None:
+        if done > 0.5:
             raise KeyboardInterrupt
 
     points = state_points([0.05], [0.1, 0.2, 0.3])
@@ -394,4 +390,4 @@ def test_a_journal_of_other_parameters_stops_the_command(
     assert "parameters.value" in capsys.readouterr().err
     assert main(shlex.split(line + " --resume --json")) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 2
-    assert not journal_path(out).exists()
+    assert not part_path(out).exists()

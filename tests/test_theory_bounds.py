@@ -133,11 +133,22 @@ def test_the_profile_is_the_one_built_up_in_time(v: float, c: float) -> None:
         assert abs(phi - profile_in_time(position, v, c)) < found.error + 1e-12
 
 
+@pytest.mark.parametrize("v", [1e-10, 1e-5, 1e-3])
+@pytest.mark.parametrize("part", [1e-6, 0.3, 3.0])
+def test_just_behind_the_threshold_a_slow_front_is_right_to_its_error(
+    v: float, part: float
+) -> None:
+    """The distance to the next site, not the one from the last, sets the rounding over v."""
+    zeta = -part * v
+    found = front_profile([zeta], v, 1e-3)
+    assert abs(found.phi[0] - profile_in_time(zeta, v, 1e-3)) < 1e-14 + 1e-3 * found.error
+
+
 @pytest.mark.parametrize(("v", "c"), FRONTS)
 def test_the_profile_joins_at_whole_sites_and_reaches_its_limits(v: float, c: float) -> None:
     grid = ProfileGrid.make(v, c, 9.0, 1e-12)
     m = np.arange(-7.0, 7.0)
-    right_end, left_end = grid.at(m, np.ones(14)), grid.at(m + 1, np.zeros(14))
+    right_end, left_end = grid.between(m, np.zeros(14)), grid.between(m + 1, np.ones(14))
     # both sides of a site are one number but for the error of each
     assert np.max(np.abs(right_end - left_end)) <= 2 * grid.error
     zeta, phi = grid.on_lattice(4)

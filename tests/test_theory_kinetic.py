@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import mpmath as mp
 import numpy as np
@@ -400,3 +401,13 @@ def test_eta_comes_from_the_damping() -> None:
     for a, b in ((0.0, 1.0), (1.0, 0.0), (-1.0, 1.0), (math.nan, 1.0), (1.0, math.inf)):
         with pytest.raises(ParameterError, match="damping coefficient"):
             eta_from_damping(a, b)
+
+
+@pytest.mark.parametrize("of", [pinning_eta, lambda c: fold_eta(c).value])
+@pytest.mark.parametrize("c", [1e308, 1e-310, float("inf"), float("nan"), -1.0])
+def test_a_coupling_beyond_double_precision_is_refused(
+    of: Callable[[float], float], c: float
+) -> None:
+    with pytest.raises(ParameterError, match="coupling c"):
+        of(c)
+    assert 0 < of(1e-150) < of(1e300) <= 0.08

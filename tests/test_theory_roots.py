@@ -9,6 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from theory.parameters import ParameterError
 from theory.piecewise.certified_roots import certify_roots
 from theory.piecewise.dispersion import dispersion, dispersion_slope, onsite, root_free_strip
 from theory.piecewise.precise_roots import precise_roots
@@ -373,3 +374,13 @@ def test_the_root_free_strip_is_free_of_roots(problem: Problem) -> None:
         exact = mp.findroot(lambda x: c * mp.sinh(x) + v * x - 0.5, s)
         # never more than the true width, and less by no more than a few roundings
         assert 0 <= exact - s < 1e-13 * exact
+
+
+@pytest.mark.parametrize(
+    ("v", "c"), [(-1, 0.5), (1, -2), (0, 1), (np.float64(-1), 0.5), (np.int64(0), 1)]
+)
+def test_whole_numbers_are_checked_like_others(v: float, c: float) -> None:
+    with pytest.raises(ParameterError):
+        nearest_roots(v, c, 5, upper=True)
+    with pytest.raises(ParameterError):
+        labelled_roots(v, c, np.array([0]), upper=True)

@@ -362,3 +362,18 @@ def test_few_digits_have_an_honest_error_too(v: float, c: float, upper: bool) ->
     for digits in range(1, 16):
         found = sum_by_roots(v, c, digits, upper)
         assert distance(found, exact) <= found.error + exact.error, digits
+
+
+@pytest.mark.parametrize(
+    ("v", "c"),
+    [
+        (58211555053.99406, 1.76e-12),  # 2m/x overflows in Miller's recurrence
+        (947591542275.8, 1.96e-6),
+        (2.1e-5, 0.079),  # the first site alone lasts 5e4 units of time
+        (8.3e-6, 2.2e-10),
+    ],
+)
+def test_the_bessel_series_at_the_ends_of_its_range(v: float, c: float) -> None:
+    found, other = sum_by_bessel(v, c), sum_by_integral(v, c)
+    assert abs(found.value - other.value) <= found.error + other.error < 1e-11
+    assert found.terms < 1e5

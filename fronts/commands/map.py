@@ -111,7 +111,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--workers", type=whole, help="processes (default: 1 for the envelope, else one a core)"
     )
     parser.add_argument(
-        "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
+        "--resume", action="store_true", help="go on from OUT.part, which a killed run has left"
     )
 
 
@@ -141,7 +141,7 @@ def _check(options: argparse.Namespace) -> None:
     if options.picture is not None:
         check_writable(options.picture, (".png", ".svg", ".pdf"), "--picture")
     if options.resume and options.out is None:
-        raise UsageError("--resume needs --out: the journal is beside it.")
+        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
     within("part of the spacing, --refine,", options.refine, 0.0, 1.0)
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)

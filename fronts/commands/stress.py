@@ -38,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, help="write every point to a .csv file")
     parser.add_argument("--workers", type=whole, help="processes (default: one a core)")
     parser.add_argument(
-        "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
+        "--resume", action="store_true", help="go on from OUT.part, which a killed run has left"
     )
     parser.add_argument("--list", action="store_true", help="list the quantities, try nothing")
     parser.add_argument(
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> Answer:
     if options.out is not None:
         check_writable(options.out, (".csv",))
     if options.resume and options.out is None:
-        raise UsageError("--resume needs --out: the journal is beside it.")
+        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
     with resumable_tables(options.out), Progress("stress") as live:

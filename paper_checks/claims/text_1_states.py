@@ -38,7 +38,7 @@ def _kept(pattern: tuple[int, ...], belt: float, end: float) -> frozenset[int]:
     chain = chain_of(WEAK, SITES, belt)
     lane = FrictionIntegration(chain, excite(chain, pattern), tolerance=1e-8)
     lane.advance_to(end)
-    lane.arrivals[:] = np.nan
+    lane.forget_arrivals()
     lane.advance_to(end + 40.0)
     return frozenset((np.flatnonzero(~np.isnan(lane.arrivals)) + 1).tolist())
 

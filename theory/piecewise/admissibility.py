@@ -103,8 +103,7 @@ class _Shape:
     def at(self, zeta: FloatArray) -> ComplexArray:
         """Return φ at ζ, shape (n,)."""
         position = -zeta if self.retreating else zeta
-        m = np.floor(position)
-        phi = self.grid.at(m, position - m)
+        phi = self.grid.at(position)
         return 1.0 - phi if self.retreating else phi
 
     def slope(self, zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray) -> ComplexArray:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.vdp import eta_from_ratio, threshold_ratio
-from theory.parameters import positive
+from theory.parameters import within
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.limits import pinning_coupling, pinning_eta, static_sum
 from theory.piecewise.sums.integral import sums
@@ -107,14 +107,19 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
 def fold_eta(c: float) -> Fold:
     """Return η_fold(c), above which no front of (44) moves steadily at this coupling.
 
+    Raises
+    ------
+    ParameterError
+        If the coupling is not from 1e-150 to 1e300.
+
     Examples
     --------
     >>> fold = fold_eta(fold_coupling(0.03125).value)
     >>> abs(fold.value - 0.03125) < 1e-12
     True
     """
-    c = positive("coupling c", c)
-    maxima = _maxima(c) if c < LAST_FOLD else np.empty(0)
+    c = within("coupling c", c, 1e-150, 1e300)
+    maxima = _maxima(c) if 1e-12 <= c < LAST_FOLD else np.empty(0)
     if maxima.size == 0:
         return Fold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)
     t = maxima[:1]

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.vdp import ETA_END, eta_from_ratio, threshold_ratio
-from theory.parameters import positive
+from theory.parameters import positive, within
 
 ETA_PIN_END = 2.0 / 25.0
 """r = ½. From here on static fronts exist at every coupling, and no c_pin."""
@@ -125,12 +125,17 @@ def retreat_coupling(eta: float) -> float | None:
 def pinning_eta(c: float) -> float:
     """Return η_pin(c), the inverse of :func:`pinning_coupling`: static fronts exist above it.
 
+    Raises
+    ------
+    ParameterError
+        If the coupling is not from 1e-150 to 1e300.
+
     Examples
     --------
     >>> abs(pinning_eta(pinning_coupling(0.05)) - 0.05) < 1e-15
     True
     """
-    return eta_from_ratio(0.5 * abs(static_sum(positive("coupling c", c))))
+    return eta_from_ratio(0.5 * abs(static_sum(within("coupling c", c, 1e-150, 1e300))))
 
 
 def strong_coupling_sum(x: npt.ArrayLike) -> npt.NDArray[np.complex128]:

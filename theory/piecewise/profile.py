@@ -83,13 +83,12 @@ def front_profile(
         raise ParameterError("position zeta", "nan or infinite", "finite", "give finite positions")
     if position.size == 0:
         return FrontProfile(position, np.empty(0, dtype=complex), 0.0, 0)
-    m = np.floor(position)
-    grid = ProfileGrid.make(v, c, float(np.abs(m).max()) + 1.0, tolerance)
+    grid = ProfileGrid.make(v, c, float(np.abs(np.floor(position)).max()) + 1.0, tolerance)
     phi = np.empty(position.shape, dtype=complex)
     rows = max(1, (1 << 18) // grid.points)
     for begin in range(0, position.size, rows):
         some = slice(begin, begin + rows)
-        phi[some] = grid.at(m[some], (position - m)[some])
+        phi[some] = grid.at(position[some])
     return FrontProfile(position, phi, grid.error, grid.points)
 
 
@@ -148,19 +147,26 @@ class ProfileGrid:
         rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
         return cls(v, c, k, 1.0 / A, pole, a, wave, truncation + rounding)
 
-    def _bracket(self, f: FloatArray) -> ComplexArray:
-        """Return the factor of e^{ikm}, shape (len(f), N)."""
-        f = f[:, None]
-        late: ComplexArray = np.exp(-self.a * (1.0 - f)) * self.wave
+    def _bracket(self, rest: FloatArray) -> ComplexArray:
+        """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
+
+        It is the distance and not f that counts: over a small v its rounding would be multiplied.
+        """
+        late: ComplexArray = np.exp(-self.a * rest[:, None]) * self.wave
         late /= -np.expm1(1j * self.k - self.a)
         return (self.pole + late) * self.inverse_onsite
 
-    def at(self, m: FloatArray, f: FloatArray) -> ComplexArray:
-        """Return φ/φ_s at ζ = m + f, shape (n,)."""
+    def at(self, zeta: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at ζ, shape (n,)."""
+        m = np.floor(zeta)
+        return self.between(m, (m + 1.0) - zeta)
+
+    def between(self, m: FloatArray, rest: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
         # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
         turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points) + 1)
         phase = np.pi * _wrapped(turns, self.points) / self.points
-        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(f), axis=1)
+        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(rest), axis=1)
         return 0.5 - total / (2.0 * self.points)
 
     def on_lattice(self, per_site: int) -> tuple[FloatArray, ComplexArray]:
@@ -168,7 +174,7 @@ class ProfileGrid:
         points = self.points
         m = np.arange(points) - points // 2
         f = np.arange(per_site) / per_site
-        spectrum = np.fft.ifft(self._bracket(f), axis=1)
+        spectrum = np.fft.ifft(self._bracket(1.0 - f), axis=1)
         turn = np.exp(1j * np.pi * m / points)
         phi = 0.5 - 0.5 * turn * spectrum[:, m % points]
         zeta = m[None, :] + f[:, None]

@@ -114,8 +114,8 @@ def labelled_roots(
     >>> bool(np.all(roots.radius < 1e-14))
     True
     """
-    if isinstance(v, float) and isinstance(c, float):
-        checked_velocity_and_coupling(v, c)
+    if not isinstance(v, np.ndarray) and not isinstance(c, np.ndarray):
+        v, c = checked_velocity_and_coupling(v, c)
     labels = np.asarray(labels, dtype=np.int64)
     v, c = np.broadcast_to(v, labels.shape), np.broadcast_to(c, labels.shape)
     k = np.full(labels.shape, complex(np.nan))

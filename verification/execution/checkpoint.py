@@ -9,6 +9,7 @@ file can do is give wrong numbers, not run code.
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import zipfile
@@ -33,7 +34,10 @@ FORMAT = 3
 """Of the file; files of another format are refused."""
 
 SAVE_PERIOD = 5.0
-"""Seconds between two checkpoints, and at least twenty times as long as one takes to write."""
+"""Seconds between two checkpoints."""
+
+SAVE_SHARE = 20.0
+"""Times as long as writing a checkpoint takes, at least, until the next one."""
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may keep: some gigabytes."""
@@ -43,6 +47,8 @@ _MAX_HEADER = 1_000_000
 
 _DEPENDS_ON = ("python", "numpy", "scipy", "numba")
 """Whose versions may change a bit of a run."""
+
+_WRITTEN = "a checkpoint as this toolkit writes them"
 
 Arrays = Mapping[str, npt.NDArray[Any]]
 
@@ -128,12 +134,14 @@ def run_to_end(
     begin = perf_counter()
     with sole_writer(checkpoint) if checkpoint else nullcontext():
         spent = 0.0
+        metadata = _metadata(integrations) if checkpoint else {}  # of the code as it is now
         if checkpoint is not None and checkpoint.exists():
-            spent = load_integrations(checkpoint, integrations, end)
+            spent = _resumed(checkpoint, integrations, metadata, end)
 
         def save() -> None:
             if checkpoint is not None:
-                save_integrations(checkpoint, integrations, spent + perf_counter() - begin)
+                seconds = max(0.0, spent + perf_counter() - begin)
+                save_checkpoint(checkpoint, _arrays(integrations), metadata, seconds)
 
         _advance(integrations, end, budget, save if checkpoint else None, progress)
         save()
@@ -173,23 +181,14 @@ def _advance(
                 if save is not None and perf_counter() > due:
                     started = perf_counter()
                     save()
-                    due = perf_counter() + max(SAVE_PERIOD, 20.0 * (perf_counter() - started))
+                    due = perf_counter() + max(SAVE_PERIOD, SAVE_SHARE * (perf_counter() - started))
 
 
-def save_integrations(path: Path, integrations: Sequence[Resumable], seconds: float) -> None:
-    """Write integrations and the seconds spent so far; an older file is replaced at once."""
-    save_checkpoint(path, _arrays(integrations), _metadata(integrations), seconds)
-
-
-def load_integrations(path: Path, integrations: Sequence[Resumable], end: float) -> float:
-    """Fill integrations from a checkpoint, and return the seconds spent before.
-
-    Raises
-    ------
-    ParameterError
-        As `load_checkpoint`, or if a time in the file is not one of this run.
-    """
-    seconds = load_checkpoint(path, _arrays(integrations), _metadata(integrations))
+def _resumed(
+    path: Path, integrations: Sequence[Resumable], metadata: Mapping[str, Any], end: float
+) -> float:
+    """Fill integrations from a checkpoint, and return the seconds spent before."""
+    seconds = load_checkpoint(path, _arrays(integrations), metadata)
     for each in integrations:
         try:
             each.check_state()
@@ -248,9 +247,10 @@ def save_checkpoint(
         "digest": digest_of_arrays(arrays),
     }
     with writing(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as box:
-        box.writestr("header.json", json.dumps(header))
+        # Entries of a fixed date, which does not depend on a clock that may be wrong.
+        box.writestr(zipfile.ZipInfo("header.json"), json.dumps(header))
         for name, array in arrays.items():
-            with box.open(f"{name}.npy", "w", force_zip64=True) as entry:
+            with box.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
                 npy.write_array(entry, np.asarray(array, order="C"), allow_pickle=False)
 
 
@@ -282,10 +282,12 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
     except ParameterError:
         raise
     except OSError as error:
-        raise file_error(path, error) from None
+        if error.errno == errno.EINVAL:  # a place beyond the file, given in the file itself
+            raise _refusal(path, _WRITTEN) from None
+        raise file_error(path, error, "read") from None
     except (ValueError, KeyError, TypeError, EOFError, RecursionError, NotImplementedError,
             RuntimeError, zipfile.BadZipFile, zipfile.LargeZipFile, OverflowError):  # fmt: skip
-        raise _refusal(path, "a checkpoint as this toolkit writes them") from None
+        raise _refusal(path, _WRITTEN) from None
     if digest_of_arrays(found) != header["digest"]:
         raise _refusal(path, "as it was written; its content is damaged")
     for name, array in arrays.items():

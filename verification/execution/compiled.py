@@ -13,11 +13,11 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from numba import njit
-from numba.core import config
+from numba.core import caching, config
 
 from verification.execution.digest import digest_of_files
 
@@ -83,4 +83,14 @@ def _can_be_written(folder: Path) -> bool:
     return True
 
 
+@contextmanager
+def _storing_may_fail(_: object) -> Iterator[None]:
+    """Stand in for numba's guard of its files, which lets a full disk end the computation."""
+    try:
+        yield
+    except OSError as error:
+        logger.info("compiled code is not on disk: %s", error)
+
+
 keep_compiled_code()
+caching.Cache._guard_against_spurious_io_errors = _storing_may_fail

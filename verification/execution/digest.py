@@ -225,8 +225,12 @@ def _file(name: str) -> Path | None:
     A package that Python does not find is looked for beside this one, as in a source tree.
     """
     top, *rest = name.split(".")
+    if top == "__main__":  # a script, or what is typed into a session
+        return None
     spec = importlib.util.find_spec(top)
     homes = list(spec.submodule_search_locations or ()) if spec else []
+    if spec and not homes and not rest and spec.origin and spec.origin.endswith(".py"):
+        return Path(spec.origin)
     for folder in homes or [str(Path(__file__).parents[2] / top)]:
         place = Path(folder, *rest)
         for path in (place / "__init__.py", place.with_suffix(".py")):

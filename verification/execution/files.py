@@ -75,8 +75,8 @@ class FileError(OSError):
         return FileError, (Path(self.value), str(self.strerror), self.remedy, number)
 
 
-def file_error(path: Path, error: OSError) -> FileError:
-    """Return the sentence for what the system said of a file.
+def file_error(path: Path, error: OSError, verb: str = "written") -> FileError:
+    """Return the sentence for what the system said of a file that could not be read or written.
 
     Examples
     --------
@@ -87,7 +87,7 @@ on another disk.
     if isinstance(error, FileError):
         return error
     said = error.strerror or str(error) or type(error).__name__
-    said = f"cannot be written: {said[:1].lower()}{said[1:]}"
+    said = f"cannot be {verb}: {said[:1].lower()}{said[1:]}"
     number = errno.EIO if error.errno is None else error.errno
     return FileError(path, said, _REMEDIES.get(number, "name another file"), number)
 

@@ -8,6 +8,7 @@ nothing, since somebody reads it.
 
 from __future__ import annotations
 
+import io
 import os
 import stat
 import sys
@@ -51,7 +52,7 @@ class Progress:
 
     def __init__(self, name: str, *, steps: int = 0, stream: TextIO | None = None) -> None:
         self._name, self._steps = name, steps
-        self._stream = stream or sys.stderr
+        self._stream = stream or sys.stderr or _nowhere()
         self._live: Live | None = None
         self._task: TaskID | None = None
         self._logs = not _is_terminal(self._stream) and _is_file(self._stream)
@@ -119,7 +120,7 @@ class Progress:
         first = next(iter(self._running), self._name)
         others = len(self._running) - 1
         name = f"{first} and {others} more" if others > 0 else first
-        self._live.update(self._task, description=name)
+        self._live.update(self._task, description=name, refresh=True)
 
     def _print(self, line: str) -> None:
         if self._live is not None:
@@ -176,6 +177,11 @@ def _live_line(stream: TextIO) -> Live:
         transient=True,
         refresh_per_second=2,
     )
+
+
+def _nowhere() -> TextIO:
+    """Return a stream for a process whose standard error is closed."""
+    return io.StringIO()
 
 
 def _is_terminal(stream: TextIO) -> bool:

@@ -87,7 +87,7 @@ class Record:
         try:
             body = json.loads(path.read_bytes())
         except OSError as error:
-            raise file_error(path, error) from None
+            raise file_error(path, error, "read") from None
         except (ValueError, RecursionError):
             body = None
         return cls.from_dict(body, kind, path)

@@ -99,14 +99,14 @@ class Store:
         check_writable(path)
         try:
             self._open(resume, replace)
-        except sqlite3.DatabaseError as error:
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             self.close()
             if not replace or _cannot_write(error) or _in_use(error):
                 raise self._sentence(error) from None
             self._delete()
             try:
                 self._open(resume, replace)
-            except sqlite3.Error as again:
+            except (sqlite3.Error, UnicodeDecodeError) as again:
                 self.close()
                 raise self._sentence(again) from None
         except BaseException:
@@ -237,7 +237,7 @@ class Store:
         remedy = "remove it, or name another file"
         return ParameterError(f"store {self._path}", value, allowed, remedy)
 
-    def _sentence(self, error: sqlite3.Error) -> FileError | ParameterError:
+    def _sentence(self, error: Exception) -> FileError | ParameterError:
         if _in_use(error):
             why, remedy = "is in use by another run", "wait for that one to end, or name another"
             return FileError(self._path, why, remedy, errno.EBUSY)
@@ -247,10 +247,10 @@ class Store:
         return self._refusal(f"unreadable ({error})", "a file of finished results")
 
 
-def _in_use(error: sqlite3.Error) -> bool:
+def _in_use(error: Exception) -> bool:
     return "locked" in str(error)
 
 
-def _cannot_write(error: sqlite3.Error) -> bool:
+def _cannot_write(error: Exception) -> bool:
     said = str(error)
     return any(words in said for words in (*_FULL, "readonly", "unable to open"))

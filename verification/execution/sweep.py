@@ -13,6 +13,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -26,7 +27,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from theory.parameters import ParameterError
-from verification.execution.digest import SOURCES, digest_of, digest_of_arrays, digest_of_code
+from verification.execution.digest import (
+    SOURCES,
+    digest_of,
+    digest_of_arrays,
+    digest_of_code,
+    essence,
+)
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import Code, Metadata
 from verification.execution.pool import answers
@@ -339,9 +346,17 @@ def _code_of(task: object) -> tuple[set[str], list[Any]]:
             digest_of_code([name], {name.partition(".")[0]})
             modules.add(name)
         except ValueError:
-            code = getattr(owner, "__code__", None)
-            loose.append([name, None if code is None else _bytecode(code)])
+            loose.append([name, _loose(owner, name)])
     return modules, loose
+
+
+def _loose(owner: object, name: str) -> Any:
+    """Return the code of what no other process could import: of a script, or of a session."""
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is not None and Path(file).is_file():
+        return essence(Path(file))
+    code = getattr(owner, "__code__", None)
+    return None if code is None else _bytecode(code)
 
 
 def _owners(task: object) -> Iterator[Any]:

@@ -1,11 +1,21 @@
 """A stored measurement is stale when the code it is of has changed, and only then."""
 
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
-from paper_checks.imports import closure, essence
 
-from paper_checks import freshness
+from verification.execution.digest import (
+    DRAWING,
+    closure,
+    digest_of_arrays,
+    essence,
+    imports_of,
+)
+from verification.execution.metadata import CHANGED, UNKNOWN, Code, staleness
+
+OURS = ("timed_code",)
 
 
 @pytest.fixture
@@ -17,7 +27,6 @@ def package(tmp_path, monkeypatch):
     (home / "top.py").write_text("def g(x):\n    from timed_code.deep import f\n    return f(x)\n")
     (home / "other.py").write_text("N = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(freshness, "SOURCES", ("timed_code",))
     yield home
     for name in [name for name in sys.modules if name.startswith("timed_code")]:
         del sys.modules[name]
@@ -35,22 +44,22 @@ def package(tmp_path, monkeypatch):
     ],
 )
 def test_what_makes_a_record_stale(package, file, text, stale):
-    record = {"code": freshness.fingerprint(["timed_code.top"])}
-    assert freshness.staleness(record) == ""
+    code = Code.of(["timed_code.top"], OURS)
+    assert staleness(code, OURS) == ""
     (package / file).write_text(text)
-    assert freshness.staleness(record) == (freshness.CHANGED if stale else "")
+    assert staleness(code, OURS) == (CHANGED if stale else "")
 
 
 def test_a_record_of_a_module_that_is_gone_is_stale(package):
-    record = {"code": freshness.fingerprint(["timed_code.other"])}
+    code = Code.of(["timed_code.other"], OURS)
     (package / "other.py").unlink()
-    assert freshness.staleness(record) == freshness.CHANGED
+    assert staleness(code, OURS) == CHANGED
     with pytest.raises(ValueError, match=r"no module timed_code\.other"):
-        freshness.fingerprint(["timed_code.other"])
+        Code.of(["timed_code.other"], OURS)
 
 
 def test_a_record_that_names_no_code_is_stale():
-    assert freshness.staleness({}) == freshness.UNKNOWN
+    assert staleness(None) == staleness({}) == UNKNOWN
 
 
 def test_the_essence_keeps_strings_that_are_used_and_blocks(tmp_path):
@@ -69,8 +78,29 @@ def test_the_essence_keeps_strings_that_are_used_and_blocks(tmp_path):
 
 
 def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():
-    held = closure("benchmarks.roots", freshness.SOURCES)
+    held = closure("benchmarks.roots", without=DRAWING)
     needed = {"benchmarks.runner", "theory.piecewise.roots", "verification.quantities.scenes"}
     assert needed <= set(held)
     assert not {"benchmarks.velocity", "benchmarks.vdp", "verification.runs.vdp"} & set(held)
-    assert "benchmarks.diagram" in freshness.DRAWING
+    assert not {"benchmarks.diagram", "paper_checks.pictures"} & set(held)
+
+
+def test_every_bit_of_an_array_counts_and_so_do_type_shape_and_name():
+    arrays = [
+        {"a": np.zeros(4)}, {"a": np.zeros((2, 2))}, {"a": np.zeros(4, dtype=np.int64)},
+        {"b": np.zeros(4)}, {"a": np.array([0, 0, 0, 5e-324])}, {"a": np.zeros(0)}, {},
+    ]  # fmt: skip
+    assert len({digest_of_arrays(each) for each in arrays}) == len(arrays)
+    square = np.arange(9.0).reshape(3, 3)
+    assert digest_of_arrays({"a": square.T}) == digest_of_arrays({"a": square.T.copy()})
+
+
+def test_no_installed_package_imports_one_that_is_not():
+    """Benchmarks are in the source tree only; ``fronts bench`` asks for that tree first."""
+    packages = ("theory", "derivations", "verification", "paper_checks", "fronts", "benchmarks")
+    root = Path(__file__).parent.parent
+    installed = [path for name in packages[:-1] for path in (root / name).rglob("*.py")]
+    for path in installed:
+        names, _ = imports_of(path, path.parent.relative_to(root).as_posix().replace("/", "."))
+        outside = {name for name in names if name.split(".")[0] in ("benchmarks", "tests")}
+        assert not outside or path.name == "bench.py", path

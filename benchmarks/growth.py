@@ -19,8 +19,8 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks.growth_work import Line, lines
-from benchmarks.quantity import Tell
 from benchmarks.record import PACKAGES
+from benchmarks.work_precision import Report
 from verification.execution.files import write_json
 from verification.execution.metadata import Code, Metadata, installed_versions
 
@@ -63,11 +63,11 @@ class Growth:
     remark: str = ""
 
 
-def measure(quick: bool, tell: Tell) -> list[Growth]:
+def measure(quick: bool, report: Report) -> list[Growth]:
     """Measure every line of work."""
     done = []
     for line in lines():
-        tell(f"growth: {line.name}")
+        report(f"growth: {line.name}")
         sizes = line.quick if quick else line.full
         line.work(sizes[0])  # compiled and imported before anything is timed
         costs = [cost(line, size) for size in sizes]

@@ -130,8 +130,10 @@ def _front(sites: int, behind: int, full: bool = False) -> object:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
     filled = min(24, sites // 2)
     return simulate(
-        chain if full else chain.averaged(), excite_edge(chain, filled), sites / 0.72 / chain.eps, tolerance=1e-6 if full else 1e-9,
-        trailing_sites=min(behind, filled), estimate_error=False, samples=2)  # fmt: skip
+        chain if full else chain.averaged(), excite_edge(chain, filled), sites / 0.72 / chain.eps,
+        tolerance=1e-6 if full else 1e-9, trailing_sites=min(behind, filled),
+        estimate_error=False, samples=2,
+    )  # fmt: skip
 
 
 def friction_front(sites: float) -> object:

@@ -176,18 +176,14 @@ def stamped(
     points: Sequence[WorkPoint],
     failures: Sequence[Failure],
     targets: Sequence[Target] = (),
+    first_calls: Sequence[FirstCall] = (),
+    code: Mapping[str, object] | None = None,
 ) -> Record:
     """Return the record of a run that has just ended here."""
     return Record(
-        command,
-        now(),
-        this_machine(),
-        installed_versions(PACKAGES),
-        agreement,
-        tuple(points),
-        tuple(failures),
-        tuple(targets),
-    )
+        command, now(), this_machine(), installed_versions(PACKAGES), agreement, tuple(points),
+        tuple(failures), tuple(targets), tuple(first_calls), code,
+    )  # fmt: skip
 
 
 def as_payload(record: Record) -> dict[str, Any]:

@@ -20,6 +20,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from theory.chains.vdp import VdpChain
+
 Tag = Literal["ordinary", "stiff", "extreme"]
 
 
@@ -74,6 +76,12 @@ class Problem:
         """
         a = self["a"]
         return {"a": a, "b": self["eta"] * a * a, "eps": self["eps"]}
+
+    def vdp_chain(self, sites: int | None = None) -> VdpChain:
+        """Return its chain (8), by default of its own length; ε = 0 is the unit of time 0.01."""
+        a, b, eps = self.cell.values()
+        sites = self.sites if sites is None else sites
+        return VdpChain(a=a, b=b, c=self.c, eps=eps or 0.01, sites=sites)
 
 
 def _problem(name: str, *tags: Tag, timed: bool = False, **values: float) -> Problem:

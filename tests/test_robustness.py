@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fronts.cli import main
-from theory.chains.chain import CHAINS, Ends, SmoothChain, parameter
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import judging
@@ -237,53 +235,3 @@ def test_what_a_reference_is_called_can_be_written_to_a_table() -> None:
         check=lambda *_: ReferenceCheck(distance=0.0, uncertainty=0.0, method='scipy, "timed"'),
     )
     assert judge(named, {"eta": 0.03})["by"] == "scipy; 'timed'"
-
-
-def test_a_new_chain_is_a_row_without_another_line_changed(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """A chain of first order, registered here: its runs are tried, checked and listed."""
-
-    def gradient(site: Any, left: Any, right: Any, p: Any) -> Any:
-        y, w = site
-        return y * (1.0 - y) * (y - p[0]) + p[1] * (left[0] + right[0] - 2.0 * y), -w
-
-    try:
-
-        @dataclass(frozen=True, kw_only=True)
-        class Toy(SmoothChain, model="toy"):
-            alpha: float = parameter("threshold", "alpha", 0.2)
-            c: float = parameter("coupling", "c", 1.0)
-            sites: int = parameter("number of sites", "N", 31)
-            ends: Ends = parameter("ends", "ends", Ends.FREE)
-            stable_amplitude = 1.0
-            unstable_amplitude = 0.2
-
-            def __post_init__(self) -> None:
-                self._check_number("alpha", "threshold alpha", 0.0, 0.5)
-                self._check_number("c", "coupling c", 0.0, 1e6)
-                self._check_count("sites", "number of sites n", 2, 10**6)
-
-            def kernel(self) -> Any:
-                return gradient
-
-            def kernel_parameters(self) -> tuple[float, ...]:
-                return self.alpha, self.c
-
-        found = stability(["run-toy"], 24, workers=1)
-        assert found.bad == ()
-        assert found.counts["right"] >= 6
-        assert found.counts["refused"] > 0  # alpha above one half
-        toy = computation_named("run-toy")
-        inside = {"alpha": 0.2, "c": 0.5, "sites": 8.0, "tolerance": 1e-8}
-        assert judge(toy, inside)["outcome"] == Outcome.RIGHT.value
-        off = replace(toy, compute=lambda at: _shifted(toy.compute(at)))
-        assert judge(off, inside)["outcome"] == Outcome.EXCEEDED.value
-        assert main(["stress", "--list"]) == 0
-        assert "run-toy" in capsys.readouterr().out
-    finally:
-        del CHAINS["toy"]
-
-
-def _shifted(stated: StatedValue) -> StatedValue:
-    return replace(stated, value=stated.value + 100.0 * stated.error)

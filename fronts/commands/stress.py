@@ -27,7 +27,7 @@ gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
 STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
-SAVINGS_CODE = ("verification.work_reduction.table",)
+REDUCTION_CODE = ("verification.work_reduction.table",)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -44,11 +44,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", action="store_true", help="keep the result for the report (in the source tree)"
     )
-    parser.add_argument("--savings", action="store_true", help="what a scene does not need")
+    parser.add_argument(
+        "--savings",
+        action="store_true",
+        help="what is truncated or not computed, and the gain",
+    )
 
 
 def run(options: argparse.Namespace) -> Answer:
-    """Try the points, list the quantities, or measure the savings."""
+    """Try the points, list the quantities, or measure the work reductions."""
     if options.record:
         from fronts.commands.bench import ROOT, need_source_tree
 
@@ -191,18 +195,18 @@ def _list() -> Answer:
 
 
 def _savings(record: bool) -> Answer:
-    from verification.work_reduction.table import measured_savings
+    from verification.work_reduction.table import measured_reductions
 
-    rows = measured_savings()
+    rows = measured_reductions()
     lines = []
     for row in rows:
-        lines.append(f"{row.saving.what}: {row.saving.decided}")
-        lines.append(f"    bound: {row.saving.bound}")
+        lines.append(f"{row.reduction.what}: {row.reduction.decided}")
+        lines.append(f"    bound: {row.reduction.bound}")
         lines.append(f"    measured: {row.text}")
         lines.append(f"    changed: {row.changed}")
-        lines.append(f"    test: {row.saving.test}")
+        lines.append(f"    test: {row.reduction.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
-        _store("savings", payload, "fronts stress --savings", SAVINGS_CODE)
+        _store("savings", payload, "fronts stress --savings", REDUCTION_CODE)
     exceeded = not all(row.found.holds for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

@@ -74,7 +74,7 @@ def _run_of(kind: type[SmoothChain]) -> Computation:
         title=f"state of the chain {kind.model} at t = {_END:g} from one excited site",
         axes=(
             *(Axis(name=name, low=_RANGE[0], high=_RANGE[1]) for name in names),
-            Axis(name="sites", low=2, high=40, whole=True),
+            Axis(name="sites", low=2, high=20, whole=True),
             Axis(name="tolerance", low=1e-12, high=1e-4),
         ),
         compute=partial(_run, kind, names),

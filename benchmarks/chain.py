@@ -394,11 +394,11 @@ BENCHMARK = WorkPrecision(
     ),
     variants=(STATED,),
     reasons={
-        FIXED8: "its step was found by trial at this scene: it knows no error and adapts to none",
-        SPLIT: "its step was found by trial at this scene: it knows no error and adapts to none",
+        FIXED8: "its step was found by trial at this problem: it knows no error and adapts to none",
+        SPLIT: "its step was found by trial at this problem: it knows no error and adapts to none",
         "heyoka": "it compiles in every process, for every number of sites and every tolerance, "
         "and is an optional extra; it has no active window",
-        SERIES: "faster at an error of 1e-9 and at this scene only, of 31 sites that all move, "
+        SERIES: "faster at an error of 1e-9 and at this problem only, of 31 sites that all move, "
         "where the settings of the default are a factor of 100 apart: one stepper serves all",
         "jitcode dop853": "it needs a C compiler and compiles anew for every chain",
     },

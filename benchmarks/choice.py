@@ -47,7 +47,7 @@ class Beaten:
 
 @dataclass(frozen=True)
 class Choice:
-    """The default method of one quantity at one scene.
+    """The default method of one quantity at one test problem.
 
     Attributes
     ----------
@@ -84,12 +84,12 @@ class Choice:
 
 
 def choices(benchmark: WorkPrecision, record: Record) -> list[Choice]:
-    """Return one choice a scene.
+    """Return one choice a test problem.
 
     Raises
     ------
     ValueError
-        If the record does not hold the default method at a scene.
+        If the record does not hold the default method at a test problem.
     """
     rows, default = [], benchmark.quantity.default
     stale = staleness(record.code)
@@ -176,7 +176,7 @@ def write_choices(rows: Sequence[Choice], path: Path) -> None:
 
 
 def as_text(rows: Sequence[Choice]) -> str:
-    """Return the table as text: one line a scene, and one for each method that beats the default.
+    """Return the table as text: one line a problem, and one for each method that beats the default.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Error against run time, a panel a scene, a line a method; the numbers beside it as CSV."""
+"""Error against run time, a panel a test problem, a line a method; the numbers beside it as CSV."""
 
 from __future__ import annotations
 

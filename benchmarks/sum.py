@@ -233,7 +233,7 @@ def ratio_targets(points: Sequence[WorkPoint], problem: str) -> tuple[Target, ..
     for name, limit in ((QUAD, 200.0), (WITH_TAIL, 1e4), (WITHOUT_TAIL, 1e4)):
         peers = [point for point in here if point.method == name]
         for ours in (BATCH, ONE_CALL) if peers else ():  # a peer that failed is listed there
-            claim = f"{ours}, against {name}, {problem} scene, equal error"
+            claim = f"{ours}, against {name}, {problem} problem, equal error"
             least = least_factor([p for p in here if p.method == ours], peers, 0.0, math.inf)
             detail = f"ours never reached the error of {name}"
             if least is not None:

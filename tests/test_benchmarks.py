@@ -433,8 +433,8 @@ def test_the_fit_of_growth_finds_a_power_and_sees_the_larger_half():
 
 def test_growth_is_measured_at_every_size(monkeypatch):
     seen = []
-    line = growth.Line("w", "sites", seen.append, (1, 2, 4), (8,), 1.0, "why", 2)
-    monkeypatch.setattr(growth, "lines", lambda: [line])
+    work = growth.Work("w", "sites", seen.append, (1, 2, 4), (8,), 1.0, "why", 2)
+    monkeypatch.setattr(growth, "works", lambda: [work])
     (row,) = growth.measure(True, lambda _: None)
     assert row.sizes == (1.0, 2.0, 4.0)
     assert seen.count(4) == 3  # twice for the time, once for the memory

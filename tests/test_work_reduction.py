@@ -1,7 +1,7 @@
 """A truncation or active window changes no result by more than the bound that its row states.
 
-Every test holds the result with the reduction against the result without it, for several parameters,
-and keeps the bound itself from being made so wide that it would hold for anything.
+Every test holds the result with the reduction against the result without it, for several
+parameters, and keeps the bound itself from being made so wide that it would hold for anything.
 """
 
 from __future__ import annotations

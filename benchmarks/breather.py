@@ -30,11 +30,12 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
 )
+from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
-from verification.breathers.run import RunStatus, run_breather
+from verification.breathers.run import run_breather
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate
 
@@ -149,7 +150,7 @@ def _shooting(chain: VdpChain, steps: int) -> Answer:
 
 def _run(chain: VdpChain, tolerance: float) -> Answer:
     run = run_breather(chain, Nucleus(1), tolerance=tolerance)
-    if run.status is not RunStatus.SETTLED:
+    if run.status is not BreatherStatus.SETTLED:
         raise ArithmeticError(f"the run is {run.status.value}")
     return Answer(value=np.append(run.amplitudes, run.frequency), claimed=run.error)
 

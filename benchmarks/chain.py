@@ -322,12 +322,13 @@ def _front_cost(lengths: Sequence[int]) -> Target:
 
 def _map(model: str, limit: float) -> Target:
     from verification.execution.sweep import sweep
-    from verification.maps.vdp import StateTask, state_points
-    from verification.runs.model import Model
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()
     begin = perf_counter()
-    table = sweep(StateTask(Model(model)), state_points(etas, couplings), workers=2)
+    task = StateTask(chain=FIGURE_15 if model == "full" else FIGURE_15.averaged())
+    table = sweep(task, state_points(task, {"eta": etas, "c": couplings}), workers=2)
     seconds = perf_counter() - begin
     detail = f"{len(table)} points on two workers, their start included"
     return Target(f"map of Fig. 15, {model}", seconds, "below", limit, "s", detail)
@@ -335,13 +336,14 @@ def _map(model: str, limit: float) -> Target:
 
 def _thresholds() -> Target:
     from theory.chains.nucleus import Nucleus, outward_pattern
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=2.5, b=0.5, c=0.0, eps=0.01)
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
     found = [
-        breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE).c
+        breather_threshold(chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE).c
         for size in sizes
     ]
     seconds = perf_counter() - begin

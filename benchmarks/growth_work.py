@@ -186,10 +186,11 @@ def full_workers(count: float) -> object:
 
 def _map(points: int, count: int, full: bool = False) -> object:
     from verification.execution.sweep import sweep
-    from verification.maps.vdp import StateTask, state_points
-    from verification.runs.model import Model
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
     side = math.isqrt(points)
     etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)
-    task = StateTask(Model.FULL if full else Model.ENVELOPE)
-    return sweep(task, state_points(etas.tolist(), couplings.tolist()), workers=count)
+    task = StateTask(chain=FIGURE_15 if full else FIGURE_15.averaged())
+    plane = state_points(task, {"eta": etas.tolist(), "c": couplings.tolist()})
+    return sweep(task, plane, workers=count)

@@ -1,8 +1,8 @@
 """The map of states of Fig. 15: where its boundary of fronts lies, and at what cost.
 
 The value is the coupling c above which the start of Fig. 15 sends a front, at one η, by bisection
-of the labels; the error is the distance in c from the true boundary. A bisection claims half of its
-last interval. Ours steps until a label is certain, by (8) or by the averaged chain. A user would
+of the states; the error is the distance in c from the true boundary. A bisection claims half of its
+last interval. Ours steps until a state is certain, by (8) or by the averaged chain. A user would
 hand (8) to scipy's DOP853 until a fixed time and look whether the far end is above the unstable
 cycle; beside the boundary no fixed time is enough.
 
@@ -31,11 +31,11 @@ from benchmarks.work_precision import (
     WorkPrecision,
 )
 from verification.execution.table import Point
-from verification.maps.state import Label
-from verification.maps.vdp import StateTask
+from verification.maps.state import State
+from verification.maps.state_map import StateTask
+from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate
-from verification.runs.model import Model
 
 FULL, AVERAGED = "label sweep, (8)", "label sweep, averaged"
 PEER = "scipy until a fixed time"
@@ -53,20 +53,20 @@ Sends = Callable[[float], bool]
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     """Return the boundary of reference, how well it is confirmed, and all methods."""
     eta, low, high = (problem[name] for name in ("eta", "low", "high"))
-    task = StateTask(Model.FULL, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
+    task = StateTask(chain=FIGURE_15, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
     true, _ = boundary(partial(by_us, task, eta), low, high, STEPS if quick else STEPS + 6)
     agreement = (high - low) / 2**STEPS if quick else confirmed(eta, true)
     return Prepared(agreement=agreement, settings=[*_ours(problem, true), *_peers(problem, true)])
 
 
 def _ours(problem: Problem, true: float) -> Iterator[Setting]:
-    for method, model in ((FULL, Model.FULL), (AVERAGED, Model.ENVELOPE)):
+    for method, chain in ((FULL, FIGURE_15), (AVERAGED, FIGURE_15.averaged())):
         for k in (3, 4, 5, 6, 8):
-            task = StateTask(model, tolerance=10.0**-k, perturbation=0.0)
+            task = StateTask(chain=chain, tolerance=10.0**-k, perturbation=0.0)
             sends = partial(by_us, task, problem["eta"])
             yield Setting(
                 method=method, knob=f"tolerance 1e-{k}", reference=true, quick=k in (4, 6),
-                evaluate=partial(_bisected, problem, sends, model is Model.FULL),
+                evaluate=partial(_bisected, problem, sends, chain is FIGURE_15),
             )  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def _peers(problem: Problem, true: float) -> Iterator[Setting]:
 
 
 def _bisected(problem: Problem, sends: Sends, claims: bool) -> Answer:
-    """Return the boundary; half of the last interval is a claim only where labels are certain."""
+    """Return the boundary; half of the last interval is a claim only where states are certain."""
     found, half = boundary(sends, problem["low"], problem["high"], STEPS)
     return Answer(value=found, claimed=half if claims else None)
 
@@ -107,25 +107,24 @@ def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, 
 
 
 def by_us(task: StateTask, eta: float, c: float) -> bool:
-    """Return whether the label is a front."""
-    return task(Point(eta=eta, c=c))["label"] == str(Label.FRONT)
+    """Return whether the state is a front."""
+    return task(Point(eta=eta, c=c))["label"] == str(State.FRONT)
 
 
 def by_scipy(eta: float, end: float, tolerance: float, c: float) -> bool:
     """Return whether the far end of (8) is above the unstable cycle at slow time ``end``."""
     from scipy.integrate import solve_ivp
 
-    task = StateTask()
-    chain = task.chain(eta, c)
+    chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
     start = np.zeros(2 * chain.sites)
-    start[chain.sites - 1] = task.displacement
+    start[chain.sites - 1] = DISPLACEMENT
     run = solve_ivp(
         full_rate(chain), (0.0, end / chain.eps), start, "DOP853", [end / chain.eps],
         rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     if not run.success:
         raise ArithmeticError(run.message)
-    return math.hypot(run.y[0, -1], run.y[chain.sites, -1]) > chain.unstable_amplitude
+    return bool(math.hypot(run.y[0, -1], run.y[chain.sites, -1]) > chain.unstable_amplitude)
 
 
 def confirmed(eta: float, c: float) -> float:
@@ -145,10 +144,9 @@ def reaches_the_end(eta: float, c: float) -> bool:
     """Return whether the far end is reached by slow time `LONG`, by scipy's stepper."""
     from scipy.integrate import DOP853
 
-    task = StateTask()
-    chain = task.chain(eta, c)
+    chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
     start = np.zeros(2 * chain.sites)
-    start[chain.sites - 1] = task.displacement
+    start[chain.sites - 1] = DISPLACEMENT
     solver = DOP853(full_rate(chain), 0.0, start, LONG / chain.eps, rtol=1e-6, atol=1e-6)
     while solver.status == "running":
         solver.step()
@@ -169,10 +167,10 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Ta
 
 
 def _first(method: str) -> bool:
-    """Return one label of the first test problem."""
+    """Return one state of the first test problem."""
     eta = timed("map")[0]["eta"]
     if method == FULL:
-        return by_us(StateTask(Model.FULL, perturbation=0.0), eta, 0.5)
+        return by_us(StateTask(chain=FIGURE_15, perturbation=0.0), eta, 0.5)
     return by_scipy(eta, 10.0, 1e-3, 0.5)
 
 

@@ -12,6 +12,7 @@ from fronts.answer import UsageError
 from verification.execution import files
 
 MOST_POINTS = 100_000
+_MOST_EXCITED = 1_000_000
 
 
 class BadText(argparse.ArgumentTypeError):
@@ -35,7 +36,7 @@ class BadText(argparse.ArgumentTypeError):
 def with_values_joined(words: Sequence[str]) -> list[str]:
     """Join an option and a value that begins with a minus, which ``argparse`` takes for an option.
 
-    No option but ``-h`` has a single minus.
+    No options but ``-h`` and ``-o`` have a single minus.
 
     Examples
     --------
@@ -45,7 +46,7 @@ def with_values_joined(words: Sequence[str]) -> list[str]:
     joined: list[str] = []
     for word in words:
         before = joined[-1] if joined else ""
-        value = word.startswith("-") and not word.startswith("--") and word not in ("-", "-h")
+        value = word[:1] == "-" and word[:2] not in ("-", "--", "-h", "-o")
         if value and before.startswith("--") and before != "--" and "=" not in before:
             joined[-1] = f"{before}={word}"
         else:
@@ -99,6 +100,30 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
             text, f"low:high:count with a count from 2 to {MOST_POINTS}", "give such a count"
         )
     return low, high, count
+
+
+def site_list(text: str) -> tuple[int, ...]:
+    """Read ``15``, ``14,15,16`` or ``14:16`` (both ends included).
+
+    Examples
+    --------
+    >>> site_list("15"), site_list("14:16"), site_list("3,5")
+    ((15,), (14, 15, 16), (3, 5))
+    """
+    try:
+        if ":" in text:
+            first, last = (int(part) for part in text.split(":"))
+            if last - first < _MOST_EXCITED:
+                return tuple(range(first, last + 1))
+        else:
+            return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        pass
+    raise BadText(
+        text,
+        f"a site, a list as in 14,15,16 or a range of at most {_MOST_EXCITED} as in 14:16",
+        "give one of these",
+    )
 
 
 def decimal(text: str) -> str:

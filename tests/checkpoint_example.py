@@ -39,7 +39,8 @@ class Logistic:
         return bool(self.clock[0] == self.steps)
 
     def advance(self, budget: int) -> None:
-        time.sleep(self.pause)
+        if self.pause:
+            time.sleep(self.pause)
         self.state *= 3.9 * (1.0 - self.state)
         self.clock += 1
 

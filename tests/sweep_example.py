@@ -45,6 +45,16 @@ def dying(point: Point) -> dict[str, float]:
     return {"value": point.number("x")}
 
 
+HUNGRY: set[int] = set()
+"""Points at which memory runs out."""
+
+
+def value(point: Point) -> dict[str, float | str]:
+    if point["x"] in HUNGRY:
+        raise MemoryError
+    return {"value": 1.0 / (0.1 + point.number("x")), "label": "small" * 20}
+
+
 POINTS = grid(x=range(1, 11), y=[1.5, 2.5])
 
 

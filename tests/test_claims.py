@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from paper_checks.claim import Claim, Verdict
@@ -28,7 +30,7 @@ def test_a_wrong_profile_changes_the_verdict_on_fig_16(monkeypatch: pytest.Monke
 
     def wrong(*arguments: object, **options: object) -> FrontProfile:
         found = right(*arguments, **options)
-        return FrontProfile(found.zeta, 1.001 * found.phi, found.error, found.points)
+        return replace(found, phi=1.001 * found.phi)
 
     monkeypatch.setattr("theory.piecewise.profile.front_profile", wrong)
     assert _claim("fig16-admissible").judge().verdict is Verdict.NOT_REPRODUCED
@@ -78,7 +80,7 @@ def test_without_its_limits_the_velocity_is_not_explicit(monkeypatch: pytest.Mon
 def test_a_wrong_series_fails_the_claim_on_explicitness(monkeypatch: pytest.MonkeyPatch) -> None:
     from theory.piecewise.sums.result import KineticSum
 
-    wrong = KineticSum(0.5 + 0.5j, 1e-14, 19, "series", 0.0)
+    wrong = KineticSum(value=0.5 + 0.5j, error=1e-14, terms=19, method="series", seconds=0.0)
     monkeypatch.setattr("theory.piecewise.sums.series.sum_by_roots", lambda v, c: wrong)
     with pytest.raises(ArithmeticError, match="differ"):
         _claim("eq54-explicit").judge()

@@ -19,14 +19,14 @@ from theory.cells.friction import FrictionCell, friction_coefficient, friction_f
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.cells.friction_continuation import continue_cycles
-from verification.cells.friction_cycles import unstable_once
-from verification.cells.friction_orbits import (
-    cell_orbits,
+from verification.cells.diagram import cell_diagram
+from verification.cells.friction import (
     cycle_end_velocity,
+    friction_cell,
     stick_slip_cycle,
     unstable_cycle,
 )
+from verification.cells.friction_cycles import unstable_once
 from verification.cells.vdp import vdp_cell
 from verification.references.friction_events import run_events
 
@@ -100,11 +100,11 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
 
 def test_the_stated_errors_bound_the_true_ones() -> None:
     """At every tolerance, against the finest; both cycles and the end."""
-    exact = cell_orbits(CELL, 1e-14)
+    exact = friction_cell(CELL, 1e-14)
     assert exact.stable is not None
     assert exact.unstable is not None
     for tolerance in (1e-6, 1e-8, 1e-10, 1e-12):
-        rough = cell_orbits(CELL, tolerance)
+        rough = friction_cell(CELL, tolerance)
         for ours, true in ((rough.stable, exact.stable), (rough.unstable, exact.unstable)):
             assert ours is not None
             for name in ("max", "min", "period", "stick_time"):
@@ -127,7 +127,7 @@ def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_basin_ends_where_runs_change_their_fate(side: int) -> None:
-    orbits = cell_orbits(replace(CELL, v_d=1.6))
+    orbits = friction_cell(replace(CELL, v_d=1.6))
     assert orbits.basin is not None
     edge, outward = orbits.basin[side], 2 * side - 1
     chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
@@ -168,7 +168,7 @@ def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
         assert cycle is not None
         sticks.append(cycle.stick_time)
     assert math.log10(sticks[0] / sticks[1]) / 2 == pytest.approx(0.5, abs=0.03)
-    both = cell_orbits(replace(CELL, v_d=end * (1 - 1e-10)))
+    both = friction_cell(replace(CELL, v_d=end * (1 - 1e-10)))
     assert both.stable is not None
     assert both.unstable is not None
     assert both.stable.max == pytest.approx(both.unstable.max, abs=1e-4)
@@ -241,9 +241,9 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
 
 def test_a_cell_that_never_sticks_is_refused() -> None:
     with pytest.raises(ParameterError, match="stick"):
-        cell_orbits(FrictionCell(v_d=200.0, xi=0.0))
+        friction_cell(FrictionCell(v_d=200.0, xi=0.0))
     with pytest.raises(ParameterError, match="v_d"):
-        cell_orbits(FrictionCell(v_d=1e-300))
+        friction_cell(FrictionCell(v_d=1e-300))
 
 
 @pytest.mark.parametrize(
@@ -256,7 +256,7 @@ def test_a_cell_that_never_sticks_is_refused() -> None:
     ],
 )  # fmt: skip
 def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCell) -> None:
-    orbits = cell_orbits(cell)
+    orbits = friction_cell(cell)
     stable = orbits.stable
     assert (stable is not None) == (cell.v_d < orbits.cycle_end_velocity)
     assert (orbits.basin is None) == (cell.effective_damping <= 0.0)
@@ -270,9 +270,9 @@ def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCel
 
 
 def test_the_diagram_is_the_cells_one_by_one() -> None:
-    diagram = continue_cycles(CELL, [1.0, 1.3, 1.7, 2.0])
+    diagram = cell_diagram(CELL, [1.0, 1.3, 1.7, 2.0])
     for i in (1, 2):
-        orbits = cell_orbits(replace(CELL, v_d=float(diagram.v_d[i])))
+        orbits = friction_cell(replace(CELL, v_d=float(diagram.v_d[i])))
         assert orbits.stable is not None
         assert orbits.unstable is not None
         assert diagram.stable[i, 1] == pytest.approx(orbits.stable.max, abs=1e-8)

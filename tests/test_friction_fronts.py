@@ -25,10 +25,10 @@ from verification.fronts.arrival_fit import (
 from verification.fronts.measure import measure_front
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
-from verification.thresholds.friction import (
+from verification.thresholds.spreading import (
     Definition,
     Spreading,
-    friction_threshold,
+    spreading_threshold,
     spreads,
 )
 
@@ -110,7 +110,7 @@ def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
 
 def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
     chain = FrictionChain(c=0.0, sites=5)
-    found = friction_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
+    found = spreading_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
     assert found.error < 1e-5
     for c, arrives in ((0.98 * found.low, False), (1.02 * found.high, True)):
         start = excite(replace(chain, c=c), [1])
@@ -121,7 +121,7 @@ def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
 @pytest.mark.parametrize("size", [1, 2])
 def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: int) -> None:
     edge, bulk = (
-        friction_threshold(
+        spreading_threshold(
             FrictionChain(c=0.0, sites=sites),
             Spreading(factor * size, place, final_time=400.0),
             accuracy=1e-5,
@@ -238,14 +238,15 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
 
     def at(**options: object) -> float:
         spreading = Spreading(**{"size": 3, "final_time": 600.0, **options})  # type: ignore[arg-type]
-        return friction_threshold(chain, spreading, accuracy=1e-4, tests=0).c
+        return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0).c
 
     first, several, whole = (at(definition=each) for each in Definition)
     assert first < several < whole
     assert at(final_time=1200.0) < first
     literal = replace(chain, ends=Ends.LITERAL)
     one = [
-        friction_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c for ends in (chain, literal)
+        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c
+        for ends in (chain, literal)
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
     assert abs(one[0] - one[1]) > 10 * 1e-4
@@ -254,11 +255,11 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
 
 def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> None:
     chain = FrictionChain(c=0.0, sites=15)
-    sharp = friction_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
+    sharp = spreading_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
     assert sharp.monotone
     assert sharp.late <= sharp.c
     assert sharp.width < 1e-3 * sharp.c
-    late = friction_threshold(chain, Spreading(3, final_time=400.0), accuracy=1e-5, tests=4)
+    late = spreading_threshold(chain, Spreading(3, final_time=400.0), accuracy=1e-5, tests=4)
     assert late.fuzzy is not None
     assert late.fuzzy[0] == late.late < late.c
     assert late.width > 100.0 * late.error
@@ -271,7 +272,7 @@ def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> N
 def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
     chain = FrictionChain(c=0.0, sites=9)
     coarse, fine = (
-        friction_threshold(
+        spreading_threshold(
             chain, Spreading(final_time=400.0, tolerance=each), accuracy=1e-6, tests=0
         )
         for each in (1e-6, 1e-11)
@@ -286,11 +287,11 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         lambda: Spreading(final_time=0.0),
         lambda: Spreading(tolerance=1.0),
         lambda: spreads(FrictionChain(c=0.01, sites=3), Spreading(3)),
-        lambda: friction_threshold(FrictionChain.of(FrictionCell(v_d=1.9), c=0.0), Spreading()),
-        lambda: friction_threshold(FrictionChain(c=0.0, sites=5), Spreading(), lowest=0.1),
-        lambda: friction_threshold(FrictionChain(c=0.0), Spreading(), lowest=0.0),
-        lambda: friction_threshold(FrictionChain(c=0.0), Spreading(), highest=1e-4),
-        lambda: friction_threshold(FrictionChain(c=0.0), Spreading(), accuracy=0.0),
+        lambda: spreading_threshold(FrictionChain.of(FrictionCell(v_d=1.9), c=0.0), Spreading()),
+        lambda: spreading_threshold(FrictionChain(c=0.0, sites=5), Spreading(), lowest=0.1),
+        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), lowest=0.0),
+        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), highest=1e-4),
+        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=0.0),
         lambda: measure_front(FrictionChain(c=0.0, sites=101)),
         lambda: measure_front(FrictionChain(c=0.02, sites=5)),
         lambda: measure_front(FrictionChain(c=0.02, sites=101), excited=0),

@@ -8,7 +8,7 @@ import pytest
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.cells.friction_orbits import stick_slip_cycle
+from verification.cells.friction import stick_slip_cycle
 from verification.references.regularised import Solver, run_regularised
 from verification.references.switch_model import run_switch
 from verification.runs.excite import excite

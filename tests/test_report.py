@@ -258,7 +258,9 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
     assert sum(report["counts"].values()) == len(report["claims"]) == 6
     assert report["headlines"] == ["fig16-speed", "fig9-monotone", "fig16-misprint"]
     assert {"python", "toolkit", "numpy", "scipy", "mpmath", "sympy"} <= set(report["versions"])
-    assert set(report["machine"]) == {"system", "architecture", "cores"}
+    assert set(report["machine"]) == {
+        "system", "architecture", "processor", "cores", "threads",
+    }  # fmt: skip
 
 
 def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, monkeypatch):
@@ -303,7 +305,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "ours, compiled31 s0.25 s0.001 s",
         "theirs---not <installed>",
         "beside-the-foldstiff",
-        "Stale: sum; it does not say which code was measured.",
+        "Stale: sum; it does not say which code it depends on.",
         "sites, 10 to 100",
         " (faster ones take minutes)10",
         "all107210000",
@@ -350,7 +352,7 @@ def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, capsys,
             break
     wait_for(tmp_path / "log", "fig16-speed")
     process.kill()
-    process.wait(timeout=20)
+    process.communicate(timeout=20)
     assert not still_alive(pids_of(tmp_path / "log")), "a worker outlives its killed parent"
     done = 2 if jobs == "1" else 5
     judged(tmp_path)

@@ -270,7 +270,7 @@ def test_the_record_names_function_parameters_code_and_versions(tmp_path: Path) 
     record = json.loads(record_path(out).read_text(encoding="utf-8"))
     assert record["command"] == "fronts map"
     assert record["parameters"]["function"] == "sweep_example.Slow"
-    assert record["parameters"]["parameters"]["factor"] == 3.0
+    assert record["parameters"]["factor"] == 3.0
     assert record["parameters"]["points"]["count"] == 20
     assert record["code"]["modules"] == ["sweep_example"]
     assert {"python", "numpy", "numba", "toolkit"} <= set(record["versions"])

@@ -147,7 +147,7 @@ def test_a_wrong_sign_of_the_coupling_in_the_average_is_seen(
 
 
 def test_a_wrong_fold_fails_instead_of_judging(monkeypatch: pytest.MonkeyPatch) -> None:
-    from verification.thresholds import breather as module
+    from verification.thresholds import continuation as module
 
     right = module.breather_threshold
 

@@ -1,6 +1,7 @@
 """Where each evaluation of the sum begins and ends, and the errors that it adds up."""
 
 import cmath
+import dataclasses
 import math
 
 import mpmath as mp
@@ -169,7 +170,7 @@ def test_what_a_shift_of_the_roots_does_to_the_kept_terms_is_their_error(monkeyp
     roots = labelled_roots(v, c, np.arange(-4, 5), True)
 
     def shifted(*_) -> RootSet:
-        return RootSet(roots.labels, roots.k, roots.residual, np.full(roots.k.shape, shift))
+        return dataclasses.replace(roots, radius=np.full(roots.k.shape, shift))
 
     def term(k: np.ndarray) -> np.ndarray:
         return 1 / (-1j * k * (v + c * np.sin(k)))

@@ -6,6 +6,7 @@ equation, of first order, without oscillation, waves or phases. Nothing outside 
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,15 +20,22 @@ from scipy.integrate import solve_ivp
 
 from fronts.cli import main
 from theory.chains.chain import CHAINS, Ends, Kernel, SmoothChain, parameter
+from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError
 from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
+from verification.maps.smooth_rules import find_smooth_state
+from verification.maps.state import Reason, State
+from verification.maps.state_map import StateTask, state_map
 from verification.quantities.judging import Outcome, judge
 from verification.quantities.registry import computation_named
 from verification.quantities.robustness import stability
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
+from verification.thresholds.result import Definition, Mechanism, RunThreshold
+from verification.thresholds.spreading import Spreading, spreads
+from verification.thresholds.threshold import threshold
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -94,7 +102,7 @@ def test_it_is_a_model_and_refuses_what_is_wrong() -> None:
     assert NagumoChain().parameters() == {
         "model": "nagumo", "alpha": 0.2, "c": 1.0, "sites": 31, "ends": "free"
     }  # fmt: skip
-    with pytest.raises(ParameterError, match="threshold alpha = '0.2'"):
+    with pytest.raises(ParameterError, match=r"threshold alpha = '0\.2'"):
         NagumoChain(alpha="0.2")  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="ends"):
         NagumoChain(ends=Ends.PERIODIC)
@@ -169,3 +177,119 @@ def test_its_runs_are_a_row_of_the_stability_table(capsys: pytest.CaptureFixture
     assert judge(off, inside)["outcome"] == Outcome.EXCEEDED.value
     assert main(["stress", "--list"]) == 0
     assert row.name in capsys.readouterr().out
+
+
+SITES, ALPHA, END = 9, 0.3, 400.0
+
+
+def late_by_scipy(c: float, excited: list[int], end: float = END) -> FloatArray:
+    """Return y at 201 times up to the end, from these sites at 1."""
+    start = np.zeros(SITES)
+    start[[n - 1 for n in excited]] = 1.0
+    chain = NagumoChain(alpha=ALPHA, c=c, sites=SITES)
+    return by_scipy(chain, start, np.linspace(0.0, end, 201))
+
+
+def test_the_threshold_of_a_toy_is_that_of_scipy() -> None:
+    """Five sites in the middle spread from the coupling on at which another one passes α."""
+    found = threshold(
+        NagumoChain(alpha=ALPHA, c=0.0, sites=SITES),
+        Nucleus(5, "0000"),
+        final_time=END,
+        lowest=1e-3,
+        accuracy=1e-5,
+        tests=0,
+    )
+    assert (found.definition, found.mechanism) == (Definition.FIRST, Mechanism.SPREADING)
+    assert isinstance(found, RunThreshold)
+    assert found.high - found.low <= 1e-5
+    for c, spread in ((found.low, False), (found.high, True)):
+        outside = late_by_scipy(c, [3, 4, 5, 6, 7])[:, 1]
+        assert bool(outside.max() > ALPHA) is spread
+
+
+@pytest.mark.parametrize("c", [0.01, 0.03, 0.1, 0.4])
+@pytest.mark.parametrize("definition", ["first", "several", "whole"])
+def test_spreading_counts_what_its_definition_says(c: float, definition: str) -> None:
+    spreading = Spreading(3, Place.BULK, Definition(definition), final_time=END, tolerance=1e-8)
+    y = late_by_scipy(c, [4, 5, 6])
+    reached = set((np.flatnonzero((y > ALPHA).any(axis=0)) + 1).tolist()) - {4, 5, 6}
+    needed = set(spreading.watched(SITES))
+    expected = bool(needed & reached) if definition == "first" else needed <= reached
+    assert spreads(NagumoChain(alpha=ALPHA, c=c, sites=SITES), spreading) is expected
+
+
+@pytest.mark.parametrize(
+    ("c", "excited", "state"),
+    [
+        (0.005, [4, 5, 6], State.BREATHER),
+        (0.08, [4, 5, 6], State.FRONT),
+        (1.0, [5], State.FIXED_POINT),
+    ],
+)
+def test_the_state_of_a_toy_is_where_scipy_ends(c: float, excited: list[int], state: State) -> None:
+    chain = NagumoChain(alpha=ALPHA, c=c, sites=SITES)
+    found = find_smooth_state(chain, excite(chain, excited))
+    assert (found.state, found.reason) == (state, Reason.DECIDED)
+    late = late_by_scipy(c, excited, 4.0 * found.time)[-1] > ALPHA
+    assert int(np.count_nonzero(late)) == {"breather": 3, "front": SITES}.get(state.value, 0)
+
+
+def test_what_was_reached_once_is_no_front() -> None:
+    """Every site passes α once, and then all go to rest: that is not a filled chain."""
+    chain = NagumoChain(alpha=ALPHA, c=20.0, sites=SITES)
+    start = excite(chain, [4, 5, 6], 1.6)
+    found = find_smooth_state(chain, start)
+    assert found.reached == SITES
+    assert found.state is (State.FRONT if 3 * 1.6 / SITES > ALPHA else State.FIXED_POINT)
+    weaker = find_smooth_state(chain, excite(chain, [4, 5, 6], 0.8))
+    assert weaker.state is State.FIXED_POINT
+
+
+def test_an_early_end_leaves_a_toy_undecided() -> None:
+    chain = NagumoChain(alpha=ALPHA, c=0.08, sites=SITES)
+    sure = find_smooth_state(chain, excite(chain, [5]))
+    late = find_smooth_state(chain, excite(chain, [5]), end=1.9 * sure.time)
+    assert (late.state, late.reason) == (State.UNDECIDED, Reason.END_TIME)
+
+
+def test_the_map_of_a_toy_has_boundaries_where_scipy_has_them() -> None:
+    three = StateTask(chain=NagumoChain(alpha=ALPHA, c=0.0, sites=SITES), nucleus=Nucleus(3, "00"))
+    found = state_map(three, c=[0.005, 0.08], alpha=[0.3, 0.5], workers=1, refine=1e-2)
+    assert found.states["label"].tolist() == ["breather", "breather", "front", "breather"]
+    assert found.boundary is not None
+    edge = next(
+        row for row in found.boundary.rows() if (row["along"], row["alpha"]) == ("c", ALPHA)
+    )
+    for c, count in ((float(edge["low"]), 3), (float(edge["high"]), SITES)):
+        assert np.count_nonzero(late_by_scipy(c, [4, 5, 6], 4000.0)[-1] > ALPHA) == count
+    assert found.to_dict()["counts"] == {"breather": 3, "front": 1}
+
+
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [
+        ("simulate nagumo --n 21 --c 0.5 --excite 11 --t-end 30", "amplitudes"),
+        ("front nagumo --c 1 --n 40", "v"),
+        ("front nagumo --c 0.5:1:2 --n 40", "points"),
+        ("threshold nagumo --place edge --accuracy 1e-2 --n 15", "c_crit"),
+        ("map nagumo --c 0.05:0.5:2 --alpha 0.1:0.3:2 --n 15 --refine 0 --workers 1", "counts"),
+    ],
+)
+def test_the_command_line_knows_the_model(
+    line: str, key: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Its options are the fields of its class; nothing in ``fronts`` names it."""
+    picture = tmp_path / "picture.svg"
+    files = [] if line.startswith("threshold") else ["-o", str(picture)]
+    assert main([*line.split(), "--json", *files]) == 0
+    assert key in json.loads(capsys.readouterr().out)
+    assert picture.exists() is bool(files)
+
+
+def test_help_shows_the_parameters_of_the_model(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["front", "nagumo", "--help"])
+    shown = capsys.readouterr().out
+    assert "threshold, from 0 to 1/2" in shown
+    assert "--eps" not in shown

@@ -87,8 +87,9 @@ def test_sites_left_out_do_not_change_the_run(model: Model, c: float, end: float
     start = excite_edge(chain, 30)
     kept, whole = (
         simulate(
-            model.chain_of(chain), start, end, samples=10, tolerance=tolerance, active_window=window,
-            estimate_error=False)
+            model.chain_of(chain), start, end, samples=10, tolerance=tolerance,
+            active_window=window, estimate_error=False,
+        )
         for window in (True, False)
     )  # fmt: skip
     assert kept.mean_active < 0.7 * whole.mean_active
@@ -102,8 +103,13 @@ def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_squa
     for sites in (100, 200):
         chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
         run = simulate(
-            chain.averaged(), excite_edge(chain, 24), sites / 0.72 * 100, trailing_sites=24,
-            estimate_error=False, samples=2)  # fmt: skip
+            chain.averaged(),
+            excite_edge(chain, 24),
+            sites / 0.72 * 100,
+            trailing_sites=24,
+            estimate_error=False,
+            samples=2,
+        )
         spent.append(run.steps * run.mean_active)
     assert spent[1] / spent[0] < 2.2
 
@@ -230,8 +236,8 @@ def test_arrivals_are_the_times_at_which_the_level_is_met() -> None:
     assert reached.size > 3
     for n in reached[:4]:
         upto = simulate(
-            FRONT.averaged(), excite(FRONT, [1]), float(run.arrivals[n]),
-            tolerance=1e-11, samples=2)  # fmt: skip
+            FRONT.averaged(), excite(FRONT, [1]), float(run.arrivals[n]), tolerance=1e-11, samples=2
+        )
         assert upto.amplitude[-1, n] == pytest.approx(run.level, rel=1e-9)
 
 

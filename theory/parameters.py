@@ -40,6 +40,34 @@ class RunError(ArithmeticError):
     """A run that cannot go on; the message is one sentence that says where, and what to change."""
 
 
+class MissingPackageError(ImportError):
+    """A package that is not installed; the message is one sentence that names the extra.
+
+    Parameters
+    ----------
+    package : str
+        The package.
+    extra : str
+        The extra of this distribution that installs it.
+    purpose : str
+        What needs it.
+
+    Examples
+    --------
+    >>> print(MissingPackageError("python-flint", "certify", "a certified root"))
+    a certified root needs python-flint, which is not installed: 'pip install \
+excitation-fronts[certify]' installs it.
+    """
+
+    def __init__(self, package: str, extra: str, purpose: str) -> None:
+        self.package, self.extra, self.purpose = package, extra, purpose
+        super().__init__(
+            f"{purpose} needs {package}, which is not installed: "
+            f"'pip install excitation-fronts[{extra}]' installs it.",
+            name=package,
+        )
+
+
 def positive(
     quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
 ) -> float:

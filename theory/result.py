@@ -54,6 +54,8 @@ from importlib import import_module
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from theory.parameters import MissingPackageError
+
 if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
@@ -165,11 +167,12 @@ class Result:
         ------
         TypeError
             If the result is not tabular.
-        ImportError
+        MissingPackageError
             If pandas is not installed.
         """
         columns = self.columns()
-        return _optional("pandas").DataFrame(columns)
+        frame: pd.DataFrame = _optional("pandas").DataFrame(columns)
+        return frame
 
     def to_xarray(self) -> xr.Dataset:
         """Return the result as a dataset of xarray, with named dimensions and coordinates.
@@ -182,7 +185,7 @@ class Result:
         ------
         TypeError
             If the result is not tabular.
-        ImportError
+        MissingPackageError
             If xarray is not installed.
         """
         described = {each.name: each.metadata for each in _fields(self)}
@@ -190,7 +193,10 @@ class Result:
             dims = _dimensions(self)
         except TypeError:
             columns = self.columns()  # of its own, or refused in the same words
-            return _optional("xarray").Dataset({k: ("row", v) for k, v in columns.items()})
+            listed: xr.Dataset = _optional("xarray").Dataset(
+                {name: ("row", values) for name, values in columns.items()}
+            )
+            return listed
         variables, coordinates = {}, {}
         for name, over in dims.items():
             axis = described[name].get("axis")
@@ -198,7 +204,8 @@ class Result:
                 variables[name] = (over, getattr(self, name))
             else:
                 coordinates[axis] = getattr(self, name)
-        return _optional("xarray").Dataset(variables, coordinates)
+        data: xr.Dataset = _optional("xarray").Dataset(variables, coordinates)
+        return data
 
     def __repr__(self) -> str:
         shown = (f"{each.name}={_short(getattr(self, each.name))}" for each in _fields(self))
@@ -293,10 +300,7 @@ def _optional(package: str) -> Any:
     try:
         return import_module(package)
     except ModuleNotFoundError:
-        raise ImportError(
-            f"{package} is not installed, which this table needs: "
-            "'pip install excitation-fronts[tables]' installs it."
-        ) from None
+        raise MissingPackageError(package, "tables", "such a table") from None
 
 
 def _short(value: object) -> str:

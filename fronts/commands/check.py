@@ -65,9 +65,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="V",
         help="only claims with this verdict on record: " + ", ".join(map(slug, Verdict)),
     )
-    parser.add_argument("--out", type=_folder, metavar="DIR", help="write the report here")
+    parser.add_argument("-o", "--out", type=_folder, metavar="DIR", help="write the report here")
     parser.add_argument(
+        "--workers",
         "--jobs",
+        dest="jobs",
         type=_jobs,
         metavar="N",
         help="processes (default 1: claims about run times are judged undisturbed)",

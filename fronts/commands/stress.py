@@ -35,8 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
     parser.add_argument("--points", type=whole, help="in all (default 1000)")
     parser.add_argument("--seed", type=whole, help="of the points at random (default 0)")
-    parser.add_argument("--out", type=Path, help="write every point to a .csv file")
-    parser.add_argument("--workers", type=whole, help="processes (default: one a core)")
+    parser.add_argument("-o", "--out", type=Path, help="write every point to a .csv file")
+    parser.add_argument("--workers", "--jobs", type=whole, help="processes (default: one a core)")
     parser.add_argument(
         "--resume", action="store_true", help="go on from OUT.part, which a killed run has left"
     )

@@ -19,7 +19,7 @@ from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, pic
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_orbits import CellOrbits
+    from verification.cells.result import BeltCell
     from verification.references.friction_events import EventRun
 
 FloatArray = npt.NDArray[np.float64]
@@ -34,11 +34,11 @@ AGREE = 1e-8
 
 
 @lru_cache(maxsize=1)
-def _orbits() -> CellOrbits:
+def _orbits() -> BeltCell:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_orbits import cell_orbits
+    from verification.cells.friction import friction_cell
 
-    return cell_orbits(FrictionCell(v_d=V_D))
+    return friction_cell(FrictionCell(v_d=V_D))
 
 
 @lru_cache(maxsize=32)
@@ -151,7 +151,7 @@ def _figure(cycle: EventRun, rest: EventRun) -> Picture:
 def _three_regions() -> Finding:
     """Find both ends of bistability by shooting, and run from both starts at eight velocities."""
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_continuation import continue_cycles
+    from verification.cells.diagram import cell_diagram
 
     cell = FrictionCell(v_d=V_D)
     end = _orbits().cycle_end_velocity
@@ -166,9 +166,9 @@ def _three_regions() -> Finding:
         wanted.append((v_d > hopf, v_d < end))
     if seen != wanted:
         raise ArithmeticError(f"runs say {seen}, shooting {wanted}")
-    diagram = continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist())
+    diagram = cell_diagram(cell, np.linspace(0.9, 2.0, 221).tolist())
     close = replace(cell, v_d=end * (1.0 - 1e-6))
-    from verification.cells.friction_orbits import stick_slip_cycle
+    from verification.cells.friction import stick_slip_cycle
 
     last = stick_slip_cycle(close)
     if last is None:
@@ -226,7 +226,7 @@ def _three_regions() -> Finding:
 def _subcritical() -> Finding:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
     from theory.cells.friction import FrictionCell, friction_slope
-    from verification.cells.friction_orbits import unstable_cycle
+    from verification.cells.friction import unstable_cycle
 
     hopf = FrictionCell(v_d=V_D).hopf_velocity
     ratios, tested = [], 0

@@ -161,12 +161,12 @@ def _linear() -> Finding:
 def _no_propagation() -> Finding:
     """Look for fronts below the threshold of a single site at the edge."""
     from verification.fronts.measure import measure_front
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
-    single = friction_threshold(
+    single = spreading_threshold(
         chain_of(0.0), Spreading(), lowest=0.005, accuracy=2e-5, tests=0
     )  # fmt: skip
-    wide = friction_threshold(
+    wide = spreading_threshold(
         chain_of(0.0), Spreading(WIDE), lowest=0.005, accuracy=2e-5, tests=0
     )  # fmt: skip
     pinned = measure_front(chain_of(BELOW), max_sites=SITES, accuracy=0.1)

@@ -42,12 +42,13 @@ def _multipliers() -> Finding:
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES)
     even, odd = _crossing(0), _crossing(1)
-    true = breather_threshold(chain, Nucleus(1), Method.ORBIT)
-    envelope = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
+    true = breather_threshold(chain, Nucleus(1), ThresholdMethod.ORBIT)
+    envelope = breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE)
     test = solve_orbit(VdpChain(a=A, b=B, c=0.19, eps=EPS, sites=SITES), Nucleus(1))
     by_scipy = np.sort(
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))

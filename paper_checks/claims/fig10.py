@@ -15,8 +15,8 @@ C = 0.1
 def _in_phase() -> Finding:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, hold, phase_steps
     from verification.runs.envelope_run import run_envelope
+    from verification.thresholds.preparation import Preparation, hold, phase_steps
 
     chain = VdpChain(a=A, b=B, c=C, eps=EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, 801.0, 5.0)])

@@ -22,15 +22,15 @@ def _cells() -> Finding:
     """Compare the bistable ranges and how the two cycles meet at their end."""
     from theory.cells.friction import FrictionCell
     from theory.chains.vdp import VdpChain
-    from verification.cells.friction_orbits import cell_orbits
+    from verification.cells.friction import friction_cell
 
     cell = FrictionCell()
-    orbits = cell_orbits(cell)
+    orbits = friction_cell(cell)
     end = orbits.cycle_end_velocity
     gaps = {}
     sticks = {}
     for part in (1e-3, 1e-4):
-        near = cell_orbits(replace(cell, v_d=(1.0 - part) * end))
+        near = friction_cell(replace(cell, v_d=(1.0 - part) * end))
         if near.stable is None or near.unstable is None:
             raise ArithmeticError(f"no two cycles {part:g} before their end at v_d = {end:.6f}")
         gaps[part] = near.stable.max - near.unstable.max
@@ -77,12 +77,13 @@ def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
     from theory.chains.nucleus import Nucleus, Place, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.thresholds.breather import breather_threshold
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
     def friction(size: int, place: Place) -> float:
-        return friction_threshold(
+        return spreading_threshold(
             chain_of(0.0), Spreading(size, place), lowest=0.005, accuracy=ACCURACY, tests=0
         ).c
 
@@ -268,17 +269,18 @@ def _maps() -> Finding:
     """Compare, column by column, which states follow each other as the coupling grows."""
     from verification.execution.sweep import sweep
     from verification.execution.table import Point
-    from verification.maps.friction import FrictionStateTask, friction_points
-    from verification.maps.vdp import StateTask, state_points
-    from verification.runs.model import Model
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
-    task = FrictionStateTask().alone()
-    first = sweep(task, friction_points(MAP_COUPLINGS, MAP_VELOCITIES), workers=1)
-    average = StateTask(Model.ENVELOPE)
-    second = sweep(average, state_points(MAP_ETAS, MAP_STRENGTHS), workers=1)
+    task = StateTask(chain=chain_of(0.0)).alone()
+    points = state_points(task, {"c": MAP_COUPLINGS, "v_d": MAP_VELOCITIES})
+    first = sweep(task, points, workers=1)
+    full, average = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
+    points = state_points(average, {"eta": MAP_ETAS, "c": MAP_STRENGTHS})
+    second = sweep(average, points, workers=1)
     for eta, c in MAP_CHECKED:
         point = Point(eta=eta, c=c)
-        pair = [each(point)["label"] for each in (StateTask(Model.FULL), average)]
+        pair = [each(point)["label"] for each in (full, average)]
         if pair[0] != pair[1]:
             raise ArithmeticError(f"at η = {eta:g}, c = {c:g}: {pair[0]} by (8), {pair[1]} by (43)")
     gap = max(

@@ -84,7 +84,8 @@ def _many_patterns() -> Finding:
 def _promotes() -> Finding:
     """See on a ladder of couplings whether each kind of nucleus spreads."""
     from theory.chains.nucleus import Place
-    from verification.thresholds.friction import Definition, Spreading, spreads
+    from verification.thresholds.result import Definition
+    from verification.thresholds.spreading import Spreading, spreads
 
     changes, first = [], []
     for place, size in KINDS:

@@ -59,12 +59,16 @@ def _limit_of_sizes() -> Finding:
     """Compare the threshold of size 3 with those that no longer change with size."""
     from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     folds = {
-        size: breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE)
+        size: breather_threshold(
+            chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE
+        )
         for size in (3, 5, 7)
     }
     runs = {size: escape_threshold(chain, Preparation(size), tolerance=1e-4) for size in (3, 5)}
@@ -100,12 +104,14 @@ def _two_values() -> Finding:
     """Find the one threshold of the single nucleus that two sections give differently."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
-    orbit = breather_threshold(chain, Nucleus(1), Method.ORBIT)
-    average = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
+    orbit = breather_threshold(chain, Nucleus(1), ThresholdMethod.ORBIT)
+    average = breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE)
     run = escape_threshold(chain, Preparation(1), tolerance=1e-4)
     if abs(run.c - average.c) > run.error + average.error:
         raise ArithmeticError(f"run {run.c:.6f}, fold {average.c:.6f}")
@@ -143,8 +149,10 @@ def _all_lost() -> Finding:
     """Look whether any breather we can follow exists at the largest printed threshold."""
     from theory.chains.nucleus import Nucleus, Place, outward_pattern
     from theory.chains.vdp import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.thresholds.breather import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     folds, _ = pattern_folds()
@@ -156,7 +164,7 @@ def _all_lost() -> Finding:
     ]
     last = max(folds, key=lambda fold: fold.c)
     three = Nucleus(3, outward_pattern(3))
-    full = breather_threshold(chain, three, Method.ORBIT)
+    full = breather_threshold(chain, three, ThresholdMethod.ORBIT)
     runs = [escape_threshold(chain, Preparation(size), tolerance=1e-4) for size in (1, 3, 5)]
     by_size = {
         fold.nucleus.size: fold.c

@@ -21,38 +21,54 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from enum import StrEnum
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
-from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError, at_least
+from theory.status import Status
 
+SMALLEST_C = 1e-100
+"""Below it e^{2 k_1}, which is near c² at small c, is too small for double precision."""
+SMALLEST_ETA = 1e-24
+"""Below it the squares of the two cycles are too far apart for their products."""
 _EPS = float(np.finfo(float).eps)
 _NOISE = 64.0 * _EPS
 """Relative rounding of c along a branch."""
 _SCAN = 500
 
 
-class Reading(StrEnum):
-    """At which site (37) is taken."""
+class Reading(Status):
+    """The site n at which (37) is taken; print leaves it open."""
 
-    CENTRE = "centre"
-    NEIGHBOUR = "neighbour"
-    TAIL = "tail"
-
-
-class BreatherStatus(StrEnum):
-    """Whether there is a breather."""
-
-    EXISTS = "exists"
-    NONE = "none"
+    CENTRE = "centre", "(37) is taken at the centre, n = 0, where it has no solution."
+    NEIGHBOUR = "neighbour", "(37) is taken at the neighbour of the centre, n = 1."
+    TAIL = "tail", "(37) is taken far out, n → ∞, where it is linear."
 
 
-@dataclass(frozen=True)
+class BreatherStatus(Status):
+    """What was found of a breather, by whichever method; each member says it in a sentence."""
+
+    EXISTS = "exists", "the equations have a breather at this coupling."
+    NONE = "none", "there is no such breather at this coupling: its branch ends in a fold below it."
+    SETTLED = "settled", "the run repeats itself every period to the tolerance."
+    UNSETTLED = (
+        "unsettled",
+        "the run was still changing when its time was over: give it more slow time, or solve for "
+        "the orbit.",
+    )
+    ESCAPED = (
+        "escaped",
+        "a site that was at rest passed the unstable cycle; whether there is an unstable breather "
+        "the run does not tell, but the orbit does.",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class ClosedFormFold:
     """The largest coupling of the closed form.
 
@@ -74,7 +90,7 @@ class ClosedFormFold:
     place: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ClosedFormBreather:
     """The closed form at one coupling.
 
@@ -117,23 +133,24 @@ class ClosedFormBreather:
         return np.array([self.alpha_0 * self.decay**n for n in range(count)])
 
 
-def decay_of_centre(alpha_0: float, chain: VdpChain) -> float:
+def decay_of_centre(alpha_0: float, chain: VanDerPolChain) -> float:
     """Return e^{k_1} = (-b α_0⁴ + 2a α_0² - 8)/(16 c) (Eq. 29)."""
     return _gain(alpha_0**2, chain) / chain.c
 
 
-def breather_frequency(chain: VdpChain) -> float:
+def breather_frequency(chain: VanDerPolChain) -> float:
     """Return ω = 1 + εc (Eq. 30).
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> breather_frequency(VdpChain(a=2.5, b=0.5, c=0.1, eps=0.01))
     1.001
     """
     return 1.0 + chain.eps * chain.c
 
 
-def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) -> float:
+def tail_residual(alpha_0: float, decay: float, site: float, chain: VanDerPolChain) -> float:
     """Return left minus right side of (37) at a site, times -(c/2)(z - 1/z).
 
     Parameters
@@ -142,7 +159,7 @@ def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) ->
         α_0 and z = e^{k_1}.
     site : float
         n; ``math.inf`` for the linear tail.
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         a, b, c.
     """
     square = 0.0 if math.isinf(site) else alpha_0**2 * decay ** (2 * site)
@@ -150,12 +167,14 @@ def tail_residual(alpha_0: float, decay: float, site: float, chain: VdpChain) ->
     return balance - 0.5 * chain.c * (1.0 / decay - decay)
 
 
-def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormBreather:
+def solve_breather(
+    chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
+) -> ClosedFormBreather:
     """Solve (29) with (37) on the branch that starts from the stable cycle of one cell.
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         Needs two cycles (8b < a²) and c > 0.
     reading : Reading, optional
         Where (37) is taken.
@@ -163,10 +182,11 @@ def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> Clo
     Raises
     ------
     ParameterError
-        If the cell has no cycle, or c = 0.
+        If the cell has no cycle, c is zero or below `SMALLEST_C`, or η below `SMALLEST_ETA`.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> breather = solve_breather(VdpChain(a=2.5, b=0.5, c=0.1))
     >>> [round(float(value), 4) for value in breather.amplitudes(2)]
     [2.8185, 0.2946]
@@ -174,58 +194,58 @@ def solve_breather(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> Clo
     'none'
     """
     started = time.perf_counter()
-    if chain.c == 0:
-        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
+    _check_range(chain)
     fold = closed_form_fold(chain, reading)
-    frequency, step = breather_frequency(chain), -0.5 * math.pi
-    if fold.c is None or chain.c > fold.c:
-        seconds = time.perf_counter() - started
-        return ClosedFormBreather(
-            BreatherStatus.NONE, None, None, frequency, step, math.inf, math.inf, fold, seconds
-        )
-    if reading is Reading.TAIL:
-        S, w, error = _tail(chain)
-        site = math.inf
-    else:
-        S, w, error = _neighbour(chain, fold)
-        site = 1.0
+    exists = fold.c is not None and chain.c <= fold.c
+    solve = _tail if reading is Reading.TAIL else _neighbour
+    S, w, error = solve(chain, fold) if exists else (math.nan, math.nan, math.inf)
     alpha_0, decay = math.sqrt(S), math.sqrt(w)
+    site = math.inf if reading is Reading.TAIL else 1.0
     residual = max(
         abs(decay_of_centre(alpha_0, chain) - decay),
         abs(tail_residual(alpha_0, decay, site, chain)),
     )
     return ClosedFormBreather(
-        BreatherStatus.EXISTS,
-        alpha_0,
-        decay,
-        frequency,
-        step,
-        residual,
-        error,
-        fold,
-        time.perf_counter() - started,
+        status=BreatherStatus.EXISTS if exists else BreatherStatus.NONE,
+        alpha_0=alpha_0 if exists else None,
+        decay=decay if exists else None,
+        frequency=breather_frequency(chain),
+        phase_step=-0.5 * math.pi,
+        residual=residual if exists else math.inf,
+        error=error,
+        fold=fold,
+        seconds=time.perf_counter() - started,
     )
 
 
-def closed_form_fold(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
+def _check_range(chain: VanDerPolChain) -> None:
+    if chain.c == 0:
+        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
+    remedy = "take a larger one: at small c the decay is c itself, and the centre the stable cycle"
+    at_least("coupling c", chain.c, SMALLEST_C, remedy)
+
+
+def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
     """Return the largest coupling at which (29) and (37) have a solution.
 
     For the reading ``tail`` it is known: c² = m(1 + m) with m = (a² - 8b)/(16 b).
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1)).c, 6)
     0.197334
     >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1), Reading.TAIL).c, 6)
     0.600293
     """
+    at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, "take a smaller a or a larger b")
     gap = discriminant(chain)
     if reading is Reading.CENTRE:
-        return ClosedFormFold(None, 0.0, reading)
+        return ClosedFormFold(c=None, error=0.0, reading=reading)
     if reading is Reading.TAIL:
         m = gap / (16.0 * chain.b)
-        c = math.sqrt(m * (1.0 + m))
-        return ClosedFormFold(c, 8.0 * _EPS * c, reading)
+        c = math.sqrt(m) * math.sqrt(1.0 + m)
+        return ClosedFormFold(c=c, error=8.0 * _EPS * c, reading=reading)
     branch = NeighbourBranch(chain.a, chain.b, gap)
     grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
     # The first fall: c rises from zero, and falls before S turns.
@@ -243,25 +263,39 @@ def closed_form_fold(chain: VdpChain, reading: Reading = Reading.NEIGHBOUR) -> C
     below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
     t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
     c = branch.coupling_at(t)
-    return ClosedFormFold(c, _NOISE * c, reading, math.exp(t))
+    return ClosedFormFold(c=c, error=_NOISE * c, reading=reading, place=math.exp(t))
 
 
-def _gain(square: float, chain: VdpChain) -> float:
+def _gain(square: float, chain: VanDerPolChain) -> float:
     return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0
 
 
-def _tail(chain: VdpChain) -> tuple[float, float, float]:
-    """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S)."""
-    c, a, b = chain.c, chain.a, chain.b
-    z = 2.0 * c / (1.0 + math.hypot(1.0, 2.0 * c))
-    gap = discriminant(chain)
-    inside = max(gap - 16.0 * b * c * z, 0.0)
-    square = (a + math.sqrt(inside)) / b
-    lost = 8.0 * _EPS * gap / max(inside, _EPS * gap)  # of √inside, and less of S
-    return square, z * z, 8.0 * _EPS + lost * math.sqrt(inside) / (a + math.sqrt(inside))
+def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S).
+
+    G(S) = c z is b S² - 2a S + 8 + 16 c z = 0, of discriminant a² - 8b - 16 b c z = 16 b (m - c z).
+    With c z = (√(1 + 4c²) - 1)/2 and m as at the fold,
+
+        m - c z = 2 (m (1 + m) - c²)/(2m + 1 + √(1 + 4c²)),
+
+    whose numerator is taken in rational numbers: nothing is lost as c comes to the fold.
+    """
+    a, b, c = Fraction(chain.a), Fraction(chain.b), Fraction(chain.c)
+    m = (a * a - 8 * b) / (16 * b)
+    wide = Fraction(2.0 * float(m) + 1.0) + Fraction(math.hypot(1.0, 2.0 * chain.c))
+    inside = 32 * b * (m * (1 + m) - c * c) / wide
+    root = math.sqrt(max(float(inside), 0.0))
+    error = 8.0 * _EPS
+    if inside <= 0:
+        # c is beyond the fold by the rounding of the fold's c only; the breather there is given,
+        # and how far it moves over that rounding of c, which is like its square root.
+        slack = 32 * b * 2 * c * Fraction(fold.error) / wide
+        error += math.sqrt(float(slack)) / chain.a
+    z = 2.0 * chain.c / (1.0 + math.hypot(1.0, 2.0 * chain.c))
+    return (chain.a + root) / chain.b, z * z, error
 
 
-def _neighbour(chain: VdpChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
     """Return S, w and their relative error for n = 1, on the branch before the fold."""
     branch = NeighbourBranch(chain.a, chain.b, discriminant(chain))
     c, top = chain.c, math.log(fold.place)

@@ -13,12 +13,12 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 
 _EPS = float(np.finfo(float).eps)
 
 
-def discriminant(chain: VdpChain) -> float:
+def discriminant(chain: VanDerPolChain) -> float:
     """Return a² - 8b, exact before it is rounded: it cancels where the two cycles meet."""
     _ = chain.stable_amplitude
     return float(Fraction(chain.a) ** 2 - 8 * Fraction(chain.b))

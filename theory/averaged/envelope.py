@@ -19,18 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.chain import Ends
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
-def damping(square: Real, chain: VdpChain) -> Real:
+def damping(square: Real, chain: VanDerPolChain) -> Real:
     """Return g(|φ|²) = ½(1 - a|φ|²/4 + b|φ|⁴/8), the mean damping rate in (34); dimensionless.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1)
     >>> bool(abs(damping(chain.stable_amplitude**2, chain)) < 1e-15)
     True
@@ -38,7 +39,7 @@ def damping(square: Real, chain: VdpChain) -> Real:
     return 0.5 * (1.0 - 0.25 * chain.a * square + 0.125 * chain.b * square**2)
 
 
-def damping_slope(square: Real, chain: VdpChain) -> Real:
+def damping_slope(square: Real, chain: VanDerPolChain) -> Real:
     """Return dg/d(|φ|²) = ½(-a/4 + b|φ|²/4)."""
     return 0.125 * (chain.b * square - chain.a)
 
@@ -67,18 +68,19 @@ def coupling_matrix(sites: int, ends: Ends) -> Real:
     return matrix
 
 
-def envelope_rate(phi: Complex, chain: VdpChain) -> Complex:
+def envelope_rate(phi: Complex, chain: VanDerPolChain) -> Complex:
     """Return φ' of (43), per unit of slow time T.
 
     Parameters
     ----------
     phi : complex array, shape (N,)
         Envelope φ_n of Ψ_n = ẏ_n + i y_n = φ_n e^{it}.
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         a, b, c and the ends; ε plays no role.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
     >>> uniform = np.full(3, chain.stable_amplitude, dtype=complex)
     >>> bool(abs(envelope_rate(uniform, chain)).max() < 1e-14)
@@ -97,7 +99,7 @@ def envelope_rate(phi: Complex, chain: VdpChain) -> Complex:
     return rate
 
 
-def envelope_jacobian(phi: Complex, chain: VdpChain) -> Real:
+def envelope_jacobian(phi: Complex, chain: VanDerPolChain) -> Real:
     """Return the real Jacobian of (43) in the unknowns (Re φ, Im φ).
 
     Returns
@@ -107,6 +109,7 @@ def envelope_jacobian(phi: Complex, chain: VdpChain) -> Real:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> envelope_jacobian(np.zeros(3, complex), VdpChain(a=2.5, b=0.5, c=0, sites=3))[0, 0]
     np.float64(-0.5)
     """
@@ -134,7 +137,7 @@ def staggered_phase(sites: int) -> Complex:
     return np.array([1, -1j, -1, 1j])[np.arange(sites) % 4]
 
 
-def staggered_rate(r: Real, chain: VdpChain) -> Real:
+def staggered_rate(r: Real, chain: VanDerPolChain) -> Real:
     """Return r' of the staggered reduction of (43), per unit T.
 
     Beyond a free end the chain is taken as at rest with the end's frequency that of the bulk; see
@@ -147,6 +150,7 @@ def staggered_rate(r: Real, chain: VdpChain) -> Real:
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> float(staggered_rate(np.array([0.0, 0.0, 1.0]), VdpChain(a=2, b=0.5, c=0.2, sites=3))[1])
     -0.1
     """
@@ -155,7 +159,7 @@ def staggered_rate(r: Real, chain: VdpChain) -> Real:
     return 0.5 * chain.c * (left - right) - r * damping(r**2, chain)
 
 
-def staggered_jacobian(r: Real, chain: VdpChain) -> Real:
+def staggered_jacobian(r: Real, chain: VanDerPolChain) -> Real:
     """Return the Jacobian of `staggered_rate`, shape (N, N)."""
     _need_closed(len(r), chain)
     sites = len(r)
@@ -167,13 +171,14 @@ def staggered_jacobian(r: Real, chain: VdpChain) -> Real:
     return matrix - np.diag(damping(square, chain) + 2.0 * square * damping_slope(square, chain))
 
 
-def staggered_defect(r: Real, chain: VdpChain) -> float:
+def staggered_defect(r: Real, chain: VanDerPolChain) -> float:
     """Return the largest rate of (43) that the staggered reduction leaves out at free ends.
 
     It is (c/2) max(|r_1|, |r_N|), and zero for periodic ends.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> staggered_defect(np.array([0.1, 1.0, 0.2]), VdpChain(a=2, b=0.5, c=0.2, sites=3))
     0.020000000000000004
     """
@@ -189,7 +194,7 @@ def _neighbours(r: Real, ends: Ends) -> tuple[Real, Real]:
     return left, right
 
 
-def _need_closed(sites: int, chain: VdpChain) -> None:
+def _need_closed(sites: int, chain: VanDerPolChain) -> None:
     if chain.ends is Ends.PERIODIC and sites % 4:
         raise ParameterError(
             "number of sites n",

@@ -14,7 +14,7 @@ ETA_END = 0.125
 """The two cycles meet at η = 1/8; beyond it the cell has no limit cycle."""
 
 SMALLEST_ETA = 1e-24
-"""Below this |Σ| = 2r is smaller than double precision can tell from zero."""
+"""Below this |Σ| = 2r is too small for double precision to separate from zero."""
 
 
 def eta_from_damping(a: float, b: float) -> float:
@@ -54,7 +54,7 @@ def checked_eta(eta: float) -> float:
 
 
 def is_bistable(eta: float) -> bool:
-    """Tell whether the cell has two limit cycles: 0 < η < 1/8."""
+    """Return whether the cell has two limit cycles: 0 < η < 1/8."""
     return 0 < eta < ETA_END
 
 

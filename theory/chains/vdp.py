@@ -155,6 +155,18 @@ class VanDerPolChain(SmoothChain):
         """εc, of the fastest phase wave behind a front."""
         return self.eps * self.c
 
+    def averaged(self) -> AveragedChain:
+        """Return the averaged chain (43) of the same parameters."""
+        return AveragedChain(
+            a=self.a, b=self.b, c=self.c, eps=self.eps, sites=self.sites, ends=self.ends
+        )
+
+    def full(self) -> VdpChain:
+        """Return the chain (8) of the same parameters."""
+        return VdpChain(
+            a=self.a, b=self.b, c=self.c, eps=self.eps, sites=self.sites, ends=self.ends
+        )
+
     def _need_cycles(self) -> None:
         if not self.bistable:
             raise ParameterError(
@@ -193,12 +205,6 @@ class VdpChain(VanDerPolChain, model="vdp"):
         """Return a, b, c, ε."""
         return self.a, self.b, self.c, self.eps
 
-    def averaged(self) -> AveragedChain:
-        """Return the averaged chain (43) of the same parameters."""
-        return AveragedChain(
-            a=self.a, b=self.b, c=self.c, eps=self.eps, sites=self.sites, ends=self.ends
-        )
-
 
 @dataclass(frozen=True, kw_only=True)
 class AveragedChain(VanDerPolChain, model="averaged"):
@@ -229,12 +235,6 @@ class AveragedChain(VanDerPolChain, model="averaged"):
     def kernel_rate(self) -> float:
         """ε: the kernel is in slow time."""
         return self.eps
-
-    def full(self) -> VdpChain:
-        """Return the chain (8) of the same parameters."""
-        return VdpChain(
-            a=self.a, b=self.b, c=self.c, eps=self.eps, sites=self.sites, ends=self.ends
-        )
 
 
 def effective_epsilon(chain: VanDerPolChain) -> float:

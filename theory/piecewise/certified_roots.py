@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from theory.parameters import ParameterError
+from theory.parameters import MissingPackageError
 from theory.piecewise.root_count import box_corners, box_of_strips, edge_pieces
 from theory.piecewise.roots import IntArray, RootSet, labelled_roots, strip_bounds
 
@@ -59,7 +59,7 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
 
     Raises
     ------
-    ParameterError
+    MissingPackageError
         If python-flint is not installed.
     CertificationError
         If an enclosure or the count fails, or the two disagree.
@@ -80,7 +80,7 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     if not alone:
         raise CertificationError(f"a root is too near the edge of its strip {where}")
     radius = np.array([size for size, _ in balls])
-    roots = RootSet(found.labels, found.k, found.residual, radius)
+    roots = RootSet(labels=found.labels, k=found.k, residual=found.residual, radius=radius)
     return CertifiedRoots(roots, counted, _BITS)
 
 
@@ -88,9 +88,7 @@ def _flint() -> Any:
     try:
         import flint
     except ImportError:
-        raise ParameterError(
-            "--certify", "requested", "used with python-flint installed", "pip install python-flint"
-        ) from None
+        raise MissingPackageError("python-flint", "certify", "a certified root") from None
     return flint
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import groupby
 from time import perf_counter
@@ -20,6 +20,7 @@ from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
 from theory.piecewise.stability import front_stability, stability_limit
+from theory.result import Result
 
 LARGEST_COUPLING = 1e8
 SMALLEST_COUPLING = 1e-8
@@ -35,8 +36,8 @@ class Status(StrEnum):
     NOT_BISTABLE = "not_bistable"
 
 
-@dataclass(frozen=True)
-class Branch:
+@dataclass(frozen=True, kw_only=True)
+class Branch(Result):
     """One solution of the kinetic relation.
 
     Attributes
@@ -63,7 +64,7 @@ class Branch:
     v: float
     error: float
     slope: int
-    by_coupling: float
+    by_coupling: float = field(metadata={"json": "by_c"})
     by_eta: float
     admissible: bool | None
     fails_at: float | None
@@ -71,8 +72,8 @@ class Branch:
     multiplier: float | None = None
 
 
-@dataclass(frozen=True)
-class KineticRelation:
+@dataclass(frozen=True, kw_only=True)
+class KineticRelation(Result):
     """The answer at one (c, η).
 
     Attributes
@@ -126,6 +127,28 @@ class KineticRelation:
         limit = stability_limit(self.eta)
         return None if limit is None else limit.c
 
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a branch, or a single one without a velocity; see `Result.columns`."""
+        rows: tuple[Branch | None, ...] = self.branches or (None,)
+
+        def listed(name: str, kind: type) -> np.ndarray:
+            return np.array([None if row is None else getattr(row, name) for row in rows], kind)
+
+        return {
+            "c": np.full(len(rows), self.c),
+            "eta": np.full(len(rows), self.eta),
+            "status": np.array([self.status.value] * len(rows)),
+            "v": listed("v", float),
+            "error": listed("error", float),
+            "slope": listed("slope", object),
+            "by_c": listed("by_coupling", float),
+            "by_eta": listed("by_eta", float),
+            "admissible": listed("admissible", object),
+            "fails_at": listed("fails_at", float),
+            "stable": listed("stable", object),
+            "multiplier": listed("multiplier", float),
+        }
+
 
 def kinetic_relation(c: float, eta: float) -> KineticRelation:
     """Return every front velocity at coupling c and η = b/a², and the thresholds (Eq. 54).
@@ -156,11 +179,11 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
 0.455301).'
     """
     (answer,) = trace_kinetic_relation([c], [eta])
-    return replace(answer, branches=tuple(_with_stability(b, c) for b in answer.branches))
+    return replace(answer, branches=tuple(with_stability(b, c) for b in answer.branches))
 
 
-def _with_stability(branch: Branch, c: float) -> Branch:
-    """Return an admissible branch with its linear stability."""
+def with_stability(branch: Branch, c: float) -> Branch:
+    """Return a branch at coupling c with its linear stability, if it is admissible."""
     if not branch.admissible:
         return branch
     found = front_stability(branch.v, c)
@@ -230,20 +253,20 @@ def trace_kinetic_relation(
         status, reason = limits.judge(c_here, eta_here, ascending)
         answers.append(
             KineticRelation(
-                c_here,
-                eta_here,
-                status,
-                reason,
-                ascending,
-                limits.c_pin,
-                limits.c_fold,
-                limits.c_retreat,
-                limits.c_pin_error,
-                limits.c_fold_error,
-                limits.c_retreat_error,
-                "integral",
-                math.ceil(terms / c_.size),
-                seconds,
+                c=c_here,
+                eta=eta_here,
+                status=status,
+                reason=reason,
+                branches=ascending,
+                c_pin=limits.c_pin,
+                c_fold=limits.c_fold,
+                c_retreat=limits.c_retreat,
+                c_pin_error=limits.c_pin_error,
+                c_fold_error=limits.c_fold_error,
+                c_retreat_error=limits.c_retreat_error,
+                method="integral",
+                terms=math.ceil(terms / c_.size),
+                seconds=seconds,
             )
         )
     return answers
@@ -284,13 +307,13 @@ def _branches(
             yield (
                 scene,
                 Branch(
-                    v,
-                    float(error),
-                    int(np.sign(slope)),
-                    -direction * float(by_c) / steep,
-                    direction * by_eta / steep,
-                    verdict.admissible if verdict else None,
-                    verdict.fails_at if verdict else None,
+                    v=v,
+                    error=float(error),
+                    slope=int(np.sign(slope)),
+                    by_coupling=-direction * float(by_c) / steep,
+                    by_eta=direction * by_eta / steep,
+                    admissible=verdict.admissible if verdict else None,
+                    fails_at=verdict.fails_at if verdict else None,
                 ),
             )
 

@@ -11,6 +11,10 @@ from theory.parameters import count_within
 from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, labelled_roots
 
 MOST_DIGITS = 2000
+"""Digits that may be asked for."""
+
+GUARD_DIGITS = 100
+"""Digits more that a sum may work in."""
 
 
 def exact(value: float | str | mp.mpf) -> mp.mpf:
@@ -39,14 +43,14 @@ def precise_roots(
     upper : bool
         Half-plane.
     digits : int
-        From 1 to 2000.
+        From 1 to 2000, and 100 more for sums that work beyond what they return.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range.
     """
-    digits = count_within("digits", digits, 1, MOST_DIGITS)
+    digits = count_within("digits", digits, 1, MOST_DIGITS + GUARD_DIGITS)
     with mp.workdps(digits + 10):
         start = labelled_roots(*checked_velocity_and_coupling(v, c), labels, upper)
         v_, c_ = exact(v), exact(c)

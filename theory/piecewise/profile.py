@@ -13,7 +13,7 @@ strip. For one f, all m together are a Fourier transform.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +22,14 @@ from theory.parameters import ParameterError, count_within, within
 from theory.piecewise.dispersion import ComplexArray, FloatArray, root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
+from theory.result import Result
 
 MOST_POINTS = 1 << 21
 _EPS = float(np.finfo(float).eps)
 
 
-@dataclass(frozen=True)
-class FrontProfile:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrontProfile(Result):
     """Values of the front's shape.
 
     Attributes
@@ -43,8 +44,8 @@ class FrontProfile:
         Points of the quadrature, or roots.
     """
 
-    zeta: FloatArray
-    phi: ComplexArray
+    zeta: FloatArray = field(metadata={"axis": "zeta"})
+    phi: ComplexArray = field(metadata={"dims": ("zeta",)})
     error: float
     points: int
 
@@ -82,14 +83,14 @@ def front_profile(
     if not np.all(np.isfinite(position)):
         raise ParameterError("position zeta", "nan or infinite", "finite", "give finite positions")
     if position.size == 0:
-        return FrontProfile(position, np.empty(0, dtype=complex), 0.0, 0)
+        return FrontProfile(zeta=position, phi=np.empty(0, dtype=complex), error=0.0, points=0)
     grid = ProfileGrid.make(v, c, float(np.abs(np.floor(position)).max()) + 1.0, tolerance)
     phi = np.empty(position.shape, dtype=complex)
     rows = max(1, (1 << 18) // grid.points)
     for begin in range(0, position.size, rows):
         some = slice(begin, begin + rows)
         phi[some] = grid.at(position[some])
-    return FrontProfile(position, phi, grid.error, grid.points)
+    return FrontProfile(zeta=position, phi=phi, error=grid.error, points=grid.points)
 
 
 @dataclass(frozen=True)
@@ -283,4 +284,4 @@ def front_profile_by_roots(
         # Beyond the last root terms fall at least like 1/k² there, two a period.
         last = float(np.max(np.abs(residue[-2:]) * np.abs(waves[:, -2:]).max(axis=0)))
         error = max(error, 2.0 * last * count / 2.0 + 1e-14)
-    return FrontProfile(position, phi, error, count)
+    return FrontProfile(zeta=position, phi=phi, error=error, points=count)

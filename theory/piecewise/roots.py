@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import SupportsFloat
 
 import numpy as np
@@ -24,6 +24,7 @@ from theory.piecewise.dispersion import (
     dispersion,
     dispersion_slope,
 )
+from theory.result import Result
 
 IntArray = npt.NDArray[np.int64]
 
@@ -36,8 +37,8 @@ class IncompleteRootsError(ArithmeticError):
     """A strip whose root was not found. The theory says there is one, so this is a defect."""
 
 
-@dataclass(frozen=True)
-class RootSet:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RootSet(Result):
     """Roots of L(k) = 0 in one half-plane, one a label.
 
     Attributes
@@ -52,14 +53,19 @@ class RootSet:
         The true root lies within this distance of ``k``, rounding included.
     """
 
-    labels: IntArray
-    k: ComplexArray
-    residual: FloatArray
-    radius: FloatArray
+    labels: IntArray = field(metadata={"axis": "label"})
+    k: ComplexArray = field(metadata={"dims": ("label",)})
+    residual: FloatArray = field(metadata={"dims": ("label",)})
+    radius: FloatArray = field(metadata={"dims": ("label",)})
 
     def take(self, index: IntArray | npt.NDArray[np.bool_]) -> RootSet:
         """Return the roots at ``index``, in that order."""
-        return RootSet(self.labels[index], self.k[index], self.residual[index], self.radius[index])
+        return RootSet(
+            labels=self.labels[index],
+            k=self.k[index],
+            residual=self.residual[index],
+            radius=self.radius[index],
+        )
 
 
 def checked_velocity_and_coupling(
@@ -138,7 +144,8 @@ def labelled_roots(
         )
     for _ in range(2):
         k -= _plain_step(k, labels, v, c, upper)
-    return RootSet(labels, k, np.abs(dispersion(k, v, c)), _radius(k, v, c))
+    residual = np.abs(dispersion(k, v, c))
+    return RootSet(labels=labels, k=k, residual=residual, radius=_radius(k, v, c))
 
 
 def nearest_roots(v: float, c: float, count: int, upper: bool) -> RootSet:

@@ -26,7 +26,7 @@ MARGINAL = 1e-8
 """Growth per unit T below which a multiplier counts as on the circle (round-off over ε)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Multipliers:
     """Eigenvalues of the monodromy matrix.
 
@@ -115,7 +115,15 @@ def floquet_multipliers(
         values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     leader = complex(rest[int(np.abs(rest).argmax())])
-    return Multipliers(values, trivial, leader, rate(rest), symmetric, antisymmetric, error)
+    return Multipliers(
+        values=values,
+        trivial=trivial,
+        leader=leader,
+        growth=rate(rest),
+        symmetric=symmetric,
+        antisymmetric=antisymmetric,
+        error=error,
+    )
 
 
 def approximate_multipliers(

@@ -31,16 +31,17 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import VdpChain
+from theory.chains.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import count_within, positive, within
+from theory.status import Status
+from verification.breathers.orbits import solve_orbit
 from verification.runs.comparison import COARSER
 from verification.runs.excite import add_noise, excite
-from verification.runs.model import Model
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
 
@@ -56,24 +57,24 @@ SAMPLES = 201
 """States kept of a run."""
 
 
-class End(StrEnum):
-    """How it ended; see the module."""
+class Outcome(Status):
+    """What became of a nucleus by the end of a run; the rules are in the module."""
 
-    SHRUNK = "shrunk"
-    HELD = "held"
-    LARGER = "larger nucleus"
-    UNDECIDED = "undecided"
-    FRONT = "front"
-    CREEP = "creep"
+    SHRUNK = "shrunk", "fewer sites oscillate at the end than at the start."
+    HELD = "held", "no site joined."
+    LARGER = "larger nucleus", "sites joined, and none in the last half of the run: it stands."
+    UNDECIDED = "undecided", "few sites joined by the end of the run: give it more time."
+    FRONT = "front", "sites join one after the other without a long pause."
+    CREEP = "creep", "the nucleus grows by jumps, between which it stands almost still."
 
 
-@dataclass(frozen=True)
-class Growth:
-    """How a nucleus grew in one run.
+@dataclass(frozen=True, kw_only=True)
+class Evolution:
+    """How a nucleus changed in one run.
 
     Attributes
     ----------
-    end : End
+    outcome : Outcome
         See the module.
     size : int
         Sites above the level at the end.
@@ -85,7 +86,7 @@ class Growth:
         Length of the run.
     """
 
-    end: End
+    outcome: Outcome
     size: int
     sizes: tuple[tuple[float, int], ...]
     longest_pause: float | None
@@ -96,14 +97,14 @@ class Growth:
         return [size for joined, size in self.sizes if joined <= slow_time][-1]
 
 
-@dataclass(frozen=True)
-class Fate:
+@dataclass(frozen=True, kw_only=True)
+class FollowedNucleus:
     """What became of a nucleus at a coupling.
 
     Attributes
     ----------
-    growth : Growth
-        How it grew.
+    evolution : Evolution
+        How it changed.
     mirrored : bool
         Whether the last state is its own mirror image to the last bit.
     same_until : float
@@ -117,7 +118,7 @@ class Fate:
         Wall-clock time.
     """
 
-    growth: Growth
+    evolution: Evolution
     mirrored: bool
     same_until: float
     confirmed: bool
@@ -125,21 +126,22 @@ class Fate:
     seconds: float
 
 
-def growth_of(run: Trajectory) -> Growth:
+def evolution_of(run: Trajectory) -> Evolution:
     """Name what a run has shown, by the rules of the module.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=15)
-    >>> growth_of(simulate(chain, excite(chain, [8]), 5e3, estimate_error=False)).end.value
+    >>> evolution_of(simulate(chain, excite(chain, [8]), 5e3, estimate_error=False)).outcome.value
     'held'
     """
     chain = run.chain
     slow = chain.eps * run.arrivals
-    return growth(slow, chain.eps * float(run.times[-1]), int(run.width[-1]))
+    return evolution(slow, chain.eps * float(run.times[-1]), int(run.width[-1]))
 
 
-def growth(joined: FloatArray, slow_time: float, size: int, pause: float = PAUSE) -> Growth:
+def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PAUSE) -> Evolution:
     """Apply the rules of the module to when sites joined.
 
     Parameters
@@ -156,11 +158,11 @@ def growth(joined: FloatArray, slow_time: float, size: int, pause: float = PAUSE
     Examples
     --------
     >>> nan = float("nan")
-    >>> growth(np.array([nan, nan, 30.0, 0.0, 30.0, nan, nan]), 200.0, 3).end.value
+    >>> evolution(np.array([nan, nan, 30.0, 0.0, 30.0, nan, nan]), 200.0, 3).outcome.value
     'larger nucleus'
-    >>> growth(np.array([150.0, 90.0, 30.0, 0.0, 30.0, 90.0, 150.0]), 200.0, 7).end.value
+    >>> evolution(np.array([150.0, 90.0, 30.0, 0.0, 30.0, 90.0, 150.0]), 200.0, 7).outcome.value
     'front'
-    >>> growth(np.array([220.0, 190.0, 30.0, 0.0, 30.0, 190.0, 220.0]), 300.0, 7).end.value
+    >>> evolution(np.array([220.0, 190.0, 30.0, 0.0, 30.0, 190.0, 220.0]), 300.0, 7).outcome.value
     'creep'
     """
     started = int(np.count_nonzero(joined == 0.0))
@@ -174,33 +176,34 @@ def growth(joined: FloatArray, slow_time: float, size: int, pause: float = PAUSE
     marks = grew if filled <= slow_time else np.append(grew, slow_time)
     longest = float(np.diff(grew).max()) if grew.size > 1 else None
     if size < started:
-        end = End.SHRUNK
+        outcome = Outcome.SHRUNK
     elif not times.size:
-        end = End.HELD
+        outcome = Outcome.HELD
     elif filled > slow_time and times[-1] <= 0.5 * slow_time:
-        end = End.LARGER
+        outcome = Outcome.LARGER
     elif grew.size < SEVERAL and filled > slow_time:
-        end = End.UNDECIDED
+        outcome = Outcome.UNDECIDED
     else:
-        end = End.FRONT if np.diff(marks).max(initial=0.0) <= pause else End.CREEP
-    return Growth(end, size, sizes, longest, slow_time)
+        outcome = Outcome.FRONT if np.diff(marks).max(initial=0.0) <= pause else Outcome.CREEP
+    return Evolution(
+        outcome=outcome, size=size, sizes=sizes, longest_pause=longest, slow_time=slow_time
+    )
 
 
 def follow_nucleus(
-    chain: VdpChain,
+    chain: VanDerPolChain,
     size: int = 1,
     *,
     perturbation: float = 0.0,
     seed: int = 0,
     slow_time: float = 1000.0,
     tolerance: float = 1e-8,
-    model: Model = Model.FULL,
-) -> Fate:
+) -> FollowedNucleus:
     """Follow a nucleus in the middle of a chain: all its sites in phase on the cycle of one cell.
 
     Parameters
     ----------
-    chain : VdpChain
+    chain : VdpChain or AveragedChain
         Parameters; N decides how far it can grow.
     size : int
         Excited sites, odd or even as N is, for a start of mirror symmetry.
@@ -212,8 +215,6 @@ def follow_nucleus(
         Length of the run in T = εt.
     tolerance : float
         Local error of the run; the one beside it has a hundred times as much.
-    model : Model
-        (8), or (43).
 
     Raises
     ------
@@ -222,9 +223,10 @@ def follow_nucleus(
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.195, sites=21)
-    >>> fate = follow_nucleus(chain, slow_time=140.0)
-    >>> fate.growth.size, fate.mirrored, fate.confirmed
+    >>> followed = follow_nucleus(chain, slow_time=140.0)
+    >>> followed.evolution.size, followed.mirrored, followed.confirmed
     (5, True, True)
     """
     started = time.perf_counter()
@@ -237,48 +239,62 @@ def follow_nucleus(
         start = add_noise(start, perturbation, seed)
     runs = [
         simulate(
-            model.chain_of(chain), start, slow_time / chain.eps, tolerance=each, samples=SAMPLES,
-            estimate_error=False)
+            chain,
+            start,
+            slow_time / chain.eps,
+            tolerance=each,
+            samples=SAMPLES,
+            estimate_error=False,
+        )
         for each in (tolerance, min(1e-2, COARSER * tolerance))
-    ]  # fmt: skip
-    found = [growth_of(run) for run in runs]
+    ]
+    found = [evolution_of(run) for run in runs]
     last = runs[0].psi[-1]
-    return Fate(
-        found[0],
-        bool(np.array_equal(last, last[::-1])),
-        _same_until(chain.eps * runs[0].arrivals, chain.eps * runs[1].arrivals, slow_time),
-        found[0].end is found[1].end,
-        runs[0],
-        time.perf_counter() - started,
+    arrivals = [chain.eps * run.arrivals for run in runs]
+    return FollowedNucleus(
+        evolution=found[0],
+        mirrored=bool(np.array_equal(last, last[::-1])),
+        same_until=_same_until(arrivals[0], arrivals[1], slow_time),
+        confirmed=found[0].outcome is found[1].outcome,
+        run=runs[0],
+        seconds=time.perf_counter() - started,
     )
 
 
-def distance_from_breather(fate: Fate) -> tuple[float, float]:
+@dataclass(frozen=True, kw_only=True)
+class BreatherDistance:
+    """How far the last state of a run is from the mirror-symmetric breather of its size.
+
+    Attributes
+    ----------
+    gap : float
+        Largest difference of |Ψ| and the amplitude of the orbit, over the sites. |Ψ| has a ripple
+        of O(ε), so it is never far below ε times the amplitude. Infinite if there is no such orbit.
+    growth : float or None
+        Largest growth rate of the orbit per unit of slow time, perturbations of every shape; None
+        if there is no such orbit.
+    """
+
+    gap: float
+    growth: float | None
+
+
+def distance_from_breather(followed: FollowedNucleus) -> BreatherDistance:
     """Return how far the last state is from the mirror-symmetric breather of its size.
 
     The breather is the periodic orbit of (8), followed from small coupling; nothing of the run is
     put into it.
-
-    Returns
-    -------
-    gap : float
-        Largest difference of |Ψ| and the amplitude of the orbit, over the sites. |Ψ| has a ripple
-        of O(ε), so it is never far below ε times the amplitude. Infinite if there is no such orbit.
-    growth : float
-        Largest growth rate of the orbit per unit of slow time, perturbations of every shape.
     """
-    from theory.chains.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
-    from verification.breathers.orbits import solve_orbit
-
-    size, sites = fate.growth.size, fate.run.chain.sites
+    size, sites = followed.evolution.size, followed.run.chain.sites
     margin = min(MARGIN, (sites - size) // 2)
-    shorter = replace(fate.run.chain, sites=sites_for(size, margin))
+    shorter = replace(followed.run.chain, sites=sites_for(size, margin))
     orbit = solve_orbit(shorter, Nucleus(size, outward_pattern(size)))
     if orbit.multipliers is None:
-        return float("inf"), float("nan")
+        return BreatherDistance(gap=float("inf"), growth=None)
     beside = (sites - shorter.sites) // 2
-    inside = fate.run.amplitude[-1][beside : beside + shorter.sites]
-    return float(np.abs(inside - orbit.amplitudes).max()), orbit.multipliers.growth
+    inside = followed.run.amplitude[-1][beside : beside + shorter.sites]
+    gap = float(np.abs(inside - orbit.amplitudes).max())
+    return BreatherDistance(gap=gap, growth=orbit.multipliers.growth)
 
 
 def _same_until(one: FloatArray, other: FloatArray, slow_time: float) -> float:

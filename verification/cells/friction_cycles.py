@@ -1,4 +1,4 @@
-"""One shooting of each cycle of the friction cell, at one tolerance (``cell_orbits``).
+"""One shooting of each cycle of the friction cell, at one tolerance (``friction``).
 
 The stick-slip cycle passes the point of release, so that what follows a release gives all of it:
 nothing has to be iterated. If the force on returning to ẏ = v_d is beyond -μ_st (it can be, for
@@ -9,7 +9,6 @@ time; its largest y is a fixed point of the map from one maximum to the next.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -18,6 +17,7 @@ from scipy.optimize import brentq
 
 from theory.cells.friction import FrictionCell, friction_slope, stick_phase
 from theory.parameters import ParameterError
+from verification.cells.result import Cycle
 from verification.steppers import friction_cell_phase as phases
 from verification.steppers.friction_series import binomials
 from verification.steppers.taylor import taylor_order
@@ -30,43 +30,6 @@ ROUND_OFF = 1e-14
 _FINEST = 1e-17
 _SMALL = 1e-3
 """Relative to v₀: below it the unstable cycle is taken from its expansion at the Hopf velocity."""
-
-
-@dataclass(frozen=True)
-class Cycle:
-    """A cycle of the cell.
-
-    Attributes
-    ----------
-    max, min : float
-        Largest and smallest y.
-    period : float
-        In units of τ.
-    stick_time, slip_time : float
-        Durations of stick and of slip; 0 and the period for the unstable cycle.
-    speed : float
-        Largest ẏ; v_d where the cycle sticks and never slips forwards.
-    multiplier : float
-        Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
-        nan where differences cannot tell it.
-    error : float
-        Largest difference of any of these, except speed and multiplier, from a computation at a
-        hundred times the tolerance.
-    """
-
-    max: float
-    min: float
-    period: float
-    stick_time: float
-    slip_time: float
-    speed: float
-    multiplier: float
-    error: float
-
-    @property
-    def amplitude(self) -> float:
-        """Half of max - min."""
-        return 0.5 * (self.max - self.min)
 
 
 @lru_cache(maxsize=64)
@@ -121,7 +84,7 @@ def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
 
 
 def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
-    """Return the stick-slip cycle without its error (nan); None if the cell does not stick again.
+    """Return the stick-slip cycle its error zero so far; None if the cell does not stick again.
 
     Raises
     ------
@@ -148,7 +111,16 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
         stick = stick_phase(cell, y)
         if stick is not None:
             time = stick.duration
-            return Cycle(max(highs), min(lows), slip + time, time, slip, speed, 0.0, math.nan)
+            return Cycle(
+                max=max(highs),
+                min=min(lows),
+                period=slip + time,
+                stick_time=time,
+                slip_time=slip,
+                speed=speed,
+                multiplier=0.0,
+                error=0.0,
+            )
         direction = -direction
     raise never_sticks(cell)
 
@@ -201,10 +173,18 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     step = 1e-5 * (y - centre)
     ahead, behind = ((following(y + each, phases.HIGHEST)[1] - y) / each for each in (step, -step))
     # Where the cycle nearly touches, the step is too long for a difference.
-    multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else math.nan
+    multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else None
     # Round-off moves the fixed point by 1/(multiplier - 1) of itself.
     blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
-    return Cycle(y, low, period, 0.0, period, fastest + cell.v_d, multiplier, blurred)
+    return Cycle(
+        max=y,
+        min=low,
+        period=period,
+        slip_time=period,
+        speed=fastest + cell.v_d,
+        multiplier=multiplier,
+        error=blurred,
+    )
 
 
 def _amplitude_near_hopf(cell: FrictionCell) -> float:
@@ -228,5 +208,11 @@ def _expanded(cell: FrictionCell, amplitude: float) -> Cycle:
     growth = math.exp(period * cell.effective_damping)
     left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.v0**2) + ROUND_OFF
     return Cycle(
-        centre + amplitude, centre - amplitude, period, 0.0, period, amplitude, growth, left_out
+        max=centre + amplitude,
+        min=centre - amplitude,
+        period=period,
+        slip_time=period,
+        speed=amplitude,
+        multiplier=growth,
+        error=left_out,
     )

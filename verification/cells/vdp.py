@@ -9,7 +9,6 @@ of y to the next, taken by scipy's DOP853.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -18,56 +17,16 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from theory.cells.vdp import eta_from_damping, is_bistable
-from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError, within
+from verification.cells.result import Cell, CellStatus, Cycle
 
 FloatArray = npt.NDArray[np.float64]
 
+ROUNDING = 1e-14
+"""Relative rounding of a period, over the some hundred steps that it takes."""
 _LONGEST = 1e3
 _STIFFEST = 60.0
 """Largest ε max|1 - a y² + b y⁴| on the stable cycle: DOP853 takes half a minute there."""
-
-
-@dataclass(frozen=True)
-class VdpCycle:
-    """A cycle; symmetric about y = 0.
-
-    Attributes
-    ----------
-    amplitude : float
-        Largest y.
-    period : float
-        In units of t.
-    averaged : float
-        Amplitude as ε → 0, in closed form.
-    error : float
-        Difference of amplitude and period from a computation at a hundred times the tolerance.
-    """
-
-    amplitude: float
-    period: float
-    averaged: float
-    error: float
-
-
-@dataclass(frozen=True)
-class VdpCell:
-    """What one cell can do.
-
-    Attributes
-    ----------
-    eta : float
-        b/a².
-    stable, unstable : VdpCycle or None
-        None for η >= 1/8.
-    seconds : float
-        Run time.
-    """
-
-    eta: float
-    stable: VdpCycle | None
-    unstable: VdpCycle | None
-    seconds: float
 
 
 class _Turn:
@@ -79,8 +38,10 @@ class _Turn:
         return float(z[1]) if t > 0.0 else -1.0
 
 
-def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> VdpCell:
+def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> Cell:
     """Return both cycles of a cell.
+
+    y → y√a turns (a, b) into (1, η), so that shooting has the same tolerance for every a.
 
     Parameters
     ----------
@@ -99,43 +60,125 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> VdpCel
 
     Examples
     --------
-    >>> cell = vdp_cell(2.5, 0.5, 0.01)
-    >>> abs(cell.stable.amplitude - cell.stable.averaged) < 1e-3
+    >>> found = vdp_cell(2.5, 0.5, 0.01)
+    >>> abs(found.stable.amplitude - found.stable.averaged) < 1e-3
     True
     """
     begin = perf_counter()
     eta = eta_from_damping(a, b)
     within("small parameter eps", eps, 1e-4, 1.0)
     within("tolerance", tolerance, 1e-13, 1e-6)
-    if not is_bistable(eta):
-        return VdpCell(eta, None, None, perf_counter() - begin)
-    chain = VdpChain(a=a, b=b, c=0.0, eps=eps)
-    stiffness = effective_epsilon(chain)
+    stable = unstable = None
+    if is_bistable(eta):
+        _check_stiffness(eta, eps)
+        root = math.sqrt(1.0 - 8.0 * eta)
+        # |φ_us|² and |φ_s|² with a = 1: neither cancels.
+        squares = 8.0 / (1.0 + root), (1.0 + root) / eta
+        unstable, stable = (
+            _cycle(eta, eps, math.sqrt(each), (squares[0] * squares[1]) ** 0.25, a, tolerance)
+            for each in squares
+        )
+    return Cell(
+        model="vdp",
+        parameters={"a": a, "b": b, "eps": eps},
+        status=CellStatus.REST if stable is None else CellStatus.BISTABLE,
+        rest=0.0,
+        effective_damping=eps,
+        stable=stable,
+        unstable=unstable,
+        seconds=perf_counter() - begin,
+    )
+
+
+def averaged_cell(a: float, b: float, eps: float) -> Cell:
+    """Return both cycles of (43), in closed form: |φ|² = (a/b)(1 ∓ √(1 - 8η)), of period 2π.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> found = averaged_cell(4, 0.5, 0.01)
+    >>> round(found.unstable.amplitude, 6), round(found.stable.amplitude, 6)
+    (1.035276, 3.863703)
+    """
+    begin = perf_counter()
+    eta = eta_from_damping(a, b)
+    stable = unstable = None
+    if is_bistable(eta):
+        root = math.sqrt(1.0 - 8.0 * eta)
+        # Rounding of η alone moves the root by this much, as the cycles meet.
+        spread = 8.0 * ROUNDING / root**2
+        unstable, stable = (
+            _closed(math.sqrt(square), spread)
+            for square in (8.0 / a / (1.0 + root), a / b * (1.0 + root))
+        )
+    return Cell(
+        model="averaged",
+        parameters={"a": a, "b": b, "eps": eps},
+        status=CellStatus.REST if stable is None else CellStatus.BISTABLE,
+        rest=0.0,
+        effective_damping=eps,
+        stable=stable,
+        unstable=unstable,
+        seconds=perf_counter() - begin,
+    )
+
+
+def _closed(amplitude: float, spread: float) -> Cycle:
+    period = 2.0 * math.pi
+    return Cycle(
+        max=amplitude,
+        min=-amplitude,
+        period=period,
+        slip_time=period,
+        averaged=amplitude,
+        error=spread * amplitude,
+    )
+
+
+def _check_stiffness(eta: float, eps: float) -> None:
+    """Refuse what DOP853 takes too long for: ε max|1 - a y² + b y⁴| over the stable cycle.
+
+    The largest is (1 + 7s)/(1 - s), s = √(1 - 8η), here without cancellation.
+    """
+    root = math.sqrt(1.0 - 8.0 * eta)
+    stiffness = eps * (1.0 + 7.0 * root) * (1.0 + root) / (8.0 * eta)
     if stiffness > _STIFFEST:
         raise ParameterError(
             "eps max|1 - a y^2 + b y^4|", f"{stiffness:.4g}", f"at most {_STIFFEST:g} for a true "
             "cycle", "take a smaller eps, or a larger eta",
         )  # fmt: skip
-    inner, outer = chain.unstable_amplitude, chain.stable_amplitude
-    found = []
-    for averaged in (outer, inner):
-        (y, period), (coarse, other) = (
-            _shoot(a, b, eps, averaged, math.sqrt(inner * outer), each)
-            for each in (tolerance, 100.0 * tolerance)
-        )
-        error = max(abs(y - coarse), abs(period - other), 1e-14 * period)
-        found.append(VdpCycle(y, period, averaged, error))
-    return VdpCell(eta, found[0], found[1], perf_counter() - begin)
+
+
+def _cycle(
+    eta: float, eps: float, averaged: float, between: float, a: float, tolerance: float
+) -> Cycle:
+    """Return one cycle in y, from that in y√a at two tolerances."""
+    (y, period), (coarse, other) = (
+        _shoot(eta, eps, averaged, between, each) for each in (tolerance, 100.0 * tolerance)
+    )
+    scale = math.sqrt(a)
+    return Cycle(
+        max=y / scale,
+        min=-y / scale,
+        period=period,
+        slip_time=period,
+        averaged=averaged / scale,
+        error=max(abs(y - coarse) / scale, abs(period - other), ROUNDING * period),
+    )
 
 
 def _shoot(
-    a: float, b: float, eps: float, guess: float, between: float, tolerance: float
+    eta: float, eps: float, guess: float, between: float, tolerance: float
 ) -> tuple[float, float]:
     """Return amplitude and period of the cycle near ``guess``, on its side of ``between``."""
 
     def following(y: float) -> tuple[float, float]:
         def rate(_: float, z: FloatArray) -> list[float]:
-            damping = 1.0 - a * z[0] ** 2 + b * z[0] ** 4
+            damping = 1.0 - z[0] ** 2 + eta * z[0] ** 4
             return [z[1], -z[0] - eps * z[1] * damping]
 
         run = solve_ivp(

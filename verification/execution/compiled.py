@@ -93,4 +93,4 @@ def _storing_may_fail(_: object) -> Iterator[None]:
 
 
 keep_compiled_code()
-caching.Cache._guard_against_spurious_io_errors = _storing_may_fail
+setattr(caching.Cache, "_guard_against_spurious_io_errors", _storing_may_fail)  # noqa: B010

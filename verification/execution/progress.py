@@ -46,7 +46,7 @@ class Progress:
 
     Examples
     --------
-    >>> with Progress("map of 280 points", stream=open(os.devnull, "w")) as progress:
+    >>> with Progress("map of 280 points", stream=io.StringIO()) as progress:
     ...     progress.report(0.5)
     """
 

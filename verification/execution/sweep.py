@@ -33,6 +33,7 @@ from verification.execution.digest import (
     digest_of_arrays,
     digest_of_code,
     essence,
+    source_of,
 )
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import Code, Metadata
@@ -249,10 +250,11 @@ def _found(store: Store, total: int) -> dict[int, dict[str, Scalar]]:
 def _metadata(function: Task, points: Sequence[Point], command: str, needed: bool) -> Metadata:
     """Return what identifies a sweep, and where it was computed."""
     name = task_name(function)
-    parameters: dict[str, Any] = {"function": name}
+    parameters: dict[str, Any] = {}
     code = None
     try:
-        parameters["parameters"] = parameters_of(function)
+        held = parameters_of(function)
+        parameters = held if isinstance(held, dict) else {}
         modules, loose = _code_of(function)
         packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
         digest = digest_of([digest_of_code(modules, packages), loose])
@@ -261,13 +263,16 @@ def _metadata(function: Task, points: Sequence[Point], command: str, needed: boo
         if needed:
             raise
     rows = [list(point.items()) for point in points]
-    parameters["points"] = {"count": len(points), "digest": digest_of(rows)}
+    parameters |= {
+        "function": name,
+        "points": {"count": len(points), "digest": digest_of(rows)},
+    }
     return Metadata(command=command or f"sweep({name}, ...)", parameters=parameters, code=code)
 
 
 def _identity(metadata: Metadata) -> dict[str, Any]:
     return {
-        **metadata.parameters,
+        "parameters": dict(metadata.parameters),
         "versions": dict(metadata.versions),
         "code": None if metadata.code is None else metadata.code.digest,
     }
@@ -342,11 +347,10 @@ def _code_of(task: object) -> tuple[set[str], list[Any]]:
     loose: list[Any] = []
     for owner in _owners(task):
         name = getattr(owner, "__module__", None) or type(owner).__module__
-        try:
-            digest_of_code([name], {name.partition(".")[0]})
-            modules.add(name)
-        except ValueError:
+        if source_of(name) is None:
             loose.append([name, _loose(owner, name)])
+        else:
+            modules.add(name)
     return modules, loose
 
 

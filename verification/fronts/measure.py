@@ -260,6 +260,7 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
 def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary) -> Preparation:
     excited = 24 if request.excited is None else request.excited
     count_within("excited sites", excited, 4, MAX_EXCITED)
+    max_sites = 1000 if request.max_sites is None else request.max_sites
     stall = (60.0 if request.stall_time is None else request.stall_time) * chain.time_unit
     on = boundary is LeftBoundary.WAVE
     waves = chain.trailing_wave_velocity
@@ -293,8 +294,8 @@ def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary
         sized=sized,
         begin=begin,
         excited=excited,
-        sites=max(chain.sites, 32),
-        max_sites=1000 if request.max_sites is None else request.max_sites,
+        sites=max(count_within("number of sites n", chain.sites, 2, max_sites), 32),
+        max_sites=max_sites,
         accuracy=1e-3 if request.accuracy is None else request.accuracy,
         tolerance=1e-8 if request.tolerance is None else request.tolerance,
         stall_time=stall,

@@ -9,11 +9,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.result import Result
+from theory.result import Result, plain
 from theory.status import Status
 from verification.fronts.status import FrontStatus
 
 FloatArray = npt.NDArray[np.float64]
+
+
+_OF_SWITCHINGS = (
+    "period_spread", "events_per_site", "sliding_events", "repeat", "margin", "truncation",
+)  # fmt: skip
+"""What a run of (44) knows of its front beyond a velocity."""
 
 
 class LeftBoundary(Status):
@@ -68,6 +74,32 @@ class Front(Result):
     counts: Mapping[str, int]
     seconds: float
     detail: Any = field(default=None, repr=False, metadata={"json": None})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON; arrivals are counted, not listed."""
+        found = {
+            "model": self.chain.model,
+            "v": plain(self.v),
+            "error": plain(self.error),
+            "steady": self.steady,
+            "status": self.status.value,
+            "arrivals": int(self.arrivals.size),
+            "sites": getattr(self.chain, "sites", None),
+            "excited": self.excited,
+            "left_boundary": plain(self.left_boundary),
+            "outruns_waves": self.outruns_waves,
+            "steps": self.steps,
+            **plain(self.counts),
+            "method": self.method,
+            "seconds": self.seconds,
+            "chain": plain(self.chain),
+        }
+        group_velocity = getattr(self.chain, "largest_group_velocity", None)
+        if group_velocity is not None:
+            found["largest_group_velocity"] = group_velocity
+        for name in _OF_SWITCHINGS if self.detail is not None else ():
+            found[name] = plain(getattr(self.detail, name))
+        return found
 
     @property
     def steady(self) -> bool:

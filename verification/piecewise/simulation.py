@@ -184,7 +184,7 @@ def _start_state(
     if kind is not Start.MOVING:
         if velocity is not None:
             raise ParameterError(
-                "start velocity", velocity, "left out unless the start is moving",
+                "start velocity", velocity, "not given unless the start is moving",
                 "leave it out or start moving",
             )  # fmt: skip
         sites = window_length(c, 1.2 * c / (1 + 0.15 * c), 1e-15 * r)

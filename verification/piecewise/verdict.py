@@ -144,7 +144,7 @@ class History:
         return max(_FLOOR, 4 * self._jitter * abs(self._mean_velocity()))
 
     def decided(self, tolerance: float, max_periods: int) -> bool:
-        """Tell whether further periods would not change the verdict."""
+        """Return whether further periods would not change the verdict."""
         spreads = self._spreads()
         if self._is_steady(spreads, tolerance) or self._total() >= max_periods:
             return True
@@ -221,7 +221,7 @@ class History:
 
 
 def _shrinks(spreads: npt.NDArray[np.float64]) -> bool:
-    """Tell whether the largest spread falls from one group of blocks to the next, twice."""
+    """Return whether the largest spread falls from one group of blocks to the next, twice."""
     if len(spreads) < 3 * _GROUP:
         return False
     groups = spreads[-3 * _GROUP :].reshape(3, _GROUP).max(axis=1)
@@ -229,7 +229,7 @@ def _shrinks(spreads: npt.NDArray[np.float64]) -> bool:
 
 
 def _decays(spreads: npt.NDArray[np.float64]) -> bool:
-    """Tell whether it falls and is small enough for the fall to be geometric."""
+    """Return whether it falls and is small enough for the fall to be geometric."""
     return _shrinks(spreads) and bool(spreads[-3 * _GROUP :].max() < 0.1)
 
 

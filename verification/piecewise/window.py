@@ -20,7 +20,7 @@ Flags = npt.NDArray[np.bool_]
 
 MAX_SITES = 1 << 15
 _RESERVE = 1 / 16
-"""Part of the damping kept back, so that the bounds stay finite as the front slows down."""
+"""Part of the damping held in reserve, so that the bounds stay finite as the front slows down."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class ChainState:
     origin : int
         Site number of ``phi[0]``.
     on : ndarray of bool, shape (N,), optional
-        Sites with ``|phi| > r``; worked out from ``phi`` if left out.
+        Sites with ``|phi| > r``; worked out from ``phi`` if not given.
     latest : int, optional
         Index in ``phi`` of a site that has just crossed and stands at r exactly.
     """

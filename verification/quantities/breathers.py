@@ -25,7 +25,8 @@ from verification.quantities.quantity import (
     StatedValue,
 )
 from verification.references.equations import averaged_damping, pull, variational_rate
-from verification.thresholds.breather import Method, breather_threshold
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.result import ThresholdMethod
 
 ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END,))
 A, C, EPSILON = (
@@ -299,7 +300,7 @@ def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> Referenc
 
 
 def _threshold(at: Mapping[str, float]) -> StatedValue:
-    found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), Method.ENVELOPE)
+    found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), ThresholdMethod.ENVELOPE)
     return StatedValue(value=found.c, error=found.error, extra=found)
 
 

@@ -43,7 +43,7 @@ _LONGEST = 400.0
 
 def stable_cycle(at: Mapping[str, float]) -> StatedValue:
     """Period and stick time; both zero where there is no cycle."""
-    from verification.cells.friction_orbits import stick_slip_cycle
+    from verification.cells.friction import stick_slip_cycle
 
     found = stick_slip_cycle(friction_cell(at))
     if found is None:

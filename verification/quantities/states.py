@@ -37,16 +37,16 @@ def _chain(at: Mapping[str, float]) -> VdpChain:
 
 
 def _label(at: Mapping[str, float], full: bool) -> StatedValue:
-    from verification.maps.state import Label
-    from verification.maps.vdp_state import label_state
+    from verification.maps.state import State
+    from verification.maps.vdp_rules import find_vdp_state
     from verification.runs.excite import as_psi, excite
 
     chain = _chain(at)
     start = excite(chain, [_SITES], at["displacement"])
-    found = label_state(chain if full else chain.averaged(), start)
-    if found.label is Label.UNDECIDED:
+    found = find_vdp_state(chain if full else chain.averaged(), start)
+    if found.state is State.UNDECIDED:
         return StatedValue(value=None, error=0.0, note="undecided", extra=(found, as_psi(start)))
-    return StatedValue(value=1.0, error=0.0, note=str(found.label), extra=(found, as_psi(start)))
+    return StatedValue(value=1.0, error=0.0, note=str(found.state), extra=(found, as_psi(start)))
 
 
 def _check_averaged(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:

@@ -2,9 +2,9 @@
 
 They are a hundred and a thousand times the tolerance. The error is twice the larger of the
 difference from the first and a tenth of the difference from the second: an event may make one
-difference small by accident, and where rounding decides, such a run is no worse than the run itself.
-The first of them also starts a few units in the last place away. Where motion is unstable, rounding
-alone grows by e^{λt}, and no tolerance helps; so the error says it.
+difference small by accident, and where rounding decides, such a run is no worse than the run
+itself. The first of them also starts a few units in the last place away. Where motion is unstable,
+rounding alone grows by e^{λt}, and no tolerance helps; so the error says it.
 """
 
 from __future__ import annotations

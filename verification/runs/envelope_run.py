@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.vdp import AveragedChain, VdpChain
+from theory.chains.vdp import VanDerPolChain
 from verification.runs.excite import as_psi
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.kernel import fast
@@ -81,7 +81,7 @@ def escape(take_step: Step) -> Condition:
 
 
 def run_envelope(
-    chain: VdpChain | AveragedChain,
+    chain: VanDerPolChain,
     phi: Complex,
     duration: float,
     *,
@@ -116,7 +116,7 @@ def run_envelope(
     >>> round(float(abs(run_envelope(chain, start, 100.0).phi[2])), 6)
     2.828427
     """
-    averaged = chain.averaged() if isinstance(chain, VdpChain) else chain
+    averaged = chain.averaged()
     mask = np.ones(chain.sites) if watched is None else np.asarray(watched, dtype=float)
     steps = max(1, round(duration / step))
     run = SmoothIntegration(

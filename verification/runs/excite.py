@@ -20,6 +20,9 @@ from theory.chains.chain import Chain, SmoothChain
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, within
 from theory.status import Status
+from verification.runs.integration import as_psi
+
+__all__ = ["StartPoint", "add_noise", "as_psi", "cycle_point", "excite", "excite_edge"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -134,7 +137,7 @@ def _turning_points(cell: FrictionCell) -> tuple[float, float]:
 
 
 def excite_edge(chain: SmoothChain, filled: int) -> FloatArray:
-    """Return a start of a front: the first sites excited, with the phase step of the chain's fronts.
+    """Return a start of a front: the first sites excited, with the phase step of its fronts.
 
     Fronts of (8) and (43) lock to a phase step of -π/2 a site.
 
@@ -160,15 +163,3 @@ def add_noise(start: FloatArray, size: float, seed: int) -> FloatArray:
     noise = np.random.default_rng(seed).standard_normal((2, start.shape[1]))
     noisy: FloatArray = start + size * noise[::-1]
     return noisy
-
-
-def as_psi(state: FloatArray) -> npt.NDArray[np.complex128]:
-    """Return Ψ = ẏ + iy, or φ, of states (…, 2, N).
-
-    Examples
-    --------
-    >>> as_psi(np.array([[1.0], [2.0]]))
-    array([2.+1.j])
-    """
-    psi: npt.NDArray[np.complex128] = state[..., 1, :] + 1j * state[..., 0, :]
-    return psi

@@ -17,6 +17,7 @@ from verification.runs.integration import (
     Integration,
     NotFiniteError,
     StandstillError,
+    check_options,
     checked_state,
     integration,
 )
@@ -299,4 +300,5 @@ class FrictionIntegration(Integration):
 def _(
     chain: FrictionChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
 ) -> FrictionIntegration:
+    check_options(FrictionIntegration, options)
     return FrictionIntegration(chain, start, times, **options)

@@ -1,11 +1,12 @@
-"""What an integration is: one run of a chain in progress, and the contract that every stepper fulfils.
+"""What an integration is: one run of a chain in progress, and the contract of every stepper.
 
 How to write a new integration
 ------------------------------
 1. Derive from :class:`Integration` and register a function that makes one for your chain::
 
        @integration.register
-       def _(chain: MyChain, start, times, **options): return MyIntegration(chain, start, times, ...)
+       def _(chain: MyChain, start, times, **options):
+           return MyIntegration(chain, start, times, **options)
 
    Options that it does not know it refuses with ``ParameterError``.
 2. Hold the whole state of the run in numpy arrays, made once, changed in place, and listed in
@@ -26,6 +27,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import singledispatch
+from inspect import signature
 from typing import Any, ClassVar
 
 import numpy as np
@@ -182,7 +184,8 @@ def integration(
     times : array_like, shape (M,)
         Times t of the samples, ascending from 0 or later.
     **options
-        ``tolerance``, ``end`` (by default the last of ``times``), and what the class of the integration takes.
+        ``tolerance``, ``end`` (by default the last of ``times``), and what the class of the
+        integration takes.
 
     Raises
     ------
@@ -234,3 +237,31 @@ def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
     if kind == "c" and given.shape != (sites,):
         raise ParameterError("start", "a complex array", "real", "give y and w at every site")
     return np.array(state, dtype=float, order="C")
+
+
+def check_options(kind: type[Integration], options: Mapping[str, Any]) -> None:
+    """Refuse an option that an integration does not have.
+
+    Raises
+    ------
+    ParameterError
+        If there is one.
+    """
+    known = [name for name in signature(kind).parameters if name not in {"chain", "start", "times"}]
+    for name in options:
+        if name not in known:
+            raise ParameterError(
+                "option", name, f"one of {', '.join(known)}", f"the stepper is: {kind.method}"
+            )
+
+
+def as_psi(state: FloatArray) -> npt.NDArray[np.complex128]:
+    """Return Ψ = ẏ + iy, or φ, of states (…, 2, N).
+
+    Examples
+    --------
+    >>> as_psi(np.array([[1.0], [2.0]]))
+    array([2.+1.j])
+    """
+    psi: npt.NDArray[np.complex128] = state[..., 1, :] + 1j * state[..., 0, :]
+    return psi

@@ -16,6 +16,8 @@ from verification.runs.integration import (
     Integration,
     NotFiniteError,
     StandstillError,
+    as_psi,
+    check_options,
     checked_state,
     integration,
 )
@@ -155,7 +157,7 @@ class SmoothIntegration(Integration):
         return found / self._rate
 
     def _close_window(self) -> float:
-        """Close the window around what moves; return the amplitude up to which a site is at rest."""
+        """Close the window around what moves; return the amplitude below which a site rests."""
         rest = self.tolerance * self._size
         state, counters, sites = self._run.state, self._run.counters, self.chain.sites
         counters[smooth.HI] = sites
@@ -234,8 +236,7 @@ class SmoothIntegration(Integration):
     @property
     def sampled_amplitude(self) -> FloatArray:
         """√(y² + w²) at ``times``, shape (M, N)."""
-        amplitude: FloatArray = np.hypot(self._run.samples[:, 0], self._run.samples[:, 1])
-        return amplitude
+        return np.abs(as_psi(self._run.samples))
 
     @property
     def arrivals(self) -> FloatArray:
@@ -337,4 +338,5 @@ class SmoothIntegration(Integration):
 def _(
     chain: SmoothChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
 ) -> SmoothIntegration:
+    check_options(SmoothIntegration, options)
     return SmoothIntegration(chain, start, times, **options)

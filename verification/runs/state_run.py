@@ -46,7 +46,7 @@ SHORTEST = 1e-9
 """A step below this ends the run."""
 
 LONGEST = 1.5
-"""Longest step of an oscillation: less than half a period, so that no passage of y = 0 is missed."""
+"""Longest step of an oscillation: less than half a period, so no passage of y = 0 is missed."""
 
 _LEVEL, _QUIET, _STIFFNESS, _HOLD, _WINDOW, _SETTLED, _OSCILLATES = 0, 1, 2, 3, 4, 5, 6
 _ARRIVED, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 11, 12, 13

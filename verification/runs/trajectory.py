@@ -1,4 +1,4 @@
-"""What a run of a chain has shown: states, amplitudes, arrivals, and how far they can be trusted."""
+"""What a run of a chain has shown: states, amplitudes, arrivals, and how far to trust them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.result import Result
+from theory.chains.chain import SmoothChain
+from theory.result import Result, plain
 from theory.status import Status
 
 FloatArray = npt.NDArray[np.float64]
@@ -89,6 +90,42 @@ class Trajectory(Result):
     counts: Mapping[str, int]
     event_log: FloatArray
     seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON: the last state, arrivals, errors and counts, no samples."""
+        smooth = isinstance(self.chain, SmoothChain)
+        width = int(self.width[-1]) if smooth else int(np.count_nonzero(~np.isnan(self.arrivals)))
+        return {
+            "model": self.chain.model,
+            "t_end": float(self.times[-1]),
+            "amplitudes": plain(self.amplitude[-1]),
+            "width": width,
+            "arrivals": plain(self.arrivals),
+            "level": self.level,
+            "error": plain(self.error),
+            "arrival_error": plain(self.arrival_error),
+            "status": self.status.value,
+            "resolved_until": plain(self.resolved_until),
+            "tolerance": self.tolerance,
+            "method": self.method,
+            **plain(self.counts),
+            "mean_active": self.mean_active,
+            "seconds": self.seconds,
+        }
+
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """Return what a file of arrays holds: samples by name, as the model calls them."""
+        if isinstance(self.chain, SmoothChain):
+            states: dict[str, npt.NDArray[Any]] = {"psi": self.psi}
+        else:
+            states = {"y": self.y, "velocity": self.velocity, "envelope": self.amplitude}
+        return {
+            "times": self.times,
+            **states,
+            "amplitude": self.amplitude,
+            "arrivals": self.arrivals,
+            "level": np.array(self.level),
+        }
 
     @property
     def y(self) -> FloatArray:

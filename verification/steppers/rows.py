@@ -25,7 +25,7 @@ def put(source: FloatArray, target: FloatArray) -> None:
 
 @njit(cache=True, fastmath={"nnan", "nsz"})
 def largest(row: FloatArray) -> float:
-    """Return the largest modulus; what it is worth if one is not finite, :func:`finite` tells."""
+    """Return the largest modulus; what it is worth if one is not finite, :func:`finite` says."""
     found = 0.0
     for n in range(row.size):
         found = max(found, abs(row[n]))
@@ -34,7 +34,7 @@ def largest(row: FloatArray) -> float:
 
 @njit(cache=True, fastmath={"reassoc"})
 def finite(row: FloatArray) -> bool:
-    """Tell whether all values are finite, and so small that their sum is."""
+    """Return whether all values are finite, and so small that their sum is."""
     total = 0.0
     for n in range(row.size):
         total += abs(row[n])

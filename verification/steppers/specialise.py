@@ -1,4 +1,4 @@
-"""Compiling one loop for several right-hand sides and stop conditions, so that disk keeps it."""
+"""Compiled functions as arguments of compiled functions, both of them stored on disk."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from verification.execution.compiled import njit
+from numba import cfunc
+
+import verification.execution.compiled  # noqa: F401  # it says where compiled code is stored
 
 
 @lru_cache(maxsize=256)
@@ -31,23 +33,25 @@ def source_mark(function: Callable[..., Any]) -> str:
     return f"{plain.__module__}.{plain.__qualname__}.{mark}"
 
 
-def specialised(function: Any, mark: str, **names: Any) -> Any:
-    """Compile a copy of a function in which some global names mean other compiled functions.
+def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
+    """Return a compiled function that other compiled functions take as an argument.
 
-    The compiled code is kept on disk. numba does not find again what it has compiled for closures
-    over, or arguments that are, other compiled functions: it knows these by a number that is drawn
-    anew in every process. A copy with globals of its own has no such parts.
+    It is stored on disk, and so is what takes it: for numba the type of such an argument is its
+    signature alone. Of arguments or closures that are compiled by ``njit`` it knows only a number
+    that is drawn anew in every process, and so compiles all again.
 
     Parameters
     ----------
     function : callable
         A plain function of a module.
+    signature
+        Its types, in numba's notation.
     mark : str
-        What tells this copy from others of the function; it must say all that ``names`` mean.
+        What distinguishes it from others of this function; it must say all that ``names`` mean.
     **names
-        The global names, and what they mean in the copy.
+        Global names of the function, and what they mean in it.
     """
     copy = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
     copy.__module__ = function.__module__
     copy.__qualname__ = f"{function.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
-    return njit(cache=True)(copy)
+    return cfunc(signature, cache=True)(copy)

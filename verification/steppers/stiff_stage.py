@@ -41,7 +41,8 @@ _LEAST = 0.1
 def least_error(tolerance: float, displacement: float) -> float:
     """Return what the error of a run through a stage is at least: a tenth of the tolerance.
 
-    Its error comes in leaps far below the tolerance, so that companions may agree by accident.
+    Its error comes in leaps far below the tolerance, so that runs at other tolerances may agree
+    by accident.
 
     Examples
     --------

@@ -75,7 +75,13 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     coarse, evaluations, _ = _summed(v, c, panels, end, pieces_each, 14)
     fine, more, size = _summed(v, c, panels, end, pieces_each, 20)
     error = abs(fine - coarse) + 0.5 * tolerance + 20.0 * _EPS * (1.0 + c) * size
-    return KineticSum(-fine, error, evaluations + more, "bessel", perf_counter() - start)
+    return KineticSum(
+        value=-fine,
+        error=error,
+        terms=evaluations + more,
+        method="bessel",
+        seconds=perf_counter() - start,
+    )
 
 
 def _summed(

@@ -83,7 +83,9 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     many = sums(np.array([v]), np.array([c]), tolerance)
     seconds = perf_counter() - start
     value, error = complex(many.value[0]), float(many.error[0])
-    return KineticSum(value, error, int(many.points[0]), "integral", seconds)
+    return KineticSum(
+        value=value, error=error, terms=int(many.points[0]), method="integral", seconds=seconds
+    )
 
 
 def sums(

@@ -15,7 +15,7 @@ from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.precise_roots import MOST_DIGITS, exact, precise_roots
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.graded_contour import departing_labels
-from theory.piecewise.sums.result import KineticSum, PrecisionError
+from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
 
 _MOST_POINTS = 200_000
 
@@ -53,8 +53,15 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
         with mp.workdps(digits + 12):
             q = mp.sqrt(1 - 4j * exact(c))
             value = 4j * exact(c) / (q * (1 + q))
-        error = distance + 10.0 ** (-digits - 2)
-        return KineticSum(value, error, 0, "static limit", perf_counter() - start)
+        error = distance + mp.mpf(10) ** (-digits - 2)
+        return KineticSum(
+            value=value,
+            error=stated(error),
+            terms=0,
+            method="static limit",
+            seconds=perf_counter() - start,
+            digits=digits,
+        )
     lost = math.log10(2.0 + c_ / v_) + math.log10(2.0 + v_)
     strip = 0.9 * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)
@@ -75,8 +82,15 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
             value += _correction(exact(v), exact(c), mp.mpf(step))
             coarse += _correction(exact(v), exact(c), 2 * mp.mpf(step))
             truncation = 100 * abs(value - coarse) ** 2
-        error = float(truncation + mp.mpf(10) ** (-digits - 2))
-    return KineticSum(value, error, points, "integral", perf_counter() - start)
+        error = stated(truncation + mp.mpf(10) ** (-digits - 2))
+    return KineticSum(
+        value=value,
+        error=error,
+        terms=points,
+        method="integral",
+        seconds=perf_counter() - start,
+        digits=digits,
+    )
 
 
 def _integrand(X: Any, v: Any, c: Any) -> Any:

@@ -95,4 +95,10 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
         total += part
         error += 2.0 * (abs(estimate.real) + abs(estimate.imag))
     value = complex(total) / np.pi - 1.0
-    return KineticSum(value, error / np.pi + 1e-15, calls, "quadrature", perf_counter() - start)
+    return KineticSum(
+        value=value,
+        error=error / np.pi + 1e-15,
+        terms=calls,
+        method="quadrature",
+        seconds=perf_counter() - start,
+    )

@@ -28,7 +28,7 @@ import numpy as np
 from theory.parameters import count_within
 from theory.piecewise.precise_roots import MOST_DIGITS, exact, precise_roots
 from theory.piecewise.roots import MOST_ROOTS, checked_velocity_and_coupling, labelled_roots
-from theory.piecewise.sums.result import KineticSum, PrecisionError
+from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
 
 _DOUBLE = 15
 _MOST_PRECISE_ROOTS = 20_000
@@ -109,7 +109,14 @@ def sum_by_roots(
         corners *= 1.3
     value = complex(value) if digits <= _DOUBLE else value
     terms = last - first + 1
-    return KineticSum(value, float(rounding + uncertain), terms, "series", perf_counter() - start)
+    return KineticSum(
+        value=value,
+        error=stated(rounding + uncertain),
+        terms=terms,
+        method="series",
+        seconds=perf_counter() - start,
+        digits=digits,
+    )
 
 
 def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""A record as plain text: machine, points by test problem, failures by name, targets with verdicts."""
+"""A record as plain text: points by test problem, failures by name, targets with verdicts."""
 
 from __future__ import annotations
 

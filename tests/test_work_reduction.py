@@ -20,7 +20,7 @@ from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import SeriesScene, tail_sum
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, grid
-from verification.piecewise.chain import PiecewiseChain, Switching
+from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.window import travelling_state, truncation_bound
 from verification.runs.model import Model
 from verification.work_reduction import orbits, process, runs, sums, table
@@ -134,7 +134,7 @@ def test_steps_left_out_between_crossings_move_them_by_rounding_only(c: float, e
     held(runs.steps_between_crossings(c, eta, 6), 1e-7)
     r = threshold_ratio(eta)
     state = travelling_state(c, 0.4, 96)
-    step = PiecewiseChain(c, r, state).advance(1e3)
+    step = PiecewiseMotion(c, r, state).advance(1e3)
     assert isinstance(step, Switching)
     slot, sites = step.site - state.origin, state.phi.size
     with mp.workdps(40):

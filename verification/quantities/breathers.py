@@ -384,7 +384,7 @@ QUANTITIES = (
     ),
     Quantity(
         name="multipliers",
-        title="Floquet multipliers of a breather",
+        title="Floquet multipliers of a breather, Eqs. 39-42",
         equation="(39)-(42)",
         problems="multipliers",
         reference="the variational equations (42) by scipy's DOP853 at 1e-13",

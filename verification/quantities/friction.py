@@ -183,7 +183,7 @@ def within_the_work_of_friction(at: Mapping[str, float], stated: StatedValue) ->
 QUANTITIES = (
     Quantity(
         name="friction",
-        title="trajectory of the friction chain",
+        title="trajectory of the friction chain (5)",
         equation="(5), (6)",
         problems="friction",
         reference="scipy's DOP853 with located events, at 1e-13, beside ours at 1e-13",

@@ -158,7 +158,7 @@ def _check_piecewise(at: Mapping[str, float], stated: StatedValue) -> ReferenceC
 QUANTITIES = (
     Quantity(
         name="front",
-        title="velocity of a front on the running chain",
+        title="velocity of a front of (43) and (8)",
         equation="(8), (43), (44)",
         problems="front",
         reference="arrivals by scipy's DOP853, and by ours on twice the length",

@@ -210,7 +210,7 @@ def _check_eta_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
 QUANTITIES = (
     Quantity(
         name="velocity",
-        title="front velocity",
+        title="front velocity of Eq. (54)",
         equation="(54)",
         problems="relation",
         reference="secants of mpmath over the series and over the integral, 30 digits each",

@@ -99,7 +99,7 @@ def _check_profile(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
 QUANTITIES = (
     Quantity(
         name="roots",
-        title="41 roots of the dispersion relation, none left out",
+        title="41 roots of Eq. (50), none left out",
         equation="(50)",
         problems="sum",
         reference="secants of mpmath at 40 digits; their number from the winding of L",

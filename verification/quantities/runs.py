@@ -181,7 +181,7 @@ _LIMITS = "stronger couplings of 1e5 sites take minutes; a changes only the unit
 QUANTITIES = (
     Quantity(
         name="chain",
-        title="trajectory of the Van der Pol chain",
+        title="trajectory of the Van der Pol chain (8)",
         equation="(8), (43)",
         problems="chain",
         reference="scipy's DOP853 at 1e-13, beside our Taylor series at 1e-14",

@@ -121,7 +121,7 @@ def _by_precise_integral(at: Mapping[str, float]) -> StatedValue:
 QUANTITIES = (
     Quantity(
         name="sum",
-        title="the sum Σ(v, c)",
+        title="the sum Σ(v, c) of Eq. (53)",
         equation="(53)",
         problems="sum",
         reference="the series over the roots and the integral over k, 60 digits each",

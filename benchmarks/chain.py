@@ -1,7 +1,7 @@
 """The Van der Pol chain, error against run time beside peers.
 
 The first site on its cycle, the others at rest. The default stepper (Runge-Kutta of order 8, an
-active window of the sites that move) beside its rivals that lost, which are fixed steps, Taylor
+active window of the sites that move) beside its slower rivals, which are fixed steps, Taylor
 series and a splitting, and beside scipy, jitcode and heyoka, whose compile time stands apart. The
 error is the largest of y and ẏ at the end, against our Taylor series at 1e-14, which is itself
 compared with scipy's DOP853 at 1e-13. Then: how the cost of a front grows with its path, the map of

@@ -186,10 +186,10 @@ def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
     if stated.value is None:
         fold = staggered_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
         if fold is None:
-            raise NoReferenceError("the staggered reduction has no fold.")
+            raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
         return ReferenceCheck(
-            distance=0.0 if at["c"] > 0.98 * fold.c else math.inf, method="staggered reduction"
+            distance=0.0 if at["c"] > 0.98 * fold.c else math.inf, method="quarter-turn reduction"
         )
     phi = np.asarray(stated.value[:-1])
     start = [*phi.real, *phi.imag, complex(stated.value[-1]).real]
@@ -308,13 +308,13 @@ def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceC
     chain = replace(_chain({**at, "c": 0.1}), sites=stated.extra.sites)
     fold = staggered_branch(chain, Nucleus(1)).fold
     if fold is None:
-        raise NoReferenceError("the staggered reduction has no fold.")
+        raise NoReferenceError("the quarter-turn reduction has no fold.")
     # What the reduction neglects is the tail at the free ends, squared in the fold.
     neglected = float(abs(fold.u[0]) / np.abs(fold.u).max())
     return ReferenceCheck(
         distance=abs(fold.c - stated.value),
         uncertainty=fold.error + neglected,
-        method="staggered reduction",
+        method="quarter-turn reduction",
     )
 
 

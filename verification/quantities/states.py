@@ -1,7 +1,7 @@
 """The label of a state map, for one displaced site of (8) or (43), in the stability table.
 
 A label is a promise about all later times. So the reference steps the chain by scipy to twice the
-time at which the label was given, and some, and looks whether it is kept.
+time at which the label was given, and some, and checks that it still holds.
 """
 
 from __future__ import annotations

@@ -16,9 +16,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from benchmarks.record import Record, WorkPoint, read_record
+from benchmarks.registry import quantity_of
 from benchmarks.work_precision import WorkPrecision
 from verification.execution.files import write_json
 from verification.execution.metadata import staleness
+from verification.quantities.quantity import Quantity
 
 NO_REASON = "no reason is given: the default is to be changed"
 
@@ -83,7 +85,7 @@ class Choice:
         return not self.beaten and bool(self.fastest)
 
 
-def choices(benchmark: WorkPrecision, record: Record) -> list[Choice]:
+def choices(benchmark: WorkPrecision, quantity: Quantity, record: Record) -> list[Choice]:
     """Return one choice a test problem.
 
     Raises
@@ -91,7 +93,7 @@ def choices(benchmark: WorkPrecision, record: Record) -> list[Choice]:
     ValueError
         If the record does not hold the default method at a test problem.
     """
-    rows, default = [], benchmark.quantity.default
+    rows, default = [], quantity.default
     stale = staleness(record.code)
     apart = {*benchmark.variants, *benchmark.others}
     for scene in dict.fromkeys(point.scene for point in record.points):
@@ -99,7 +101,7 @@ def choices(benchmark: WorkPrecision, record: Record) -> list[Choice]:
         if not any(point.method == default for point in here):
             raise ValueError(f"{benchmark.name}: no point of {default} at {scene}")
         fastest, beaten = [], []
-        low, high = benchmark.useful
+        low, high = quantity.useful or (0.0, 0.0)
         for error in decades(max(low, record.agreement[scene]), high):
             best = fastest_within((point for point in here if point.method not in apart), error)
             if not best:
@@ -153,7 +155,7 @@ def stored_choices(
     for benchmark in benchmarks:
         path = folder / f"{benchmark.name}.json"
         if path.is_file():
-            rows += choices(benchmark, read_record(path))
+            rows += choices(benchmark, quantity_of(benchmark), read_record(path))
         else:
             missing.append(benchmark.name)
     return rows, missing

@@ -8,7 +8,8 @@ from pathlib import Path
 from benchmarks.diagram import draw
 from benchmarks.growth_diagram import draw_growth
 from benchmarks.record import read_record
-from benchmarks.work_precision import RESULTS, all_benchmarks
+from benchmarks.registry import all_benchmarks
+from benchmarks.work_precision import RESULTS
 
 
 def redraw(folder: Path = RESULTS) -> None:

@@ -8,8 +8,6 @@ processor seconds, and the first call stands apart.
 
 from __future__ import annotations
 
-import functools
-import importlib
 import math
 import signal
 import statistics
@@ -17,7 +15,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING, Any
@@ -25,14 +23,10 @@ from typing import TYPE_CHECKING, Any
 import mpmath as mp
 import numpy as np
 
-from benchmarks.record import Failure, Record, Target, WorkPoint, stamped
-from theory.parameters import ParameterError
-from verification.execution.discovery import check_distinct, exposed
-from verification.execution.metadata import Code
+from benchmarks.record import Failure, Target, WorkPoint
 
 if TYPE_CHECKING:
     from verification.quantities.problems import Problem
-    from verification.quantities.quantity import Quantity
 
 RESULTS = Path(__file__).resolve().parent / "results"
 
@@ -201,7 +195,7 @@ class WorkPrecision:
     """The benchmark of one quantity: its methods and peers.
 
     Name, default method, useful errors, test problems and references are those of the quantity of
-    that name in the registry.
+    that name in the registry (``benchmarks.registry.quantity_of``).
 
     Attributes
     ----------
@@ -245,88 +239,10 @@ class WorkPrecision:
     first: Mapping[str, Callable[[], object]] = field(default_factory=dict)
     code: tuple[str, ...] = ()
 
-    @functools.cached_property
-    def quantity(self) -> Quantity:
-        """The quantity of the registry.
-
-        The registry is imported here by name: a record depends on the code that it measures, and
-        not on that of all quantities.
-        """
-        registry = importlib.import_module("verification.quantities.registry")
-        found: Quantity = registry.quantity_named(self.name)
-        return found
-
-    @property
-    def problems(self) -> tuple[str, ...]:
-        """Names of the test problems at which it is measured."""
-        return tuple(problem.name for problem in self.quantity.timed_problems)
-
-    @property
-    def useful(self) -> tuple[float, float]:
-        """Errors that a user is likely to ask for."""
-        return self.quantity.useful or (0.0, 0.0)
-
     @property
     def module(self) -> str:
         """Dotted name of the module that measures it."""
         return self.prepare.__module__
-
-
-@functools.cache
-def all_benchmarks() -> tuple[WorkPrecision, ...]:
-    """Return every benchmark of this folder, by name.
-
-    Raises
-    ------
-    ValueError
-        If two have the same name.
-    """
-    found: list[WorkPrecision] = list(exposed("benchmarks", "BENCHMARK").values())
-    check_distinct("benchmarks", (benchmark.name for benchmark in found))
-    return tuple(sorted(found, key=lambda benchmark: benchmark.name))
-
-
-def chosen(names: Sequence[str]) -> tuple[WorkPrecision, ...]:
-    """Return the benchmarks named, or all if none is.
-
-    Raises
-    ------
-    ParameterError
-        If there is none of that name.
-    """
-    known = {benchmark.name: benchmark for benchmark in all_benchmarks()}
-    for name in names:
-        if name not in known:
-            allowed = f"one of {', '.join(known)}, growth"
-            raise ParameterError("quantity", name, allowed, "see 'fronts bench --list'")
-    return tuple(known[name] for name in dict.fromkeys(names)) if names else tuple(known.values())
-
-
-def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> Record:
-    """Return the record of a benchmark; a quick one is without first calls."""
-    from benchmarks.first_call import first_calls
-
-    code = asdict(Code.of([benchmark.module, *benchmark.code]))  # as it is at the start
-    points: list[WorkPoint] = []
-    failures: list[Failure] = []
-    agreement: dict[str, float] = {}
-    problems = benchmark.quantity.timed_problems[: benchmark.quick_problems if quick else None]
-    for problem in problems:
-        report(f"{benchmark.name} at the problem {problem.name}: the references")
-        prepared = benchmark.prepare(problem, quick, report)
-        agreement[problem.name] = prepared.agreement
-        settings = [each for each in prepared.settings if each.quick or not quick]
-        report(f"{benchmark.name} at the problem {problem.name}: {len(settings)} settings")
-        effort = benchmark.quick_effort if quick else benchmark.effort
-        where = (benchmark.name, problem.name)
-        done, failed = measure_side_by_side(*where, settings, effort, error=benchmark.error)
-        points += done
-        failures += failed
-        failures += [Failure(*where, *each) for each in prepared.failures]
-    targets = benchmark.targets(points, quick, report)
-    calls = () if quick else first_calls(benchmark, report)
-    command = f"fronts bench {benchmark.name}" + " --quick" * quick
-    return stamped(command, agreement, points, failures, targets, calls, code)
 
 
 class TooSlowError(RuntimeError):

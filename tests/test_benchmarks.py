@@ -17,6 +17,7 @@ from benchmarks import sum as sum_benchmark
 from benchmarks.diagram import draw, worth_choosing
 from benchmarks.growth_diagram import draw_growth
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
+from benchmarks.registry import all_benchmarks, chosen, quantity_of
 from benchmarks.work_precision import (
     RESULTS,
     Answer,
@@ -25,8 +26,6 @@ from benchmarks.work_precision import (
     Style,
     TooSlowError,
     WorkPrecision,
-    all_benchmarks,
-    chosen,
     distance,
     measure_side_by_side,
     time_limit,
@@ -277,15 +276,15 @@ def test_every_quantity_of_the_plan_is_discovered_once():
 @pytest.mark.parametrize("benchmark", all_benchmarks(), ids=lambda benchmark: benchmark.name)
 def test_a_quantity_draws_its_default_and_has_useful_errors(benchmark):
     style = benchmark.style
-    assert benchmark.quantity.default in style.methods
+    assert quantity_of(benchmark).default in style.methods
     assert len(set(style.methods.values())) == len(style.methods)  # told apart
-    assert 0 < benchmark.useful[0] < benchmark.useful[1] <= style.garbage or (
-        benchmark.name == "derivation"
-    )
+    assert 0 < quantity_of(benchmark).useful[0] < quantity_of(benchmark).useful[
+        1
+    ] <= style.garbage or (benchmark.name == "derivation")
     # Whatever is said about methods is said of methods that there are.
     spoken_of = {*benchmark.variants, *benchmark.others, *benchmark.reasons, *benchmark.first}
     assert spoken_of <= set(style.methods)
-    assert benchmark.quantity.default in benchmark.first
+    assert quantity_of(benchmark).default in benchmark.first
     assert len(benchmark.first) > 1  # a peer beside it
 
 
@@ -299,11 +298,12 @@ def test_the_stored_record_of_every_quantity_is_complete(benchmark):
     if staleness(record.code):
         return  # it says so; problems and methods may have changed since
     assert record.first_calls
-    assert all(apart <= benchmark.quantity.accuracy for apart in record.agreement.values())
+    accuracy = quantity_of(benchmark).accuracy
+    assert all(apart <= accuracy for apart in record.agreement.values())
     seen = {point.method for point in record.points}
     failed = {failure.method for failure in record.failures}
-    assert set(record.agreement) == set(benchmark.problems)
-    assert {point.scene for point in record.points} == set(benchmark.problems)
+    assert set(record.agreement) == _problems(benchmark)
+    assert {point.scene for point in record.points} == _problems(benchmark)
     assert set(benchmark.style.methods) <= seen | failed  # whoever is drawn was tried
     assert seen <= set(benchmark.style.methods)  # and whoever was measured is drawn
     with (RESULTS / f"{benchmark.name}.csv").open(encoding="utf-8") as file:
@@ -316,23 +316,26 @@ def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(bench
     stored = json.loads((RESULTS / "defaults.json").read_text())["choices"]
     mine = [row for row in stored if row["quantity"] == benchmark.name]
     record = read_record(RESULTS / f"{benchmark.name}.json")
-    found = choice.choices(benchmark, record)
+    found = choice.choices(benchmark, quantity_of(benchmark), record)
     assert mine == json.loads(json.dumps(choice.as_payload(found)))
-    assert all(row["default"] == benchmark.quantity.default for row in mine)
+    assert all(row["default"] == quantity_of(benchmark).default for row in mine)
     assert all(row["reasons"].keys() == {each["by"] for each in row["beaten"]} for row in mine)
     assert all(choice.NO_REASON not in row["reasons"].values() for row in mine)
     if not staleness(record.code):
-        assert {row["scene"] for row in mine} == set(benchmark.problems)
+        assert {row["scene"] for row in mine} == _problems(benchmark)
 
 
-def _benchmark(low, high, **options):
+def _problems(benchmark):
+    return {problem.name for problem in quantity_of(benchmark).timed_problems}
+
+
+def _choices(record, **options):
     quantity = Quantity(
         name="q", title="", equation="(1)", problems="sum", reference="r", accuracy=0.1,
-        default="ours", useful=(low, high),
+        default="ours", useful=(1e-6, 1e-1),
     )  # fmt: skip
-    made = WorkPrecision(name="q", prepare=None, style=None, **options)
-    vars(made)["quantity"] = quantity  # in place of the registry's
-    return made
+    benchmark = WorkPrecision(name="q", prepare=None, style=None, **options)
+    return choice.choices(benchmark, quantity, record)
 
 
 def _record(*points):
@@ -345,7 +348,7 @@ def test_a_default_is_judged_at_each_decade_of_error():
         ("ours", 5e-3, 1.0), ("ours", 5e-5, 2.0), ("peer", 5e-2, 0.1), ("peer", 5e-4, 1.0),
         ("exact", 1e-9, 9.0),
     )  # fmt: skip
-    (row,) = choice.choices(_benchmark(1e-6, 1e-1), record)
+    (row,) = _choices(record)
     # At 0.1 the peer takes 0.1 s; at 1e-3 it takes 1 s and ours 2 s; below 1e-5 ours has nothing.
     assert row.fastest == (1e-2, 1e-4)
     assert [(b.error, b.by, b.factor) for b in row.beaten] == [
@@ -360,28 +363,26 @@ def test_a_default_is_judged_at_each_decade_of_error():
 
 def test_a_default_that_is_never_beaten_is_the_lower_envelope():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.95))  # within the noise of a tenth
-    (row,) = choice.choices(_benchmark(1e-6, 1e-1), record)
+    (row,) = _choices(record)
     assert row.lower_envelope
 
 
 def test_errors_that_the_reference_cannot_tell_are_not_compared():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
     blurred = dataclasses.replace(record, agreement={"s": 1e-3})
-    (row,) = choice.choices(_benchmark(1e-6, 1e-1), blurred)
+    (row,) = _choices(blurred)
     assert [each.error for each in row.beaten] == [1e-1, 1e-2, 1e-3]
 
 
 def test_a_variant_of_the_default_is_no_rival():
     record = _record(("ours", 1e-9, 1.0), ("ours, in a batch", 1e-9, 0.1))
-    benchmark = _benchmark(1e-6, 1e-1, variants=("ours, in a batch",))
-    assert choice.choices(benchmark, record)[0].lower_envelope
+    assert _choices(record, variants=("ours, in a batch",))[0].lower_envelope
 
 
 def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
     record = _record(("ours", 1e-9, 1.0), ("one root", 1e-9, 0.1), ("peer", 1e-2, 0.5))
     others = {"one root": "one root in an interval", "absent": "not in the record"}
-    benchmark = _benchmark(1e-6, 1e-1, others=others, reasons={"peer": "it is inexact"})
-    (row,) = choice.choices(benchmark, record)
+    (row,) = _choices(record, others=others, reasons={"peer": "it is inexact"})
     assert {each.by for each in row.beaten} == {"peer"}
     assert row.reasons == {"peer": "it is inexact"}
     assert row.others == {"one root": "one root in an interval"}
@@ -393,7 +394,7 @@ def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
 
 def test_a_rival_without_a_reason_is_said_to_have_none():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
-    (row,) = choice.choices(_benchmark(1e-6, 1e-1), record)
+    (row,) = _choices(record)
     assert row.reasons == {"peer": choice.NO_REASON}
 
 
@@ -423,7 +424,7 @@ def test_the_first_call_is_cold_then_loaded_and_a_failure_says_why(tmp_path, mon
 
 def test_a_record_without_the_default_method_is_refused():
     with pytest.raises(ValueError, match="no point of ours"):
-        choice.choices(_benchmark(1e-6, 1e-1), _record(("peer", 1e-9, 1.0)))
+        _choices(_record(("peer", 1e-9, 1.0)))
 
 
 def test_the_fit_of_growth_finds_a_power_and_sees_the_larger_half():
@@ -454,7 +455,9 @@ def test_a_quick_run_gives_a_small_error_and_a_record(name, capsys, tmp_path):
     assert main(["bench", name, "--quick", "--json", "--out", str(tmp_path)]) == 0
     (record,) = json.loads(capsys.readouterr().out)["records"].values()
     (benchmark,) = chosen([name])
-    ours = [point for point in record["points"] if point["method"] == benchmark.quantity.default]
+    ours = [
+        point for point in record["points"] if point["method"] == quantity_of(benchmark).default
+    ]
     assert min(point["error"] for point in ours) < 1e-11  # what the default is good for
     written = read_record(tmp_path / f"{name}.json")
     assert [point.error for point in written.points] == [p["error"] for p in record["points"]]
@@ -512,7 +515,7 @@ def test_bench_judges_the_defaults(capsys):
         (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
         (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "make it first")),
         (["bench", "--list", "--defaults"], ("--list and --defaults",)),
-        (["bench", "--quik"], ("--quik", "--help")),
+        (["bench", "--quik"], ("--quik", "leave it out")),
         (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
         (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
         (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),

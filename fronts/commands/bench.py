@@ -50,7 +50,8 @@ def run(options: argparse.Namespace) -> Answer:
     for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
     need_source_tree(ROOT)
-    from benchmarks.work_precision import RESULTS, all_benchmarks, chosen
+    from benchmarks.registry import all_benchmarks, chosen
+    from benchmarks.work_precision import RESULTS
 
     names = [name for name in options.quantities if name != GROWTH]
     growth = GROWTH in options.quantities or not options.quantities
@@ -101,22 +102,24 @@ def need_source_tree(root: Path) -> None:
 
 
 def _list(wanted: tuple[WorkPrecision, ...], growth: bool) -> Answer:
-    rows = [
-        {
-            "name": benchmark.name,
-            "what": benchmark.quantity.title,
-            "scenes": list(benchmark.problems),
-            "default": benchmark.quantity.default,
-            "methods": list(benchmark.style.methods),
-            "useful": list(benchmark.useful),
-        }
-        for benchmark in wanted
-    ]
-    lines = []
+    from benchmarks.registry import quantity_of
+
+    rows, lines = [], []
     for benchmark in wanted:
-        quantity = benchmark.quantity
+        quantity = quantity_of(benchmark)
+        problems = [problem.name for problem in quantity.timed_problems]
+        rows.append(
+            {
+                "name": quantity.name,
+                "what": quantity.title,
+                "scenes": problems,
+                "default": quantity.default,
+                "methods": list(benchmark.style.methods),
+                "useful": list(quantity.useful or ()),
+            }
+        )
         lines.append(f"{quantity.name:12} {quantity.title}; by default: {quantity.default}")
-        lines.append(f"{'':12} test problems: {'; '.join(benchmark.problems)}")
+        lines.append(f"{'':12} test problems: {'; '.join(problems)}")
     if growth:
         lines.append(f"{GROWTH:12} how time and memory grow, with fitted exponents")
     return Answer({"quantities": rows}, "\n".join(lines))
@@ -140,8 +143,8 @@ def _measure(
     from benchmarks.choice import stored_choices, write_choices
     from benchmarks.diagram import draw
     from benchmarks.record import as_payload, write_record
+    from benchmarks.registry import all_benchmarks, measured
     from benchmarks.tables import as_text
-    from benchmarks.work_precision import all_benchmarks, measured
 
     records: dict[str, object] = {}
     texts = []

@@ -278,9 +278,8 @@ def test_a_quantity_draws_its_default_and_has_useful_errors(benchmark):
     style = benchmark.style
     assert quantity_of(benchmark).default in style.methods
     assert len(set(style.methods.values())) == len(style.methods)  # told apart
-    assert 0 < quantity_of(benchmark).useful[0] < quantity_of(benchmark).useful[
-        1
-    ] <= style.garbage or (benchmark.name == "derivation")
+    low, high = quantity_of(benchmark).useful
+    assert 0 < low < high <= style.garbage or benchmark.name == "derivation"
     # Whatever is said about methods is said of methods that there are.
     spoken_of = {*benchmark.variants, *benchmark.others, *benchmark.reasons, *benchmark.first}
     assert spoken_of <= set(style.methods)

@@ -18,6 +18,7 @@ from derivations.modulation import (
 )
 from derivations.oscillator import Oscillator, van_der_pol
 from derivations.periodic_orbit import harmonic, orbit
+from verification.references.equations import damping
 
 SYMBOLS = sp.symbols("p q c", positive=True)
 P, Q, C = SYMBOLS
@@ -100,7 +101,7 @@ def _integrated_period(a, b, e, size):
     """Return time to y = 0 going up, once the motion has settled on the stable cycle."""
 
     def field(_, x):
-        return [x[1], -x[0] - e * x[1] * (1 - a * x[0] ** 2 + b * x[0] ** 4)]
+        return [x[1], -x[0] - e * x[1] * damping(x[0], a, b)]
 
     def upward(_, x):
         return x[0]

@@ -7,6 +7,7 @@ import sys
 import sympy as sp
 
 from derivations import averaging_evidence as seen
+from derivations.algebra.harmonics import HarmonicRing, Harmonics
 from derivations.averaging_symbols import (
     OFFSETS,
     A_n,
@@ -26,7 +27,6 @@ from derivations.averaging_symbols import (
     y_second,
 )
 from derivations.derivation import Derivation, Step, equation
-from derivations.harmonics import HarmonicRing, Harmonics
 from derivations.symbols import a, alpha_0, b, c, epsilon, i, k_1, k_2, n, omega, t
 
 

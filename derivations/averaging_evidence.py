@@ -12,7 +12,7 @@ import sympy as sp
 from scipy.optimize import root
 
 from derivations import averaging_symbols as under_test
-from derivations.evidence import Point, equals, fast_average, vanishes_at
+from derivations.algebra.evidence import Point, equals, fast_average, vanishes_at
 from derivations.symbols import a, alpha_0, b, c, epsilon, k_1, k_2, n, omega, t
 
 

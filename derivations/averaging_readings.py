@@ -10,9 +10,9 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import root
 
+from derivations.algebra.evidence import parts_of, value
 from derivations.averaging_evidence import damping_mean
 from derivations.derivation import Check, Evidence
-from derivations.evidence import parts_of, value
 from derivations.printed import Reading
 from derivations.symbols import a, alpha_0, b, c, k_1, n
 

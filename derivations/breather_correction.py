@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from derivations.harmonics import Coefficient, HarmonicRing
+from derivations.algebra.harmonics import Coefficient, HarmonicRing
 from derivations.modulation import Modulation
 
 

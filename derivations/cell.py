@@ -10,10 +10,10 @@ import numpy as np
 import sympy as sp
 
 from derivations import front_numbers
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.evidence import Point, equals, fast_average, parts_of, solved_for, value
 from derivations.derivation import Derivation, Evidence, Step, equation
 from derivations.envelope import PHI, Envelope, phi_rate, r, r_rate, square
-from derivations.errors import DerivationInputError
-from derivations.evidence import Point, equals, fast_average, parts_of, solved_for, value
 from derivations.front_symbols import SumOver
 from derivations.front_symbols import c as c_front
 from derivations.front_symbols import v as v_front

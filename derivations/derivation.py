@@ -2,35 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
-from derivations.errors import CheckFailedError, DerivationInputError
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What a check found.
-
-    Attributes
-    ----------
-    holds : bool
-        Whether the equation passed.
-    statement : str
-        What was compared with what, and how close it came.
-    """
-
-    holds: bool
-    statement: str
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "holds", bool(self.holds))  # numpy has a truth of its own
-
-
-Check = Callable[[sp.Basic], Evidence]
-"""Judges an equation by means that share no code with its derivation."""
+from derivations.algebra.errors import CheckFailedError, DerivationInputError
+from derivations.algebra.steps import Check, Evidence
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ from functools import cached_property
 
 import sympy as sp
 
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.harmonics import site_symbol
 from derivations.derivation import equation
 from derivations.envelope_input import Coefficients, coefficients, number, values_of
 from derivations.envelope_results import Compiled, KineticRelation, LimitCycle
-from derivations.errors import DerivationInputError
 from derivations.front_symbols import M_plus, SumOver, k
-from derivations.harmonics import site_symbol
 from derivations.modulation import by_averaging
 from derivations.oscillator import Oscillator
 

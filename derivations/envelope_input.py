@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import sympy as sp
 
-from derivations.errors import DerivationInputError
+from derivations.algebra.errors import DerivationInputError
 from derivations.polynomial_text import HIGHEST, Monomial, read_polynomial
 
 Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None

@@ -10,8 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from derivations.derivation import Derivation, Evidence, Step, equation
-from derivations.evidence import (
+from derivations.algebra.evidence import (
     Point,
     all_of,
     equals,
@@ -20,6 +19,7 @@ from derivations.evidence import (
     value,
     vanishes_at,
 )
+from derivations.derivation import Derivation, Evidence, Step, equation
 
 t, tau = sp.symbols("t tau", real=True)
 m, d, k, eta_c, F_N, v_0, omega_n, y_0 = sp.symbols(

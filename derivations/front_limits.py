@@ -12,8 +12,8 @@ import math
 import sympy as sp
 
 from derivations import front_numbers as numbers
+from derivations.algebra.evidence import parts_of, solved_for, value
 from derivations.derivation import Evidence, Step, equation
-from derivations.evidence import parts_of, solved_for, value
 from derivations.front_symbols import ON_SITE, M_minus, M_plus, c, eta, k, over_roots, ratio, v
 
 m = sp.Symbol("m", integer=True)

@@ -18,7 +18,7 @@ from scipy.integrate import IntegrationWarning, quad
 from scipy.special import jv
 
 from derivations import front_symbols as s
-from derivations.evidence import Point, value
+from derivations.algebra.evidence import Point, value
 
 STRIPS = 4000
 """Strips on either side of the imaginary axis; the sum is then known to about 1e-4 / v and

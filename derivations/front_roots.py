@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 import sympy as sp
 
 from derivations import front_numbers as numbers
+from derivations.algebra.evidence import Point, solved_for, value, vanishes_at
 from derivations.derivation import Check, Evidence, Step, equation
-from derivations.evidence import Point, solved_for, value, vanishes_at
 from derivations.front_symbols import DISPERSION, SLOPE, c, k, n, v, x, y
 
 real_part, imaginary_part, gap = sp.symbols("Re(L) Im(L) g", real=True)

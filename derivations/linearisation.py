@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.evidence import equals, fast_average, has_order, solved_for, value
+from derivations.algebra.harmonics import HarmonicRing, Harmonics
 from derivations.derivation import Check, Derivation, Evidence, Step, equation
-from derivations.errors import DerivationInputError
-from derivations.evidence import equals, fast_average, has_order, solved_for, value
-from derivations.harmonics import HarmonicRing, Harmonics
 from derivations.symbols import a, b, c, epsilon
 
 ENDS = ("ring", "free")

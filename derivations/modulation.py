@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 from sympy.polys.domains import QQ_I
 
-from derivations.harmonics import Coefficient, HarmonicRing, Harmonics, chain_ring
+from derivations.algebra.harmonics import Coefficient, HarmonicRing, Harmonics, chain_ring
 from derivations.oscillator import Oscillator
 
 

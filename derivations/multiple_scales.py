@@ -8,8 +8,8 @@ import sympy as sp
 
 from derivations import multiple_scales_evidence as seen
 from derivations import secular_evidence as secular
+from derivations.algebra.harmonics import HarmonicRing, Harmonics
 from derivations.derivation import Derivation, Step, equation
-from derivations.harmonics import HarmonicRing, Harmonics
 from derivations.multiple_scales_symbols import (
     Y0,
     Y1,

@@ -16,8 +16,7 @@ import numpy as np
 import sympy as sp
 
 from derivations import multiple_scales_symbols as under_test
-from derivations.derivation import Evidence
-from derivations.evidence import (
+from derivations.algebra.evidence import (
     Point,
     equals,
     has_order,
@@ -25,6 +24,7 @@ from derivations.evidence import (
     solved_for,
     vanishes_at,
 )
+from derivations.derivation import Evidence
 from derivations.symbols import (
     a,
     alpha_0,

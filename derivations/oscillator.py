@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from derivations.harmonics import HarmonicRing, Harmonics
+from derivations.algebra.harmonics import HarmonicRing, Harmonics
 
 
 @dataclass(frozen=True)

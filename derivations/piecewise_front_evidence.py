@@ -15,11 +15,11 @@ from scipy.optimize import brentq
 
 from derivations import front_numbers as numbers
 from derivations import front_symbols as s
+from derivations.algebra.evidence import Point, equals, parts_of, solved_for, value, vanishes_at
 from derivations.averaging_evidence import direct_average
 from derivations.averaging_symbols import phi as site_phi
 from derivations.averaging_symbols import phi_rate as site_rate
 from derivations.derivation import Evidence
-from derivations.evidence import Point, equals, parts_of, solved_for, value, vanishes_at
 
 _SCENES = ((0.5, 0.5), (1.3, 0.4), (0.7, 0.9))
 """Pairs of velocity and coupling, slow to fast, where the time-domain profile is quick."""

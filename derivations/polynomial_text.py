@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from derivations.errors import DerivationInputError
+from derivations.algebra.errors import DerivationInputError
 
 LONGEST = 400
 """Characters."""
@@ -87,7 +87,7 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> dict[Monomial, F
     >>> read_polynomial("__import__('os')")
     Traceback (most recent call last):
     ...
-    derivations.errors.DerivationInputError: polynomial = "__import__('os')" is not allowed: it \
+    derivations.algebra.errors.DerivationInputError: polynomial = "__import__('os')" is not allowed: it \
 must be a polynomial such as 1 - a*y**2 + b*y**4; '_' cannot be read; use numbers, letters, \
 + - * / ** and brackets only.
     """

@@ -11,9 +11,9 @@ import numpy as np
 import sympy as sp
 
 from derivations import second_order_symbols as under_test
+from derivations.algebra.evidence import solved_for, value
+from derivations.algebra.harmonics import site_symbol
 from derivations.derivation import Check, Evidence
-from derivations.evidence import solved_for, value
-from derivations.harmonics import site_symbol
 from derivations.periodic_orbit import harmonic, orbit
 from derivations.symbols import a, b, c, epsilon, omega
 

@@ -13,7 +13,14 @@ import numpy as np
 import sympy as sp
 
 from derivations import multiple_scales_symbols as under_test
-from derivations.evidence import Point, equals, fast_average, has_order, residual, vanishes_at
+from derivations.algebra.evidence import (
+    Point,
+    equals,
+    fast_average,
+    has_order,
+    residual,
+    vanishes_at,
+)
 from derivations.multiple_scales_evidence import named, parameters
 from derivations.symbols import (
     R,

@@ -137,7 +137,7 @@ def correction(found: Judgement) -> str:
     """
     import sympy as sp
 
-    from derivations.evidence import parts_of
+    from derivations.algebra.evidence import parts_of
     from derivations.rendering import equation_latex
 
     printed, derived = found.printed.equation, found.step.equation

@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 from derivations import catalogue, printed
-from derivations.evidence import parts_of, value
+from derivations.algebra.evidence import parts_of, value
 
 
 @pytest.mark.parametrize("number", [35, 36, 37, 40, 53])

@@ -12,7 +12,7 @@ from derivations import catalogue
 from derivations.cell import derive as derive_cell
 from derivations.derivation import Derivation, Step, equation
 from derivations.envelope import derive_envelope
-from derivations.errors import CheckFailedError
+from derivations.algebra.errors import CheckFailedError
 from derivations.front_symbols import SumOver
 
 MOST_OF_A_KIND = 12

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from derivations.cell import derive as derive_cell
 from derivations.envelope import derive_envelope, square
-from derivations.errors import DerivationInputError
+from derivations.algebra.errors import DerivationInputError
 from derivations.polynomial_text import read_polynomial
 
 

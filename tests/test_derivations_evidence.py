@@ -10,7 +10,7 @@ from derivations import friction, linearisation
 from derivations.cell import derive
 from derivations.derivation import equation
 from derivations.envelope import derive_envelope
-from derivations.errors import DerivationInputError
+from derivations.algebra.errors import DerivationInputError
 
 
 @pytest.mark.parametrize(("share", "holds"), [(1.01, True), (0.99, False)])

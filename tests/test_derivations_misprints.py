@@ -11,7 +11,7 @@ import sympy as sp
 
 from derivations import catalogue, linearisation, printed
 from derivations.averaging_symbols import phi, phi_rate
-from derivations.evidence import value
+from derivations.algebra.evidence import value
 from derivations.friction import d, k, m, mu_d, mu_st, v_0, v_tilde_0, xi
 from derivations.front_symbols import c as coupling
 from derivations.front_symbols import phi_s, phi_us

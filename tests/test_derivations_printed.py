@@ -10,8 +10,8 @@ from derivations import catalogue, printed
 from derivations.averaging import averaged_form
 from derivations.averaging_evidence import averaged
 from derivations.averaging_symbols import phi, phi_rate
-from derivations.errors import DerivationInputError
-from derivations.evidence import value
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.evidence import value
 from derivations.symbols import a, b, c, epsilon, omega, t
 
 MISPRINTS = {2, 3, 4, 32, 33, 42}

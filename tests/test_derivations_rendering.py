@@ -11,7 +11,7 @@ import sympy as sp
 from derivations import catalogue, rendering
 from derivations.cell import derive as derive_cell
 from derivations.envelope import derive_envelope
-from derivations.errors import DerivationInputError
+from derivations.algebra.errors import DerivationInputError
 
 KEYS = tuple(catalogue.LISTING)
 

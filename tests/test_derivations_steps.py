@@ -9,8 +9,8 @@ import sympy as sp
 
 from derivations import front_limits
 from derivations.averaging_readings import _averaged_breather
-from derivations.errors import DerivationInputError
-from derivations.evidence import equals, value
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.evidence import equals, value
 from derivations.front_numbers import profile
 from derivations.polynomial_text import DEEPEST, read_polynomial
 from derivations.symbols import a, b, damping_factor

@@ -158,7 +158,7 @@ def _cell(args: argparse.Namespace) -> Answer:
         raise UsageError("'cell' takes neither --equation nor --order: it averages to first order.")
     from derivations.cell import derive
     from derivations.envelope import derive_envelope
-    from derivations.errors import DerivationInputError
+    from derivations.algebra.errors import DerivationInputError
 
     envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")
     envelope = envelope.with_values(_values(args.value))

@@ -1,98 +1,26 @@
-"""Every displayed equation exactly as printed, and the verdict that its check gives.
+"""The verdict on every displayed equation, as its checks give it.
 
 A verdict is never only on record: `judge` puts the printed equation in the place of the derived
-one and runs the same check. For a misprint the check must fail on print and pass on the
-correction; an ambiguous equation lists its readings and what becomes of each; an inconsistent one
-passes its own check, and fails that of another place of the paper.
+one, compares the two symbolically, and runs the same numerical check. What holds must agree in both
+ways. For a misprint both must fail on print, and the derived form must pass; an ambiguous equation
+lists its readings and what becomes of each; an inconsistent one passes its own check, and fails
+that of another place of the paper.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import sympy as sp
-
 from derivations import catalogue
-from derivations.derivation import Check, Derivation, Evidence, Step
-from derivations.errors import CheckFailedError, DerivationInputError
-from derivations.rendering import equation_latex
-
-
-class Verdict(StrEnum):
-    """The possible verdicts on a printed equation."""
-
-    HOLDS = "holds"
-    MISPRINT = "misprint"
-    AMBIGUOUS = "ambiguous"
-    INCONSISTENT = "inconsistent"
-    DEFINITION = "definition"
-    ASSUMPTION = "assumption"
-
-
-@dataclass(frozen=True)
-class Reading:
-    """One way to read an ambiguous equation, or what another place asks of an inconsistent one.
-
-    Attributes
-    ----------
-    meaning : str
-        The reading, in words.
-    equation : Basic
-        The equation in this reading.
-    check : callable or None
-        Judges it; None for the check of the derived step.
-    holds : bool
-        Whether it is expected to pass.
-    implies : str
-        What follows from it.
-    """
-
-    meaning: str
-    equation: sp.Basic
-    holds: bool
-    implies: str
-    check: Check | None = field(default=None, repr=False)
-
-
-@dataclass(frozen=True)
-class Printed:
-    """A displayed equation of the paper.
-
-    Attributes
-    ----------
-    number : int
-        1 to 54.
-    latex : str
-        As printed.
-    equation : Basic
-        The same as a live object.
-    verdict : Verdict
-        On record; `judge` must find it again.
-    note : str
-        Why, in a sentence or two.
-    affects : str
-        What later in the paper hangs on it; empty for nothing.
-    readings : tuple of Reading
-        For an ambiguous equation. For an inconsistent one: what another place makes of it, which
-        fails, and the form that does not.
-    slip : (Basic, Basic, Basic) or None
-        For a misprint of one term: as printed, as it should be, and the equation with that change
-        alone, which must be the derived one.
-    """
-
-    number: int
-    latex: str
-    equation: sp.Basic
-    verdict: Verdict
-    note: str
-    affects: str = ""
-    readings: tuple[Reading, ...] = ()
-    slip: tuple[sp.Basic, sp.Basic, sp.Basic] | None = None
+from derivations.algebra.equations import same
+from derivations.algebra.errors import CheckFailedError, DerivationInputError
+from derivations.algebra.rendering import equation_latex, source_of
+from derivations.algebra.steps import Derivation, Evidence, Step
+from derivations.printing import Printed, Verdict
 
 
 @dataclass(frozen=True)
@@ -113,6 +41,8 @@ class Judgement:
         The check run on the derived equation.
     on_readings : tuple of Evidence
         One a reading.
+    agrees : bool
+        Whether left minus right of print and of the derived equation simplify to the same.
     """
 
     printed: Printed
@@ -121,6 +51,7 @@ class Judgement:
     on_print: Evidence
     on_derived: Evidence
     on_readings: tuple[Evidence, ...]
+    agrees: bool
 
     @property
     def confirmed(self) -> bool:
@@ -128,15 +59,15 @@ class Judgement:
         if not self.on_derived.holds:
             return False
         if self.printed.verdict is Verdict.MISPRINT:
-            return not self.on_print.holds
+            return not self.on_print.holds and not self.agrees
         expected = [reading.holds for reading in self.printed.readings]
         as_expected = expected == [found.holds for found in self.on_readings]
         if self.printed.verdict is Verdict.AMBIGUOUS:
             return as_expected and any(expected)
         if self.printed.verdict is Verdict.INCONSISTENT:
             both = any(expected) and not all(expected)
-            return self.on_print.holds and as_expected and both
-        return self.on_print.holds
+            return self.on_print.holds and self.agrees and as_expected and both
+        return self.on_print.holds and self.agrees
 
     def record(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -148,6 +79,10 @@ class Judgement:
         return {
             "number": self.printed.number,
             "verdict": self.printed.verdict.value,
+            "kind": self.step.kind.value,
+            "operation": self.step.operation,
+            "from": [source_of(source) for source in self.step.sources],
+            "check": self.on_derived.statement,
             "corrected": self.corrected,
             "note": self.printed.note,
             "affects": self.printed.affects,
@@ -194,7 +129,7 @@ def judge(found: Printed, derivation: Derivation) -> Judgement:
     """
     step = derivation.numbered(found.number)
     on_derived = step.verify()
-    on_print = step.verify(found.equation)
+    on_print = step.verify(found.expression)
     readings = []
     for reading in found.readings:
         check = reading.check or step.check
@@ -203,8 +138,9 @@ def judge(found: Printed, derivation: Derivation) -> Judgement:
         except (TypeError, ValueError, ArithmeticError, AttributeError) as error:
             readings.append(Evidence(False, f"it could not be evaluated ({error})"))
     wrong = found.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS)
-    corrected = equation_latex(step.equation) if wrong else None
-    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings))
+    corrected = equation_latex(step.result) if wrong else None
+    agrees = same(found.expression, step.result)
+    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings), agrees)
 
 
 @dataclass(frozen=True)

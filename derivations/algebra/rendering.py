@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import html
 import re
+from keyword import iskeyword
 from typing import Any
+from xml.etree import ElementTree
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
-from derivations.derivation import Derivation, Evidence, Step
-from derivations.evidence import parts_of
+from derivations.algebra.equations import parts_of
+from derivations.algebra.notation import Script, displayed
+from derivations.algebra.steps import Derivation, Evidence, Kind, Step
 
 TERMS_A_LINE = 3
 """Longer sums are broken so that they fit the width of a page."""
@@ -27,8 +30,11 @@ PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 """
 
 
+_REFERENCE = re.compile(r"&amp;#(x[0-9A-Fa-f]+);")
+
+
 def equation_text(equation: sp.Basic) -> str:
-    """Return an equation on one line, a system on several.
+    """Return an equation in Unicode; a system part by part, a long sum in several rows.
 
     Examples
     --------
@@ -40,17 +46,22 @@ def equation_text(equation: sp.Basic) -> str:
 
 def equation_latex(equation: sp.Basic) -> str:
     """LaTeX for use inside a display; a system becomes ``aligned`` lines."""
-    parts = [str(sp.latex(part)) for part in parts_of(equation)]
+    parts = [_latex(part) for part in parts_of(equation)]
     if len(parts) == 1:
         return parts[0]
     return "\\begin{aligned}\n" + " \\\\\n".join(f"& {part}" for part in parts) + "\n\\end{aligned}"
 
 
 def equation_mathml(equation: sp.Basic) -> str:
-    """Presentation MathML, one ``math`` element."""
-    rows = [_ENTITY.sub(_plain, sp.mathml(part, printer="presentation"))
-            for part in parts_of(equation)]  # fmt: skip
-    rows = [row.replace("<mo><</mo>", "<mo>&lt;</mo>") for row in rows]  # left bare by SymPy
+    """Presentation MathML, one ``math`` element, made from the LaTeX."""
+    from latex2mathml.converter import convert_to_element
+
+    rows = []
+    for part in parts_of(equation):
+        element = convert_to_element(_latex(part), display="block")
+        found = "".join(ElementTree.tostring(inner, encoding="unicode") for inner in element)
+        # The converter writes its signs as character references, which are escaped once more.
+        rows.append(_REFERENCE.sub(lambda sign: f"&#{sign[1]};", found))
     body = rows[0]
     if len(rows) > 1:
         cells = "".join(f"<mtr><mtd>{row}</mtd></mtr>" for row in rows)
@@ -58,17 +69,42 @@ def equation_mathml(equation: sp.Basic) -> str:
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{body}</math>'
 
 
+def equation_expression(equation: sp.Basic) -> str:
+    """Return the equation as text that ``sympy.sympify`` reads back.
+
+    ``str`` where no name has a meaning of its own in SymPy, else ``srepr``.
+    """
+    names = {q.name for q in equation.atoms(sp.Symbol)}
+    names |= {q.func.__name__ for q in equation.atoms(AppliedUndef)}
+    plain = str(sp.sstr(equation))
+    if any(hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names):
+        return str(sp.srepr(equation))
+    return plain
+
+
+def sentence(step: Step) -> str:
+    """Return kind, operation and note of a step as running text."""
+    kind = "" if step.kind is Kind.DERIVED else f"{step.kind.value.capitalize()}: "
+    said = step.operation if kind else step.operation[:1].upper() + step.operation[1:]
+    return f"{kind}{said}" + (f". {step.note}" if step.note else "")
+
+
 def text(derivation: Derivation) -> str:
     """Write the steps with their evidence; where a check fails, say so and stop."""
     lines = [derivation.title, ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
         label = f"  (Eq. {step.number})" if step.number is not None else ""
-        lines.append(f"{position}. {step.operation}{label}")
-        lines += [f"     {line}" for line in equation_text(step.equation).splitlines()]
+        lines.append(f"{position}. {sentence(step)}{label}")
+        lines += [f"     {line}" for line in equation_text(step.result).splitlines()]
         lines += [f"   {_verdict(evidence)}: {evidence.statement}", ""]
         if not evidence.holds:
             lines.append(f"Stopped at step {position} of {len(derivation.steps)}.")
     return "\n".join(lines).rstrip()
+
+
+def source_of(step: Step) -> int | str:
+    """Return how a source is named in JSON: its number, or its name where it has none."""
+    return step.number if step.number is not None else step.name
 
 
 def records(derivation: Derivation) -> dict[str, Any]:
@@ -79,10 +115,15 @@ def records(derivation: Derivation) -> dict[str, Any]:
         complete = complete and evidence.holds
         steps.append(
             {
-                "operation": step.operation,
+                "name": step.name,
                 "number": step.number,
-                "equation": equation_text(step.equation),
-                "latex": equation_latex(step.equation),
+                "kind": step.kind.value,
+                "operation": step.operation,
+                "from": [source_of(source) for source in step.sources],
+                "note": step.note,
+                "equation": equation_text(step.result),
+                "expression": equation_expression(step.result),
+                "latex": equation_latex(step.result),
                 "holds": evidence.holds,
                 "evidence": evidence.statement,
             }
@@ -100,8 +141,8 @@ def markdown(derivation: Derivation) -> str:
     lines = [f"### {derivation.title}", ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
         label = f" (Eq. {step.number})" if step.number is not None else ""
-        lines += [f"{position}. {step.operation}{label}", ""]
-        lines += [f"$$\n{equation_latex(step.equation)}\n$$", ""]
+        lines += [f"{position}. {sentence(step)}{label}", ""]
+        lines += [f"$$\n{equation_latex(step.result)}\n$$", ""]
         lines += [f"*{_verdict(evidence)}:* {evidence.statement}", ""]
     return "\n".join(lines)
 
@@ -112,7 +153,7 @@ def mathml(derivation: Derivation) -> str:
     for step, evidence in derivation.examined():
         label = f" (Eq. {step.number})" if step.number is not None else ""
         rows.append(
-            f"<li><p>{_escape(step.operation)}{label}</p>{equation_mathml(step.equation)}"
+            f"<li><p>{_escape(sentence(step))}{label}</p>{equation_mathml(step.result)}"
             f"<p>{_verdict(evidence)}: {_escape(evidence.statement)}</p></li>"
         )
     return f"<section><h2>{_escape(derivation.title)}</h2><ol>{''.join(rows)}</ol></section>"
@@ -124,7 +165,7 @@ def document(*derivations: Derivation) -> str:
     for derivation in derivations:
         body.append(f"\\section*{{{_tex_words(derivation.title)}}}\n\\begin{{enumerate}}")
         for step, evidence in derivation.examined():
-            body.append(f"\\item {_tex_words(step.operation)}")
+            body.append(f"\\item {_tex_words(sentence(step))}")
             body.append(_display(step))
             body.append(f"\\emph{{{_verdict(evidence)}:}} {_tex_words(evidence.statement)}.")
         body.append("\\end{enumerate}")
@@ -140,17 +181,17 @@ def shown(derivation: Derivation, form: str) -> str:
 
 def _display(step: Step) -> str:
     lines = []
-    for part in parts_of(step.equation):
+    for part in parts_of(step.result):
         if isinstance(part, sp.Equality) and not part.has(sp.MatrixBase):
             lines.append(_broken(part))
         else:
-            lines.append("& " + sp.latex(part))
+            lines.append("& " + _latex(part))
     tag = f" \\tag{{{step.number}}}" if step.number is not None else ""
     return "\\begin{align*}\n" + " \\\\\n".join(lines) + tag + "\n\\end{align*}"
 
 
 def _broken(equation: sp.Equality) -> str:
-    left, right = equation.args
+    left, right = displayed(equation, Script.LATEX).args
     if len(sp.Add.make_args(left)) > TERMS_A_LINE and right == 0:
         return _lines(left, "") + " = 0"
     return f"{sp.latex(left)} ={{}} " + _lines(right, "")
@@ -168,19 +209,52 @@ def _lines(total: sp.Expr, prefix: str) -> str:
     return prefix + "".join(pieces).rstrip()
 
 
-_ENTITY = re.compile(r"&([A-Za-z]+);")
-"""SymPy writes names such as InvisibleTimes, which XML does not know."""
+def _latex(part: sp.Basic) -> str:
+    return str(sp.latex(displayed(part, Script.LATEX)))
 
 
-def _plain(match: re.Match[str]) -> str:
-    known = ("lt", "gt", "amp", "quot", "apos")
-    return match[0] if match[1] in known else html.unescape(match[0])
+WIDTH = 100
+"""Columns of a terminal that an equation may fill before it is broken."""
 
 
 def _one_text(part: sp.Basic) -> str:
-    if isinstance(part, sp.Equality):
-        return f"{sp.sstr(part.lhs)} = {sp.sstr(part.rhs)}"
-    return str(sp.sstr(part))
+    shown = displayed(part, Script.UNICODE)
+    whole = _pretty(shown)
+    if _width(whole) <= WIDTH or not isinstance(shown, sp.Equality):
+        return whole
+    left, right = shown.args
+    if right == 0:
+        return "\n".join([*_rows(left, ""), "= 0"])
+    return "\n".join([*_rows(left, ""), *_rows(right, "= ")])
+
+
+def _rows(total: sp.Basic, prefix: str) -> list[str]:
+    """Return a sum in rows that fit the width; the first row starts with ``prefix``."""
+    rows: list[str] = []
+    current: list[sp.Expr] = []
+    for term in sp.Add.make_args(total):
+        if current and _width(_pretty(sp.Add(*current, term, evaluate=False))) > WIDTH - 6:
+            rows.append(_row(current, "+ " if rows else prefix))
+            current = []
+        current.append(term)
+    rows.append(_row(current, "+ " if rows else prefix))
+    return rows
+
+
+def _row(terms: list[sp.Expr], prefix: str) -> str:
+    block = _pretty(sp.Add(*terms, evaluate=False)) if len(terms) > 1 else _pretty(terms[0])
+    lines = block.splitlines()
+    middle = len(lines) // 2
+    return "\n".join((prefix if at == middle else " " * len(prefix)) + line
+                     for at, line in enumerate(lines))  # fmt: skip
+
+
+def _pretty(expression: sp.Basic) -> str:
+    return str(sp.pretty(expression, use_unicode=True, wrap_line=False))
+
+
+def _width(block: str) -> int:
+    return max(map(len, block.splitlines()), default=0)
 
 
 def _verdict(evidence: Evidence) -> str:

@@ -14,7 +14,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from derivations.derivation import Check, Evidence
+from derivations.algebra.steps import Check, Evidence
 
 Point = Mapping[sp.Basic, Any]
 """Values for symbols, functions or derivatives that occur in an equation."""

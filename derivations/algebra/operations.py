@@ -7,6 +7,7 @@ what was done. None of them knows which equation of the paper it is used for.
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from derivations.algebra.equations import (
     parts_of,
     system,
 )
+from derivations.algebra.notation import Script, displayed
 
 
 class OperationError(ArithmeticError):
@@ -45,9 +47,30 @@ class Operation(ABC):
 
 
 def spoken(expression: sp.Basic) -> str:
-    """Return a short expression on one line, with Greek letters."""
-    text = str(sp.pretty(expression, use_unicode=True, wrap_line=False))
-    return text if "\n" not in text else str(sp.sstr(expression))
+    """Return a short expression on one line, with Greek letters.
+
+    Examples
+    --------
+    >>> spoken(4 * sp.Symbol("omega_1") ** 2)
+    '4 ω₁²'
+    >>> spoken(sp.exp(sp.I * sp.Symbol("theta")))
+    'exp(i θ)'
+    """
+    shown = displayed(sp.sympify(expression), Script.UNICODE)
+    text = str(sp.pretty(shown, use_unicode=True, wrap_line=False))
+    if "\n" not in text:
+        return text
+    letters = {q: sp.Symbol(str(sp.pretty(q))) for q in shown.atoms(sp.Symbol)}
+    text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
+    return _UNIT.sub("i", text.replace("*", " "))
+
+
+_POWER = re.compile(r"\*\*(\d+)")
+_UNIT = re.compile(r"\bI\b")
+
+
+def _raised(power: re.Match[str]) -> str:
+    return "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(digit)] for digit in power[1])
 
 
 def listed(labels: Sequence[str]) -> str:
@@ -168,6 +191,20 @@ class Divide(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the factor."""
         return f"divide {listed(labels)} by {spoken(self.factor)}"
+
+
+@dataclass(frozen=True)
+class DivideByLeftSide(Operation):
+    """Divide both sides by the left side, where it does not vanish."""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``1 = right / left``."""
+        (source,) = sources
+        return equation(1, sum((q / source.lhs for q in sp.Add.make_args(source.rhs)), sp.S.Zero))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"divide {listed(labels)} by its left side"
 
 
 @dataclass(frozen=True)

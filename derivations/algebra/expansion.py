@@ -221,6 +221,8 @@ class Limit(Operation):
 
         def limited(side: sp.Expr) -> sp.Expr:
             plain = side.subs(self.parameter, self.value)
+            if plain.has(sp.nan, sp.zoo):
+                plain = sp.cancel(sp.together(side)).subs(self.parameter, self.value)
             if plain.is_finite is False or plain.has(sp.nan, sp.zoo, sp.oo):
                 plain = sp.limit(side, self.parameter, self.value)
             return plain

@@ -269,9 +269,7 @@ class Checks:
             worst = max(worst, *(abs(p - q) for p, q in zip(real, zeros, strict=True)))
         return Evidence(worst < 1e-9, f"all zeros of the imaginary part: off by {worst:.1e}")
 
-    def _at_branch(
-        self, rng: random.Random
-    ) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers]:
+    def _at_branch(self, rng: random.Random) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers]:
         """Return numbers with k_2 the zero between -π and 0 that is nearest to -π/2."""
         point, wave, p, zeros = self._with_zeros(rng)
         turn = min((q for q in zeros if q < 0), key=lambda q: abs(q + math.pi / 2))
@@ -325,9 +323,7 @@ class Checks:
         return {**p.values, n: place, t: when, r(n, t): size,
                 phi(n, t): size * (-1j) ** place * spin}  # fmt: skip
 
-    def _quarter_turns(
-        self, sizes: dict[int, complex], p: ChainNumbers, centre: bool
-    ) -> complex:
+    def _quarter_turns(self, sizes: dict[int, complex], p: ChainNumbers, centre: bool) -> complex:
         """Return r' of the middle site for amplitudes in phase steps of -π/2."""
         phases = {at: (-1j) ** (abs(at) if centre else at) for at in sizes}
         field = {at: size * phases[at] for at, size in sizes.items()}
@@ -365,4 +361,3 @@ class Checks:
         p, small = drawn(self.model, rng), 1e-5
         sizes = {at: complex(small * abs(step) ** at) for at in self.sites}
         return {**p.values, **wave}, [-self._quarter_turns(sizes, p, False) / sizes[0]]
-

@@ -141,7 +141,9 @@ def _decaying(
     size = definition("square of the amplitude", equation(square, alpha_0**2 * sp.exp(2 * k_1 * n)),
                       "the square of the amplitude of φ at site n", check=checks.square)  # fmt: skip
     loss = derived("damping of a site", Take(0), parts, check=checks.real_part)
-    by_size = derived("damping by amplitude", Eliminate(sp.exp(2 * k_1 * n)), loss, size, check=checks.by_size)
+    by_size = derived(
+        "damping by amplitude", Eliminate(sp.exp(2 * k_1 * n)), loss, size, check=checks.by_size
+    )
     degree = max(model.damping) // 2
     two = derived(
         "two sites", DividedDifference(square, squares[:2], divided), by_size,
@@ -159,9 +161,7 @@ def _decaying(
     return tuple(found)
 
 
-def _staggered(
-    model: ChainModel, averages: tuple[Step, ...], checks: Checks
-) -> tuple[Step, ...]:
+def _staggered(model: ChainModel, averages: tuple[Step, ...], checks: Checks) -> tuple[Step, ...]:
     unit = averages[5]
     turn = sp.exp(-i * sp.pi * n / 2) * sp.exp(i * epsilon * model.total_coupling * t)
     shape = ansatz(

@@ -22,6 +22,14 @@ def taylor(expression: sp.Expr, small: sp.Symbol, order: int) -> list[sp.Expr]:
     return found
 
 
+def _with_expanded_bases(expression: sp.Expr) -> sp.Expr:
+    """Expand what is squared, so that terms that cancel there disappear."""
+    return expression.replace(
+        lambda q: q.is_Pow and q.base.is_Add and q.exp.is_Integer,
+        lambda q: sp.expand(q.base) ** q.exp,
+    )
+
+
 @dataclass(frozen=True)
 class DifferentiateInScales(Operation):
     """Time derivatives by the chain rule, from the definition of the time scales.
@@ -64,8 +72,8 @@ class DifferentiateInScales(Operation):
 class RescaleTime(Operation):
     """Write an equation in the time scales.
 
-    The sources are the equation, the definition of the scales (the fast one first), and the time
-    derivatives in them.
+    The sources are the equation, the definition of the scales (the fast one first), and, where
+    there are any, the time derivatives in them.
 
     Attributes
     ----------
@@ -81,8 +89,8 @@ class RescaleTime(Operation):
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the equation in the scales."""
-        target, scales, derivatives = sources
-        rules = {part.lhs: part.rhs for part in parts_of(derivatives)}
+        target, scales, *derivatives = sources
+        rules = {part.lhs: part.rhs for source in derivatives for part in parts_of(source)}
         rules[self.function] = self.scaled
         fast = parts_of(scales)[0]
         speed = sp.diff(fast.rhs, self.time)
@@ -121,7 +129,10 @@ class Truncate(Operation):
 
         def truncated(side: sp.Expr) -> sp.Expr:
             terms = taylor(side, self.small, self.order)
-            return sum((term * self.small**m for m, term in enumerate(terms)), sp.S.Zero)
+            return sum(
+                (_with_expanded_bases(term) * self.small**m for m, term in enumerate(terms)),
+                sp.S.Zero,
+            )
 
         return on_sides(source, truncated)
 
@@ -210,6 +221,8 @@ class Limit(Operation):
 
         def limited(side: sp.Expr) -> sp.Expr:
             plain = side.subs(self.parameter, self.value)
+            if plain.has(sp.nan, sp.zoo):
+                plain = sp.cancel(sp.together(side)).subs(self.parameter, self.value)
             if plain.is_finite is False or plain.has(sp.nan, sp.zoo, sp.oo):
                 plain = sp.limit(side, self.parameter, self.value)
             return plain
@@ -220,6 +233,28 @@ class Limit(Operation):
         """Name the limit."""
         goal = spoken(sp.sympify(self.value))
         return f"take the limit {spoken(self.parameter)} → {goal} of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class Detune(Operation):
+    """Let a quantity differ by a small unknown from a value that was found for it.
+
+    Attributes
+    ----------
+    detuning : Symbol
+        The small difference.
+    """
+
+    detuning: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``quantity = value + detuning``."""
+        (source,) = sources
+        return equation(source.lhs, source.rhs + self.detuning)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the difference."""
+        return f"allow a small difference {spoken(self.detuning)} from {listed(labels)}"
 
 
 @dataclass(frozen=True)

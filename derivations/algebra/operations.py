@@ -7,6 +7,7 @@ what was done. None of them knows which equation of the paper it is used for.
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from derivations.algebra.equations import (
     parts_of,
     system,
 )
+from derivations.algebra.notation import Script, displayed
 
 
 class OperationError(ArithmeticError):
@@ -45,9 +47,30 @@ class Operation(ABC):
 
 
 def spoken(expression: sp.Basic) -> str:
-    """Return a short expression on one line, with Greek letters."""
-    text = str(sp.pretty(expression, use_unicode=True, wrap_line=False))
-    return text if "\n" not in text else str(sp.sstr(expression))
+    """Return a short expression on one line, with Greek letters.
+
+    Examples
+    --------
+    >>> spoken(4 * sp.Symbol("omega_1") ** 2)
+    '4 ω₁²'
+    >>> spoken(sp.exp(sp.I * sp.Symbol("theta")))
+    'exp(i θ)'
+    """
+    shown = displayed(sp.sympify(expression), Script.UNICODE)
+    text = str(sp.pretty(shown, use_unicode=True, wrap_line=False))
+    if "\n" not in text:
+        return text
+    letters = {q: sp.Symbol(str(sp.pretty(q))) for q in shown.atoms(sp.Symbol)}
+    text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
+    return _UNIT.sub("i", text.replace("*", " "))
+
+
+_POWER = re.compile(r"\*\*(\d+)")
+_UNIT = re.compile(r"\bI\b")
+
+
+def _raised(power: re.Match[str]) -> str:
+    return "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(digit)] for digit in power[1])
 
 
 def listed(labels: Sequence[str]) -> str:
@@ -93,8 +116,10 @@ class Substitute(Operation):
         """Say which equations are put into which."""
         where = ""
         if self.index is not None:
-            places = listed([spoken(sp.sympify(place)) for place in self.at])
-            where = f" at {spoken(self.index)} = {places}"
+            places = [sp.sympify(place) for place in self.at]
+            said = listed([spoken(place) for place in places])
+            moved = any(place.has(self.index) for place in places)
+            where = f" at the sites {said}" if moved else f" at {spoken(self.index)} = {said}"
         return f"substitute {listed(labels[1:])}{where} into {labels[0]}"
 
 
@@ -171,6 +196,20 @@ class Divide(Operation):
 
 
 @dataclass(frozen=True)
+class DivideByLeftSide(Operation):
+    """Divide both sides by the left side, where it does not vanish."""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``1 = right / left``."""
+        (source,) = sources
+        return equation(1, sum((q / source.lhs for q in sp.Add.make_args(source.rhs)), sp.S.Zero))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"divide {listed(labels)} by its left side"
+
+
+@dataclass(frozen=True)
 class Multiply(Operation):
     """Multiply both sides by a factor that does not vanish."""
 
@@ -195,7 +234,7 @@ class SolveFor(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``unknown = solution``, once for each solution."""
         (source,) = sources
-        stand_in = sp.Dummy()
+        stand_in = sp.Dummy(real=True) if self.unknown.is_real else sp.Dummy()
         rest = left_minus_right(source).xreplace({self.unknown: stand_in})
         slope = sp.diff(rest, stand_in)
         if not slope.has(stand_in):
@@ -215,7 +254,10 @@ class SolveFor(Operation):
 
 @dataclass(frozen=True)
 class Eliminate(Operation):
-    """Solve the second source for a symbol and put the solution into the first."""
+    """Solve the second source for a symbol or term and put the solution into the first.
+
+    Powers of a term are recognised: with ``exp(x)`` also ``exp(2 x)`` is eliminated.
+    """
 
     unknown: sp.Basic
 
@@ -225,7 +267,7 @@ class Eliminate(Operation):
         solved = SolveFor(self.unknown)(other)
         if len(parts_of(solved)) != 1:
             raise OperationError(f"{other} has several solutions for {self.unknown}")
-        return Substitute()(target, solved)
+        return on_sides(target, lambda side: side.subs(self.unknown, solved.rhs).doit())
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the unknown."""
@@ -268,14 +310,9 @@ class Isolate(Operation):
         factor = sp.expand(kept.xreplace({target: stand_in})).coeff(stand_in, 1)
         if factor == 0:
             raise OperationError(f"there is no term with {target}")
-        left = sum((self._over(term, factor, target) for term in sp.Add.make_args(kept)), sp.S.Zero)
-        collected = sp.collect(sp.expand(left), target)
-        ones = sp.simplify(collected.coeff(target, 1))
-        others = sp.expand(left - collected.coeff(target, 1) * target)
-        return equation(ones * target + sp.factor_terms(others), -sp.factor_terms(rest) / factor)
-
-    def _over(self, term: sp.Expr, factor: sp.Expr, target: sp.Expr) -> sp.Expr:
-        return sp.expand(term) / factor
+        others = sp.expand(kept - factor * target)
+        common = sp.factor_terms(factor)
+        return equation(target + sp.factor_terms(others) / common, -sp.factor_terms(rest) / common)
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the variable and the targets."""
@@ -308,6 +345,58 @@ class SelectBranch(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Give the rule."""
         return f"keep the branch of {listed(labels)} with {self.rule}"
+
+
+@dataclass(frozen=True)
+class SwapSides(Operation):
+    """Write an equation the other way round."""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``right = left``."""
+        (source,) = sources
+        return system(tuple(equation(part.rhs, part.lhs) for part in parts_of(source)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"exchange the sides of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class DividedDifference(Operation):
+    """Divided difference of left minus right over values of a variable.
+
+    If the equation held at all the values, it would vanish.
+
+    Attributes
+    ----------
+    variable : Symbol
+        What differs between the places.
+    values : tuple of Symbol
+        Its values there.
+    name : Symbol
+        What the divided difference is called.
+    """
+
+    variable: sp.Symbol
+    values: tuple[sp.Symbol, ...]
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = divided difference``."""
+        (source,) = sources
+        whole = left_minus_right(source)
+        table = [whole.subs(self.variable, value) for value in self.values]
+        for width in range(1, len(self.values)):
+            table = [
+                sp.cancel((table[at + 1] - table[at]) / (self.values[at + width] - self.values[at]))
+                for at in range(len(table) - 1)
+            ]
+        return equation(self.name, table[0])
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the values."""
+        places = listed([spoken(value) for value in self.values])
+        return f"take the divided difference of {listed(labels)} over {places}"
 
 
 @dataclass(frozen=True)
@@ -388,6 +477,38 @@ class Factorise(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the source."""
         return f"factor {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class CancelCommonFactors(Operation):
+    """Cancel what numerator and denominator of a side have in common.
+
+    Attributes
+    ----------
+    max_terms : int
+        Sides whose numerator is a longer sum are left as they are: factors would hide its form.
+    """
+
+    max_terms: int = 4
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the source with shorter fractions."""
+        (source,) = sources
+
+        def shortened(side: sp.Expr) -> sp.Expr:
+            above, below = sp.fraction(sp.together(side))
+            if below == 1 or len(sp.Add.make_args(above)) > 2 * self.max_terms:
+                return side
+            above = sp.expand(above)
+            if len(sp.Add.make_args(above)) > self.max_terms:
+                return side
+            return sp.factor(above) / sp.factor(below)
+
+        return on_sides(source, shortened)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"cancel common factors in {listed(labels)}"
 
 
 @dataclass(frozen=True)

@@ -370,8 +370,10 @@ class TakeAmplitude(Operation):
 
 def modulus(value: sp.Expr) -> sp.Expr:
     """Return the modulus of a product of real factors, phase factors and powers of i."""
-    square = sp.powsimp(sp.expand(value * sp.conjugate(value)), combine="exp")
-    return sp.powdenest(sp.sqrt(sp.factor(square)), force=True)
+    square = sp.factor(sp.powsimp(sp.expand(value * sp.conjugate(value)), combine="exp"))
+    roots = [sp.exp(factor.exp / 2) if isinstance(factor, sp.exp) else sp.sqrt(factor)
+             for factor in sp.Mul.make_args(square)]  # fmt: skip
+    return sp.Mul(*roots)
 
 
 def argument(value: sp.Expr) -> sp.Expr:

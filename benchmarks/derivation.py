@@ -28,7 +28,7 @@ import numpy as np
 
 from benchmarks.quantity import Quantity, Tell
 from derivations.averaging_evidence import damping_mean
-from derivations.periodic_orbit import orbit
+from derivations.averaging.periodic_orbit import orbit
 from verification.scenes import damping, timed
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ A, B, _, EPS = damping({"c": 0.0, **SECOND.values})
 OURS = """
 import json, sys, time
 import sympy as sp
-from derivations.modulation import ROUTE
+from derivations.algebra.modulation import ROUTE
 from derivations.oscillator import Oscillator, van_der_pol
 order = int(sys.argv[1])
 cell = van_der_pol(False)
@@ -311,5 +311,5 @@ BENCHMARK = Quantity(
         "multiple scales is the paper's route and gives each step of it, in milliseconds more"
     },
     first={name: partial(_first, name) for name in (MULTIPLE, "OSCILATE")},
-    code=("derivations.modulation", "derivations.oscillator"),
+    code=("derivations.algebra.modulation", "derivations.oscillator"),
 )

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from derivations import averaging_readings, printed
-from derivations.breather_correction import breather
-from derivations.modulation import by_averaging, by_multiple_scales
+from derivations.averaging.breather_correction import breather
+from derivations.algebra.modulation import by_averaging, by_multiple_scales
 from derivations.oscillator import van_der_pol
-from derivations.periodic_orbit import harmonic, orbit
+from derivations.averaging.periodic_orbit import harmonic, orbit
 from theory.breather import Reading, solve_breather
 from theory.envelope import envelope_rate
 from theory.vdp_chain import Ends, VdpChain

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from derivations.cell import derive as derive_cell
-from derivations.envelope import derive_envelope, square
+from derivations.averaging.cell import derive as derive_cell
+from derivations.averaging.envelope import derive_envelope, square
 from derivations.algebra.errors import DerivationInputError
-from derivations.polynomial_text import read_polynomial
+from derivations.averaging.polynomial_text import read_polynomial
 
 
 @pytest.mark.parametrize("power", range(7))

@@ -9,15 +9,15 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from derivations.breather_correction import breather
-from derivations.modulation import (
+from derivations.averaging.breather_correction import breather
+from derivations.algebra.modulation import (
     by_averaging,
     by_multiple_scales,
     in_scales_amplitude,
     same_polynomial,
 )
 from derivations.oscillator import Oscillator, van_der_pol
-from derivations.periodic_orbit import harmonic, orbit
+from derivations.averaging.periodic_orbit import harmonic, orbit
 
 SYMBOLS = sp.symbols("p q c", positive=True)
 P, Q, C = SYMBOLS

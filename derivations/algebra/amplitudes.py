@@ -271,7 +271,7 @@ class _OfCycle(Operation):
         (first, _), (second, _) = rates
         if second == 0:
             return sp.S.Zero
-        return -second / sp.diff(first, self.square)
+        return sp.cancel(-second / sp.diff(first, self.square))
 
 
 @dataclass(frozen=True)

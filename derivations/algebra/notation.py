@@ -29,6 +29,8 @@ NAMES: dict[str, tuple[str, str]] = {
     "varphi": (r"\varphi", "φ"),
     "y_next": ("y_{n}^{(1)}", "yₙ⁽¹⁾"),
     "turn": ("E", "E"),
+    "ratio": (r"\left|\varphi_{us}\right|/\left|\varphi_{s}\right|", "│φᵤₛ│/│φₛ│"),
+    "psi": (r"\psi", "ψ"),
     "A_abs": (r"\left|A\right|", "│A│"),
     "varphi_s": (r"\varphi_{s}", "φₛ"),
     "varphi_us": (r"\varphi_{us}", "φᵤₛ"),

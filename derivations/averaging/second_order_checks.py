@@ -16,17 +16,18 @@ from scipy.optimize import brentq
 from derivations.algebra.evidence import Point, equals, solved_for, value, vanishes_at
 from derivations.algebra.steps import Evidence
 from derivations.averaging import symbols as own
+from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
 from derivations.multiple_scales.checks import Checks as ScalesChecks
-from derivations.periodic_orbit import harmonic, orbit
 from derivations.symbols import n, omega, t
 
 _SAMPLES = 128
 _T = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
 _STEPS = (1e-2, 1e-3)
 _ALONG = "what the equation of motion leaves at e^{it} along the predicted flow"
-_EPSILONS = (0.02, 0.01)
+_WEAK = 0.2
+"""Largest eps * max|h| on a cycle, which is what acts as the small parameter."""
 
 
 class SecondOrderChecks:
@@ -164,7 +165,7 @@ class SecondOrderChecks:
         slopes = []
         for values, square in _cycles_of(self.model):
             errors = []
-            for e in _EPSILONS:
+            for e in _small(self.model, values, square):
                 p = numbers_of(self.model, dict(values), e)
                 y, w = _orbit_of(self.model, values, square, e)
                 errors.append(error(candidate, y, w, {**p.values, own.square: square}))
@@ -173,7 +174,6 @@ class SecondOrderChecks:
             slopes.append(math.log2(errors[0] / errors[1]))
         if not slopes:
             return Evidence(False, f"{what}: no limit cycle was found to compare with")
-        # eps is at most 0.02 here but acts through eps * max|h| on the cycle, up to 0.3.
         holds = all(slope > order - 0.35 for slope in slopes)
         shown = ", ".join(f"{slope:.2f}" for slope in slopes)
         return Evidence(holds, f"{what}: slopes {shown} in ε, predicted at least {order}")
@@ -265,25 +265,39 @@ def _cycles(key: tuple[Any, ...]) -> tuple[tuple[Values, float], ...]:
     model = ChainModel(damping=dict(damping), stiffness=dict(stiffness), coupling=0)
     rng: random.Random = random.Random(3)
     found: list[tuple[Values, float]] = []
-    grid = np.linspace(0.3, 3, 12)
-    for _ in range(200):
-        values = tuple((symbol, rng.uniform(0.1, 2.5)) for symbol in model.parameters)
+    grid = np.linspace(0.3, 4.5, 24)
+    phase = _T[:, None]
+    for _ in range(2000):
+        values = tuple((symbol, math.exp(rng.uniform(-3, 1.5))) for symbol in model.parameters)
         p = numbers_of(model, dict(values), 1.0)
 
-        def rate(size: float, p: ChainNumbers = p) -> float:
-            return float(p.cell_rate(size).real)
+        def rate(size: Any, p: ChainNumbers = p) -> Any:
+            moved = -p.force(size * np.sin(phase), size * np.cos(phase)) * np.cos(phase)
+            return np.mean(moved, axis=0)
 
-        heights = [rate(size) for size in grid]
+        heights = rate(grid[None, :])
         crossed = [
             (low, high)
             for low, high, one, other in zip(grid, grid[1:], heights, heights[1:], strict=False)
-            if one * other < 0 and min(abs(one), abs(other)) > 0.02
+            if one * other < 0 and abs(one - other) > 0.02
         ]
         if crossed:
-            found += [(values, float(brentq(rate, *pair, xtol=1e-14)) ** 2) for pair in crossed]
-        if len(found) >= 3:
+            found += [
+                (values, float(brentq(lambda q: rate(q)[0], *pair, xtol=1e-14)) ** 2)
+                for pair in crossed
+            ]
+        if len(found) >= 2:
             break
     return tuple(found)
+
+
+def _small(model: ChainModel, values: Values, square: float) -> tuple[float, float]:
+    """Return two values of eps, both weak for a cycle of this size."""
+    p = numbers_of(model, dict(values), 1.0)
+    y = np.linspace(0, math.sqrt(square), 40)
+    strongest = max(float(np.abs(p.force(y, 1.0)).max()), 1e-3)
+    large = min(0.02, _WEAK / strongest)
+    return large, large / 2
 
 
 def _orbit_of(model: ChainModel, values: Values, square: float, e: float) -> tuple[Any, float]:

@@ -156,8 +156,8 @@ def _cell(args: argparse.Namespace) -> Answer:
         raise UsageError('a cell needs its damping, as in --damping "1 - a*y**2 + b*y**4".')
     if args.equation is not None or args.order != 1:
         raise UsageError("'cell' takes neither --equation nor --order: it averages to first order.")
-    from derivations.cell import derive
-    from derivations.envelope import derive_envelope
+    from derivations.averaging.cell import derive
+    from derivations.averaging.envelope import derive_envelope
     from derivations.algebra.errors import DerivationInputError
 
     envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import sympy as sp
 
 from derivations.algebra.errors import DerivationInputError
-from derivations.polynomial_text import HIGHEST, Monomial, read_polynomial
+from derivations.averaging.polynomial_text import HIGHEST, Monomial, read_polynomial
 
 Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None
 

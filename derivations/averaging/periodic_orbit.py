@@ -15,9 +15,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from derivations.chain_numbers import ChainNumbers
 
 
-def orbit(
-    start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30
-) -> tuple[Any, float]:
+def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> tuple[Any, float]:
     """Find a periodic orbit of (8) on a half chain, mirrored at site 0 and ending in rest.
 
     Parameters

@@ -9,6 +9,7 @@ that of another place of the paper.
 
 from __future__ import annotations
 
+import importlib
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -96,10 +97,10 @@ class Judgement:
 @lru_cache(maxsize=1)
 def equations() -> tuple[Printed, ...]:
     """All 54 displayed equations in order."""
-    from derivations import printed_averaging, printed_breather, printed_friction, printed_front
-
-    found = (*printed_friction.EQUATIONS, *printed_breather.EQUATIONS,
-             *printed_averaging.EQUATIONS, *printed_front.EQUATIONS)  # fmt: skip
+    found: list[Printed] = []
+    for name in catalogue.NUMBERED:
+        folder = catalogue.LISTING[name][0].partition(".")[0]
+        found += importlib.import_module(f"derivations.{folder}.printed").EQUATIONS
     return tuple(sorted(found, key=lambda printed: printed.number))
 
 
@@ -168,8 +169,7 @@ def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
     judgements: list[Judgement] = []
     failures: list[str] = []
     for key in keys:
-        order = 2 if key == "multiple-scales" else 1
-        derivation = catalogue.load(key, order)
+        derivation = catalogue.load(key)
         numbers = {step.number for step in derivation.steps if step.number is not None}
         judgements += [judge(found, derivation) for found in equations() if found.number in numbers]
         try:

@@ -94,13 +94,17 @@ class Judgement:
         }
 
 
+def _transcribed(name: str) -> tuple[Printed, ...]:
+    """Return the printed equations that stand beside a derivation."""
+    folder = catalogue.LISTING[name][0].partition(".")[0]
+    entries: tuple[Printed, ...] = importlib.import_module(f"derivations.{folder}.printed").EQUATIONS
+    return entries
+
+
 @lru_cache(maxsize=1)
 def equations() -> tuple[Printed, ...]:
     """All 54 displayed equations in order."""
-    found: list[Printed] = []
-    for name in catalogue.NUMBERED:
-        folder = catalogue.LISTING[name][0].partition(".")[0]
-        found += importlib.import_module(f"derivations.{folder}.printed").EQUATIONS
+    found = [entry for name in catalogue.NUMBERED for entry in _transcribed(name)]
     return tuple(sorted(found, key=lambda printed: printed.number))
 
 
@@ -112,7 +116,7 @@ def printed(number: int) -> Printed:
     DerivationInputError
         If the paper has no equation of this number.
     """
-    for found in equations():
+    for found in _transcribed(catalogue.owner(number)):
         if found.number == number:
             return found
     raise DerivationInputError("equation", number, "from 1 to 54", "choose one of these numbers")

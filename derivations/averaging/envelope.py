@@ -18,8 +18,6 @@ from derivations.averaging.symbols import phi, square
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon, n, t
 
-__all__ = ["PHI", "Envelope", "derive_envelope", "square"]
-
 r = sp.Symbol("r", positive=True)
 r_rate = sp.Symbol("r'", real=True)
 PHI = {-1: sp.Symbol(r"\varphi_{n-1}"), 0: sp.Symbol(r"\varphi_{n}"),

@@ -199,3 +199,55 @@ class EnvelopeOfWave(Operation):
             f"wavenumber as -i∂/∂{spoken(self.place)} on the envelope, and add the local rate of "
             f"{listed(labels)}"
         )
+
+
+@dataclass(frozen=True)
+class RealWave(Operation):
+    """Take the real part of a characteristic equation, and solve it for the square of omega.
+
+    Attributes
+    ----------
+    frequency : Symbol
+        omega, real.
+    """
+
+    frequency: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``omega² = ...``."""
+        (source,) = sources
+        real = sp.re(sp.expand(left_minus_right(source))).doit()
+        square = sp.expand(real).coeff(self.frequency, 2)
+        rest = sp.expand(real - square * self.frequency**2)
+        if rest.has(self.frequency) or square == 0:
+            raise OperationError(f"the real part is not linear in {self.frequency} squared")
+        return equation(self.frequency**2, sp.expand(-rest / square))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the frequency."""
+        return f"take the real part of {listed(labels)} and solve for {spoken(self.frequency)}²"
+
+
+@dataclass(frozen=True)
+class NameNegative(Operation):
+    """Give a negative quantity's size a name: ``w = -size``.
+
+    Attributes
+    ----------
+    quantity, size : Symbol
+        The quantity, and the name of its size.
+    """
+
+    quantity: sp.Symbol
+    size: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the system with ``size = -value`` in the place of ``quantity = value``."""
+        (source,) = sources
+        parts = [equation(self.size, sp.expand(-part.rhs)) if part.lhs == self.quantity else part
+                 for part in parts_of(source)]  # fmt: skip
+        return sp.Tuple(*parts)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name both."""
+        return f"write {spoken(self.quantity)} = -{spoken(self.size)} in {listed(labels)}"

@@ -86,9 +86,22 @@ class PrescribeCoefficients(Operation):
         rest = [sum((left.coeff(term) for term in terms), sp.S.Zero) - value
                 for terms, value in self.demands]  # fmt: skip
         found = sp.solve(rest, self.unknowns, dict=True)
+        if len(found) != 1:  # cube roots: take the demands one at a time
+            found = [self._one_by_one(rest)]
         if len(found) != 1 or set(found[0]) != set(self.unknowns):
             raise OperationError("these coefficients do not determine the scales")
         return sp.Tuple(*(equation(own, sp.simplify(found[0][own])) for own in self.unknowns))
+
+    def _one_by_one(self, rest: list[sp.Expr]) -> dict[sp.Basic, sp.Expr]:
+        """Solve the demands in their order for the unknowns in theirs."""
+        known: dict[sp.Basic, sp.Expr] = {}
+        for demand, unknown in zip(rest, self.unknowns, strict=True):
+            roots = [root for root in sp.solve(demand.subs(known), unknown)
+                     if not (unknown.is_positive and root.is_positive is False)]  # fmt: skip
+            if len(roots) != 1:
+                return {}
+            known[unknown] = roots[0]
+        return known
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the demands."""
@@ -351,3 +364,45 @@ class Rename(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name both."""
         return f"call this value of {spoken(self.old)} {spoken(self.new)}"
+
+
+@dataclass(frozen=True)
+class RenameField(Operation):
+    """Let another field obey the same equation, solved for its rate.
+
+    Attributes
+    ----------
+    old, new : Expr
+        The two fields, functions of the time and perhaps of more.
+    time : Symbol
+        The time.
+    """
+
+    old: sp.Expr
+    new: sp.Expr
+    time: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the rate of the new field."""
+        (source,) = sources
+        if source.lhs != self.old.diff(self.time):
+            raise OperationError(f"{source} is not solved for the rate of {self.old}")
+        return equation(self.new.diff(self.time), source.rhs.xreplace({self.old: self.new}))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name both."""
+        return f"let {spoken(self.new)} obey {listed(labels)} at each place"
+
+
+@dataclass(frozen=True)
+class OnOneSide(Operation):
+    """Bring everything to the left."""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``left minus right = 0``, expanded."""
+        (source,) = sources
+        return equation(sp.expand(left_minus_right(source)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"bring everything in {listed(labels)} to the left"

@@ -409,7 +409,10 @@ class IntegratePeriod(Operation):
     def _short(self, mean: sp.Expr) -> sp.Expr:
         """Return ``±1/sqrt(simplified 1/mean²)``, with the sign of the mean itself."""
         inverse = sp.expand(sp.simplify(1 / mean**2))
-        short = 1 / sp.sqrt(inverse)
+        scale = sp.re(inverse).doit()
+        if not scale.is_positive:
+            scale = sp.S.One
+        short = 1 / (sp.sqrt(scale) * sp.sqrt(sp.expand(inverse / scale)))
         values = {symbol: self.probe for symbol in mean.free_symbols}
         ratio = complex((mean / short).subs(values).evalf())
         if abs(abs(ratio.real) - 1) > 1e-9 or abs(ratio.imag) > 1e-9:
@@ -419,3 +422,53 @@ class IntegratePeriod(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the source."""
         return f"carry out the integral of {listed(labels)} by residues in the unit disc"
+
+
+@dataclass(frozen=True)
+class NameDerivative(Operation):
+    """Differentiate a named function and name its derivative.
+
+    Attributes
+    ----------
+    variable : Symbol
+        The variable.
+    name : Symbol
+        What the derivative is called.
+    """
+
+    variable: sp.Symbol
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = derivative``."""
+        (source,) = sources
+        return equation(self.name, sp.diff(source.rhs, self.variable))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name both."""
+        return f"differentiate {listed(labels)} with respect to {spoken(self.variable)}"
+
+
+@dataclass(frozen=True)
+class EliminateOnRoots(Operation):
+    """Eliminate a parameter by demanding that a function vanishes.
+
+    The second source is ``L(k) = ...``; the result is true only where that is zero.
+
+    Attributes
+    ----------
+    parameter : Symbol
+        What is eliminated.
+    """
+
+    parameter: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the first source without the parameter."""
+        target, function = sources
+        (value,) = sp.solve(function.rhs, self.parameter)
+        return equation(target.lhs, sp.expand(target.rhs.subs(self.parameter, value)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the parameter."""
+        return f"eliminate {spoken(self.parameter)} from {labels[0]} by letting {labels[1]} vanish"

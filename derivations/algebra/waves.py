@@ -153,15 +153,15 @@ class EnterMovingFrame(Operation):
         (moving,) = (q for q in parts if q.lhs.args == (self.site, self.time))
         (named,) = (q for q in parts if q.rhs.args == (self.coordinate,) and q.lhs == moving.rhs)
         (there,) = sp.solve(sp.Eq(named.lhs.args[0], self.coordinate), self.site)
-        field = moving.lhs.func
+        field, profile = moving.lhs.func, moving.rhs.func
 
         def put(place: sp.Expr, *when: sp.Expr) -> sp.Expr:
-            return moving.rhs.subs(self.site, place) if when else field(place)
+            return moving.rhs.subs(self.site, place) if when else field(place)  # a profile stays
 
         def moved(side: sp.Expr) -> sp.Expr:
             found = side.replace(field, put).doit().subs(self.site, there).doit()
             return found.replace(
-                lambda q: isinstance(q, AppliedUndef) and q.func == field,
+                lambda q: isinstance(q, AppliedUndef) and q.func == profile,
                 lambda q: q.func(sp.expand(q.args[0])),
             ).doit()
 

@@ -24,20 +24,6 @@ from derivations.linearisation import symbols as s
 from derivations.symbols import n, t, y
 
 
-def chain(model: ChainModel) -> Check:
-    """Springs and dampers of site n."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        chain = drawn(model, rng)
-        field = {place: rng.uniform(-1, 1) for place in range(-model.reach, model.reach + 1)}
-        rate, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
-        point: dict[Any, Any] = {y(n + place, t): own for place, own in field.items()}
-        point |= {y(n, t).diff(t): rate, y(n, t).diff(t, 2): second, **chain.values}
-        return point, [second + chain.rest(field, rate)]
-
-    return equals(draw, "the forces of springs and dampers on a site")
-
-
 def state(candidate: sp.Basic) -> Evidence:
     """Put motions with known rates in: positions must come first, then their rates."""
     name, vector = candidate.args

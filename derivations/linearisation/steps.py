@@ -15,7 +15,7 @@ from derivations.algebra.lattice import (
     WriteFirstOrder,
 )
 from derivations.algebra.operations import Substitute
-from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
+from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived
 from derivations.chain import PAPER, ChainModel
 from derivations.linearisation import checks
 from derivations.linearisation.symbols import (
@@ -32,6 +32,7 @@ from derivations.linearisation.symbols import (
     perturbations,
     resonant,
 )
+from derivations.multiple_scales.steps import chain as chain_step
 from derivations.symbols import i, n, t, y
 
 
@@ -56,7 +57,7 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
     if count < least:
         raise DerivationInputError("number of sites N", count, f"at least {least}",
                                    "use a longer chain")  # fmt: skip
-    base = model("chain", chain.equation(), "the chain of Eq. (8)", check=checks.chain(chain))
+    base = chain_step(chain)
     own, change = components(count), perturbations(count)
     vector = sp.ImmutableMatrix(
         [
@@ -66,7 +67,7 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
     )
     state = definition("state", equation(X, vector), "displacements, then velocities",
                        check=checks.state, number=39)  # fmt: skip
-    steps: list[Step] = [base, state]
+    steps: list[Step] = [state]
     for ends in (Ends.RING, Ends.FREE):
         suffix, numbered = ("", True) if ends is Ends.RING else (" with free ends", False)
         closed = derived(f"closed chain{suffix}", CloseChain(y, n, t, count, ends), base,

@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
 
 LISTING = {
-    "friction": ("friction", "model I: scales, steady sliding and its stability", "1-7"),
+    "friction": ("friction.steps", "model I: scales, steady sliding and its stability", "1-7"),
     "multiple-scales": (
         "multiple_scales.steps", "the central particle by multiple scales", "8-30"
     ),
     "averaging": (
         "averaging.steps", "the averaged chain and what decays along it", "31-38, 43"
     ),
-    "linearisation": ("linearisation", "the Jacobian, for a ring and for free ends", "39-42"),
-    "piecewise-front": ("piecewise_front", "the front, its roots and its speed", "44-54"),
+    "linearisation": ("linearisation.steps", "the Jacobian, for a ring and for free ends", "39-42"),
+    "piecewise-front": ("front.steps", "the front, its roots and its speed", "44-54"),
     "second-order": ("averaging.second_order", "the next order, by both routes", ""),
 }  # fmt: skip
 """Name, module, what it derives, equation numbers."""
@@ -30,7 +30,7 @@ NUMBERED = tuple(name for name, row in LISTING.items() if row[2])
 WITH_ORDER = ("multiple-scales", "averaging")
 """Those that can be carried to second order."""
 
-WITH_MODEL = ("multiple-scales", "averaging", "linearisation", "second-order")
+WITH_MODEL = tuple(name for name in LISTING if name != "friction")
 """Those that follow from any chain of self-excited oscillators."""
 
 
@@ -63,14 +63,40 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
         )
     if model is not None and name not in WITH_MODEL:
         raise DerivationInputError(
-            "model", "another chain", f"left out for '{name}'", f"choose one of {WITH_MODEL}"
+            "model", "another chain", f"left out for '{name}'", f"choose one of {', '.join(WITH_MODEL)}"
         )
     module = importlib.import_module(f"derivations.{LISTING[name][0]}")
-    given: dict[str, Any] = {} if model is None else {"model": model}
-    if name in WITH_ORDER:
-        given["order"] = order
-    made: Derivation = module.derive(**given)
+    given = () if model is None else (model,)
+    ordered = {"order": order} if name in WITH_ORDER else {}
+    made: Derivation = module.derive(*given, **ordered)
     return made
+
+
+def everything(model: Any = None) -> tuple[Derivation, ...]:
+    """Return all derivations that carry equation numbers, with the second order.
+
+    Parameters
+    ----------
+    model : ChainModel or None
+        The chain of those that start from one.
+    """
+    made = [load(name, model=model if name in WITH_MODEL else None) for name in NUMBERED]
+    return (*made, load("second-order", model=model))
+
+
+def numbers_of(name: str) -> tuple[int, ...]:
+    """Return the equation numbers that a derivation contains.
+
+    Examples
+    --------
+    >>> numbers_of("averaging")[-2:]
+    (38, 43)
+    """
+    found: list[int] = []
+    for stretch in LISTING[name][2].split(", ") if LISTING[name][2] else ():
+        low, _, high = stretch.partition("-")
+        found += range(int(low), int(high or low) + 1)
+    return tuple(found)
 
 
 def owner(number: int) -> str:
@@ -86,9 +112,7 @@ def owner(number: int) -> str:
     >>> owner(34)
     'averaging'
     """
-    for name, (_, _, numbers) in LISTING.items():
-        for stretch in numbers.split(", ") if numbers else ():
-            low, _, high = stretch.partition("-")
-            if int(low) <= number <= int(high or low):
-                return name
+    for name in LISTING:
+        if number in numbers_of(name):
+            return name
     raise DerivationInputError("equation", number, "from 1 to 54", "choose one of these numbers")

@@ -9,6 +9,7 @@ that of another place of the paper.
 
 from __future__ import annotations
 
+import importlib
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -93,13 +94,17 @@ class Judgement:
         }
 
 
+def _transcribed(name: str) -> tuple[Printed, ...]:
+    """Return the printed equations that stand beside a derivation."""
+    folder = catalogue.LISTING[name][0].partition(".")[0]
+    entries: tuple[Printed, ...] = importlib.import_module(f"derivations.{folder}.printed").EQUATIONS
+    return entries
+
+
 @lru_cache(maxsize=1)
 def equations() -> tuple[Printed, ...]:
     """All 54 displayed equations in order."""
-    from derivations import printed_averaging, printed_breather, printed_friction, printed_front
-
-    found = (*printed_friction.EQUATIONS, *printed_breather.EQUATIONS,
-             *printed_averaging.EQUATIONS, *printed_front.EQUATIONS)  # fmt: skip
+    found = [entry for name in catalogue.NUMBERED for entry in _transcribed(name)]
     return tuple(sorted(found, key=lambda printed: printed.number))
 
 
@@ -111,7 +116,7 @@ def printed(number: int) -> Printed:
     DerivationInputError
         If the paper has no equation of this number.
     """
-    for found in equations():
+    for found in _transcribed(catalogue.owner(number)):
         if found.number == number:
             return found
     raise DerivationInputError("equation", number, "from 1 to 54", "choose one of these numbers")
@@ -168,8 +173,7 @@ def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
     judgements: list[Judgement] = []
     failures: list[str] = []
     for key in keys:
-        order = 2 if key == "multiple-scales" else 1
-        derivation = catalogue.load(key, order)
+        derivation = catalogue.load(key)
         numbers = {step.number for step in derivation.steps if step.number is not None}
         judgements += [judge(found, derivation) for found in equations() if found.number in numbers]
         try:

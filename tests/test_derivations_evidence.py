@@ -7,9 +7,9 @@ import pytest
 import sympy as sp
 
 from derivations import friction, linearisation
-from derivations.cell import derive
+from derivations.averaging.cell import derive
 from derivations.derivation import equation
-from derivations.envelope import derive_envelope
+from derivations.averaging.envelope import derive_envelope
 from derivations.algebra.errors import DerivationInputError
 
 

@@ -9,7 +9,7 @@ import random
 import pytest
 import sympy as sp
 
-from derivations import catalogue, linearisation, printed
+from derivations import catalogue, linearisation, judgement as printed
 from derivations.averaging_symbols import phi, phi_rate
 from derivations.algebra.evidence import value
 from derivations.friction import d, k, m, mu_d, mu_st, v_0, v_tilde_0, xi

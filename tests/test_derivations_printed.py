@@ -6,7 +6,7 @@ from functools import lru_cache
 import pytest
 import sympy as sp
 
-from derivations import catalogue, printed
+from derivations import catalogue, judgement as printed
 from derivations.averaging import averaged_form
 from derivations.averaging_evidence import averaged
 from derivations.averaging_symbols import phi, phi_rate

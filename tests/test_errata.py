@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 import sympy as sp
 
-from derivations import printed as printed_module
-from derivations.printed import Judgement, report
+from derivations import judgement as printed_module
+from derivations.judgement import Judgement, report
 from paper_checks.claim import Fault, Finding
 from paper_checks.claims import equations
 from paper_checks.equation_errata import correction, readable

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from derivations.printed import Judgement, report
+from derivations.judgement import Judgement, report
 from paper_checks.equation_errata import AMENDED, amended
 
 TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\d+|\S")

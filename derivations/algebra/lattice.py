@@ -59,7 +59,9 @@ class CloseChain(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the number of sites and the ends."""
-        return f"write {listed(labels)} for sites 1 to N = {self.sites}, closed to {self.ends.value}"
+        return (
+            f"write {listed(labels)} for sites 1 to N = {self.sites}, closed to {self.ends.value}"
+        )
 
 
 @dataclass(frozen=True)

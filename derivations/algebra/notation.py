@@ -27,6 +27,11 @@ NAMES: dict[str, tuple[str, str]] = {
     "Y_1": ("y_{0}^{(1)}", "y₀⁽¹⁾"),
     "Psi": (r"\Psi", "Ψ"),
     "varphi": (r"\varphi", "φ"),
+    "y_next": ("y_{n}^{(1)}", "yₙ⁽¹⁾"),
+    "turn": ("E", "E"),
+    "ratio": (r"\left|\varphi_{us}\right|/\left|\varphi_{s}\right|", "│φᵤₛ│/│φₛ│"),
+    "psi": (r"\psi", "ψ"),
+    "A_abs": (r"\left|A\right|", "│A│"),
     "varphi_s": (r"\varphi_{s}", "φₛ"),
     "varphi_us": (r"\varphi_{us}", "φᵤₛ"),
 }

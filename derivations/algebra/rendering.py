@@ -17,7 +17,7 @@ from derivations.algebra.steps import Derivation, Evidence, Kind, Step
 TERMS_A_LINE = 3
 """Longer sums are broken so that they fit the width of a page."""
 
-FORMATS = ("text", "latex", "mathml", "json")
+FORMATS = ("text", "latex", "mathml", "markdown", "json")
 """How a derivation can be shown on the command line."""
 
 PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
@@ -176,7 +176,8 @@ def shown(derivation: Derivation, form: str) -> str:
     """Return the derivation in one of the text formats."""
     if form == "latex":
         return document(derivation)
-    return mathml(derivation) if form == "mathml" else text(derivation)
+    writers = {"mathml": mathml, "markdown": markdown}
+    return writers.get(form, text)(derivation)
 
 
 def _display(step: Step) -> str:

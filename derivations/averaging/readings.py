@@ -23,9 +23,11 @@ _CLOSE = 0.01
 """Relative error of the neighbour's amplitude that still counts as agreement."""
 
 
-def paper_numbers(linear: float, quintic: float, coupling: float = 0.1) -> ChainNumbers:
-    """Return the chain of Eq. (8) in numbers, per unit of eps."""
-    return numbers_of(PAPER, {a: linear, b: quintic, c: coupling}, 1.0)
+def paper_numbers(
+    linear: float, quintic: float, coupling: float = 0.1, eps: float = 1.0
+) -> ChainNumbers:
+    """Return the chain of Eq. (8) in numbers; per unit of eps if eps is left out."""
+    return numbers_of(PAPER, {a: linear, b: quintic, c: coupling}, eps)
 
 
 def damping_mean(square: float, p: ChainNumbers) -> float:

@@ -20,3 +20,14 @@ divided = sp.Symbol("H", real=True)
 """Divided difference of the damping over several sites."""
 
 own, rate = phi(n, t), phi(n, t).diff(t)
+
+amplitude = sp.Function("A")
+"""Complex amplitude of ``y = A e^{it} + c.c.``; ``amplitude(n, t)``."""
+rho = sp.Function("rho")
+"""Twice its modulus in phase steps of -π/2, with what turns beyond them."""
+fundamental = sp.Symbol("A_1")
+y_next, turn = sp.symbols("y_next turn")
+size = sp.Symbol("A_abs", positive=True)
+radius = sp.Function("r", positive=True)(t)
+angle = sp.Function("psi", real=True)(t)
+ratio = sp.Symbol("ratio", positive=True)

@@ -151,8 +151,13 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
     for fast in _SPEEDS:
         filled = {**point, speed: fast, s.mu(speed * velocity): size,
                   force: -math.copysign(unit * size, fast)}  # fmt: skip
-        inside = law.xreplace({own: sp.Float(size) for own in law.atoms(sp.Function)
-                               if own.func == s.mu and _argument(own, filled, fast * velocity)})
+        inside = law.xreplace(
+            {
+                own: sp.Float(size)
+                for own in law.atoms(sp.Function)
+                if own.func == s.mu and _argument(own, filled, fast * velocity)
+            }
+        )
         worst = max(worst, abs(value(inside.lhs, filled) - value(inside.rhs, filled)))
     where = [bool(part.subs(speed, sp.Rational(fast))) for part in (moving, resting)
              for fast in (1, -1, 0)]  # fmt: skip
@@ -480,8 +485,10 @@ def hopf(chain: FrictionModel) -> Check:
 
                 kept += 1
                 worst = max(worst, abs(_slope(total)))
-        return Evidence(kept >= 2 and worst < 1e-7,
-                        f"slope of the forces at {kept} such velocities: at most {worst:.1e}")
+        return Evidence(
+            kept >= 2 and worst < 1e-7,
+            f"slope of the forces at {kept} such velocities: at most {worst:.1e}",
+        )
 
     return check
 

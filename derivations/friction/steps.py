@@ -225,10 +225,13 @@ def _sliding(chain: FrictionModel, found: dict[str, Step]) -> tuple[Step, ...]:
     cell = derived("slipping cell", Specialise({y_tilde(n + 1, tau): y_tilde(n, tau),
                                                 y_tilde(n - 1, tau): y_tilde(n, tau)}), slipping,
                    check=checks.cell(chain))  # fmt: skip
-    balance = derived("cycle of pure slip",
-                      BalancePower(y_tilde(n, tau), tau, y_star + R * sp.sin(s), s), cell,
-                      check=checks.balance(chain),
-                      note="its velocity amplitude is R; at R = 0 this is the Hopf velocity")
+    balance = derived(
+        "cycle of pure slip",
+        BalancePower(y_tilde(n, tau), tau, y_star + R * sp.sin(s), s),
+        cell,
+        check=checks.balance(chain),
+        note="its velocity amplitude is R; at R = 0 this is the Hopf velocity",
+    )
     bound = derived("end of pure slip", Specialise({R: v_tilde_d}), balance,
                     check=checks.bound(chain),
                     note="the largest velocity of the cycle reaches that of the belt: it grazes "

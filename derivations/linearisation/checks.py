@@ -155,8 +155,9 @@ def linear(model: ChainModel, ends: Ends) -> Check:
             exact = _rates(chain, ends, x + step * change) - _rates(chain, ends, x)
             errors.append(float(np.abs(found - exact).max()))
         slope = float(np.log10(errors[0] / errors[1])) if min(errors) > 0 else float("nan")
-        return Evidence(abs(slope - 2) < 0.1,
-                        f"error against the exact change: slope {slope:.3f}, predicted 2")
+        return Evidence(
+            abs(slope - 2) < 0.1, f"error against the exact change: slope {slope:.3f}, predicted 2"
+        )
 
     return check
 
@@ -191,7 +192,9 @@ def waves(candidate: sp.Basic) -> Evidence:
     for part, size in zip(parts_of(candidate), (s.A, s.D), strict=True):
         for given in (0.7 - 0.4j, -0.2 + 1.1j):
 
-            def sampled(phase: Any, side: Any = part.rhs, size: Any = size, given: Any = given) -> Any:
+            def sampled(
+                phase: Any, side: Any = part.rhs, size: Any = size, given: Any = given
+            ) -> Any:
                 return np.array([value(side, {t: at, size: given}) for at in phase])
 
             worst = max(worst, abs(fast_average(sampled, 1, 8) - given),
@@ -214,5 +217,3 @@ def mean(candidate: sp.Basic) -> Evidence:
     found = equals(lambda rng: (_mean_point(rng), None), "the product averaged by sampling",
                    floor=1.0)(candidate)  # fmt: skip
     return found if candidate.lhs == s.resonant else Evidence(False, "not the resonant part")
-
-

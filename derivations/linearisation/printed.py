@@ -54,7 +54,9 @@ def _linearised() -> sp.Eq:
     rows = list(_delta[SITES:])
     for place in _SITES:
         own, rate = _x[place], _x[SITES + place]
-        row = _delta[place] * (-1 - 2 * epsilon * c - epsilon * rate * (-2 * a * own + 4 * b * own**3))
+        row = _delta[place] * (
+            -1 - 2 * epsilon * c - epsilon * rate * (-2 * a * own + 4 * b * own**3)
+        )
         row += sum(epsilon * c * _delta[other] for other in _neighbours(place))
         rows.append(row - epsilon * _drag(place) * _delta[SITES + place])
     return equation(delta_rate, sp.ImmutableMatrix(rows))

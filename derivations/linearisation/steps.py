@@ -59,8 +59,12 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
                                    "use a longer chain")  # fmt: skip
     base = chain_step(chain)
     own, change = components(count), perturbations(count)
-    vector = sp.ImmutableMatrix([*(y(site, t) for site in range(1, count + 1)),
-                                 *(y(site, t).diff(t) for site in range(1, count + 1))])
+    vector = sp.ImmutableMatrix(
+        [
+            *(y(site, t) for site in range(1, count + 1)),
+            *(y(site, t).diff(t) for site in range(1, count + 1)),
+        ]
+    )
     state = definition("state", equation(X, vector), "displacements, then velocities",
                        check=checks.state, number=39)  # fmt: skip
     steps: list[Step] = [state]
@@ -71,10 +75,14 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
         system = derived(f"first-order system{suffix}", WriteFirstOrder(X_rate, own, t), closed,
                          state, check=checks.field(chain, ends),
                          number=40 if numbered else None)  # fmt: skip
-        linear = derived(f"linearised system{suffix}", LineariseSystem(own, change, delta_rate),
-                         system, check=checks.linear(chain, ends),
-                         number=41 if numbered else None,
-                         note="what is omitted is of second order in the perturbation")
+        linear = derived(
+            f"linearised system{suffix}",
+            LineariseSystem(own, change, delta_rate),
+            system,
+            check=checks.linear(chain, ends),
+            number=41 if numbered else None,
+            note="what is omitted is of second order in the perturbation",
+        )
         matrix = derived(f"Jacobian{suffix}", ReadMatrix(change, J), linear,
                          check=checks.jacobian(chain, ends),
                          number=42 if numbered else None)  # fmt: skip

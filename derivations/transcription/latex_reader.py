@@ -418,7 +418,9 @@ class _Reader:
         raw = self._raw_after("^")
         self.place = place
         text = "".join(raw)
-        if text in ("+", "-", "\\pm") or (raw[0] == "(" and raw[-1] == ")" and text[1:-1].isdigit()):
+        if text in ("+", "-", "\\pm") or (
+            raw[0] == "(" and raw[-1] == ")" and text[1:-1].isdigit()
+        ):
             return text
         return ""
 

@@ -1,4 +1,4 @@
-"""Inputs of `derive_envelope`: text, expressions or tables become exact coefficients."""
+"""Text, expressions or tables become exact coefficients, and a chain."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ from typing import TypeAlias
 import sympy as sp
 
 from derivations.algebra.errors import DerivationInputError
-from derivations.polynomial_text import HIGHEST, Monomial, read_polynomial
+from derivations.chain import PAPER, ChainModel
+from derivations.averaging.polynomial_text import HIGHEST, Monomial, read_polynomial
 
 Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None
 
 VARIABLE = "y"
+MAX_REACH = 3
+"""Neighbours on a side; beyond it the second order takes minutes."""
 
 
 def coefficients(given: Coefficients, quantity: str) -> dict[int, sp.Expr]:
@@ -125,3 +128,56 @@ def _from_expression(given: sp.Expr, quantity: str) -> dict[int, sp.Expr]:
                                    "use powers, sums and products only")  # fmt: skip
     polynomial = sp.Poly(_exact(given), variable)
     return {int(powers[0]): value for powers, value in polynomial.terms()}
+
+
+def chain_of(
+    damping: Coefficients,
+    stiffness: Coefficients = None,
+    coupling: str | None = None,
+    weights: str | None = None,
+    values: Mapping[str, float | str] | None = None,
+) -> ChainModel:
+    """Return a chain from text; what is left out is as in Eq. (8).
+
+    Parameters
+    ----------
+    damping, stiffness : str, Expr, mapping or None
+        h(y) and g(y). Letters other than y stand for positive numbers.
+    coupling : str or None
+        A number or letter.
+    weights : str or None
+        Weights of the springs to the nearest, second … neighbours, with commas between.
+    values : mapping of str to number, or None
+        Numbers for letters, exact for decimal numbers.
+
+    Raises
+    ------
+    DerivationInputError
+        If an input is not of this form, or the chain is not coupled.
+
+    Examples
+    --------
+    >>> chain_of("1 - 2*y**2", weights="1, w").reach
+    2
+    """
+    h = dict(PAPER.damping) if damping is None else coefficients(damping, "damping")
+    g = coefficients(stiffness, "stiffness")
+    if 0 in g:
+        raise DerivationInputError("stiffness", stiffness, "without a constant term",
+                                   "measure y from the equilibrium")  # fmt: skip
+    spring = PAPER.coupling if coupling is None else number(coupling, "coupling")
+    if spring == 0:
+        raise DerivationInputError("coupling", coupling, "other than zero",
+                                   "use 'cell' for an isolated oscillator")  # fmt: skip
+    row = tuple(number(part.strip(), "weights") for part in (weights or "1").split(","))
+    if len(row) > MAX_REACH or row[0] == 0 or row[-1] == 0:
+        raise DerivationInputError("weights", weights, f"1 to {MAX_REACH} numbers or letters, the "
+                                   "first and the last other than zero", "give for example '1, w'")  # fmt: skip
+    model = ChainModel(damping=h, stiffness=g, coupling=spring, weights=row)
+    put = values_of(values or {}, model.parameters)
+    return ChainModel(
+        damping={power: sp.sympify(value).subs(put) for power, value in model.damping.items()},
+        stiffness={power: sp.sympify(value).subs(put) for power, value in model.stiffness.items()},
+        coupling=sp.sympify(model.coupling).subs(put),
+        weights=tuple(sp.sympify(weight).subs(put) for weight in model.weights),
+    )

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import root
 
 from derivations.algebra.harmonics import Coefficient, HarmonicRing
-from derivations.modulation import Modulation
+from derivations.algebra.modulation import Modulation
 
 
 @dataclass(frozen=True)

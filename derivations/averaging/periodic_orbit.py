@@ -10,11 +10,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
+
+from derivations.chain_numbers import ChainNumbers
 
 
-def orbit(
-    start: Any, frequency: float, p: dict[str, float], *, steps: int = 30
-) -> tuple[Any, float]:
+def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> tuple[Any, float]:
     """Find a periodic orbit of (8) on a half chain, mirrored at site 0 and ending in rest.
 
     Parameters
@@ -23,8 +24,8 @@ def orbit(
         Displacements over one period to start from.
     frequency : float
         Frequency to start from.
-    p : dict
-        ``e`` (eps), ``a``, ``b``, ``c``.
+    p : ChainNumbers
+        Coefficients, springs and eps.
     steps : int
         Most Newton steps.
 
@@ -42,33 +43,46 @@ def orbit(
     sites, samples = start.shape
     first = _derivative(samples)
     second = first @ first
-    joined = 2 * np.eye(sites) - np.eye(sites, k=1) - np.eye(sites, k=-1)
-    if sites > 1:
-        joined[0, 1] = -2
-    springs = np.eye(sites) + p["e"] * p["c"] * (joined if sites > 1 else np.zeros((1, 1)))
+    springs = np.eye(sites) + p.eps * _springs(sites, p)
     # Phase: the cosine part of the fundamental of site 0 vanishes.
     phase = np.cos(2 * np.pi * np.arange(samples) / samples)
     y, w, size = start.copy(), frequency, sites * samples
     for _ in range(steps):
-        rate, factor = y @ first.T, 1 - p["a"] * y**2 + p["b"] * y**4
-        residual = w * w * (y @ second.T) + springs @ y + p["e"] * w * rate * factor
+        rate, factor = y @ first.T, polyval(y, p.damping)
+        pull = p.eps * polyval(y, p.stiffness or (0.0,))
+        residual = w * w * (y @ second.T) + springs @ y + p.eps * w * rate * factor + pull
         matrix = np.zeros((size + 1, size + 1))
         matrix[:size, :size] = np.kron(np.eye(sites), w * w * second) + np.kron(
             springs, np.eye(samples)
         )
-        slope = -2 * p["a"] * y + 4 * p["b"] * y**3
+        slope = polyval(y, polyder(p.damping))
+        stiffer = p.eps * polyval(y, polyder(p.stiffness or (0.0,)))
         for site in range(sites):
             block = slice(site * samples, (site + 1) * samples)
             matrix[block, block] += (
-                p["e"] * w * (factor[site][:, None] * first + np.diag(rate[site] * slope[site]))
-            )
-        matrix[:size, size] = (2 * w * (y @ second.T) + p["e"] * rate * factor).ravel()
+                p.eps * w * (factor[site][:, None] * first + np.diag(rate[site] * slope[site]))
+            ) + np.diag(stiffer[site])
+        matrix[:size, size] = (2 * w * (y @ second.T) + p.eps * rate * factor).ravel()
         matrix[size, :samples] = phase
         change = np.linalg.solve(matrix, -np.append(residual.ravel(), phase @ y[0]))
         y, w = y + change[:size].reshape(y.shape), w + change[size]
         if np.abs(change).max() < 1e-12:
             return y, float(w)
     raise ArithmeticError("Newton's method did not converge to a periodic orbit")
+
+
+def _springs(sites: int, p: ChainNumbers) -> Any:
+    """Stiffness of the springs on a half chain mirrored at site 0, with rest beyond its end."""
+    matrix = np.zeros((sites, sites))
+    if sites == 1:
+        return matrix  # an isolated cell
+    for j, spring in enumerate(p.springs, start=1):
+        for site in range(sites):
+            matrix[site, site] += 2 * spring
+            for other in (site + j, abs(site - j)):
+                if other < sites:
+                    matrix[site, other] -= spring
+    return matrix
 
 
 def harmonic(y: Any, number: int) -> Any:

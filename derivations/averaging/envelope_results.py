@@ -1,4 +1,4 @@
-"""What an envelope gives: its limit cycles, compiled functions, and a kinetic relation."""
+"""What an envelope gives: compiled functions and a kinetic relation."""
 
 from __future__ import annotations
 
@@ -7,28 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
-
-
-@dataclass(frozen=True)
-class LimitCycle:
-    """A cycle of the averaged cell.
-
-    Attributes
-    ----------
-    amplitude : Expr
-        Amplitude of y (dimensionless).
-    exponent : Expr
-        Growth rate of a small change of the amplitude, a unit of ``eps t``.
-    stability : str or None
-        ``stable``, ``unstable`` or ``half-stable``; None where it hangs on symbols.
-    multiplicity : int
-        Of the root; above 1 the cycle sits on a fold.
-    """
-
-    amplitude: sp.Expr
-    exponent: sp.Expr
-    stability: str | None
-    multiplicity: int = 1
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,7 @@ class _Reader:
 
     def statements(self) -> list[sp.Basic]:
         found: list[sp.Basic] = []
-        while self.token not in _CLOSING:
+        while self.token not in ("", r"\}"):
             found += self.statement()
             while self.token in SEPARATORS:
                 self.take()

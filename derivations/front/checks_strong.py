@@ -260,7 +260,7 @@ class StrongChecks(LimitChecks):
 
     def weak_law(self, candidate: sp.Basic) -> Evidence:
         """Fronts of the averaged chain at strong coupling, with kappa from the inner problem."""
-        sample = self.samples[0]
+        sample = min(self.samples, key=lambda each: each.ratio)  # its front settles soonest
         front = inner_velocity(sample)
         errors = []
         for factor in (20.0, 160.0):
@@ -291,7 +291,7 @@ def inner_velocity(sample: Sample) -> float:
     """Return kappa: the value for which rest at +infinity is joined to the cycle at -infinity.
 
     The one direction in which rest is left backwards is followed; on either side of kappa the path
-    misses the cycle on different sides, which is bisected.
+    misses the cycle on different sides, which is bisected: it runs away upwards, or falls back.
     """
     loss = _loss(sample)
 
@@ -307,17 +307,18 @@ def inner_velocity(sample: Sample) -> float:
             return float(state[0] - 2 * sample.outer)
 
         def low(_: float, state: Any) -> float:
-            return float(state[0] + 0.5 * sample.outer)
+            return float(state[0] - 0.5 * sample.inner)
 
         high.terminal = low.terminal = True  # type: ignore[attr-defined]
+        low.direction = -1.0  # type: ignore[attr-defined]
         run = solve_ivp(slopes, (0, 200), start, events=(high, low), rtol=1e-8, atol=1e-10)
         return 1 if run.t_events[0].size else -1
 
-    below, above = -4.0, 4.0
+    below, above = -3.0, 4.0
     sign = misses(below)
     if misses(above) == sign:
         raise ArithmeticError("kappa is not bracketed")
-    for _ in range(26):
+    for _ in range(22):
         middle = (below + above) / 2
         if misses(middle) == sign:
             below = middle

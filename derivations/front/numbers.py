@@ -24,8 +24,9 @@ from derivations.front import symbols as s
 COUNT = 4000
 """Roots on either side of the imaginary axis; the sum is then known to about 1e-4 / v and
 extrapolation in the number of roots brings it to 1e-9."""
-WAVES = 2048
-"""Wavenumbers of the response; the chain is then periodic with this many sites."""
+WAVES = (256, 2048)
+"""Wavenumbers of the response at weak and strong coupling; the chain is then periodic with this
+many sites, of which a standing response reaches about sqrt(c)."""
 
 
 @dataclass(frozen=True)
@@ -148,9 +149,10 @@ def profile(lattice: Lattice, zeta: float, v: float) -> complex:
     The site m places behind has been driven for a time (m - zeta)/v; its answer is that of the
     undriven chain, summed over plane waves.
     """
-    k = 2 * np.pi * np.arange(WAVES) / WAVES
+    count = WAVES[sum(map(abs, lattice.springs)) > 4]
+    k = 2 * np.pi * np.arange(count) / count
     decay = lattice.on_site(k)
-    sites = np.arange(int(np.floor(zeta)) + 1, WAVES // 2)
+    sites = np.arange(int(np.floor(zeta)) + 1, count // 2)
     times = (sites - zeta) / v
     waves = np.exp(1j * np.outer(sites, k)) * (1 - np.exp(-np.outer(times, decay))) / decay
     return complex(lattice.decay * waves.mean(axis=1).sum())

@@ -47,7 +47,7 @@ def at_points(points: Callable[[], Iterable[tuple[Point, Sequence[complex]]]], w
     return check
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sample:
     """A chain with numbers and the two cycles of its cell, from the direct average.
 

@@ -104,7 +104,7 @@ def _outer(cycles: dict[str, Step], checks: Checks) -> dict[str, Step]:
                   (OnOneSide(), PrescribeCoefficients(demands, (length, v))), named,
                   check=checks.speed_law,
                   note="the coefficients of the third and the first derivative become 1 and -κ")
-    problem = derived("inner problem", (OnOneSide(), ExpressIn(())), named, law,
+    problem = derived("inner problem", (ExpressIn(()), OnOneSide()), named, law,
                       check=checks.inner_problem,
                       note="κ is the value for which a solution joins the cycle at -∞ with rest at "
                            "+∞; it is found numerically")  # fmt: skip

@@ -63,7 +63,10 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
         )
     if model is not None and name not in WITH_MODEL:
         raise DerivationInputError(
-            "model", "another chain", f"left out for '{name}'", f"choose one of {', '.join(WITH_MODEL)}"
+            "model",
+            "another chain",
+            f"left out for '{name}'",
+            f"choose one of {', '.join(WITH_MODEL)}",
         )
     module = importlib.import_module(f"derivations.{LISTING[name][0]}")
     given = () if model is None else (model,)

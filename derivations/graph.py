@@ -72,7 +72,13 @@ class Graph:
 
 
 def graph_of(derivations: Iterable[Derivation]) -> Graph:
-    """Return the graph of some derivations with all that they follow from."""
+    """Return the graph of some derivations with all that they follow from.
+
+    Raises
+    ------
+    ValueError
+        If two different steps have the same name.
+    """
     steps: dict[str, Step] = {}
     waiting = [step for derivation in derivations for step in derivation.steps]
     while waiting:
@@ -81,6 +87,8 @@ def graph_of(derivations: Iterable[Derivation]) -> Graph:
         if key not in steps:
             steps[key] = step
             waiting += step.sources
+        elif step.number is None and steps[key].operation != step.operation:
+            raise ValueError(f"two different steps are called '{key}'")
     sources = {key: tuple(dict.fromkeys(map(key_of, step.sources))) for key, step in steps.items()}
     return Graph(steps=steps, sources=sources)
 
@@ -151,7 +159,7 @@ def _places(
             stack = stacks[column]
             wanted = {key: sum(heights[q] for q in joined[key]) / max(len(joined[key]), 1)
                       for key in stack}  # fmt: skip
-            stack.sort(key=lambda key: (wanted[key], _order(key)))  # noqa: B023
+            stack.sort(key=lambda key: (wanted[key], _order(key)))
             free = -1.0
             for key in stack:
                 heights[key] = max(wanted[key], free + 1)
@@ -179,7 +187,7 @@ def _box(graph: Graph, key: str, place: tuple[int, float]) -> str:
     colour, kind = COLOURS[step.kind]
     label = f"({key})" if step.number is not None else "•"
     return (
-        f'<g><title>{escape(f"{step.label} {kind}: {step.operation}")}</title>'
+        f"<g><title>{escape(f'{step.label} {kind}: {step.operation}')}</title>"
         f'<rect x="{x - _WIDTH / 2:.0f}" y="{y - _HEIGHT / 2:.0f}" width="{_WIDTH}" '
         f'height="{_HEIGHT}" rx="4" fill="white" stroke="{colour}" stroke-width="2"/>'
         f'<text x="{x:.0f}" y="{y + 4:.0f}" text-anchor="middle">{label}</text></g>'

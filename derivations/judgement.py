@@ -97,7 +97,9 @@ class Judgement:
 def _transcribed(name: str) -> tuple[Printed, ...]:
     """Return the printed equations that stand beside a derivation."""
     folder = catalogue.LISTING[name][0].partition(".")[0]
-    entries: tuple[Printed, ...] = importlib.import_module(f"derivations.{folder}.printed").EQUATIONS
+    entries: tuple[Printed, ...] = importlib.import_module(
+        f"derivations.{folder}.printed"
+    ).EQUATIONS
     return entries
 
 

@@ -34,7 +34,7 @@ put in its place it must pass or fail the same numerical check.
 TAIL = """
 ## In Python
 
-    from derivations.averaging.envelope import derive_envelope
+    from derivations.cell.envelope import derive_envelope
     cell = derive_envelope("1 - a*y**2 + b*y**4", stiffness="k3*y**3")
     cell.equation, cell.ratio, cell.with_values({"a": 4, "b": 0.5}).cycles
     cell.compiled(a=4, b=0.5, k3=0.1, c=0.3).rate(1 + 1j, 0.2, 0.3)

@@ -9,9 +9,9 @@ from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
 from derivations import catalogue
-from derivations.averaging.cell import derive as derive_cell
+from derivations.cell.steps import derive as derive_cell
 from derivations.derivation import Derivation, Step, equation
-from derivations.averaging.envelope import derive_envelope
+from derivations.cell.envelope import derive_envelope
 from derivations.algebra.errors import CheckFailedError
 from derivations.front_symbols import SumOver
 

@@ -7,9 +7,9 @@ import pytest
 import sympy as sp
 
 from derivations import friction, linearisation
-from derivations.averaging.cell import derive
+from derivations.cell.steps import derive
 from derivations.derivation import equation
-from derivations.averaging.envelope import derive_envelope
+from derivations.cell.envelope import derive_envelope
 from derivations.algebra.errors import DerivationInputError
 
 

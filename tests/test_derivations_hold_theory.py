@@ -13,7 +13,7 @@ import sympy as sp
 
 import theory.unit_cell
 from derivations import catalogue, front_limits
-from derivations.averaging.envelope import derive_envelope
+from derivations.cell.envelope import derive_envelope
 from derivations.algebra.evidence import parts_of, solved_for, value
 from derivations.front_numbers import count_in_strip, evaluated
 from derivations.front_symbols import L, L_k, M_plus, c, eta, k, over_roots, phi, phi_s, v, zeta

@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 from derivations import catalogue, rendering
-from derivations.averaging.cell import derive as derive_cell
-from derivations.averaging.envelope import derive_envelope
+from derivations.cell.steps import derive as derive_cell
+from derivations.cell.envelope import derive_envelope
 from derivations.algebra.errors import DerivationInputError
 
 KEYS = tuple(catalogue.LISTING)

@@ -12,7 +12,7 @@ from derivations.averaging_readings import _averaged_breather
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import equals, value
 from derivations.front_numbers import profile
-from derivations.averaging.polynomial_text import DEEPEST, read_polynomial
+from derivations.cell.polynomial_text import DEEPEST, read_polynomial
 from derivations.symbols import a, b, damping_factor
 from theory.front_profile import front_profile
 from theory.vdp_chain import VdpChain

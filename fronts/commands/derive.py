@@ -16,7 +16,7 @@ from fronts.arguments import check_writable, whole, write_whole
 
 if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
-    from derivations.averaging.envelope import Envelope
+    from derivations.cell.envelope import Envelope
     from derivations.chain import ChainModel
     from derivations.judgement import Judgement
 
@@ -114,7 +114,7 @@ def _graph(args: argparse.Namespace) -> Answer:
 
 def _model(args: argparse.Namespace) -> ChainModel:
     """Return the chain that the options describe; what is left out is as in Eq. (8)."""
-    from derivations.averaging.polynomial_input import chain_of
+    from derivations.cell.polynomial_input import chain_of
 
     return chain_of(args.damping, args.stiffness, args.coupling, args.weights, _values(args.value))
 
@@ -205,8 +205,8 @@ def _cell(args: argparse.Namespace) -> Answer:
     if args.order not in (1, 2):
         raise UsageError(f"--order {args.order} is not allowed: it must be 1 or 2.")
     from derivations.algebra.errors import DerivationInputError
-    from derivations.averaging.cell import derive
-    from derivations.averaging.envelope import derive_envelope
+    from derivations.cell.steps import derive
+    from derivations.cell.envelope import derive_envelope
 
     envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")
     envelope = envelope.with_values(_values(args.value))

@@ -10,11 +10,11 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.algebra.errors import DerivationInputError
-from derivations.averaging.cell import AveragedCell, averaged_cell, kinetic_relation
-from derivations.averaging.cycles import LimitCycle, limit_cycles, ratio_of_cycles, shown
-from derivations.averaging.envelope_results import Compiled, KineticRelation
-from derivations.averaging.polynomial_input import Coefficients, coefficients, number, values_of
 from derivations.averaging.symbols import phi, square
+from derivations.cell.cycles import LimitCycle, limit_cycles, ratio_of_cycles, shown
+from derivations.cell.polynomial_input import Coefficients, coefficients, number, values_of
+from derivations.cell.results import Compiled, KineticRelation
+from derivations.cell.steps import AveragedCell, averaged_cell, kinetic_relation
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon, n, t
 

@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from derivations import front_numbers
 from derivations.algebra.equations import parts_of
 from derivations.algebra.evidence import Point, equals, solved_for, value, vanishes_at
 from derivations.algebra.steps import Check, Evidence
-from derivations.averaging.cycles import LimitCycle
-from derivations.averaging.symbols import angle, phi, radius, ratio
+from derivations.averaging.symbols import phi
+from derivations.cell.cycles import LimitCycle
+from derivations.cell.symbols import angle, radius, ratio
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
-from derivations.front_symbols import SumOver
-from derivations.front_symbols import c as c_front
-from derivations.front_symbols import v as v_front
+from derivations.front.numbers import Lattice, evaluated, kinetic_sum
+from derivations.front.symbols import v as v_front
 from derivations.multiple_scales.checks import Checks as ScalesChecks
 from derivations.symbols import n, t
 
@@ -157,18 +156,10 @@ class CellChecks:
             for p in self._draws(known):
                 inner, outer = self._all_cycles(p)
                 rest, spring = p.damping[0], p.springs[0]
-                (node,) = left.atoms(SumOver)
-                term, variable, roots = node.args
                 # The roots are those of the scaled problem; the term holds the scaled slope.
-                point = {v_front: 0.6 * rest, **p.values}
-                put = {q: sp.sympify(given) for q, given in point.items()}
-                total = front_numbers.evaluated(
-                    SumOver(term.xreplace(put), variable, roots),
-                    {v_front: 0.6, c_front: spring / rest},
-                )
-                exact = abs(front_numbers.kinetic_sum(0.6, spring / rest))
-                found = value(left.xreplace({node: sp.sympify(complex(total))}), p.values)
-                worst = max(worst, abs(found - exact))
+                lattice = Lattice(0.5, (spring / rest,))
+                found = evaluated(left, {v_front: 0.6 * rest, **p.values}, lattice, 0.6)
+                worst = max(worst, abs(found - abs(kinetic_sum(lattice, 0.6))))
                 worst = max(worst, abs(value(right, p.values) - 2 * inner / outer))
             return Evidence(
                 worst < 1e-6, f"the front in the time domain and the sampled cycles: {worst:.1e}"

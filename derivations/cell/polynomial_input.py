@@ -10,8 +10,8 @@ from typing import TypeAlias
 import sympy as sp
 
 from derivations.algebra.errors import DerivationInputError
+from derivations.cell.polynomial_text import HIGHEST, Monomial, read_polynomial
 from derivations.chain import PAPER, ChainModel
-from derivations.averaging.polynomial_text import HIGHEST, Monomial, read_polynomial
 
 Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None
 

@@ -20,12 +20,14 @@ from derivations.algebra.operations import (
 )
 from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.steps import Derivation, Step, definition, derived, model
-from derivations.averaging.cell_checks import CellChecks
-from derivations.averaging.cycles import limit_cycles, ratio_of_cycles, shown
-from derivations.averaging.symbols import angle, phi, radius, ratio, square
+from derivations.algebra.sums import SumOver
+from derivations.averaging.symbols import phi, square
+from derivations.cell.checks import CellChecks
+from derivations.cell.cycles import limit_cycles, ratio_of_cycles, shown
+from derivations.cell.symbols import angle, radius, ratio
 from derivations.chain import ChainModel
-from derivations.front_symbols import M_plus, SumOver, k
-from derivations.front_symbols import v as v_hat
+from derivations.front.symbols import M_plus, k
+from derivations.front.symbols import v as v_hat
 from derivations.symbols import epsilon, i, n, t
 
 

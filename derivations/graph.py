@@ -17,7 +17,6 @@ COLOURS = {
 """Fill and legend of each kind (Okabe and Ito's colours)."""
 
 _COLUMN, _ROW, _WIDTH, _HEIGHT = 78, 34, 46, 22
-_SWEEPS = 12
 
 
 def key_of(step: Step) -> str:
@@ -97,16 +96,17 @@ def _order(key: str) -> tuple[int, str]:
     return (int(key), "") if key.isdigit() else (1000, key)
 
 
-def svg(graph: Graph) -> str:
+def svg(derivations: Iterable[Derivation]) -> str:
     """Draw the numbered equations and the unnumbered assumptions that they follow from.
 
-    Each column is one step further from what is given; arrows run from left to right.
+    Each derivation has a band of its own. Within it each column is one step further from what is
+    given; arrows run from left to right. An arrow that a longer way already implies is left out.
     """
-    edges = graph.numbered()
-    for source in {source for found in edges.values() for source in found}:
-        edges.setdefault(source, ())
+    made = tuple(derivations)
+    graph = graph_of(made)
+    edges = _reduced(graph.numbered())
     columns = _columns(edges)
-    places = _places(edges, columns)
+    places, titles = _bands(made, edges, columns)
     width = _COLUMN * (max(columns.values()) + 1) + 20
     height = _ROW * (max(row for _, row in places.values()) + 1) + 50
     parts = [
@@ -117,11 +117,32 @@ def svg(graph: Graph) -> str:
         '<defs><marker id="tip" viewBox="0 0 6 6" refX="6" refY="3" markerWidth="5" '
         'markerHeight="5" orient="auto"><path d="M0 0L6 3L0 6z" fill="#777"/></marker></defs>',
     ]
+    for row, title in titles:
+        y = 20 + _ROW * row
+        parts.append(f'<text x="14" y="{y + 4:.0f}" font-weight="bold">{escape(title)}</text>')
     for target, sources in edges.items():
         parts += [_arrow(places[source], places[target]) for source in sources]
     parts += [_box(graph, key, places[key]) for key in edges]
     parts += _legend(height)
     return "\n".join([*parts, "</svg>"])
+
+
+def _reduced(numbered: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    """Leave out edges that a longer way implies; add what is only a source."""
+    edges = dict(numbered)
+    for source in {source for found in numbered.values() for source in found}:
+        edges.setdefault(source, ())
+    above: dict[str, set[str]] = {}
+
+    def ancestors(key: str) -> set[str]:
+        if key not in above:
+            above[key] = set(edges[key]).union(*map(ancestors, edges[key]))
+        return above[key]
+
+    return {
+        key: tuple(q for q in found if not any(q in ancestors(r) for r in found if r != q))
+        for key, found in edges.items()
+    }
 
 
 def _columns(edges: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
@@ -142,30 +163,27 @@ def _columns(edges: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
     return found
 
 
-def _places(
-    edges: Mapping[str, tuple[str, ...]], columns: Mapping[str, int]
-) -> dict[str, tuple[int, float]]:
-    """Place each key in its column, in the order of the mean height of its neighbours."""
-    stacks: dict[int, list[str]] = {}
-    for key in sorted(edges, key=_order):
-        stacks.setdefault(columns[key], []).append(key)
-    heights = {key: float(row) for stack in stacks.values() for row, key in enumerate(stack)}
-    joined: dict[str, list[str]] = {key: list(sources) for key, sources in edges.items()}
-    for key, sources in edges.items():
-        for source in sources:
-            joined[source].append(key)
-    for _ in range(_SWEEPS):
-        for column in sorted(stacks):
-            stack = stacks[column]
-            wanted = {key: sum(heights[q] for q in joined[key]) / max(len(joined[key]), 1)
-                      for key in stack}  # fmt: skip
-            stack.sort(key=lambda key: (wanted[key], _order(key)))
-            free = -1.0
-            for key in stack:
-                heights[key] = max(wanted[key], free + 1)
-                free = heights[key]
-    lowest = min(heights.values())
-    return {key: (columns[key], heights[key] - lowest) for key in edges}
+def _bands(
+    derivations: tuple[Derivation, ...], edges: Mapping[str, tuple[str, ...]],
+    columns: Mapping[str, int],
+) -> tuple[dict[str, tuple[int, float]], list[tuple[float, str]]]:  # fmt: skip
+    """Place each key in its column, in the band of the first derivation that has it."""
+    places: dict[str, tuple[int, float]] = {}
+    titles: list[tuple[float, str]] = []
+    top = 0.0
+    for derivation in derivations:
+        keys = [key for key in dict.fromkeys(map(key_of, derivation.steps))
+                if key in edges and key not in places]  # fmt: skip
+        if not keys:
+            continue
+        titles.append((top, derivation.title))
+        taken: dict[int, int] = {}
+        for key in sorted(keys, key=lambda key: (columns[key], *_order(key))):
+            row = taken.get(columns[key], 0)
+            taken[columns[key]] = row + 1
+            places[key] = (columns[key], top + 0.8 + row)
+        top += 1.0 + max(taken.values())
+    return places, titles
 
 
 def _centre(place: tuple[int, float]) -> tuple[float, float]:

@@ -73,7 +73,9 @@ class Judgement:
         if self.printed.verdict is Verdict.INCONSISTENT:
             both = any(expected) and not all(expected)
             return self.on_print.holds and self.agrees and as_expected and both
-        return self.on_print.holds and self.agrees
+        if self.printed.verdict is Verdict.HOLDS:
+            return self.on_print.holds and self.agrees
+        return self.on_print.holds  # a definition or an assumption is not derived
 
     def record(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -141,7 +143,7 @@ def judge(found: Printed, derivation: Derivation) -> Judgement:
     """
     step = derivation.numbered(found.number)
     on_derived = step.verify()
-    on_print = step.verify(found.expression)
+    on_print = on_derived if found.expression == step.result else step.verify(found.expression)
     readings = []
     for reading in found.readings:
         check = reading.check or step.check

@@ -109,7 +109,7 @@ def _graph(args: argparse.Namespace) -> Answer:
     graph = graph_of(made)
     payload = {"sources": {key: list(found) for key, found in graph.sources.items()},
                "kinds": {key: step.kind.value for key, step in graph.steps.items()}}  # fmt: skip
-    return Answer(payload, svg(graph))
+    return Answer(payload, svg(made))
 
 
 def _model(args: argparse.Namespace) -> ChainModel:

@@ -22,6 +22,7 @@ from derivations.algebra.errors import CheckFailedError, DerivationInputError
 from derivations.algebra.rendering import equation_latex, source_of
 from derivations.algebra.steps import Derivation, Evidence, Step
 from derivations.printing import Printed, Verdict
+from derivations.transcription.readings import found_changes, read_correction, stated_changes
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,9 @@ class Judgement:
         One a reading.
     agrees : bool
         Whether left minus right of print and of the derived equation simplify to the same.
+    correction_agrees : bool
+        Of a misprint: whether print with the stated tokens exchanged, and nothing else, reads as
+        the derived equation.
     """
 
     printed: Printed
@@ -53,6 +57,7 @@ class Judgement:
     on_derived: Evidence
     on_readings: tuple[Evidence, ...]
     agrees: bool
+    correction_agrees: bool = False
 
     @property
     def confirmed(self) -> bool:
@@ -60,7 +65,7 @@ class Judgement:
         if not self.on_derived.holds:
             return False
         if self.printed.verdict is Verdict.MISPRINT:
-            return not self.on_print.holds and not self.agrees
+            return not self.on_print.holds and not self.agrees and self.correction_agrees
         expected = [reading.holds for reading in self.printed.readings]
         as_expected = expected == [found.holds for found in self.on_readings]
         if self.printed.verdict is Verdict.AMBIGUOUS:
@@ -148,8 +153,25 @@ def judge(found: Printed, derivation: Derivation) -> Judgement:
             readings.append(Evidence(False, f"it could not be evaluated ({error})"))
     wrong = found.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS)
     corrected = equation_latex(step.result) if wrong else None
-    agrees = same(found.expression, step.result)
-    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings), agrees)
+    agrees = _agrees(found, step)
+    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings), agrees,
+                     correction_agrees=_corrects(found, step))  # fmt: skip
+
+
+def _agrees(found: Printed, step: Step) -> bool:
+    """Whether print is the step's equation; an assumption may be read as its amendments say."""
+    if found.verdict is Verdict.ASSUMPTION and found.amendments:
+        return same(read_correction(found), step.result)
+    return same(found.expression, step.result)
+
+
+def _corrects(found: Printed, step: Step) -> bool:
+    """Whether a misprint becomes the derived equation by its stated tokens alone."""
+    if found.verdict is not Verdict.MISPRINT or not found.amendments:
+        return False
+    if found_changes(found) != stated_changes(found):
+        return False
+    return same(read_correction(found), step.result)
 
 
 @dataclass(frozen=True)

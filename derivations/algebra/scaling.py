@@ -85,17 +85,19 @@ class PrescribeCoefficients(Operation):
         left = sp.expand(source.lhs)
         rest = [sum((left.coeff(term) for term in terms), sp.S.Zero) - value
                 for terms, value in self.demands]  # fmt: skip
-        found = sp.solve(rest, self.unknowns, dict=True)
-        if len(found) != 1:  # cube roots: take the demands one at a time
-            found = [self._one_by_one(rest)]
+        found = [self._one_by_one(rest)]
+        if not found[0]:
+            found = sp.solve(rest, self.unknowns, dict=True)
         if len(found) != 1 or set(found[0]) != set(self.unknowns):
             raise OperationError("these coefficients do not determine the scales")
         return sp.Tuple(*(equation(own, sp.simplify(found[0][own])) for own in self.unknowns))
 
     def _one_by_one(self, rest: list[sp.Expr]) -> dict[sp.Basic, sp.Expr]:
-        """Solve the demands in their order for the unknowns in theirs."""
+        """Solve the demands in their order for the unknowns in theirs; nothing if they mix."""
         known: dict[sp.Basic, sp.Expr] = {}
-        for demand, unknown in zip(rest, self.unknowns, strict=True):
+        for place, (demand, unknown) in enumerate(zip(rest, self.unknowns, strict=True)):
+            if demand.has(*self.unknowns[place + 1 :]):
+                return {}
             roots = [root for root in sp.solve(demand.subs(known), unknown)
                      if not (unknown.is_positive and root.is_positive is False)]  # fmt: skip
             if len(roots) != 1:

@@ -24,7 +24,7 @@ from derivations.front import symbols as s
 COUNT = 4000
 """Roots on either side of the imaginary axis; the sum is then known to about 1e-4 / v and
 extrapolation in the number of roots brings it to 1e-9."""
-WAVES = (256, 2048)
+WAVES = (256, 1024)
 """Wavenumbers of the response at weak and strong coupling; the chain is then periodic with this
 many sites, of which a standing response reaches about sqrt(c)."""
 

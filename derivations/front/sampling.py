@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -68,7 +68,7 @@ class Sample:
         """Inner over outer amplitude."""
         return self.inner / self.outer
 
-    @property
+    @cached_property
     def lattice(self) -> Lattice:
         """The linear part of the two lines: the response to a tiny amplitude, a unit of eps t."""
         decay = -self.rate(TINY) / TINY / self.chain.eps
@@ -163,7 +163,7 @@ def _front(key: int) -> tuple[Sample, float]:
     model = _MODELS[key]
     for sample in (*samples(model), *_find_many(model, rng)):
         lattice = sample.lattice
-        speeds = np.linspace(0.35, 3.0, 16)
+        speeds = np.linspace(0.35, 3.0, 9)
         sizes = [abs(profile(lattice, 0.0, float(v))) - sample.ratio for v in speeds]
         for low, high, before, after in zip(speeds, speeds[1:], sizes, sizes[1:], strict=False):
             if before * after < 0:
@@ -188,6 +188,7 @@ def front(model: ChainModel) -> tuple[Sample, float]:
     return _front(id(model))
 
 
+@lru_cache(maxsize=64)
 def standing(sample: Sample, coupling: float = 1.0, half: int = 60) -> complex:
     """phi/phi_s at the first site ahead of a standing front, by solving the linear chain.
 

@@ -34,8 +34,9 @@ RELATIONS: dict[str, Callable[[sp.Basic, sp.Basic], sp.Basic]] = {
     ">": lambda x, y: sp.Gt(x, y, evaluate=False),
     r"\le": lambda x, y: sp.Le(x, y, evaluate=False),
     r"\ge": lambda x, y: sp.Ge(x, y, evaluate=False),
-    r"\ll": lambda x, y: sp.Function(r"\ll")(x, y),
 }
+ORDER_OF_MAGNITUDE = r"\ll"
+"""A remark on sizes, read and left out: it is no equation."""
 CONNECTIVES: dict[str, Callable[[sp.Basic, sp.Basic], sp.Basic]] = {
     r"\Leftrightarrow": lambda x, y: sp.Equivalent(x, y, evaluate=False),
     r"\rightarrow": lambda x, y: sp.Tuple(x, y),
@@ -135,7 +136,7 @@ class _Reader:
 
     def statements(self) -> list[sp.Basic]:
         found: list[sp.Basic] = []
-        while self.token not in _CLOSING:
+        while self.token not in ("", r"\}"):
             found += self.statement()
             while self.token in SEPARATORS:
                 self.take()
@@ -159,6 +160,10 @@ class _Reader:
         while self.token in RELATIONS:
             signs.append(self.take())
             sides.append(self.sum())
+        if self.token == ORDER_OF_MAGNITUDE:
+            self.take()
+            self.sum()
+            return []
         if not signs:
             return [sides[0]]
         pairs = zip(sides, sides[1:], strict=False)
@@ -196,7 +201,7 @@ class _Reader:
             return not self.inside_bars
         if token in ("+", "-", "/") or token in _CLOSING or token in SEPARATORS:
             return False
-        if token in RELATIONS or token in CONNECTIVES or token in (r"\in", ":", "'", "^", "_"):
+        if token in RELATIONS or token in CONNECTIVES or token in (ORDER_OF_MAGNITUDE, r"\in", ":", "'", "^", "_"):
             return False
         return not token.startswith(r"\end")
 

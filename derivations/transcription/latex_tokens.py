@@ -38,9 +38,16 @@ def tokens_of(latex: str) -> tuple[str, ...]:
     >>> tokens_of(r"\left( a + b \right)^2")
     ('(', 'a', '+', 'b', ')', '^', '2')
     """
-    # A digit each: in LaTeX "x^12" raises one digit. Numbers in line are joined by the reader.
+    return tuple(_without_alignment(_meaningful(latex)))
+
+
+def _meaningful(latex: str) -> list[str]:
+    """Return all tokens but spacing.
+
+    A digit each: in LaTeX "x^12" raises one digit. Numbers in line are joined by the reader.
+    """
     found = [_ALIAS.get(token, token) for token in _TOKEN.findall(latex)]
-    return tuple(_without_alignment([q for q in found if q and q not in _SPACING]))
+    return [q for q in found if q and q not in _SPACING]
 
 
 def _without_alignment(tokens: list[str]) -> list[str]:
@@ -78,7 +85,7 @@ def changed_tokens(one: str, other: str) -> tuple[tuple[str, str], ...]:
     >>> changed_tokens(r"\frac{d}{2\sqrt{dm}}", r"\frac{d}{2\sqrt{km}}")
     (('d', 'k'),)
     """
-    first, second = tokens_of(one), tokens_of(other)
+    first, second = _meaningful(one), _meaningful(other)
     matcher = difflib.SequenceMatcher(None, first, second, autojunk=False)
     return tuple(
         ("".join(first[a:b]), "".join(second[c:d]))

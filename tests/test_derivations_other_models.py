@@ -55,9 +55,12 @@ def derived_numbers():
             if derivation(None, catalogue.owner(number)).numbered(number).kind is Kind.DERIVED]  # fmt: skip
 
 
-@pytest.mark.parametrize("change", CHANGES)
-@pytest.mark.parametrize("name", DERIVATIONS)
-def test_every_check_passes_for_another_model(change, name):
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [(name, change) for name in DERIVATIONS for change in CHANGES
+     if name != "second-order" or change in ("power", "stiffness", "next-nearest")],
+)
+def test_every_check_passes_for_another_model(name, change):
     made = derivation(change, name)
     assert len(made.verify()) == len(made.steps)
 

@@ -70,8 +70,8 @@ def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[St
 
 
 def _one_radical(chain: ChainModel) -> bool:
-    """Whether the static sum has a single square root: springs to nearest neighbours."""
-    return chain.reach == 1
+    """Whether the static sum has a single square root: springs to nearest neighbours that pull."""
+    return chain.reach == 1 and bool(chain.coupling.is_positive)
 
 
 def _forms(found: dict[str, Step], checks: Checks) -> dict[str, Step]:

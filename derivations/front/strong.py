@@ -74,7 +74,7 @@ def steps(chain: ChainModel, cycles: dict[str, Step], checks: Checks) -> tuple[S
                      check=checks.frequency_derivatives)  # fmt: skip
     outer = _outer(cycles, checks)
     found = [rest, linear, waves, slopes, *outer.values()]
-    if chain.reach == 1:
+    if chain.reach == 1 and chain.coupling.is_positive:
         found += _law(waves, slopes, outer["speed by the group velocity"], checks)
     return tuple(found)
 

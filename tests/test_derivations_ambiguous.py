@@ -9,7 +9,8 @@ import random
 import pytest
 import sympy as sp
 
-from derivations import catalogue, judgement as printed
+from derivations import catalogue
+from derivations import judgement as printed
 from derivations.algebra.evidence import parts_of, value
 
 

@@ -5,12 +5,12 @@ import re
 
 import pytest
 import sympy as sp
+from derivations.derivation import equation
 
 from derivations import friction, linearisation
-from derivations.cell.steps import derive
-from derivations.derivation import equation
-from derivations.cell.envelope import derive_envelope
 from derivations.algebra.errors import DerivationInputError
+from derivations.cell.envelope import derive_envelope
+from derivations.cell.steps import derive
 
 
 @pytest.mark.parametrize(("share", "holds"), [(1.01, True), (0.99, False)])

@@ -10,13 +10,13 @@ import random
 import numpy as np
 import pytest
 import sympy as sp
+from derivations.front_numbers import count_in_strip, evaluated
+from derivations.front_symbols import L, L_k, M_plus, c, eta, k, over_roots, phi, phi_s, v, zeta
 
 import theory.unit_cell
 from derivations import catalogue, front_limits
-from derivations.cell.envelope import derive_envelope
 from derivations.algebra.evidence import parts_of, solved_for, value
-from derivations.front_numbers import count_in_strip, evaluated
-from derivations.front_symbols import L, L_k, M_plus, c, eta, k, over_roots, phi, phi_s, v, zeta
+from derivations.cell.envelope import derive_envelope
 from theory import dispersion, limits
 from theory.front_profile import front_profile, front_profile_by_roots
 from theory.roots import labelled_roots, strip_bounds

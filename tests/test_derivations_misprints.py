@@ -8,13 +8,14 @@ import random
 
 import pytest
 import sympy as sp
-
-from derivations import catalogue, linearisation, judgement as printed
 from derivations.averaging_symbols import phi, phi_rate
-from derivations.algebra.evidence import value
-from derivations.friction import d, k, m, mu_d, mu_st, v_0, v_tilde_0, xi
 from derivations.front_symbols import c as coupling
 from derivations.front_symbols import phi_s, phi_us
+
+from derivations import catalogue, linearisation
+from derivations import judgement as printed
+from derivations.algebra.evidence import value
+from derivations.friction import d, k, m, mu_d, mu_st, v_0, v_tilde_0, xi
 from derivations.symbols import a, alpha_0, c, epsilon, i, omega, t
 
 CLOSE = 1e-12

@@ -6,7 +6,8 @@ from functools import lru_cache
 import pytest
 import sympy as sp
 
-from derivations import catalogue, judgement as printed
+from derivations import catalogue
+from derivations import judgement as printed
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi

@@ -12,9 +12,9 @@ from sympy.core.function import AppliedUndef
 from derivations import catalogue
 from derivations.algebra import rendering
 from derivations.algebra.equations import parts_of
-from derivations.cell.steps import derive as derive_cell
-from derivations.cell.envelope import derive_envelope
 from derivations.algebra.errors import DerivationInputError
+from derivations.cell.envelope import derive_envelope
+from derivations.cell.steps import derive as derive_cell
 
 KEYS = tuple(catalogue.LISTING)
 

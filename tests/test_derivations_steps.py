@@ -6,12 +6,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from derivations.averaging_readings import _averaged_breather
+from derivations.front_numbers import profile
 
 from derivations import front_limits
-from derivations.averaging_readings import _averaged_breather
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import equals, value
-from derivations.front_numbers import profile
 from derivations.cell.polynomial_text import DEEPEST, read_polynomial
 from derivations.symbols import a, b, damping_factor
 from theory.front_profile import front_profile

@@ -12,8 +12,8 @@ from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import parts_of
 from derivations.algebra.notation import Script, displayed
-from derivations.algebra.sums import SumOver
 from derivations.algebra.steps import Derivation, Evidence, Kind, Step
+from derivations.algebra.sums import SumOver
 
 TERMS_A_LINE = 3
 """Longer sums are broken so that they fit the width of a page."""

@@ -36,10 +36,10 @@ class ChainModel:
         If there is no damping, a negative power, or a chain without weights.
     """
 
-    damping: Mapping[int, sp.Expr | int]
-    stiffness: Mapping[int, sp.Expr | int] = field(default_factory=dict)
-    coupling: sp.Expr | int = c
-    weights: tuple[sp.Expr | int, ...] = (1,)
+    damping: Mapping[int, sp.Expr]
+    stiffness: Mapping[int, sp.Expr] = field(default_factory=dict)
+    coupling: sp.Expr = c
+    weights: tuple[sp.Expr, ...] = (sp.S.One,)
 
     def __post_init__(self) -> None:
         for quantity in ("damping", "stiffness"):

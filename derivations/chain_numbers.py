@@ -96,10 +96,10 @@ def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
 def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> ChainNumbers:
     """Return the chain with given values of its symbols."""
 
-    def number(expression: sp.Expr | int) -> float:
+    def number(expression: sp.Expr) -> float:
         return float(sp.sympify(expression).subs(values))
 
-    def row(powers: Mapping[int, sp.Expr | int]) -> tuple[float, ...]:
+    def row(powers: Mapping[int, sp.Expr]) -> tuple[float, ...]:
         return tuple(number(powers.get(power, 0)) for power in range(max(powers, default=-1) + 1))
 
     springs = tuple(number(model.coupling * weight) for weight in model.weights)

@@ -174,7 +174,7 @@ def _corrects(found: Printed, step: Step) -> bool:
     return same(read_correction(found), step.result)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Report:
     """The verdict on every equation, with all derivations checked on the way.
 
@@ -185,17 +185,20 @@ class Report:
     failures : tuple of str
         Derivations that stopped, and verdicts that were not confirmed.
     seconds : float
-        Time taken.
+        Time taken, by the wall.
+    cpu_seconds : float
+        Time of this process.
     """
 
     judgements: tuple[Judgement, ...]
     failures: tuple[str, ...]
     seconds: float
+    cpu_seconds: float
 
 
 def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
     """Check every step of every derivation and judge every printed equation."""
-    start = time.perf_counter()
+    start, worked = time.perf_counter(), time.process_time()
     judgements: list[Judgement] = []
     failures: list[str] = []
     for key in keys:
@@ -214,4 +217,7 @@ def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
         if not found.confirmed
     ]
     judgements.sort(key=lambda found: found.printed.number)
-    return Report(tuple(judgements), tuple(failures), time.perf_counter() - start)
+    return Report(
+        judgements=tuple(judgements), failures=tuple(failures),
+        seconds=time.perf_counter() - start, cpu_seconds=time.process_time() - worked,
+    )  # fmt: skip

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from derivations import judgement
+from derivations.algebra.modulation import Force, by_averaging, by_multiple_scales
 from derivations.averaging import readings
 from derivations.averaging.breather_correction import breather
-from derivations.algebra.modulation import Force, by_averaging, by_multiple_scales
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from derivations.cell.steps import derive
 from derivations.cell.envelope import derive_envelope
+from derivations.cell.steps import derive
 
 CELLS = {
     "letters": ("1 - a*y**2 + b*y**4", None, "c"),

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from derivations.cell.steps import derive as derive_cell
-from derivations.cell.envelope import derive_envelope
-from derivations.averaging.symbols import square
 from derivations.algebra.errors import DerivationInputError
+from derivations.averaging.symbols import square
+from derivations.cell.envelope import derive_envelope
 from derivations.cell.polynomial_text import read_polynomial
+from derivations.cell.steps import derive as derive_cell
 
 
 @pytest.mark.parametrize("power", range(7))

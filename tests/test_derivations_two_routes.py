@@ -9,7 +9,6 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from derivations.averaging.breather_correction import breather
 from derivations.algebra.equations import equation
 from derivations.algebra.modulation import (
     Force,
@@ -19,6 +18,7 @@ from derivations.algebra.modulation import (
     same_polynomial,
 )
 from derivations.algebra.modulation import in_scales_amplitude as carried
+from derivations.averaging.breather_correction import breather
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER

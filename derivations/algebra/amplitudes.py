@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right
-from derivations.algebra.harmonics import Coefficient, HarmonicRing, chain_ring
+from derivations.algebra.harmonics import Coefficient, HarmonicRing, Harmonics, chain_ring
 from derivations.algebra.modulation import (
     Force,
     Modulation,
@@ -195,7 +195,7 @@ class ChangeAmplitude(Operation):
         _, first, second, own, shift = parts
         if own != ring.amplitude(0):
             raise OperationError("the fundamental is not -(i/2) φ to leading order")
-        modulation = Modulation(ring, ring.reach // 2, first, second, None)
+        modulation = Modulation(ring, ring.reach // 2, first, second, Harmonics(ring, {}))
         first, second = in_scales_amplitude(modulation, shift)
         right = sum((self.small**m * _as_fields(ring, part, self.amplitude, index, time)
                      for m, part in ((1, first), (2, second))), sp.S.Zero)  # fmt: skip

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 
 def equation(left: sp.Expr | int, right: sp.Expr | int = 0) -> sp.Eq:
@@ -53,6 +55,8 @@ def is_zero(expression: sp.Expr) -> bool:
     if expression == 0:
         return True
     plain = without_modulus(sp.sympify(expression))
+    if _differs_from_zero(plain):
+        return False
     quick = sp.expand(plain)
     if quick == 0 or sp.expand(quick, power_exp=True) == 0:
         return True
@@ -60,6 +64,35 @@ def is_zero(expression: sp.Expr) -> bool:
     if sp.expand(together) == 0:
         return True
     return bool(sp.simplify(together) == 0)
+
+
+def _differs_from_zero(expression: sp.Expr) -> bool:
+    """Whether the value at a point shows at once that it is not zero; False proves nothing."""
+    draw = random.Random(7)
+    plain = expression.xreplace({
+        own: sp.Dummy(real=own.is_real)
+        for own in sorted(expression.atoms(sp.Derivative), key=sp.default_sort_key)
+    })  # fmt: skip
+    plain = plain.xreplace({
+        own: sp.Dummy(real=own.is_real)
+        for own in sorted(plain.atoms(AppliedUndef), key=sp.default_sort_key)
+    })  # fmt: skip
+    point = {}
+    for symbol in sorted(plain.free_symbols, key=sp.default_sort_key):
+        real = sp.Float(draw.uniform(0.3, 1.2), 30)
+        if symbol.is_integer:
+            real = sp.Integer(draw.randrange(1, 4))
+        turned = sp.I * sp.Float(draw.uniform(-0.8, 0.8), 30)
+        point[symbol] = real if symbol.is_real else real + turned
+    found = plain.xreplace(point).evalf(30)
+    if not found.is_number or not found.is_finite:
+        return False
+    terms = (abs(complex(q.xreplace(point).evalf(30))) for q in sp.Add.make_args(plain))
+    try:
+        size = max(terms, default=0.0)
+    except TypeError:
+        return False
+    return bool(abs(complex(found)) > 1e-12 * (size + 1e-30))
 
 
 def without_modulus(expression: sp.Expr) -> sp.Expr:

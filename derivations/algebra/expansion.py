@@ -96,12 +96,13 @@ class RescaleTime(Operation):
         speed = sp.diff(fast.rhs, self.time)
 
         def rescaled(side: sp.Expr) -> sp.Expr:
-            return side.xreplace(rules).subs(self.time, fast.lhs / speed)
+            known = side.xreplace(rules)
+            left = [q for q in known.atoms(AppliedUndef) if self.time in q.args]
+            if left:
+                raise OperationError(f"{left[0]} is a function of {self.time} without scales")
+            return known.subs(self.time, fast.lhs / speed)
 
-        found = on_sides(target, rescaled)
-        if found.has(self.time):
-            raise OperationError(f"{self.time} is left in {found}")
-        return found
+        return on_sides(target, rescaled)
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the equations."""

@@ -13,6 +13,7 @@ from sympy.core.function import AppliedUndef
 from derivations.algebra.equations import parts_of
 from derivations.algebra.notation import Script, displayed
 from derivations.algebra.steps import Derivation, Evidence, Kind, Step
+from derivations.algebra.sums import SumOver
 
 TERMS_A_LINE = 3
 """Longer sums are broken so that they fit the width of a page."""
@@ -72,14 +73,28 @@ def equation_mathml(equation: sp.Basic) -> str:
 def equation_expression(equation: sp.Basic) -> str:
     """Return the equation as text that ``sympy.sympify`` reads back.
 
-    ``str`` where no name has a meaning of its own in SymPy, else ``srepr``.
+    Relations are written unevaluated, so that none collapses to true or false; ``str`` is used
+    where no name has a meaning of its own in SymPy, else ``srepr``.
+
+    Examples
+    --------
+    >>> equation_expression(sp.Eq(sp.Symbol("x"), sp.Symbol("zeta"), evaluate=False))
+    "Equality(Symbol('x'), Symbol('zeta'), evaluate=False)"
     """
-    names = {q.name for q in equation.atoms(sp.Symbol)}
-    names |= {q.func.__name__ for q in equation.atoms(AppliedUndef)}
-    plain = str(sp.sstr(equation))
-    if any(hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names):
-        return str(sp.srepr(equation))
-    return plain
+    parts = [_written(part) for part in parts_of(equation)]
+    return parts[0] if not isinstance(equation, sp.Tuple) else f"Tuple({', '.join(parts)})"
+
+
+def _written(part: sp.Basic) -> str:
+    names = {q.name for q in part.atoms(sp.Symbol)}
+    names |= {q.func.__name__ for q in part.atoms(AppliedUndef)}
+    taken = any(hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names)
+    held = part.has(SumOver)
+    write = sp.srepr if taken or held else sp.sstr
+    if isinstance(part, sp.core.relational.Relational):
+        sides = ", ".join(str(write(side)) for side in part.args)
+        return f"{type(part).__name__}({sides}, evaluate=False)"
+    return str(write(part))
 
 
 def sentence(step: Step) -> str:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 
+import numpy as np
 import sympy as sp
 
 from derivations.algebra.errors import CheckFailedError, DerivationInputError
@@ -104,8 +105,9 @@ class Step(ABC):
         """
         judged = self.result if candidate is None else candidate
         try:
-            return self.check(judged)
-        except (TypeError, ValueError, ArithmeticError, AttributeError, IndexError) as error:
+            with np.errstate(all="ignore"):  # a value that is not finite fails the check
+                return self.check(judged)
+        except (TypeError, ValueError, ArithmeticError, AttributeError, LookupError) as error:
             return Evidence(False, f"it could not be evaluated ({type(error).__name__}: {error})")
 
 

@@ -161,7 +161,7 @@ class Checks:
         """Return the direct average over φ_n, for amplitude ``scale`` times the one of the wave."""
         step = cmath.exp(complex(wave[k_1], wave[k_2]))
         field = {at: scale * wave[alpha_0] * step ** (wave[n] + at) for at in self.sites}
-        return direct_average(field, 1j * turning * field[0], p, w) / field[0]
+        return complex(direct_average(field, 1j * turning * field[0], p, w) / field[0])
 
     def _balance_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
         wave, _, _ = self._wave_numbers(rng)
@@ -181,7 +181,7 @@ class Checks:
 
     def _detuning(self, size: float, p: ChainNumbers) -> float:
         """ω_1 of a cell of amplitude ``size`` with neighbours at rest, by sampling."""
-        return p.cell_rate(size).imag / p.eps + sum(p.springs)
+        return float(p.cell_rate(size).imag / p.eps + sum(p.springs))
 
     def _frequency_point(self, rng: random.Random) -> Point:
         p, size = drawn(self.model, rng), rng.uniform(0.5, 2)
@@ -317,7 +317,7 @@ class Checks:
     # Phase steps of -π/2.
 
     def _turned_point(self, rng: random.Random) -> Point:
-        p, place, when = drawn(self.model, rng), rng.randrange(0, 5), rng.uniform(0, 4)
+        p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
         size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
         spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
         return {**p.values, n: place, t: when, r(n, t): size,

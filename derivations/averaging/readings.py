@@ -32,7 +32,7 @@ def paper_numbers(
 
 def damping_mean(square: float, p: ChainNumbers) -> float:
     """Return the averaged damping of a cell with ``|phi|² = square``, a unit of eps t."""
-    return -p.cell_rate(math.sqrt(square)).real / p.eps
+    return float(-p.cell_rate(math.sqrt(square)).real / p.eps)
 
 
 @lru_cache(maxsize=1)

@@ -503,6 +503,18 @@ def _power(chain: FrictionModel, point: Point, size: float) -> float:
     return total
 
 
+def _without_integrals(candidate: sp.Basic) -> sp.Basic:
+    """Replace integrals over a period by sums over equal steps, exact to rounding here."""
+    count = 48
+    rules = {}
+    for integral in candidate.atoms(sp.Integral):
+        (phase, low, high) = integral.limits[0]
+        step = (high - low) / count
+        places = [(low + (place + sp.Rational(1, 3)) * step).evalf() for place in range(count)]
+        rules[integral] = step.evalf() * sum(integral.function.xreplace({phase: at}) for at in places)
+    return candidate.xreplace(rules)
+
+
 def balance(chain: FrictionModel) -> Check:
     """Mean power by sampling, and by integrating a weakly damped cell for one period."""
 
@@ -514,6 +526,7 @@ def balance(chain: FrictionModel) -> Check:
     sampled = equals(draw, "the power sampled over a period", tolerance=1e-7)
 
     def check(candidate: sp.Basic) -> Evidence:
+        candidate = _without_integrals(candidate)
         found = sampled(candidate)
         if not found.holds:
             return found
@@ -548,4 +561,5 @@ def bound(chain: FrictionModel) -> Check:
         point, _ = _slipping_state(chain, rng)
         return point, [_power(chain, point, point[s.v_tilde_d])]
 
-    return equals(draw, "the power sampled over a period that grazes the belt", tolerance=1e-7)
+    sampled = equals(draw, "the power sampled over a period that grazes the belt", tolerance=1e-7)
+    return lambda candidate: sampled(_without_integrals(candidate))

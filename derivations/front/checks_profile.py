@@ -17,7 +17,7 @@ from derivations.algebra.evidence import Point, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
 from derivations.front.checks_cell import CellChecks
-from derivations.front.numbers import evaluated, kinetic_sum, profile, roots
+from derivations.front.numbers import evaluated, profile, roots
 from derivations.front.sampling import (
     PLACES,
     Sample,
@@ -67,7 +67,7 @@ class ProfileChecks(CellChecks):
     driven = two_lines
 
     def force(self, candidate: sp.Basic) -> Evidence:
-        """The force on a site: the response without springs."""
+        """Compare with the force on a site: the response without springs."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, field, rate, cycle, excited in self._states():
@@ -81,7 +81,7 @@ class ProfileChecks(CellChecks):
                          tolerance=1e-7)(candidate)  # fmt: skip
 
     def located(self, candidate: sp.Basic) -> Evidence:
-        """The branch chosen by the sign of the coordinate."""
+        """Compare with the branch chosen by the sign of the coordinate."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, field, rate, cycle, excited in self._states():
@@ -94,7 +94,7 @@ class ProfileChecks(CellChecks):
                          tolerance=1e-7)(candidate)  # fmt: skip
 
     def moving(self, candidate: sp.Basic) -> Evidence:
-        """A wave watched at fixed sites."""
+        """Compare with a wave watched at fixed sites."""
         rng = random.Random(2)
         count = len(parts_of(candidate))
 
@@ -126,7 +126,7 @@ class ProfileChecks(CellChecks):
         return Evidence(True, f"so at {len(PLACES)} places of a front with v_hat = {fast:.6f}")
 
     def slow_velocity(self, candidate: sp.Basic) -> Evidence:
-        """The distance covered is the same by both clocks."""
+        """Compare with the distance covered is the same by both clocks."""
         small, when, moved = 0.2, 3.0, 1.7
         point = {s.epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
         return at_points(lambda: [(point, [0])], "a distance over both times")(candidate)
@@ -164,10 +164,14 @@ class ProfileChecks(CellChecks):
         for sample, fast, number in self._waves():
             image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
             left = _integral(
-                lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z), -14, 14
+                lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z),
+                -14,
+                14,
             )
-            right = sample.lattice.decay * _CYCLE * _integral(
-                lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag ** 0.5, 0
+            right = (
+                sample.lattice.decay
+                * _CYCLE
+                * _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
             )
             point = {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
                      s.phi_hat(s.k): image}  # fmt: skip
@@ -188,7 +192,7 @@ class ProfileChecks(CellChecks):
 
     def _slopes(self, on_roots: bool) -> Iterator[tuple[Point, list[complex]]]:
         for sample, fast, number in self._waves():
-            for at in (roots(sample.lattice, fast)[::1999] if on_roots else (number, -number)):
+            for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
                 step = 1e-4
                 far, near = (sample.lattice.dispersion(at + h, fast)
                              - sample.lattice.dispersion(at - h, fast)
@@ -231,7 +235,7 @@ class ProfileChecks(CellChecks):
         return complex(drive / sample.lattice.dispersion(number, fast))
 
     def image(self, candidate: sp.Basic) -> Evidence:
-        """The transform of the step by quadrature, over the numerical L."""
+        """Compare with the transform of the step by quadrature, over the numerical L."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, fast, number in self._waves():
@@ -288,11 +292,11 @@ class ProfileChecks(CellChecks):
         return Evidence(worst < tolerance, f"{what}: off by at most {worst:.1e}")
 
     def at_zero(self, candidate: sp.Basic) -> Evidence:
-        """The value at the front, from its history."""
+        """Compare with the value at the front, from its history."""
         return self._vanishes(candidate, "the value at the front, from its history")
 
     def meeting(self, candidate: sp.Basic) -> Evidence:
-        """The threshold is the value at the front."""
+        """Compare with the threshold is the value at the front."""
         return self._vanishes(candidate, "the value at the front, from its history")
 
     def threshold(self, candidate: sp.Basic) -> Evidence:
@@ -303,11 +307,11 @@ class ProfileChecks(CellChecks):
     sums = threshold
 
     def by_ratio(self, candidate: sp.Basic) -> Evidence:
-        """The modulus at the front."""
+        """Compare with the modulus at the front."""
         return self._vanishes(candidate, "|phi(0)| of the front from its history")
 
     def relation_in_eta(self, candidate: sp.Basic) -> Evidence:
-        """The modulus of (53) on the front, and the two cycles of the direct average."""
+        """Compare with the modulus of (53) on the front, and with the two sampled cycles."""
         pieces = parts_of(candidate)
         if len(pieces) != 3:
             return Evidence(False, "three equations are expected")

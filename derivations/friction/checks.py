@@ -139,7 +139,8 @@ def _sticks(bound: sp.Basic, point: Point, force: sp.Symbol, limit: float) -> bo
     exact = {a: sp.nsimplify(v, rational=True) for a, v in point.items()}
     inside = bound.xreplace(exact)
     most = sp.nsimplify(limit, rational=True)
-    return [bool(inside.subs(force, most * share)) for share in _SHARES] == [True, True, False]
+    found = [bool(inside.subs(force, most * share)) for share in _SHARES]
+    return found == [True, True, False]
 
 
 def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol],

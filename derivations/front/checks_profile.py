@@ -6,6 +6,7 @@ import cmath
 import math
 import random
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any
 
 import mpmath as mp
@@ -162,6 +163,15 @@ class ProfileChecks(CellChecks):
     def transformed(self, candidate: sp.Basic) -> Evidence:
         """Transform both sides of (48) by quadrature, with a bell for the profile."""
         worst = 0.0
+        for point, left, right in self._transforms:
+            worst = max(worst, abs(value(candidate.lhs, point) - left),
+                        abs(value(candidate.rhs, point) - right))  # fmt: skip
+        return Evidence(worst < 1e-6, f"both sides of (48) transformed by quadrature: {worst:.1e}")
+
+    @cached_property
+    def _transforms(self) -> list[tuple[Point, complex, complex]]:
+        """Image of the bell, and both sides of (48), at three wavenumbers."""
+        found = []
         for sample, fast, number in self._waves():
             image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
             left = _integral(
@@ -169,16 +179,11 @@ class ProfileChecks(CellChecks):
                 -14,
                 14,
             )
-            right = (
-                sample.lattice.decay
-                * _CYCLE
-                * _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
-            )
-            point = {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
-                     s.phi_hat(s.k): image}  # fmt: skip
-            worst = max(worst, abs(value(candidate.lhs, point) - left),
-                        abs(value(candidate.rhs, point) - right))  # fmt: skip
-        return Evidence(worst < 1e-6, f"both sides of (48) transformed by quadrature: {worst:.1e}")
+            step = _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
+            point: dict[Any, Any] = {**sample.chain.values, s.v: fast, s.k: number,
+                                     s.phi_s: _CYCLE, s.phi_hat(s.k): image}  # fmt: skip
+            found.append((point, left, sample.lattice.decay * _CYCLE * step))
+        return found
 
     def dispersion(self, candidate: sp.Basic) -> Evidence:
         """(48) applied to a wave, from its values at the neighbours."""

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from derivations import catalogue
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, whole, write_whole
+from fronts.arguments import check_writable, whole
+from verification.execution.files import write_by
 
 if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
@@ -70,7 +71,7 @@ def run(args: argparse.Namespace) -> Answer:
     answer = _answer(args, other)
     if args.out is None:
         return answer
-    write_whole(args.out, lambda path: _write(path, answer.text))
+    write_by(args.out, lambda path: _write(path, answer.text))
     return Answer(answer.payload, f"wrote {args.out}", answer.exit_code)
 
 

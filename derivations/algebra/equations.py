@@ -126,6 +126,8 @@ def _same_part(one: sp.Basic, other: sp.Basic) -> bool:
     ):
         if one.func != other.func:
             return False
+        if getattr(one.rhs, "shape", None) != getattr(other.rhs, "shape", None):
+            return False
         left, right = one.lhs - other.lhs, one.rhs - other.rhs
         if not isinstance(one, sp.Equality) or isinstance(one.rhs, sp.MatrixBase):
             return _vanishes(left) and _vanishes(right)

@@ -27,8 +27,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.quantity import Quantity, Tell
-from derivations.averaging.readings import damping_mean, paper_numbers
 from derivations.averaging.periodic_orbit import orbit
+from derivations.averaging.readings import damping_mean, paper_numbers
 from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:

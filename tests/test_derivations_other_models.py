@@ -57,8 +57,12 @@ def derived_numbers():
 
 @pytest.mark.parametrize(
     ("name", "change"),
-    [(name, change) for name in DERIVATIONS for change in CHANGES
-     if name != "second-order" or change in ("power", "stiffness", "next-nearest")],
+    [
+        (name, change)
+        for name in DERIVATIONS
+        for change in CHANGES
+        if name != "second-order" or change in ("power", "stiffness", "next-nearest")
+    ],
 )
 def test_every_check_passes_for_another_model(name, change):
     made = derivation(change, name)

@@ -6,12 +6,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from derivations.averaging.readings import averaged_breather
-from derivations.front.numbers import Lattice, profile
 
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import equals, value
+from derivations.averaging.readings import averaged_breather
 from derivations.cell.polynomial_text import DEEPEST, read_polynomial
+from derivations.front.numbers import Lattice, profile
 from derivations.symbols import a, b, damping_factor
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain

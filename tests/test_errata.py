@@ -100,7 +100,12 @@ def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
 ) -> None:
     found = judgements[4]
     passing = printed_module.Judgement(
-        found.printed, found.step, found.corrected, found.on_derived, found.on_derived, (),
+        found.printed,
+        found.step,
+        found.corrected,
+        found.on_derived,
+        found.on_derived,
+        (),
         True,
     )
     monkeypatch.setattr(equations, "_judgements", lambda: {**judgements, 4: passing})

@@ -206,8 +206,8 @@ def _cell(args: argparse.Namespace) -> Answer:
     if args.order not in (1, 2):
         raise UsageError(f"--order {args.order} is not allowed: it must be 1 or 2.")
     from derivations.algebra.errors import DerivationInputError
-    from derivations.cell.steps import derive
     from derivations.cell.envelope import derive_envelope
+    from derivations.cell.steps import derive
 
     envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")
     envelope = envelope.with_values(_values(args.value))

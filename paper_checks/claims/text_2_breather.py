@@ -18,8 +18,8 @@ def _substitution() -> Finding:
     """Put (14) into (10) and into (11) and compare with (15)."""
     import sympy as sp
 
-    from derivations.multiple_scales.symbols import Y
     from derivations.judgement import printed
+    from derivations.multiple_scales.symbols import Y
     from derivations.symbols import omega, t, t_hat
 
     fifteen = printed(15).expression

@@ -51,8 +51,8 @@ def derivation(change, name):
 
 
 def derived_numbers():
-    return [number for number in NUMBERS
-            if derivation(None, catalogue.owner(number)).numbered(number).kind is Kind.DERIVED]  # fmt: skip
+    steps = {q: derivation(None, catalogue.owner(q)).numbered(q) for q in NUMBERS}
+    return [number for number, step in steps.items() if step.kind is Kind.DERIVED]
 
 
 @pytest.mark.parametrize(

@@ -83,7 +83,7 @@ def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(
     own, fast_time = 0.3 + 0.4j, 0.6
     rest = {a: 1.7, epsilon: 0.2, omega: 1.1, t: fast_time}
     missing = derived.args[0] - printed.args[0]
-    names = {q: 0.4 + 0.1j for q in missing.atoms(AppliedUndef, sp.Derivative)}
+    names = dict.fromkeys(missing.atoms(AppliedUndef, sp.Derivative), 0.4 + 0.1j)
     number = value(missing, {**names, **rest, b: 0.9, c: 0.3, phi(n, t): own})
     fast = sp.exp(-2j * rest[omega] * fast_time)
     # By hand: ε (φ + φ* e)/2 times a times twice (φ*)² e over 4ω².

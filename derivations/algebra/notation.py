@@ -1,8 +1,8 @@
 """How symbols, fields and derivatives are written: LaTeX, and one line of Unicode.
 
 ``y(n + 1, t)`` is a good object to compute with and a poor one to read. Before printing, fields at
-a site, functions of slow times, their derivatives and conjugates are replaced by symbols whose names
-are the paper's: y with index n+1, dots for the time, primes for the slow time.
+a site, functions of slow times, their derivatives and conjugates are replaced by symbols with the
+paper's names: y with index n+1, dots for the time, primes for the slow time.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stiffness", metavar="POLYNOMIAL", help="g(y) of another cell")
     parser.add_argument("--coupling", metavar="C", help="coupling of another chain (default c)")
     parser.add_argument("--weights", metavar="LIST",
-                        help="weights of the springs to the nearest, second … neighbours")  # fmt: skip
+                        help="weights of the springs to nearest, second … neighbours")  # fmt: skip
     parser.add_argument("--value", action="append", metavar="NAME=NUMBER", default=[],
                         help="a number for a letter of the chain; repeat for more")  # fmt: skip
     parser.add_argument("--no-front", action="store_true",
@@ -96,7 +96,7 @@ def _listing() -> Answer:
             for name, (_, line, numbers) in catalogue.LISTING.items()]  # fmt: skip
     lines = [f"  {row['name']:<16} {row['equations']:<9} {row['derives']}" for row in rows]
     lines += ["  all              1-54      the verdict on every printed equation",
-              "  cell                       the averaged equation of your own oscillator"]  # fmt: skip
+              "  cell                       the average of your own oscillator"]  # fmt: skip
     return Answer({"derivations": rows}, "\n".join(lines))
 
 

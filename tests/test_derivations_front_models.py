@@ -42,7 +42,7 @@ JACOBIAN = {"coefficient": set(), "power": set(), "sign": set(), "next-nearest":
 FORCE = {
     "coefficient": {2, 5, 6},
     "power": {4, 5, 6},
-    "sign": {2, 6},
+    "sign": {2, 5, 6},
     "next-nearest": {2, 4, 6},
 }
 """(6) is (3) in other units, whatever mu; the decay enters (2) only."""

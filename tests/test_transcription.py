@@ -46,9 +46,14 @@ def test_the_latex_reads_as_the_object(number):
 
 def flipped(latex):
     """The line with one sign changed, at up to two places of it."""
-    places = [place for place, sign in enumerate(latex)
-              if sign in "+-" and latex[place - 1] != "^" and latex[place + 1] not in "}"
-              and not latex[place + 1 :].lstrip().startswith(r"\ldots")]
+    places = [
+        place
+        for place, sign in enumerate(latex)
+        if sign in "+-"
+        and latex[place - 1] != "^"
+        and latex[place + 1] not in "}"
+        and not latex[place + 1 :].lstrip().startswith(r"\ldots")
+    ]
     for place in places[:: max(1, len(places) // 2)][:2]:
         sign = {"+": "-", "-": "+"}[latex[place]]
         yield latex[:place] + sign + latex[place + 1 :]

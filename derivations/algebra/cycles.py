@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError, listed
 
 
 def probe_values(symbols: set[sp.Symbol], least: float = 0.0) -> list[dict[sp.Symbol, float]]:
@@ -45,8 +45,9 @@ class StationaryAmplitudes(Operation):
         plain = sp.expand(rate).subs(size, sp.sqrt(square))
         found = sp.solve(sp.numer(sp.together(plain)), square)
         kept = _two_by_size(found, plain.free_symbols - {square})
-        return sp.Tuple(*(equation(name**2, root)
-                          for name, root in zip(self.names, kept, strict=True)))
+        return sp.Tuple(
+            *(equation(name**2, root) for name, root in zip(self.names, kept, strict=True))
+        )
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the two."""
@@ -144,10 +145,12 @@ class FactorRadicals(Operation):
 
         def shorter(side: sp.Expr) -> sp.Expr:
             out = side.replace(
-                lambda q: q.is_Pow and q.exp == sp.Rational(1, 2), lambda q: sp.sqrt(sp.factor(q.base))
+                lambda q: q.is_Pow and q.exp == sp.Rational(1, 2),
+                lambda q: sp.sqrt(sp.factor(q.base)),
             )
             return out.replace(
-                lambda q: q.is_Pow and q.exp == sp.Rational(1, 2), lambda q: sp.sqrt(sp.cancel(q.base))
+                lambda q: q.is_Pow and q.exp == sp.Rational(1, 2),
+                lambda q: sp.sqrt(sp.cancel(q.base)),
             )
 
         return on_sides(source, shorter)
@@ -181,8 +184,11 @@ class SelectRoot(Operation):
         trials: list[dict[sp.Symbol, float]] = [{}]
         for symbol, numbers in self.values.items():
             trials = [{**trial, symbol: number} for trial in trials for number in numbers]
-        kept = [part for part in parts_of(source)
-                if all(self.accepts(complex(part.rhs.subs(trial).evalf())) for trial in trials)]
+        kept = [
+            part
+            for part in parts_of(source)
+            if all(self.accepts(complex(part.rhs.subs(trial).evalf())) for trial in trials)
+        ]
         if len(kept) != 1:
             raise OperationError(f"{len(kept)} of the solutions satisfy: {self.rule}")
         return kept[0]

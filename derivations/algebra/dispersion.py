@@ -47,7 +47,9 @@ class DifferentiateDispersion(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the derivatives."""
-        return f"differentiate {listed(labels)} implicitly: {listed([spoken(q) for q in self.names])}"
+        return (
+            f"differentiate {listed(labels)} implicitly: {listed([spoken(q) for q in self.names])}"
+        )
 
 
 def _by_order(pair: tuple[sp.Basic, sp.Basic]) -> int:

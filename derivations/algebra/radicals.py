@@ -60,7 +60,9 @@ class ParametriseRadical(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the parameter."""
-        return f"write the square root in {listed(labels)} by its real part {spoken(self.parameter)}"
+        return (
+            f"write the square root in {listed(labels)} by its real part {spoken(self.parameter)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,9 @@ class VanishingDenominator(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the unknown."""
-        return f"let the denominator in {listed(labels)} vanish and solve for {spoken(self.unknown)}"
+        return (
+            f"let the denominator in {listed(labels)} vanish and solve for {spoken(self.unknown)}"
+        )
 
 
 @dataclass(frozen=True)

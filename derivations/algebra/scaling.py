@@ -87,10 +87,20 @@ class PrescribeCoefficients(Operation):
                 for terms, value in self.demands]  # fmt: skip
         found = [self._one_by_one(rest)]
         if not found[0]:
-            found = sp.solve(rest, self.unknowns, dict=True)
+            found = self._together(rest)
         if len(found) != 1 or set(found[0]) != set(self.unknowns):
             raise OperationError("these coefficients do not determine the scales")
         return sp.Tuple(*(equation(own, sp.simplify(found[0][own])) for own in self.unknowns))
+
+    def _together(self, rest: list[sp.Expr]) -> list[dict[sp.Basic, sp.Expr]]:
+        """Solve all demands at once; only where a square occurs is the sign of a scale used."""
+        stand_in = {own: sp.Dummy(own.name) for own in self.unknowns
+                    if all(sp.diff(demand, own, 2) == 0 for demand in rest)}  # fmt: skip
+        back = {dummy: own for own, dummy in stand_in.items()}
+        plain = [demand.xreplace(stand_in) for demand in rest]
+        wanted = [stand_in.get(own, own) for own in self.unknowns]
+        return [{back.get(own, own): value for own, value in found.items()}
+                for found in sp.solve(plain, wanted, dict=True)]  # fmt: skip
 
     def _one_by_one(self, rest: list[sp.Expr]) -> dict[sp.Basic, sp.Expr]:
         """Solve the demands in their order for the unknowns in theirs; nothing if they mix."""
@@ -408,3 +418,26 @@ class OnOneSide(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the source."""
         return f"bring everything in {listed(labels)} to the left"
+
+
+@dataclass(frozen=True)
+class PutEqual(Operation):
+    """Let one quantity reach another; integrals stay as they are.
+
+    Attributes
+    ----------
+    quantity, other : Symbol
+        The two.
+    """
+
+    quantity: sp.Symbol
+    other: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the source with the other in the place of the quantity."""
+        (source,) = sources
+        return source.xreplace({self.quantity: self.other})
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name both."""
+        return f"let {spoken(self.quantity)} = {spoken(self.other)} in {listed(labels)}"

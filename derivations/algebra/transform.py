@@ -141,9 +141,7 @@ class InvertTransform(Operation):
         """Return ``profile = integral of F(k) e^{ikz} dk / 2 pi``."""
         (source,) = sources
         wave = sp.exp(sp.I * self.wavenumber * self.coordinate)
-        return equation(
-            self.profile, sp.Integral(source.rhs * wave / (2 * sp.pi), self.wavenumber)
-        )
+        return equation(self.profile, sp.Integral(source.rhs * wave / (2 * sp.pi), self.wavenumber))
 
     def words(self, labels: Sequence[str]) -> str:
         """Say where the contour lies."""
@@ -229,7 +227,8 @@ class CloseContour(Operation):
         z = spoken(self.coordinate)
         return (
             f"close the contour of {labels[0]} above for {z} > 0, below for {z} < 0, and sum the "
-            f"residues at the simple roots {listed(labels[1:])} and at {spoken(self.wavenumber)} = 0"
+            f"residues at the simple roots {listed(labels[1:])} and at "
+            f"{spoken(self.wavenumber)} = 0"
         )
 
 
@@ -323,12 +322,16 @@ def hyperbolic(comb: sp.Expr, k: sp.Symbol, periodic: sp.Symbol) -> sp.Expr:
     (w1, c1), (w2, c2) = (q.as_independent(k, as_Add=False) for q in terms)
     x, y = c1.args[0], c2.args[0]
     if sp.simplify(w1 - w2) == 0:  # cot x and cot y with the same weight
-        total = w1 * sp.sin(sp.expand(x + y)) / (
-            (sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2
+        total = (
+            w1
+            * sp.sin(sp.expand(x + y))
+            / ((sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2)
         )
     else:
-        total = w1 * sp.sin(sp.expand(y - x)) / (
-            (sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2
+        total = (
+            w1
+            * sp.sin(sp.expand(y - x))
+            / ((sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2)
         )
     if sp.simplify((total - comb).rewrite(sp.exp)) != 0:
         raise OperationError("the cotangents do not combine")
@@ -413,7 +416,7 @@ class IntegratePeriod(Operation):
         if not scale.is_positive:
             scale = sp.S.One
         short = 1 / (sp.sqrt(scale) * sp.sqrt(sp.expand(inverse / scale)))
-        values = {symbol: self.probe for symbol in mean.free_symbols}
+        values = dict.fromkeys(mean.free_symbols, self.probe)
         ratio = complex((mean / short).subs(values).evalf())
         if abs(abs(ratio.real) - 1) > 1e-9 or abs(ratio.imag) > 1e-9:
             raise OperationError("the sign of the square root is not clear")

@@ -1,4 +1,4 @@
-"""Operations on travelling waves of a lattice: step functions, the moving frame, strong coupling."""
+"""Operations on travelling waves of a lattice: step functions and the moving frame."""
 
 from __future__ import annotations
 

@@ -59,7 +59,8 @@ EQUATIONS = (
     ),
     Printed(
         number=2,
-        latex=r"\mu(v_{rel}) = \mu_{st} + (\mu_{st} - \mu_d)e^{\left(-\frac{|v_{rel}|}{v_0}\right)}",
+        latex=r"\mu(v_{rel}) = \mu_{st} + (\mu_{st} - \mu_d)e^{\left(-\frac{|v_{rel}|}{v_0}"
+              r"\right)}",
         expression=equation(mu(v_rel), mu_st + (mu_st - mu_d) * sp.exp(-sp.Abs(v_rel) / v_0)),
         verdict=Verdict.MISPRINT,
         note="The first mu_st must be mu_d. As printed mu(0) = 2 mu_st - mu_d and mu tends to "

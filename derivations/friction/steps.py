@@ -23,6 +23,7 @@ from derivations.algebra.scaling import (
     InsertPlaneWave,
     PerturbField,
     PrescribeCoefficients,
+    PutEqual,
     Rename,
     RestUniformly,
     SolveLimits,
@@ -232,7 +233,7 @@ def _sliding(chain: FrictionModel, found: dict[str, Step]) -> tuple[Step, ...]:
         check=checks.balance(chain),
         note="its velocity amplitude is R; at R = 0 this is the Hopf velocity",
     )
-    bound = derived("end of pure slip", Specialise({R: v_tilde_d}), balance,
+    bound = derived("end of pure slip", PutEqual(R, v_tilde_d), balance,
                     check=checks.bound(chain),
                     note="the largest velocity of the cycle reaches that of the belt: it grazes "
                          "stick, and for slower belts there is no cycle of pure slip")  # fmt: skip

@@ -58,9 +58,13 @@ def steps(chain: ChainModel, averaged: Step, checks: Checks) -> dict[str, Step]:
                     polar, check=checks.cell_parts)  # fmt: skip
     rate = derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))), parts,
                    check=checks.amplitude_rate)  # fmt: skip
-    turning = derived("phase of the cell", (Take(1), SolveFor(phase.diff(t))), parts,
-                      check=checks.phase_rate,
-                      note="without nonlinear stiffness it rests: no phase is preferred")
+    turning = derived(
+        "phase of the cell",
+        (Take(1), SolveFor(phase.diff(t))),
+        parts,
+        check=checks.phase_rate,
+        note="without nonlinear stiffness it rests: no phase is preferred",
+    )
     found = [uniform, polar, parts, rate, turning]
     forcing = forcing_parameter(chain)
     if forcing is not None:
@@ -82,7 +86,7 @@ def steps(chain: ChainModel, averaged: Step, checks: Checks) -> dict[str, Step]:
 
 def comparison(averaged: Step, lines: Step, cycles: dict[str, Step], checks: Checks
                ) -> tuple[Step, ...]:  # fmt: skip
-    """What (44) keeps of (43), and what it drops."""
+    """Return what (44) keeps of (43), and what it drops, as steps."""
     full = derived("averaged chain near rest", LineariseAtRest(phi), averaged,
                    check=checks.near_rest)  # fmt: skip
     lower = derived("two lines near rest", TakeBranch(0), lines, check=checks.near_rest)

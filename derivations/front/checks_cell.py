@@ -167,12 +167,12 @@ class CellChecks:
         return at_points(points, "nothing, for random states", floor=1.0)(candidate)
 
     def shifted(self, candidate: sp.Basic) -> Evidence:
-        """A relative deviation."""
+        """Compare with a relative deviation."""
         point = {_OWN: (2 - 1j) * (1.1 + 0.2j), s.phi_s: 2 - 1j, s.deviation: 0.1 + 0.2j}
         return at_points(lambda: [(point, [0])], "a displaced number")(candidate)
 
     def upper(self, candidate: sp.Basic) -> Evidence:
-        """The response about rest, moved to the cycle."""
+        """Compare with the response about rest, moved to the cycle."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, rng in self._cells():
@@ -185,7 +185,7 @@ class CellChecks:
                          tolerance=1e-7)(candidate)  # fmt: skip
 
     def upper_decay(self, candidate: sp.Basic) -> Evidence:
-        """The same for a relative deviation."""
+        """Compare with the same for a relative deviation."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, rng in self._cells():

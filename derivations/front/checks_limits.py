@@ -35,12 +35,12 @@ class LimitChecks(ProfileChecks):
                 yield sample, ahead if side > 0 else 1 - ahead, values
 
     def ratio_named(self, candidate: sp.Basic) -> Evidence:
-        """A quotient of moduli."""
+        """Compare with a quotient of moduli."""
         point = {s.phi_us: 0.6j, s.phi_s: 1.2 - 0.5j, s.ratio: 0.6 / 1.3}
         return at_points(lambda: [(point, [0])], "a quotient of moduli")(candidate)
 
     def static(self, side: int) -> Check:
-        """The last site of a standing chain, and for side 1 a front that hardly moves."""
+        """Compare with the last site of a standing chain, and with a front that hardly moves."""
         name = s.static_sum if side > 0 else s.retreating_sum
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
@@ -54,7 +54,7 @@ class LimitChecks(ProfileChecks):
         return at_points(points, "a standing chain, solved site by site", floor=1.0)
 
     def named_relation(self, name: sp.Symbol) -> Check:
-        """The modulus of the sum against the ratio."""
+        """Compare with the modulus of the sum against the ratio."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample in self.samples:
@@ -81,7 +81,7 @@ class LimitChecks(ProfileChecks):
             yield abs(ahead), root, {**values, s.p: root.real}
 
     def radical(self, candidate: sp.Basic) -> Evidence:
-        """The root belongs to a standing chain."""
+        """Compare with the root belongs to a standing chain."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for _, _, point in self._roots():
@@ -114,11 +114,13 @@ class LimitChecks(ProfileChecks):
         sizes = [abs(_standing_long(factor)) for factor in (2.5e3, 1e4)]
         limit = 2 * sizes[1] - sizes[0]  # the difference falls like 1/sqrt(c)
         found = solved_for(candidate, s.ratio, {}).real
-        return Evidence(abs(found - limit) < 1e-4,
-                        f"a standing chain at c = 2500, 10000, extrapolated: {limit:.6f}")
+        return Evidence(
+            abs(found - limit) < 1e-4,
+            f"a standing chain at c = 2500, 10000, extrapolated: {limit:.6f}",
+        )
 
     def ratio_in_eta(self, candidate: sp.Basic) -> Evidence:
-        """The cycles of the direct average."""
+        """Compare with the cycles of the direct average."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample in self.samples:
@@ -127,7 +129,7 @@ class LimitChecks(ProfileChecks):
         return at_points(points, "cycles of the direct average")(candidate)
 
     def largest_eta(self, candidate: sp.Basic) -> Evidence:
-        """The cycles of that forcing have the ratio one half."""
+        """Compare with the cycles of that forcing have the ratio one half."""
         limit = solved_for(candidate, s.eta, {}).real
         powers = sorted(q for q in self.model.damping if q)
         low, middle, top = 1.0, -4.0, limit * 16.0
@@ -156,17 +158,19 @@ class LimitChecks(ProfileChecks):
         return Evidence(worst < 1e-4, f"L at c ~ 1e6 and k = kappa/sqrt(c): off by {worst:.1e}")
 
     def long_wave_root(self, candidate: sp.Basic) -> Evidence:
-        """The root nearest the origin above the axis at very large c, by Newton's method."""
+        """Compare with the root nearest the origin above the axis, by Newton's method."""
         worst = 0.0
         for _, lattice, values in self._strong(1e6):
             for fast in (0.3, 0.8, 2.0):
                 root = math.sqrt(values[c])
                 found = _nearest(lattice, fast * root, root)
-                worst = max(worst, abs(solved_for(candidate, s.kappa, {**values, s.V: fast}) - found))
+                worst = max(
+                    worst, abs(solved_for(candidate, s.kappa, {**values, s.V: fast}) - found)
+                )
         return Evidence(worst < 1e-4, f"the root nearest the origin at c ~ 1e6: off by {worst:.1e}")
 
     def strong_sum(self, candidate: sp.Basic) -> Evidence:
-        """The whole sum at large c, from the front's history."""
+        """Compare with the whole sum at large c, from the front's history."""
         errors = []
         for factor in (100.0, 900.0):
             worst = 0.0

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import cmath
+import math
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import mpmath as mp
@@ -13,11 +14,11 @@ import sympy as sp
 from scipy.integrate import quad
 
 from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, value
+from derivations.algebra.evidence import Point, solved_for, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
 from derivations.front.checks_cell import CellChecks
-from derivations.front.numbers import evaluated, kinetic_sum, profile, roots
+from derivations.front.numbers import count_between, evaluated, profile, roots
 from derivations.front.sampling import (
     PLACES,
     Sample,
@@ -67,7 +68,7 @@ class ProfileChecks(CellChecks):
     driven = two_lines
 
     def force(self, candidate: sp.Basic) -> Evidence:
-        """The force on a site: the response without springs."""
+        """Compare with the force on a site: the response without springs."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, field, rate, cycle, excited in self._states():
@@ -81,7 +82,7 @@ class ProfileChecks(CellChecks):
                          tolerance=1e-7)(candidate)  # fmt: skip
 
     def located(self, candidate: sp.Basic) -> Evidence:
-        """The branch chosen by the sign of the coordinate."""
+        """Compare with the branch chosen by the sign of the coordinate."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, field, rate, cycle, excited in self._states():
@@ -94,7 +95,7 @@ class ProfileChecks(CellChecks):
                          tolerance=1e-7)(candidate)  # fmt: skip
 
     def moving(self, candidate: sp.Basic) -> Evidence:
-        """A wave watched at fixed sites."""
+        """Compare with a wave watched at fixed sites."""
         rng = random.Random(2)
         count = len(parts_of(candidate))
 
@@ -126,7 +127,7 @@ class ProfileChecks(CellChecks):
         return Evidence(True, f"so at {len(PLACES)} places of a front with v_hat = {fast:.6f}")
 
     def slow_velocity(self, candidate: sp.Basic) -> Evidence:
-        """The distance covered is the same by both clocks."""
+        """Compare with the distance covered is the same by both clocks."""
         small, when, moved = 0.2, 3.0, 1.7
         point = {s.epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
         return at_points(lambda: [(point, [0])], "a distance over both times")(candidate)
@@ -164,10 +165,14 @@ class ProfileChecks(CellChecks):
         for sample, fast, number in self._waves():
             image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
             left = _integral(
-                lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z), -14, 14
+                lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z),
+                -14,
+                14,
             )
-            right = sample.lattice.decay * _CYCLE * _integral(
-                lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag ** 0.5, 0
+            right = (
+                sample.lattice.decay
+                * _CYCLE
+                * _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
             )
             point = {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
                      s.phi_hat(s.k): image}  # fmt: skip
@@ -188,7 +193,7 @@ class ProfileChecks(CellChecks):
 
     def _slopes(self, on_roots: bool) -> Iterator[tuple[Point, list[complex]]]:
         for sample, fast, number in self._waves():
-            for at in (roots(sample.lattice, fast)[::1999] if on_roots else (number, -number)):
+            for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
                 step = 1e-4
                 far, near = (sample.lattice.dispersion(at + h, fast)
                              - sample.lattice.dispersion(at - h, fast)
@@ -225,13 +230,84 @@ class ProfileChecks(CellChecks):
                         return Evidence(False, f"wrong about the root {complex(number):.4f}")
         return Evidence(True, "roots of both half-planes are sorted correctly")
 
+    def on_line(self, where: Callable[[dict[Any, Any]], Any]) -> Check:
+        """Compare with L from its neighbours, at points of a line."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            rng = random.Random(12)
+            for sample, fast, _ in self._waves():
+                for _ in range(3):
+                    point: dict[Any, Any] = {s.x: rng.uniform(-9, 9), s.turns: rng.randrange(-4, 5)}
+                    point |= {s.y: rng.uniform(-2, 2), **sample.chain.values, s.v: fast}
+                    exact = complex(sample.lattice.dispersion(complex(where(point)), fast))
+                    yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
+
+        return at_points(points, "L from its values at the neighbours")
+
+    def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
+        """Velocity and wavenumber at which the numerical slope of L vanishes."""
+        for sample in self.samples:
+            for turn, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
+                fast = sample.lattice.springs[0] * math.cosh(height)
+                number = complex(2 * math.pi * turn - math.pi / 2, height)
+                yield sample, fast, number, {**sample.chain.values, s.v: fast, s.k: number,
+                                             s.turns: turn, s.height: height}  # fmt: skip
+
+    def turning(self, candidate: sp.Basic) -> Evidence:
+        """Compare with wavenumbers at which the numerical slope of L vanishes."""
+        worst = max(
+            abs(sample.lattice.slope(number, fast)) for sample, fast, number, _ in self._turns()
+        )
+        found = at_points(lambda: [(point, [0]) for *_, point in self._turns()],
+                          "wavenumbers where the slope of L vanishes")(candidate)  # fmt: skip
+        return Evidence(found.holds and worst < 1e-9, found.statement)
+
+    def at_turning(self, candidate: sp.Basic) -> Evidence:
+        """Compare with L there, from its values at the neighbours."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, fast, number, point in self._turns():
+                exact = complex(sample.lattice.dispersion(number, fast))
+                yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
+
+        return at_points(points, "L where its slope vanishes")(candidate)
+
+    def no_double(self, candidate: sp.Basic) -> Evidence:
+        """At the value of n that comes out, which is no integer, Im L vanishes on the line."""
+        worst, nearest = 0.0, 1.0
+        for sample, fast, number, point in self._turns():
+            turn = solved_for(candidate, s.turns, point).real
+            moved = complex(2 * math.pi * turn - math.pi / 2, number.imag)
+            level = sample.lattice.dispersion(number, fast) - 1j * fast * (moved - number)
+            worst = max(worst, abs(level.imag))
+            nearest = min(nearest, abs(turn - round(turn)))
+        return Evidence(
+            worst < 1e-9 and nearest > 0.05,
+            f"Im L there: at most {worst:.1e}; {nearest:.3f} from any integer",
+        )
+
+    def counted(self, left: int) -> Check:
+        """Compare with winding numbers around strips, two periods apart."""
+
+        def check(candidate: sp.Basic) -> Evidence:
+            expected = solved_for(candidate, s.root_count, {})
+            for sample, fast, _ in self._waves():
+                for start in (left - 2, left, left + 2):
+                    found = count_between(sample.lattice, fast, start * math.pi,
+                                          (start + 1) * math.pi, True)  # fmt: skip
+                    if abs(found - expected) > 1e-12:
+                        return Evidence(False, f"{found} roots in a strip from {start} pi")
+            return Evidence(True, "winding numbers of three strips on three chains")
+
+        return check
+
     def _image(self, sample: Sample, fast: float, number: complex) -> complex:
         step = _integral(lambda z: np.exp(-1j * number * z), -90 / number.imag**0.5, 0)
         drive = sample.lattice.decay * _CYCLE * step
         return complex(drive / sample.lattice.dispersion(number, fast))
 
     def image(self, candidate: sp.Basic) -> Evidence:
-        """The transform of the step by quadrature, over the numerical L."""
+        """Compare with the transform of the step by quadrature, over the numerical L."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, fast, number in self._waves():
@@ -288,11 +364,11 @@ class ProfileChecks(CellChecks):
         return Evidence(worst < tolerance, f"{what}: off by at most {worst:.1e}")
 
     def at_zero(self, candidate: sp.Basic) -> Evidence:
-        """The value at the front, from its history."""
+        """Compare with the value at the front, from its history."""
         return self._vanishes(candidate, "the value at the front, from its history")
 
     def meeting(self, candidate: sp.Basic) -> Evidence:
-        """The threshold is the value at the front."""
+        """Compare with the threshold is the value at the front."""
         return self._vanishes(candidate, "the value at the front, from its history")
 
     def threshold(self, candidate: sp.Basic) -> Evidence:
@@ -303,11 +379,11 @@ class ProfileChecks(CellChecks):
     sums = threshold
 
     def by_ratio(self, candidate: sp.Basic) -> Evidence:
-        """The modulus at the front."""
+        """Compare with the modulus at the front."""
         return self._vanishes(candidate, "|phi(0)| of the front from its history")
 
     def relation_in_eta(self, candidate: sp.Basic) -> Evidence:
-        """The modulus of (53) on the front, and the two cycles of the direct average."""
+        """Compare with the modulus of (53) on the front, and with the two sampled cycles."""
         pieces = parts_of(candidate)
         if len(pieces) != 3:
             return Evidence(False, "three equations are expected")

@@ -45,7 +45,7 @@ class StrongChecks(LimitChecks):
         return float(chain.rest(tiny, TINY * rate)) / TINY
 
     def chain_near_rest(self, candidate: sp.Basic) -> Evidence:
-        """Forces at a tiny displacement."""
+        """Compare with forces at a tiny displacement."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             rng = random.Random(8)
@@ -71,7 +71,7 @@ class StrongChecks(LimitChecks):
         return of
 
     def linear_waves(self, candidate: sp.Basic) -> Evidence:
-        """The pull of the springs on a cosine."""
+        """Compare with the pull of the springs on a cosine."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
@@ -94,7 +94,7 @@ class StrongChecks(LimitChecks):
                          tolerance=1e-6)(candidate)  # fmt: skip
 
     def local_rate(self, candidate: sp.Basic) -> Evidence:
-        """The sampled loss of the cell."""
+        """Compare with the sampled loss of the cell."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample in self.samples:
@@ -105,7 +105,7 @@ class StrongChecks(LimitChecks):
         return at_points(points, "the sampled loss of the cell")(candidate)
 
     def modulated(self, candidate: sp.Basic) -> Evidence:
-        """A tiny wave at a distance from the carrier, and a uniform envelope."""
+        """Compare with a tiny wave at a distance from the carrier, and a uniform envelope."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             one, three = 0.7, -0.4
@@ -128,7 +128,7 @@ class StrongChecks(LimitChecks):
                 **sample.chain.values}  # fmt: skip
 
     def inner_scale(self, candidate: sp.Basic) -> Evidence:
-        """A shape watched at a fixed place."""
+        """Compare with a shape watched at a fixed place."""
         place, when, fast, size = 1.7, 0.6, 0.9, 2.3
         seen = float(_shape((place - fast * when) / size))
         moving = s.profile((s.place - s.speed * t) / s.length)
@@ -150,14 +150,14 @@ class StrongChecks(LimitChecks):
             yield sample, point, number
 
     def _rest(self, number: dict[str, float]) -> float:
-        """What the moving envelope leaves over: its rate, minus dispersion and loss."""
+        """Return what a moving envelope leaves over: its rate, minus dispersion and loss."""
         size = number["length"]
         rate = -number["v"] * number["d1"] / size
         spread = -number["w"] * number["d1"] / size - number["g"] * number["d3"] / (6 * size**3)
         return rate - spread - number["loss"]
 
     def inner_frame(self, candidate: sp.Basic) -> Evidence:
-        """A test shape and its numerical derivatives."""
+        """Compare with a test shape and its numerical derivatives."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for _, point, number in self._frames():
@@ -172,14 +172,15 @@ class StrongChecks(LimitChecks):
         return at_points(lambda: [(point, [0, 0])], "numbers for both")(candidate)
 
     def inner_named(self, candidate: sp.Basic) -> Evidence:
-        """The same a unit of slow time."""
+        """Compare with the same a unit of slow time."""
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample, point, number in self._frames():
                 small = sample.chain.eps
-                yield {**point, s.v: number["v"] / small, s.w_3_size: number["g"]}, [
-                    self._rest(number) / small
-                ]
+                yield (
+                    {**point, s.v: number["v"] / small, s.w_3_size: number["g"]},
+                    [self._rest(number) / small],
+                )
 
         return at_points(points, "a moving shape, differentiated numerically",
                          tolerance=1e-7)(candidate)  # fmt: skip
@@ -192,13 +193,17 @@ class StrongChecks(LimitChecks):
 
     def speed_law(self, candidate: sp.Basic) -> Evidence:
         """Length and speed at numbers."""
-        return at_points(lambda: [(self._law_point(), [0, 0])],
-                         "the scales that make the coefficients one and -kappa")(candidate)
+        return at_points(
+            lambda: [(self._law_point(), [0, 0])],
+            "the scales that make the coefficients one and -kappa",
+        )(candidate)
 
     def speed_alone(self, candidate: sp.Basic) -> Evidence:
         """Speed at numbers."""
-        return at_points(lambda: [(self._law_point(), [0])],
-                         "the scales that make the coefficients one and -kappa")(candidate)
+        return at_points(
+            lambda: [(self._law_point(), [0])],
+            "the scales that make the coefficients one and -kappa",
+        )(candidate)
 
     def inner_problem(self, candidate: sp.Basic) -> Evidence:
         """Third derivative, minus kappa times the first, plus the loss of the cell."""
@@ -237,12 +242,19 @@ class StrongChecks(LimitChecks):
     def _speeds(self) -> Iterator[tuple[dict[Any, Any], float, float]]:
         for sample in self.samples:
             _, group, third = self._fastest(sample.chain)
-            yield {**sample.chain.values, s.w_1: group, s.w_3: third, s.w_3_size: -third}, group, third
+            yield (
+                {**sample.chain.values, s.w_1: group, s.w_3: third, s.w_3_size: -third},
+                group,
+                third,
+            )
 
     def largest_group_velocity(self, candidate: sp.Basic) -> Evidence:
-        """The same, with the third derivative."""
-        return at_points(lambda: [(point, [0, 0]) for point, _, _ in self._speeds()],
-                         "the largest group velocity, by maximisation", tolerance=1e-6)(candidate)
+        """Compare with the same, with the third derivative."""
+        return at_points(
+            lambda: [(point, [0, 0]) for point, _, _ in self._speeds()],
+            "the largest group velocity, by maximisation",
+            tolerance=1e-6,
+        )(candidate)
 
     dispersion_size = largest_group_velocity
 
@@ -273,8 +285,11 @@ class StrongChecks(LimitChecks):
             errors.append((found - predicted) / float(np.cbrt(factor / 6)))
         # What is left out is smaller by the square of the length, (160/20)^(2/3) = 4.
         holds = abs(errors[1]) < 0.1 and abs(errors[1]) < 0.5 * abs(errors[0])
-        return Evidence(holds, f"runs of the averaged chain at c = 20, 160 with kappa = {front:.4f}: "
-                               f"off by {errors[0]:.1e}, {errors[1]:.1e} of the length")  # fmt: skip
+        return Evidence(
+            holds,
+            f"runs of the averaged chain at c = 20, 160 with kappa = {front:.4f}: off by "
+            f"{errors[0]:.1e}, {errors[1]:.1e} of the length",
+        )
 
 
 def _loss(sample: Sample) -> Callable[[Any], Any]:
@@ -356,5 +371,3 @@ def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
             marks.append(((count + 1) * step, last + (r[last] - half) / (r[last] - r[last + 1])))
     times, places = np.array(marks).T
     return float(np.polyfit(times, places, 1)[0])
-
-

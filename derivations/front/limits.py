@@ -99,8 +99,14 @@ def _static(period: Step, relation: Step, checks: Checks) -> dict[str, Step]:
                    check=checks.named_relation(static_sum))  # fmt: skip
     leaves = derived("end of pinning from behind", (Rename(_TOTAL, retreating_sum),), relation,
                      check=checks.named_relation(retreating_sum))  # fmt: skip
-    depins = derived("depinning", Join(), ends, at_rest, check=checks.depinning(1),
-                     note="static fronts exist as long as the site ahead stays below threshold")
+    depins = derived(
+        "depinning",
+        Join(),
+        ends,
+        at_rest,
+        check=checks.depinning(1),
+        note="static fronts exist as long as the site ahead stays below threshold",
+    )
     retreats = derived("retreat", Join(), leaves, back, check=checks.depinning(-1),
                        note="and as long as the site behind stays above it")  # fmt: skip
     steps = (at_rest, back, ends, leaves, depins, retreats)
@@ -108,7 +114,7 @@ def _static(period: Step, relation: Step, checks: Checks) -> dict[str, Step]:
 
 
 def _pinning(static: dict[str, Step], found: dict[str, Step], checks: Checks) -> tuple[Step, ...]:
-    """Closed form of both thresholds."""
+    """Return the closed form of both thresholds."""
     radical = derived("radical in one parameter", ParametriseRadical(p, c), static["static sum"],
                       check=checks.radical, note="p > 1 for c > 0")  # fmt: skip
     by_p = derived("coupling by the parameter", Take(1), radical, check=checks.coupling_by_p)

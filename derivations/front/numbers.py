@@ -82,7 +82,9 @@ def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) ->
     near = _near(lattice, v, edge, sign)
     expected = _winding(lattice, v, edge, sign)
     if len(near) != expected:
-        raise ArithmeticError(f"{len(near)} roots near the origin, the winding number is {expected}")
+        raise ArithmeticError(
+            f"{len(near)} roots near the origin, the winding number is {expected}"
+        )
     far = _far(lattice, v, count, sign)
     far = far[np.abs(far.real) >= edge]
     found = np.concatenate([near, far])
@@ -122,7 +124,7 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
 
 
 def _winding(lattice: Lattice, v: float, edge: float, sign: float) -> int:
-    """Number of roots with \\|Re k\\| < edge in a half-plane."""
+    """Return the number of roots of a half-plane between -edge and edge."""
     return count_between(lattice, v, -edge, edge, sign > 0)
 
 
@@ -131,8 +133,10 @@ def count_between(lattice: Lattice, v: float, left: float, right: float, upper: 
     sign, reach, top = (1.0 if upper else -1.0), len(lattice.springs), abs(lattice.springs[-1])
     height = 2.0
     size = 1 + sum(map(abs, lattice.springs)) * np.exp((reach - 1) * 2.0)
-    while top * np.exp(reach * height) < 20 * (size * np.exp((reach - 1) * (height - 2.0))
-                                               + v * (abs(left) + abs(right) + height)):  # fmt: skip
+    span = abs(left) + abs(right)
+    while top * np.exp(reach * height) < 20 * (
+        size * np.exp((reach - 1) * (height - 2.0)) + v * (span + height)
+    ):
         height += 0.5
     points = 4001 + int(200 * (right - left) * reach)
     along, up = np.linspace(left, right, points), np.linspace(0, height, 4001)

@@ -38,8 +38,11 @@ _checks = Checks(PAPER)
 
 def _lines(left: sp.Expr, right: sp.Expr) -> sp.Eq:
     """(44) with the switch where one quantity passes another."""
-    branches = sp.Piecewise((_own, sp.Lt(left, right, evaluate=False)),
-                            (_own - phi_s, sp.Gt(left, right, evaluate=False)), evaluate=False)
+    branches = sp.Piecewise(
+        (_own, sp.Lt(left, right, evaluate=False)),
+        (_own - phi_s, sp.Gt(left, right, evaluate=False)),
+        evaluate=False,
+    )
     return equation(_own.diff(t) - _springs, -_half * epsilon * branches)
 
 

@@ -44,8 +44,10 @@ def at_points(points: Callable[[], Iterable[tuple[Point, Sequence[complex]]]], w
                 worst = max(worst, abs(found - expected) / size if size else 0.0)
                 count += 1
         verb = "agrees with" if worst <= tolerance else "differs from"
-        return Evidence(worst <= tolerance,
-                        f"{verb} {what} at {count} points (largest relative difference {worst:.1e})")
+        return Evidence(
+            worst <= tolerance,
+            f"{verb} {what} at {count} points (largest relative difference {worst:.1e})",
+        )
 
     return check
 
@@ -73,7 +75,7 @@ class Sample:
 
     @cached_property
     def lattice(self) -> Lattice:
-        """The linear part of the two lines: the response to a tiny amplitude, a unit of eps t."""
+        """Linear part of the two lines: the response to a tiny amplitude, a unit of eps t."""
         decay = -self.rate(TINY) / TINY / self.chain.eps
         return Lattice(float(decay), self.chain.springs)
 

@@ -144,9 +144,16 @@ def _to_profile(chain: ChainModel, checks: Checks) -> dict[str, Step]:
                     check=checks.image)  # fmt: skip
     inverse = derived("front as a contour integral", InvertTransform(zeta, k, phi(zeta)), image,
                       check=checks.contour)  # fmt: skip
-    summed = derived("front as sums over roots", CloseContour(zeta, k, L_k), inverse, dispersion,
-                     sets, check=checks.profile, number=49,
-                     note="no root is double or real, see 'no double root' and 'real axis'")
+    summed = derived(
+        "front as sums over roots",
+        CloseContour(zeta, k, L_k),
+        inverse,
+        dispersion,
+        sets,
+        check=checks.profile,
+        number=49,
+        note="no root is double or real, see 'no double root' and 'real axis'",
+    )
     steps = (lines, force, moving, passed, slow, driven, located, frame, front, transformed,
              dispersion, slope, on_roots, sets, image, inverse, summed)  # fmt: skip
     return {step.name: step for step in steps}
@@ -161,8 +168,12 @@ def _to_kinetic_relation(
     ahead = derived("front from ahead", EvaluateBranch(zeta), summed, check=checks.at_zero)
     behind = derived("front from behind", EvaluateBranch(zeta, 0, -1), summed,
                      check=checks.at_zero)  # fmt: skip
-    meeting = definition("threshold at the front", equation(phi(0), phi_us),
-                         "the front is where the threshold is passed", check=checks.meeting)
+    meeting = definition(
+        "threshold at the front",
+        equation(phi(0), phi_us),
+        "the front is where the threshold is passed",
+        check=checks.meeting,
+    )
     relation = derived("threshold", (Substitute(), SolveFor(total)), ahead, meeting,
                        check=checks.threshold, number=53)  # fmt: skip
     modulus = derived("kinetic relation", TakeModulus(), relation, check=checks.relation)

@@ -66,9 +66,13 @@ def steps(chain: ChainModel, cycles: dict[str, Step], checks: Checks) -> tuple[S
     rest = definition("rest", equation(y(n, t), 0), "the chain at rest", check=checks.rest)
     linear = derived("chain near rest", PerturbField(y, deviation_field), base, rest,
                      check=checks.chain_near_rest)  # fmt: skip
-    waves = derived("linear waves", (InsertPlaneWave(deviation_field, -i * omega, q), RealWave(omega)),
-                    linear, check=checks.linear_waves,
-                    note="the imaginary part, the damping, is part of the local rate")
+    waves = derived(
+        "linear waves",
+        (InsertPlaneWave(deviation_field, -i * omega, q), RealWave(omega)),
+        linear,
+        check=checks.linear_waves,
+        note="the imaginary part, the damping, is part of the local rate",
+    )
     slopes = derived("derivatives of the frequency",
                      DifferentiateDispersion(omega, q, (w_1, w_2, w_3)), waves,
                      check=checks.frequency_derivatives)  # fmt: skip
@@ -80,13 +84,20 @@ def steps(chain: ChainModel, cycles: dict[str, Step], checks: Checks) -> tuple[S
 
 
 def _outer(cycles: dict[str, Step], checks: Checks) -> dict[str, Step]:
-    local = derived("local rate of the envelope", RenameField(radius, envelope, t),
-                    cycles["amplitude of the cell"], check=checks.local_rate,
-                    note="the phase of the carrier drops out: the envelope is real")
-    modulated = derived("envelope of the fastest wave",
-                        EnvelopeOfWave(envelope, place, t, (w_1, 0, w_3)), local,
-                        check=checks.modulated,
-                        note="the second derivative vanishes where the group velocity is largest")
+    local = derived(
+        "local rate of the envelope",
+        RenameField(radius, envelope, t),
+        cycles["amplitude of the cell"],
+        check=checks.local_rate,
+        note="the phase of the carrier drops out: the envelope is real",
+    )
+    modulated = derived(
+        "envelope of the fastest wave",
+        EnvelopeOfWave(envelope, place, t, (w_1, 0, w_3)),
+        local,
+        check=checks.modulated,
+        note="the second derivative vanishes where the group velocity is largest",
+    )
     moving = profile((place - speed * t) / length)
     shape = ansatz("inner scale", sp.Tuple(equation(envelope, moving), equation(moving, inner)),
         "a front of a length still unknown", check=checks.inner_scale)  # fmt: skip
@@ -100,10 +111,13 @@ def _outer(cycles: dict[str, Step], checks: Checks) -> dict[str, Step]:
                     check=checks.inner_named)  # fmt: skip
     demands = (((inner.diff((inner_place, 3)),), sp.S.One),
                ((inner.diff(inner_place),), -kappa_front))  # fmt: skip
-    law = derived("speed by the group velocity",
-                  (OnOneSide(), PrescribeCoefficients(demands, (length, v))), named,
-                  check=checks.speed_law,
-                  note="the coefficients of the third and the first derivative become 1 and -κ")
+    law = derived(
+        "speed by the group velocity",
+        (OnOneSide(), PrescribeCoefficients(demands, (length, v))),
+        named,
+        check=checks.speed_law,
+        note="the coefficients of the third and the first derivative become 1 and -κ",
+    )
     problem = derived("inner problem", (ExpressIn(()), OnOneSide()), named, law,
                       check=checks.inner_problem,
                       note="κ is the value for which a solution joins the cycle at -∞ with rest at "
@@ -113,7 +127,7 @@ def _outer(cycles: dict[str, Step], checks: Checks) -> dict[str, Step]:
 
 
 def _law(waves: Step, slopes: Step, law: Step, checks: Checks) -> list[Step]:
-    """Closed form for springs between nearest neighbours."""
+    """Return the closed form for springs between nearest neighbours."""
     fastest = derived("fastest wave", FastestWave(omega, q), slopes, waves,
                       check=checks.fastest)  # fmt: skip
     values = derived("largest group velocity", AtFastestWave(omega, q), slopes, waves, fastest,

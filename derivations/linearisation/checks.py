@@ -22,7 +22,7 @@ from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn
 from derivations.linearisation import symbols as s
-from derivations.symbols import n, t, y
+from derivations.symbols import t, y
 
 
 def state(candidate: sp.Basic) -> Evidence:
@@ -216,7 +216,7 @@ def _mean_point(rng: random.Random) -> Point:
 
 
 def mean(candidate: sp.Basic) -> Evidence:
-    """The product averaged by direct sampling."""
+    """Compare with the product averaged by direct sampling."""
     found = equals(lambda rng: (_mean_point(rng), None), "the product averaged by sampling",
                    floor=1.0)(candidate)  # fmt: skip
     return found if candidate.lhs == s.resonant else Evidence(False, "not the resonant part")

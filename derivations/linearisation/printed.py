@@ -126,9 +126,9 @@ EQUATIONS = (
         latex=r"J = \begin{pmatrix} 0_{N \times N} & I_{N \times N} \\ A_{N \times N} & "
               r"B_{N \times N} \end{pmatrix} \\ A_{N \times N} = \begin{bmatrix} -1 - "
               r"2\varepsilon c - \varepsilon x_{N+1}(1 - 2ax_1 + 4bx_1^3) & \varepsilon c & 0 & "
-              r"\varepsilon c \\ \varepsilon c & -1 - 2\varepsilon c - \varepsilon x_{N+2}(1 - 2ax_2 "
-              r"+ 4bx_2^3) & \ddots & 0 \\ 0 & \ddots & \ddots & \varepsilon c \\ \varepsilon c & 0 "
-              r"& \varepsilon c & -1 - 2\varepsilon c - \varepsilon x_{2N}(1 - 2ax_N + 4bx_N^3) "
+              r"\varepsilon c \\ \varepsilon c & -1 - 2\varepsilon c - \varepsilon x_{N+2}"
+              r"(1 - 2ax_2 + 4bx_2^3) & \ddots & 0 \\ 0 & \ddots & \ddots & \varepsilon c \\ "
+              r"\varepsilon c & 0 & \varepsilon c & -1 - 2\varepsilon c - \varepsilon x_{2N}(1 - 2ax_N + 4bx_N^3) "
               r"\end{bmatrix} \\ B_{N \times N} = \begin{bmatrix} -\varepsilon(1 - ax_1^2 + "
               r"bx_1^4) & 0 & 0 \\ 0 & -\varepsilon(1 - ax_2^2 + bx_2^4) & \\ & & 0 \\ 0 & & "
               r"-\varepsilon(1 - ax_N^2 + bx_N^4) \end{bmatrix}",
@@ -138,7 +138,7 @@ EQUATIONS = (
              "-2 a x + 4 b x^3. All other entries agree, with the corners of the ring (40).",
         affects="Fig. 9 if the matrix was coded as printed. The extra term has no resonant mean, "
                 "so it moves the multipliers at O(eps^2) only.",
-        amendments=(("(1 - 2ax_1", "(-2ax_1"), ("(1 - 2ax_2", "(-2ax_2"), ("(1 - 2ax_N", "(-2ax_N")),
+        amendments=tuple((f"(1 - 2ax_{n}", f"(-2ax_{n}") for n in ("1", "2", "N")),
     ),
 )  # fmt: skip
 

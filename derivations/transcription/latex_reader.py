@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import sympy as sp
 
@@ -39,7 +40,7 @@ ORDER_OF_MAGNITUDE = r"\ll"
 """A remark on sizes, read and left out: it is no equation."""
 CONNECTIVES: dict[str, Callable[[sp.Basic, sp.Basic], sp.Basic]] = {
     r"\Leftrightarrow": lambda x, y: sp.Equivalent(x, y, evaluate=False),
-    r"\rightarrow": lambda x, y: sp.Tuple(x, y),
+    r"\rightarrow": sp.Tuple,
 }
 OPERATORS: dict[str, Callable[[sp.Expr], sp.Expr]] = {
     r"\sin": sp.sin, r"\cos": sp.cos, r"\exp": sp.exp, r"\ln": sp.log, r"\sgn": sp.sign,
@@ -56,13 +57,13 @@ _MATRICES = ("pmatrix", "bmatrix")
 
 @dataclass(frozen=True, kw_only=True)
 class Notation:
-    """What the names in a set of formulas stand for.
+    r"""What the names in a set of formulas stand for.
 
     Attributes
     ----------
     names : mapping of str to Basic
         From a name, with its accents, primes and indices, to the object. An index is written in
-        braces without spaces: ``y_{n+1}``, ``\\dot{\\varphi}_{n}``, ``y_{0}^{(1)}``.
+        braces without spaces: ``y_{n+1}``, ``\dot{\varphi}_{n}``, ``y_{0}^{(1)}``.
     functions : mapping of str to callable
         Names after which a bracket holds arguments; each receives those.
     sum_over : callable or None
@@ -166,8 +167,7 @@ class _Reader:
             return []
         if not signs:
             return [sides[0]]
-        pairs = zip(sides, sides[1:], strict=False)
-        return [RELATIONS[sign](*pair) for sign, pair in zip(signs, pairs, strict=True)]
+        return [RELATIONS[sign](*pair) for sign, pair in zip(signs, pairwise(sides), strict=True)]
 
     def sum(self) -> sp.Expr:
         total = None
@@ -201,7 +201,11 @@ class _Reader:
             return not self.inside_bars
         if token in ("+", "-", "/") or token in _CLOSING or token in SEPARATORS:
             return False
-        if token in RELATIONS or token in CONNECTIVES or token in (ORDER_OF_MAGNITUDE, r"\in", ":", "'", "^", "_"):
+        if (
+            token in RELATIONS
+            or token in CONNECTIVES
+            or token in (ORDER_OF_MAGNITUDE, r"\in", ":", "'", "^", "_")
+        ):
             return False
         return not token.startswith(r"\end")
 
@@ -209,10 +213,7 @@ class _Reader:
         base = self.primary()
         while self.token == "^":
             exponent = self._exponent()
-            if exponent is None:
-                base = sp.conjugate(base)
-            else:
-                base = base**exponent
+            base = sp.conjugate(base) if exponent is None else base**exponent
         return base
 
     def _exponent(self) -> sp.Expr | None:
@@ -360,7 +361,7 @@ class _Reader:
         )
 
     def _name(self) -> sp.Basic:
-        """Read a name with accents, primes, indices and markers; apply it where it is a function."""
+        """Read a name with accents, primes, indices and markers; apply it if it is a function."""
         name = self._accented()
         while True:
             if self.token == "'":

@@ -27,12 +27,13 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from theory.vdp_chain import VdpChain
+from theory.averaged.breather import BreatherStatus
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
-from verification.breathers.run import RunStatus, run_breather
-from verification.scenes import Scene, damping, timed
+from verification.breathers.run import run_breather
+from verification.quantities.scenes import Scene, damping, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style
@@ -67,7 +68,8 @@ def measure(quick: bool, tell: Tell) -> Record:
 
 def chain_of(scene: Scene) -> VdpChain:
     """Return the chain of a scene."""
-    return VdpChain(*damping(scene.values), sites=int(scene.values["sites"]))
+    a, b, c, eps = damping(scene.values)
+    return VdpChain(a=a, b=b, c=c, eps=eps, sites=int(scene.values["sites"]))
 
 
 def contenders(chain: VdpChain, ours: FloatArray, theirs: FloatArray) -> Iterator[Contender]:
@@ -167,7 +169,7 @@ def _shooting(chain: VdpChain, true: FloatArray, steps: int) -> Answer:
 
 def _run(chain: VdpChain, true: FloatArray, tolerance: float) -> Answer:
     run = run_breather(chain, Nucleus(1), tolerance=tolerance)
-    if run.status is not RunStatus.SETTLED:
+    if run.status is not BreatherStatus.SETTLED:
         raise ArithmeticError(f"the run is {run.status.value}")
     return _answer(np.append(run.amplitudes, run.frequency), true, run.error)
 

@@ -16,8 +16,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from benchmarks.quantity import Quantity
-from benchmarks.record import Record, WorkPoint, read_record, write_json
-from paper_checks.freshness import staleness
+from benchmarks.record import Record, WorkPoint, read_record
+from verification.execution.files import write_json
+from verification.execution.metadata import staleness
 
 NO_REASON = "no reason is given: the default is to be changed"
 
@@ -91,7 +92,7 @@ def choices(quantity: Quantity, record: Record) -> list[Choice]:
         If the record does not hold the default method at a scene.
     """
     rows = []
-    stale = staleness(asdict(record))
+    stale = staleness(record.code)
     apart = {*quantity.variants, *quantity.others}
     for scene in dict.fromkeys(point.scene for point in record.points):
         here = [point for point in record.points if point.scene == scene]
@@ -169,7 +170,7 @@ def as_payload(rows: Sequence[Choice]) -> list[dict[str, object]]:
 
 def write_choices(rows: Sequence[Choice], path: Path) -> None:
     """Write the table as JSON."""
-    write_json({"choices": as_payload(rows)}, path)
+    write_json(path, {"choices": as_payload(rows)})
 
 
 def as_text(rows: Sequence[Choice]) -> str:

@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.quantity import Quantity, Tell
-from derivations.averaging.readings import damping_mean, paper_numbers
 from derivations.averaging.periodic_orbit import orbit
-from verification.scenes import damping, timed
+from derivations.averaging.readings import damping_mean, paper_numbers
+from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from benchmarks.record import WorkPoint, write_whole
+from benchmarks.record import WorkPoint
 from paper_checks.pictures import COLOURS, new_panels, picture
+from verification.execution.files import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -100,9 +101,9 @@ def write_picture(
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
     drawn = picture(name, caption, figure, data)
-    write_whole(folder / f"{name}.png", image.getvalue())
-    write_whole(folder / f"{name}.svg", drawn.svg.encode())
-    write_whole(folder / f"{name}.csv", drawn.data.encode())
+    write_bytes(folder / f"{name}.png", image.getvalue())
+    write_bytes(folder / f"{name}.svg", drawn.svg.encode())
+    write_bytes(folder / f"{name}.csv", drawn.data.encode())
 
 
 def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:

@@ -6,12 +6,11 @@ Apart from ``quantity``, so that a benchmark does not depend on all others.
 from __future__ import annotations
 
 import functools
-import importlib
-import pkgutil
 from collections.abc import Sequence
 
 from benchmarks.quantity import Quantity
 from theory.parameters import ParameterError
+from verification.execution.discovery import check_distinct, exposed
 
 
 @functools.cache
@@ -23,16 +22,8 @@ def all_quantities() -> tuple[Quantity, ...]:
     ValueError
         If two have the same name.
     """
-    home = importlib.import_module("benchmarks")
-    modules = [each.name for each in pkgutil.iter_modules(home.__path__) if not each.ispkg]
-    found = []
-    for name in modules:
-        quantity = getattr(importlib.import_module(f"benchmarks.{name}"), "BENCHMARK", None)
-        if quantity is not None:
-            found.append(quantity)
-    names = [quantity.name for quantity in found]
-    if len(set(names)) < len(names):
-        raise ValueError(f"two benchmarks of one name among {names}")
+    found: list[Quantity] = list(exposed("benchmarks", "BENCHMARK").values())
+    check_distinct("benchmarks", (quantity.name for quantity in found))
     return tuple(sorted(found, key=lambda quantity: quantity.name))
 
 

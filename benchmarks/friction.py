@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.equal_error import least_factor
 from benchmarks.quantity import Quantity, Tell
-from verification.scenes import timed
+from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from benchmarks.diagram import Style
     from benchmarks.record import Failure, Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
-    from theory.friction_chain import FrictionChain
-    from verification.scenes import Scene
+    from theory.chains.friction import FrictionChain
+    from verification.quantities.scenes import Scene
 
     FloatArray = npt.NDArray[np.float64]
 
@@ -69,9 +69,9 @@ def measure(quick: bool, tell: Tell) -> Record:
 
     from benchmarks import record
     from benchmarks.runner import Effort, measure_side_by_side
-    from verification.friction.events import run_events
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from verification.references.friction_events import run_events
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     effort = Effort(0.1, 1, 9, 0.2, 10.0) if quick else Effort(0.2, 3, 21, 0.4, 60.0)
     points: list[WorkPoint] = []
@@ -81,11 +81,13 @@ def measure(quick: bool, tell: Tell) -> Record:
     for scene in timed("friction")[: 1 if quick else None]:
         chain = chain_of(scene)
         end = scene.values["t"]
-        start = nucleus(chain, [1])
+        start = excite(chain, [1])
         tell(f"friction at the scene {scene.name}: the references")
-        reference = run_friction(chain, start, end, tolerance=1e-13, samples=SAMPLES, events=10_000)
+        reference = simulate(
+            chain, start, end, tolerance=1e-13, samples=SAMPLES, logged_events=10_000
+        )
         second = run_events(chain, start, end)
-        if len(second.log) != reference.events:
+        if len(second.log) != reference.event_count:
             raise ArithmeticError("the two references do not have the same events")
         agreement[scene.name] = float(np.abs(second.y - reference.y).max())
         waited += second.seconds
@@ -106,9 +108,9 @@ def measure(quick: bool, tell: Tell) -> Record:
 
 def chain_of(scene: Scene) -> FrictionChain:
     """Return the chain of a scene."""
-    from theory.friction_chain import FrictionChain
+    from theory.chains.friction import FrictionChain
 
-    return FrictionChain(scene.c, sites=int(scene.values["sites"]))
+    return FrictionChain(c=scene.c, sites=int(scene.values["sites"]))
 
 
 def contenders(
@@ -116,7 +118,7 @@ def contenders(
 ) -> list[Contender]:
     """Return every method at every setting."""
     from benchmarks.runner import Contender
-    from verification.friction.regularised import Solver
+    from verification.references.regularised import Solver
 
     rows = [
         Contender(EXACT, f"tolerance {each:g}", partial(_exact, chain, start, true, end, each), 0.0)
@@ -170,9 +172,9 @@ def _exact(
     tolerance: float,
     stated: bool = False,
 ) -> Answer:
-    from verification.friction.run import run_friction
+    from verification.runs.simulate import simulate
 
-    run = run_friction(chain, start, end, tolerance=tolerance, samples=SAMPLES, companion=stated)
+    run = simulate(chain, start, end, tolerance=tolerance, samples=SAMPLES, estimate_error=stated)
     return _answer(run.y, true, run.error)
 
 
@@ -183,7 +185,7 @@ def _switch(
     end: float,
     options: dict[str, float],
 ) -> Answer:
-    from verification.friction.switch import run_switch
+    from verification.references.switch_model import run_switch
 
     run = run_switch(chain, start, end, samples=SAMPLES, **options)
     if run.reached < end:
@@ -200,7 +202,7 @@ def _regularised(
     delta: float,
     tolerance: float,
 ) -> Answer:
-    from verification.friction.regularised import Solver, run_regularised
+    from verification.references.regularised import Solver, run_regularised
 
     run = run_regularised(
         chain, start, end, solver=Solver(solver), delta=delta, tolerance=tolerance,
@@ -261,11 +263,11 @@ def _first(method: str) -> None:
     """Run a tenth of the ordinary scene, compared with nothing."""
     import numpy as np
 
-    from verification.friction.start import nucleus
+    from verification.runs.excite import excite
 
     scene = timed("friction")[0]
     chain = chain_of(scene)
-    start, end = nucleus(chain, [1]), 0.1 * scene.values["t"]
+    start, end = excite(chain, [1]), 0.1 * scene.values["t"]
     nothing = np.zeros((SAMPLES, chain.sites))
     if method == EXACT:
         _exact(chain, start, nothing, end, 1e-8)

@@ -26,11 +26,12 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from theory.vdp_chain import VdpChain
-from verification.scenes import Scene, damping, timed
-from verification.vdp.front import measure_front
-from verification.vdp.run import Model, run_vdp
-from verification.vdp.start import staggered_front
+from theory.chains.vdp import VdpChain
+from verification.fronts.measure import measure_front
+from verification.quantities.scenes import Scene, damping, timed
+from verification.runs.excite import excite_edge
+from verification.runs.model import Model
+from verification.runs.simulate import simulate
 
 if TYPE_CHECKING:
     from scipy.integrate import DOP853
@@ -101,12 +102,12 @@ def model_of(scene: Scene) -> Model:
 def chain_of(scene: Scene, sites: int) -> VdpChain:
     """Return the chain of a scene; of the averaged chain eps is only the unit of time."""
     a, b, c, eps = damping(scene.values)
-    return VdpChain(a, b, c, eps or 0.01, sites=sites)
+    return VdpChain(a=a, b=b, c=c, eps=eps or 0.01, sites=sites)
 
 
 def _measured(scene: Scene, model: Model, tolerance: float, accuracy: float) -> Answer:
     found = measure_front(
-        chain_of(scene, 32), model, tolerance=tolerance, accuracy=accuracy, most_sites=2000
+        model.chain_of(chain_of(scene, 32)), tolerance=tolerance, accuracy=accuracy, max_sites=2000
     )
     if found.v is None:
         raise ArithmeticError(f"the front is {found.status.value}")
@@ -127,10 +128,14 @@ def _timed(scene: Scene, sites: int, tolerance: float) -> Answer:
 def by_us(scene: Scene, sites: int, tolerance: float) -> FloatArray:
     """Return slow times at which sites beyond the start are reached, by our stepper."""
     chain = chain_of(scene, sites)
-    run = run_vdp(
-        chain, staggered_front(chain, FILLED), 1.2 * sites / (1.1 * chain.c) / chain.eps,
-        model=model_of(scene), tolerance=tolerance, samples=2, companion=False,
-    )  # fmt: skip
+    run = simulate(
+        model_of(scene).chain_of(chain),
+        excite_edge(chain, FILLED),
+        1.2 * sites / (1.1 * chain.c) / chain.eps,
+        tolerance=tolerance,
+        samples=2,
+        estimate_error=False,
+    )
     arrivals = run.arrivals[FILLED : sites - MARGIN] * chain.eps
     if not np.isfinite(arrivals).all():
         raise ArithmeticError("the front did not run through the chain")
@@ -144,7 +149,7 @@ def by_scipy(scene: Scene, sites: int, tolerance: float) -> FloatArray:
     if model_of(scene) is Model.ENVELOPE:
         start = np.where(np.arange(sites) < FILLED, filled, 0.0)
         return _arrivals(staggered_rate(chain), start, sites, level, tolerance, abs)
-    psi = staggered_front(chain, FILLED)
+    psi = excite_edge(chain, FILLED)
     start = np.concatenate([psi.imag, psi.real])
 
     def amplitude(x: FloatArray) -> FloatArray:

@@ -20,8 +20,9 @@ import numpy as np
 
 from benchmarks.growth_work import Line, lines
 from benchmarks.quantity import Tell
-from benchmarks.record import now, these_versions, this_machine, write_json
-from paper_checks.freshness import fingerprint
+from benchmarks.record import PACKAGES
+from verification.execution.files import write_json
+from verification.execution.metadata import Code, Metadata, installed_versions
 
 CLOSE = 0.2
 """Fitted and expected exponents this near need no remark: a fit is no better."""
@@ -133,12 +134,12 @@ def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
 
 def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
     """Return the table for JSON; what is not a number is null."""
-    return {
-        "command": command,
-        "date": now(),
-        "machine": this_machine(),
-        "versions": these_versions(),
-        "code": fingerprint(["benchmarks.growth"]),
+    metadata = Metadata(
+        command=command,
+        versions=installed_versions(PACKAGES),
+        code=Code.of(["benchmarks.growth"]),
+    )
+    return metadata.to_dict() | {
         "lines": [
             {
                 **asdict(row),
@@ -183,4 +184,4 @@ def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Pat
     from benchmarks.growth_diagram import draw_growth
 
     draw_growth([asdict(row) for row in rows], folder)
-    write_json(payload, folder / "growth.json")
+    write_json(folder / "growth.json", payload)

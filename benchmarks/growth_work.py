@@ -123,52 +123,56 @@ def whole_front(sites: float) -> object:
 
 
 def _front(sites: int, behind: int, full: bool = False) -> object:
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import staggered_front
+    from theory.chains.vdp import VdpChain
+    from verification.runs.excite import excite_edge
+    from verification.runs.simulate import simulate
 
-    chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
     filled = min(24, sites // 2)
-    return run_vdp(
-        chain, staggered_front(chain, filled), sites / 0.72 / chain.eps,
-        model=Model.FULL if full else Model.ENVELOPE, tolerance=1e-6 if full else 1e-9,
-        behind=min(behind, filled), companion=False, samples=2,
-    )  # fmt: skip
+    return simulate(
+        chain if full else chain.averaged(),
+        excite_edge(chain, filled),
+        sites / 0.72 / chain.eps,
+        tolerance=1e-6 if full else 1e-9,
+        trailing_sites=min(behind, filled),
+        estimate_error=False,
+        samples=2,
+    )
 
 
 def friction_front(sites: float) -> object:
-    from theory.friction_chain import FrictionChain
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from theory.chains.friction import FrictionChain
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
-    chain = FrictionChain(0.05, sites=int(sites))
-    return run_friction(
-        chain, nucleus(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, companion=False
+    chain = FrictionChain(c=0.05, sites=int(sites))
+    return simulate(
+        chain, excite(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, estimate_error=False
     )
 
 
 def series(digits: float) -> object:
-    from theory.sum_series import sum_by_roots
+    from theory.piecewise.sums.series import sum_by_roots
 
     return sum_by_roots("0.3", "0.5", int(digits))
 
 
 def integral(digits: float) -> object:
-    from theory.sum_integral_precise import precise_sum_by_integral
+    from theory.piecewise.sums.precise import precise_sum_by_integral
 
     return precise_sum_by_integral("0.3", "0.5", int(digits))
 
 
 def slow_sum(inverse: float) -> object:
-    from theory.sum_integral import sum_by_integral
+    from theory.piecewise.sums.integral import sum_by_integral
 
     return sum_by_integral(1.0 / inverse, 0.5)
 
 
 def slow_front(inverse: float) -> object:
     """Solve for every v with |Σ| = its value at v = 1/inverse."""
-    from theory.branch_search import all_velocities
-    from theory.sum_integral import sum_by_integral
+    from theory.piecewise.branch_search import all_velocities
+    from theory.piecewise.sums.integral import sum_by_integral
 
     target = abs(sum_by_integral(1.0 / inverse, 0.5).value)
     return all_velocities(np.array([0.5]), np.array([target]))
@@ -187,11 +191,12 @@ def full_workers(count: float) -> object:
 
 
 def _map(points: int, count: int, full: bool = False) -> object:
-    from verification.sweeps.sweep import sweep
-    from verification.vdp.map import StateTask, state_points
-    from verification.vdp.run import Model
+    from verification.execution.sweep import sweep
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
     side = math.isqrt(points)
     etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)
-    task = StateTask(Model.FULL if full else Model.ENVELOPE)
-    return sweep(task, state_points(etas.tolist(), couplings.tolist()), workers=count)
+    task = StateTask(chain=FIGURE_15 if full else FIGURE_15.averaged())
+    plane = state_points(task, {"eta": etas.tolist(), "c": couplings.tolist()})
+    return sweep(task, plane, workers=count)

@@ -26,11 +26,11 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, Target, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from verification.label import Label
-from verification.scenes import Scene, timed
-from verification.sweeps.table import Point
-from verification.vdp.map import StateTask
-from verification.vdp.run import Model
+from verification.execution.table import Point
+from verification.maps.state import State
+from verification.maps.state_map import StateTask
+from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
+from verification.quantities.scenes import Scene, timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style
@@ -57,7 +57,7 @@ def measure(quick: bool, tell: Tell) -> Record:
     for scene in timed("map")[: 1 if quick else None]:
         tell(f"map at the scene {scene.name}: the references")
         eta, low, high = (scene.values[name] for name in ("eta", "low", "high"))
-        task = StateTask(Model.FULL, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
+        task = StateTask(chain=FIGURE_15, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
         true, _ = boundary(partial(by_us, task, eta), low, high, STEPS if quick else STEPS + 6)
         agreement[scene.name] = (high - low) / 2**STEPS if quick else confirmed(eta, true)
         rows = [each for each in contenders(scene, true) if each.quick or not quick]
@@ -72,12 +72,12 @@ def measure(quick: bool, tell: Tell) -> Record:
 def contenders(scene: Scene, true: float) -> Iterator[Contender]:
     """Yield every method at every setting."""
     eta = scene.values["eta"]
-    for method, model in ((FULL, Model.FULL), (AVERAGED, Model.ENVELOPE)):
+    for method, chain in ((FULL, FIGURE_15), (AVERAGED, FIGURE_15.averaged())):
         for k in (3, 4, 5, 6, 8):
-            task = StateTask(model, tolerance=10.0**-k, perturbation=0.0)
+            task = StateTask(chain=chain, tolerance=10.0**-k, perturbation=0.0)
             yield Contender(
                 method, f"tolerance 1e-{k}",
-                partial(_bisected, scene, partial(by_us, task, eta), model is Model.FULL),
+                partial(_bisected, scene, partial(by_us, task, eta), chain is FIGURE_15),
                 true, quick=k in (4, 6),
             )  # fmt: skip
     for end, k in ((10.0, 3), (30.0, 3), (30.0, 6), (60.0, 3)):
@@ -117,24 +117,23 @@ def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, 
 
 def by_us(task: StateTask, eta: float, c: float) -> bool:
     """Return whether the label is a front."""
-    return task(Point(eta=eta, c=c))["label"] == str(Label.FRONT)
+    return task(Point(eta=eta, c=c))["label"] == str(State.FRONT)
 
 
 def by_scipy(eta: float, end: float, tolerance: float, c: float) -> bool:
     """Return whether the far end of (8) is above the unstable cycle at slow time ``end``."""
     from scipy.integrate import solve_ivp
 
-    task = StateTask()
-    chain = task.chain(eta, c)
+    chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
     start = np.zeros(2 * chain.sites)
-    start[chain.sites - 1] = task.displacement
+    start[chain.sites - 1] = DISPLACEMENT
     run = solve_ivp(
         right_side(chain), (0.0, end / chain.eps), start, "DOP853", [end / chain.eps],
         rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     if not run.success:
         raise ArithmeticError(run.message)
-    return math.hypot(run.y[0, -1], run.y[chain.sites, -1]) > chain.unstable_amplitude
+    return bool(math.hypot(run.y[0, -1], run.y[chain.sites, -1]) > chain.unstable_amplitude)
 
 
 def confirmed(eta: float, c: float) -> float:
@@ -154,10 +153,9 @@ def patient(eta: float, c: float) -> bool:
     """Return whether the far end is reached by slow time `LONG`, by scipy's stepper."""
     from scipy.integrate import DOP853
 
-    task = StateTask()
-    chain = task.chain(eta, c)
+    chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
     start = np.zeros(2 * chain.sites)
-    start[chain.sites - 1] = task.displacement
+    start[chain.sites - 1] = DISPLACEMENT
     solver = DOP853(right_side(chain), 0.0, start, LONG / chain.eps, rtol=1e-6, atol=1e-6)
     while solver.status == "running":
         solver.step()
@@ -196,7 +194,7 @@ def _first(method: str) -> bool:
     """Return one label of the first scene."""
     eta = timed("map")[0].values["eta"]
     if method == FULL:
-        return by_us(StateTask(Model.FULL, perturbation=0.0), eta, 0.5)
+        return by_us(StateTask(chain=FIGURE_15, perturbation=0.0), eta, 0.5)
     return by_scipy(eta, 10.0, 1e-3, 0.5)
 
 

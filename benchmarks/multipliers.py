@@ -23,12 +23,12 @@ from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
 from benchmarks.vdp_peers import right_side
-from theory.vdp_chain import VdpChain
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
 from verification.breathers.floquet import floquet_multipliers
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import solve_orbit, steps_for
-from verification.integrators.variational import integrate_variations
-from verification.scenes import timed
+from verification.quantities.scenes import timed
+from verification.steppers.variational import integrate_variations
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -16,8 +16,8 @@ import mpmath as mp
 import numpy as np
 
 from benchmarks.runner import Answer, Contender
-from theory.root_count import height_above_roots
-from theory.sum_series import SeriesScene, tail_sum
+from theory.piecewise.root_count import height_above_roots
+from theory.piecewise.sums.series import SeriesScene, tail_sum
 
 _TAIL_DIGITS = 15
 _MOST_TAIL_TERMS = 24
@@ -75,10 +75,11 @@ def by_contour_roots(
 ) -> Answer:
     """Return Σ from the roots that cxroots finds in the strips -reach … reach above the axis.
 
-    With ``tail`` the terms beyond are added by the Euler–Maclaurin tail of ``theory.sum_series``,
-    here also at labels nearer to the singularities than that module would dare; hence no bound is
-    claimed. ``options`` are handed to cxroots; M = 2, at most two roots a box, is the fastest found
-    for it, and romb the one that bears roots near the edge of the box.
+    With ``tail`` the terms beyond are added by the Euler–Maclaurin tail of
+    ``theory.piecewise.sums.series``, here also at labels nearer to the singularities than that
+    module would dare; hence no bound is claimed. ``options`` are handed to cxroots; M = 2, at most
+    two roots a box, is the fastest found for it, and romb the one that bears roots near the edge of
+    the box.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from benchmarks.piecewise_targets import batch_target, other_targets, ratio_targ
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Effort, measure_side_by_side
-from verification.scenes import timed
+from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

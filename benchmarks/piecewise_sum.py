@@ -12,14 +12,14 @@ import numpy as np
 
 from benchmarks.piecewise_peers import peers
 from benchmarks.runner import Answer, Contender, distance
-from theory.kinetic_sum import KineticSum
-from theory.roots import labelled_roots
-from theory.sum_bessel import sum_by_bessel
-from theory.sum_integral import sum_by_integral, sums
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
-from theory.sum_series import sum_by_roots
-from verification.scenes import Scene
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.integral import sum_by_integral, sums
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.result import KineticSum
+from theory.piecewise.sums.series import sum_by_roots
+from verification.quantities.scenes import Scene
 
 QUANTITY = "sum"
 REFERENCE_DIGITS = 60

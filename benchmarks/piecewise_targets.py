@@ -15,9 +15,9 @@ import numpy as np
 from benchmarks.piecewise_sum import exact_sum
 from benchmarks.record import Target, WorkPoint
 from benchmarks.runner import distance
-from theory.kinetic_relation import KineticRelation, trace_kinetic_relation
-from theory.roots import labelled_roots
-from theory.sum_integral import sums
+from theory.piecewise.kinetic_relation import KineticRelation, trace_kinetic_relation
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.integral import sums
 from verification.piecewise.simulation import simulate_front
 
 Relation = Literal["at least", "below", "no target"]
@@ -149,8 +149,8 @@ def _command(repeats: int) -> Target:
 
 
 def _certified(labels: Any, repeats: int) -> Target:
-    from theory.certified_roots import certify_roots
     from theory.parameters import ParameterError
+    from theory.piecewise.certified_roots import certify_roots
 
     try:
         return _target("2000 certified roots", lambda: certify_roots(0.3, 0.5, labels, True),

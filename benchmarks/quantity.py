@@ -1,7 +1,7 @@
 """What every benchmark offers: one quantity, how to measure it and how to draw it.
 
 A module of this folder that exposes ``BENCHMARK`` is a quantity (``discover``). Its scenes are
-those of ``verification.scenes`` that are to be timed.
+those of ``verification.quantities.scenes`` that are to be timed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from verification.scenes import timed
+from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -7,14 +7,13 @@ machine does not count, or wall-clock seconds where a record says so.
 from __future__ import annotations
 
 import json
-import os
-import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal
+
+from verification.execution.files import write_json
+from verification.execution.metadata import installed_versions, now, this_machine
 
 PACKAGES = (
     "numpy", "scipy", "mpmath", "numba", "cxroots", "python-flint", "jitcode", "heyoka",
@@ -145,9 +144,9 @@ class Record:
     command : str
         What was typed.
     date : str
-        UTC, to the minute.
-    machine, versions : mapping of str to str
-        Where it ran and with what; no host name, no path.
+        UTC, ISO 8601.
+    machine, versions : mapping
+        Where it ran and with what (`verification.execution.metadata`).
     agreement : mapping of str to float
         For each scene, the distance between the two references that share no code.
     points, failures, targets
@@ -155,13 +154,14 @@ class Record:
     first_calls : tuple of FirstCall
         Compilation and first calls; empty in a quick run.
     code : mapping or None
-        Which code was measured (``paper_checks.freshness``); None in a record that does not say.
+        Which code was measured (`verification.execution.metadata.Code`); None in a record that does
+        not say.
     """
 
     command: str
     date: str
-    machine: Mapping[str, str]
-    versions: Mapping[str, str]
+    machine: Mapping[str, Any]
+    versions: Mapping[str, str | None]
     agreement: Mapping[str, float]
     points: tuple[WorkPoint, ...]
     failures: tuple[Failure, ...]
@@ -182,7 +182,7 @@ def stamped(
         command,
         now(),
         this_machine(),
-        these_versions(),
+        installed_versions(PACKAGES),
         agreement,
         tuple(points),
         tuple(failures),
@@ -200,22 +200,7 @@ def as_payload(record: Record) -> dict[str, Any]:
 
 def write_record(record: Record, path: Path) -> None:
     """Write a record as JSON."""
-    write_json(as_payload(record), path)
-
-
-def write_json(payload: Mapping[str, object], path: Path) -> None:
-    """Write an object as JSON, whole or not at all."""
-    write_whole(path, (json.dumps(payload, indent=1, allow_nan=False) + "\n").encode())
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that it is there whole or not at all."""
-    temporary = path.with_name(f".writing-{path.name}")
-    try:
-        temporary.write_bytes(content)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_json(path, as_payload(record))
 
 
 def read_record(path: Path) -> Record:
@@ -229,38 +214,3 @@ def read_record(path: Path) -> Record:
     for name, kind in rows.items():
         payload[name] = tuple(kind(**row) for row in payload.get(name, ()))
     return Record(**payload)
-
-
-def this_machine() -> dict[str, str]:
-    """Return platform, processor and thread settings; nothing that identifies the machine."""
-    return {
-        "system": f"{platform.system()} {platform.machine()}",
-        "processor": _processor(),
-        "cores": str(os.cpu_count()),
-        "threads": os.environ.get("OMP_NUM_THREADS", "not limited"),
-    }
-
-
-def these_versions() -> dict[str, str]:
-    """Return the versions of Python and of every package that is measured."""
-    found = {"python": platform.python_version()}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
-
-
-def now() -> str:
-    """Return the date and time, UTC."""
-    return datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-
-
-def _processor() -> str:
-    information = Path("/proc/cpuinfo")
-    if information.is_file():
-        for line in information.read_text(encoding="utf-8", errors="replace").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or "unknown"

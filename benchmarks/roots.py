@@ -23,11 +23,11 @@ import numpy as np
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
-from theory.certified_roots import certify_roots
-from theory.precise_roots import precise_roots
-from theory.root_count import box_of_strips, count_in_strips
-from theory.roots import labelled_roots
-from verification.scenes import timed
+from theory.piecewise.certified_roots import certify_roots
+from theory.piecewise.precise_roots import precise_roots
+from theory.piecewise.root_count import box_of_strips, count_in_strips
+from theory.piecewise.roots import labelled_roots
+from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.equal_error import least_factor
 from benchmarks.quantity import Quantity, Tell
-from verification.scenes import damping, timed
+from verification.quantities.scenes import damping, timed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from benchmarks.diagram import Style
     from benchmarks.record import Failure, Record, Target, WorkPoint
     from benchmarks.runner import Answer, Contender
-    from theory.vdp_chain import VdpChain
-    from verification.scenes import Scene
+    from theory.chains.vdp import VdpChain
+    from verification.quantities.scenes import Scene
 
     FloatArray = npt.NDArray[np.float64]
 
@@ -123,9 +123,10 @@ def task_of(scene: Scene) -> Task:
     """Return the trajectory of a scene: the first site on its cycle."""
     import numpy as np
 
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
-    chain = VdpChain(*damping(scene.values), sites=int(scene.values["sites"]))
+    a, b, c, eps = damping(scene.values)
+    chain = VdpChain(a=a, b=b, c=c, eps=eps, sites=int(scene.values["sites"]))
     start = np.zeros(2 * chain.sites)
     start[0] = chain.stable_amplitude
     return Task(chain, start, scene.values["t"], scene.name)
@@ -135,16 +136,16 @@ def ours(task: Task, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) of our default stepper."""
     import numpy as np
 
-    from verification.vdp.lane import Lane
-    from verification.vdp.start import displaced
+    from verification.runs.excite import excite
+    from verification.runs.smooth_integration import SmoothIntegration
 
-    lane = Lane(
-        task.chain, True, displaced(task.chain, [1]), np.array([0.0, task.end]), tolerance, 1.0,
-        True, 0,
-    )  # fmt: skip
-    while not lane.finished:
-        lane.go_on(10**9)
-    final: FloatArray = lane.samples[-1].ravel()
+    times = np.array([0.0, task.end])
+    run = SmoothIntegration(
+        task.chain, excite(task.chain, [1]), times, tolerance=tolerance, level=1.0
+    )
+    while not run.finished:
+        run.advance(10**9)
+    final: FloatArray = run.samples[-1].ravel()
     return final
 
 
@@ -152,20 +153,19 @@ def _stated(task: Task, true: FloatArray, tolerance: float) -> Answer:
     """Return the error with the claim: the run as a user asks for it, a companion beside it."""
     import numpy as np
 
-    from verification.vdp.run import run_vdp
-    from verification.vdp.start import displaced
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
-    run = run_vdp(
-        task.chain, displaced(task.chain, [1]), task.end, tolerance=tolerance, samples=2
+    run = simulate(
+        task.chain, excite(task.chain, [1]), task.end, tolerance=tolerance, samples=2
     )  # fmt: skip
     return _answer(np.concatenate([run.psi[-1].imag, run.psi[-1].real]), true, run.error)
 
 
 def by_series(task: Task, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) by Taylor series."""
-    from verification.integrators.active import FREE
-    from verification.integrators.slopes import FULL
-    from verification.integrators.taylor import taylor_order, taylor_steps
+    from verification.steppers.active import FREE
+    from verification.steppers.taylor import FULL, taylor_order, taylor_steps
 
     state = task.start.reshape(2, -1).copy()
     order = taylor_order(tolerance)
@@ -251,15 +251,13 @@ def _own(
 
 
 def _fixed(task: Task, true: FloatArray, order: int, steps: int) -> Answer:
-    from verification.integrators.active import FREE
-    from verification.integrators.runge_kutta import fixed_steps
-    from verification.integrators.slopes import FULL
-    from verification.integrators.splitting import saba, split_steps
+    from verification.steppers.fixed import fixed_steps
+    from verification.steppers.splitting import saba, split_steps
 
     state = task.start.reshape(2, -1).copy()
     h = task.end / steps
     if order:
-        fixed_steps(FULL, state, task.parameters, FREE, h, steps, order)
+        fixed_steps(task.chain, state, h, steps, order)
     else:
         split_steps(state, task.parameters, False, h, steps, *saba(4))
     return _answer(state.ravel(), true)
@@ -327,18 +325,22 @@ def _front_cost(lengths: Sequence[int]) -> Target:
     import numpy as np
 
     from benchmarks.record import Target
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import staggered_front
+    from theory.chains.vdp import VdpChain
+    from verification.runs.excite import excite_edge
+    from verification.runs.simulate import simulate
 
     seconds = []
     for sites in lengths:
-        chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
+        chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
         begin = process_time()
-        run_vdp(
-            chain, staggered_front(chain, 24), sites / 0.72 / chain.eps, model=Model.ENVELOPE,
-            behind=24, companion=False, samples=2,
-        )  # fmt: skip
+        simulate(
+            chain.averaged(),
+            excite_edge(chain, 24),
+            sites / 0.72 / chain.eps,
+            trailing_sites=24,
+            estimate_error=False,
+            samples=2,
+        )
         seconds.append(process_time() - begin)
     exponent = float(np.polyfit(np.log(lengths), np.log(seconds), 1)[0])
     detail = ", ".join(f"{n} sites {s:.2g} s" for n, s in zip(lengths, seconds, strict=True))
@@ -351,13 +353,14 @@ def _map(model: str, limit: float) -> Target:
     import numpy as np
 
     from benchmarks.record import Target
-    from verification.sweeps.sweep import sweep
-    from verification.vdp.map import StateTask, state_points
-    from verification.vdp.run import Model
+    from verification.execution.sweep import sweep
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()
     begin = perf_counter()
-    table = sweep(StateTask(Model(model)), state_points(etas, couplings), workers=2)
+    task = StateTask(chain=FIGURE_15 if model == "full" else FIGURE_15.averaged())
+    table = sweep(task, state_points(task, {"eta": etas, "c": couplings}), workers=2)
     seconds = perf_counter() - begin
     detail = f"{len(table)} points on two workers, their start included"
     return Target(f"map of Fig. 15, {model}", seconds, "below", limit, "s", detail)
@@ -365,15 +368,16 @@ def _map(model: str, limit: float) -> Target:
 
 def _thresholds() -> Target:
     from benchmarks.record import Target
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from theory.chains.nucleus import Nucleus, outward_pattern
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
-    chain = VdpChain(2.5, 0.5, 0.0, 0.01)
+    chain = VdpChain(a=2.5, b=0.5, c=0.0, eps=0.01)
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
     found = [
-        breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE).c
+        breather_threshold(chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE).c
         for size in sizes
     ]
     seconds = perf_counter() - begin

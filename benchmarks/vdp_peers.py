@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
 FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[float], FloatArray]

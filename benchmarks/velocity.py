@@ -20,13 +20,13 @@ import numpy as np
 from benchmarks.quantity import Quantity, Tell
 from benchmarks.record import Failure, Record, WorkPoint, stamped
 from benchmarks.runner import Answer, Contender, Effort, distance, measure_side_by_side
-from theory.branch_search import all_velocities
-from theory.kinetic_relation import kinetic_relation, trace_kinetic_relation
-from theory.roots import labelled_roots
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_series import sum_by_roots
-from theory.unit_cell import threshold_ratio
-from verification.scenes import timed
+from theory.cells.vdp import threshold_ratio
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.series import sum_by_roots
+from verification.quantities.scenes import timed
 
 if TYPE_CHECKING:
     from benchmarks.diagram import Style

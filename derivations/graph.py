@@ -111,7 +111,8 @@ def svg(derivations: Iterable[Derivation]) -> str:
     height = _ROW * (max(row for _, row in places.values()) + 1) + 50
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height:.0f}" '
-        f'width="{width}" height="{height:.0f}" font-family="sans-serif" font-size="11" role="img">',
+        f'width="{width}" height="{height:.0f}" font-family="sans-serif" font-size="11" '
+        'role="img">',
         "<title>The equations of the paper and what each follows from</title>",
         '<rect width="100%" height="100%" fill="white"/>',
         '<defs><marker id="tip" viewBox="0 0 6 6" refX="6" refY="3" markerWidth="5" '

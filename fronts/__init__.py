@@ -1,1 +1,149 @@
-"""The command line: a thin table from a subcommand to one function of the toolkit."""
+"""Excitation fronts in self-excited chains: theory, direct simulation, derivations, verdicts.
+
+>>> import fronts as fr
+>>> fr.kinetic_relation(c=0.5, eta=0.03125).status.value
+'propagating'
+
+Each name is imported when it is first used, so that ``import fronts`` costs next to nothing.
+Chains (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`) are parameters that check
+themselves. Functions take a chain or numbers and return a result: a frozen dataclass with ``error``
+and ``status``, with ``plot()``, ``to_dict()`` and, where it is a table, ``to_pandas()`` and
+``to_xarray()``. Bad input raises `ParameterError`, which names the quantity, the value, the range
+and what to do. The command ``fronts`` is these functions at the shell.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fronts.checking import derivation as derivation
+    from fronts.checking import derive_cell as derive_cell
+    from fronts.checking import judge as judge
+    from fronts.checking import stability as stability
+    from fronts.piecewise import front_profile as front_profile
+    from fronts.piecewise import kinetic_relation as kinetic_relation
+    from fronts.piecewise import roots as roots
+    from fronts.piecewise import sigma as sigma
+    from theory.cells.friction import FrictionCell as FrictionCell
+    from theory.chains.friction import FrictionChain as FrictionChain
+    from theory.chains.nucleus import Nucleus as Nucleus
+    from theory.chains.piecewise import PiecewiseChain as PiecewiseChain
+    from theory.chains.vdp import AveragedChain as AveragedChain
+    from theory.chains.vdp import VdpChain as VdpChain
+    from theory.parameters import ParameterError as ParameterError
+    from theory.parameters import RunError as RunError
+    from theory.piecewise.sums.result import PrecisionError as PrecisionError
+    from theory.result import Result as Result
+    from verification.breathers.breather import breather as breather
+    from verification.cells.cell import cell as cell
+    from verification.execution.sweep import sweep as sweep
+    from verification.fronts.measure import measure_front as measure_front
+    from verification.maps.state_map import state_map as state_map
+    from verification.runs.excite import excite as excite
+    from verification.runs.simulate import simulate as simulate
+    from verification.thresholds.threshold import threshold as threshold
+
+    __version__: str
+
+_HOMES = {
+    "AveragedChain": "theory.chains.vdp",
+    "FrictionCell": "theory.cells.friction",
+    "FrictionChain": "theory.chains.friction",
+    "Nucleus": "theory.chains.nucleus",
+    "ParameterError": "theory.parameters",
+    "PiecewiseChain": "theory.chains.piecewise",
+    "PrecisionError": "theory.piecewise.sums.result",
+    "Result": "theory.result",
+    "RunError": "theory.parameters",
+    "VdpChain": "theory.chains.vdp",
+    "breather": "verification.breathers.breather",
+    "cell": "verification.cells.cell",
+    "derivation": "fronts.checking",
+    "derive_cell": "fronts.checking",
+    "front_profile": "fronts.piecewise",
+    "judge": "fronts.checking",
+    "kinetic_relation": "fronts.piecewise",
+    "roots": "fronts.piecewise",
+    "sigma": "fronts.piecewise",
+    "stability": "fronts.checking",
+    "threshold": "verification.thresholds.threshold",
+    "excite": "verification.runs.excite",
+    "measure_front": "verification.fronts.measure",
+    "simulate": "verification.runs.simulate",
+    "state_map": "verification.maps.state_map",
+    "sweep": "verification.execution.sweep",
+}
+"""Public name and the module that it comes from."""
+
+__all__ = [*_HOMES, "__version__"]  # noqa: PLE0604
+
+_PACKAGES = ("theory", "derivations", "verification", "paper_checks")
+"""The other packages of the toolkit, which stand beside this one."""
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        """Import a public name on first use (PEP 562)."""
+        if name == "__version__":
+            value: Any = _version()
+        elif name in _HOMES:
+            value = getattr(importlib.import_module(_HOMES[name]), name)
+        else:
+            raise AttributeError(f"module 'fronts' has no attribute '{name}'")
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("excitation-fronts")
+    except PackageNotFoundError:
+        return "0+unknown"
+
+
+def _refuse_hidden() -> None:
+    """Refuse to start where a file of the user's would be imported in place of a package of ours.
+
+    Raises
+    ------
+    ImportError
+        One sentence that names the file or folder.
+    """
+    ours = Path(__file__).resolve().parents[1]
+    for name in _PACKAGES:
+        found = _place(name)
+        if found is not None and found != ours / name:
+            raise ImportError(
+                f"{found} hides the package '{name}' of the toolkit fronts in {ours}: rename it, "
+                "or start Python in another folder.",
+                name=name,
+                path=str(found),
+            )
+
+
+def _place(name: str) -> Path | None:
+    """Return the folder of a package, or the file of a module, that an import would take."""
+    module = sys.modules.get(name)
+    try:
+        spec = module.__spec__ if module is not None else importlib.util.find_spec(name)
+    except (ImportError, ValueError):
+        return None
+    if spec is None:
+        return None
+    if spec.submodule_search_locations:
+        return Path(next(iter(spec.submodule_search_locations))).resolve()
+    return None if spec.origin is None else Path(spec.origin).resolve()
+
+
+_refuse_hidden()

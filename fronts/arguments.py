@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from fronts.answer import UsageError
+from verification.execution import files
 
 MOST_POINTS = 100_000
+_MOST_EXCITED = 1_000_000
 
 
 class BadText(argparse.ArgumentTypeError):
@@ -36,7 +36,7 @@ class BadText(argparse.ArgumentTypeError):
 def with_values_joined(words: Sequence[str]) -> list[str]:
     """Join an option and a value that begins with a minus, which ``argparse`` takes for an option.
 
-    No option but ``-h`` has a single minus.
+    No options but ``-h`` and ``-o`` have a single minus.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def with_values_joined(words: Sequence[str]) -> list[str]:
     joined: list[str] = []
     for word in words:
         before = joined[-1] if joined else ""
-        value = word.startswith("-") and not word.startswith("--") and word not in ("-", "-h")
+        value = word[:1] == "-" and word[:2] not in ("-", "--", "-h", "-o")
         if value and before.startswith("--") and before != "--" and "=" not in before:
             joined[-1] = f"{before}={word}"
         else:
@@ -102,6 +102,30 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
     return low, high, count
 
 
+def site_list(text: str) -> tuple[int, ...]:
+    """Read ``15``, ``14,15,16`` or ``14:16`` (both ends included).
+
+    Examples
+    --------
+    >>> site_list("15"), site_list("14:16"), site_list("3,5")
+    ((15,), (14, 15, 16), (3, 5))
+    """
+    try:
+        if ":" in text:
+            first, last = (int(part) for part in text.split(":"))
+            if last - first < _MOST_EXCITED:
+                return tuple(range(first, last + 1))
+        else:
+            return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        pass
+    raise BadText(
+        text,
+        f"a site, a list as in 14,15,16 or a range of at most {_MOST_EXCITED} as in 14:16",
+        "give one of these",
+    )
+
+
 def decimal(text: str) -> str:
     """Check that the text is a number and keep it as text, so that no digit is lost."""
     real(text)
@@ -132,7 +156,7 @@ def eta_of(options: argparse.Namespace) -> Any:
         return options.eta
     if not all(given):
         raise UsageError("give --eta, or both --a and --b.")
-    from theory.unit_cell import eta_from_damping
+    from theory.cells.vdp import eta_from_damping
 
     return eta_from_damping(options.a, options.b)
 
@@ -206,24 +230,15 @@ def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--
     Raises
     ------
     UsageError
-        If the folder does not exist or may not be written, the path is a folder, or its suffix
-        is not one of ``suffixes`` (if any are named). The folder is tried, not asked: permissions
-        say nothing of file systems that refuse.
+        If `verification.execution.files.check_writable` refuses it, or its suffix is not one of
+        ``suffixes`` (if any are named).
     """
-    folder = path.parent
     if suffixes and path.suffix.lower() not in suffixes:
         _unusable(option, path, f"must end in {' or '.join(suffixes)}", "give it such an ending")
-    if path.is_dir():
-        _unusable(option, path, "is a folder", "name a file in it")
-    if not folder.is_dir():
-        why = f"cannot be written: the folder {folder} does not exist"
-        _unusable(option, path, why, "make the folder first")
-    if path.exists() and not os.access(path, os.W_OK):
-        _unusable(option, path, f"cannot be written: no permission on {path}", "name another file")
     try:
-        _neighbour(path).unlink()
-    except OSError as error:
-        _unusable(option, path, f"cannot be written: {error.strerror}", "name another file")
+        files.check_writable(path)
+    except files.FileError as error:
+        _unusable(option, path, str(error.strerror), error.remedy)
     return path
 
 
@@ -246,30 +261,3 @@ def same_file(one: Path, other: Path) -> bool:
     True
     """
     return one.resolve() == other.resolve()
-
-
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
-    """Write a file so that it is there whole or not at all.
-
-    ``write`` fills a temporary neighbour with the same suffix, which then takes the name.
-    """
-    temporary = _neighbour(path)
-    try:
-        write(temporary)
-        mode = 0o666 & ~_umask()
-        temporary.chmod(mode)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _neighbour(path: Path) -> Path:
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=path.suffix, prefix=".writing-")
-    os.close(handle)
-    return Path(name)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

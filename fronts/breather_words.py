@@ -32,7 +32,7 @@ def breather_in_words(found: dict[str, Any]) -> str:
         lines.append(f"  trivial exponent or multiplier off by {found['trivial']:.1e}")
     if found.get("error_unknown"):
         lines.append(f"  error against the periodic orbit of (8) unknown: {found['error_unknown']}")
-    elif "frequency_error" in found:
+    elif found["method"] in ("closed-form", "envelope"):
         lines.append(
             f"  error against the periodic orbit of (8): {error:.1e} of the amplitudes, "
             f"{found['frequency_error']:.1e} of the frequency"

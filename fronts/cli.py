@@ -1,4 +1,4 @@
-"""The command ``fronts``: find the subcommand, import only that one, print its answer."""
+"""The command ``fronts``: find the command and the model, import only those, print the answer."""
 
 from __future__ import annotations
 
@@ -9,30 +9,15 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Sequence
-from types import ModuleType
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NoReturn
 
-from fronts.answer import UsageError
+from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
+from fronts.catalogue import ALIASES, COMMANDS, Call, Command
+from verification.execution.files import FileError
 
-COMMANDS = {
-    "kinetic": "every velocity at which the piecewise-linear front can travel (Eq. 54)",
-    "sum": "the sum of the kinetic relation, by four methods (Eq. 53)",
-    "roots": "labelled complex roots of the dispersion relation (Eqs. 50-52)",
-    "profile": "the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
-    "front": "velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)",
-    "simulate": "a run of a chain from given sites, as numbers and as a picture (Eqs. 5, 8, 43)",
-    "cell": "what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
-    "map": "the state of a chain over a plane of parameters (Figs. 5, 15)",
-    "breather": "a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
-    "threshold": "the coupling at which a nucleus stops being localised (Figs. 4, 11)",
-    "derive": "the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
-    "stress": "every quantity over all decades of its parameters, held against another method",
-    "bench": "error against run time beside peers, and how cost grows (source tree only)",
-    "check": "the verdict on each claim of the paper",
-}
-"""Subcommand and one line of help; the code is ``fronts.commands.<name>``."""
+_OF_A_FILE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -41,10 +26,28 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
+    def refuse(self, word: str, value: str) -> NoReturn:
+        """Refuse an option that this command and model do not have."""
+        flag, _, joined = word.partition("=")
+        model = self.prog.split()[2:]
+        where = f"the model {model[0]}" if model else f"'{self.prog}'"
+        if not flag.startswith("--"):
+            self.error(f"'{word}' is not expected here")
+        raise UsageError(
+            f"{flag} has no meaning for {where}: leave it out.",
+            quantity=flag,
+            value=joined or value,
+            allowed=f"absent for {where}",
+            remedy="leave it out",
+        )
+
     def read(self, words: Sequence[str]) -> argparse.Namespace:
         """Return the options, or raise what names the option that cannot be read."""
         try:
-            return self.parse_args(with_values_joined(words))
+            options, unknown = self.parse_known_args(with_values_joined(words))
+            if unknown:
+                self.refuse(unknown[0], " ".join(unknown[1:2]))
+            return options
         except argparse.ArgumentError as error:
             name, cause = error.argument_name, error.__context__
             if name is None:
@@ -63,26 +66,12 @@ def _overview() -> str:
         "",
         "Excitation fronts in self-excited chains: theory, direct simulation, verdicts.",
         "",
-        *(f"  {name:<10} {line}" for name, line in COMMANDS.items()),
+        *(f"  {name:<10} {command.line}" for name, command in COMMANDS.items()),
         "",
-        "Every command takes --json and then prints one JSON object. --version tells the version.",
+        "Every command takes --json and then prints one JSON object. --version tells the version,",
+        "--print-completion bash (zsh, tcsh) the completion of this command for that shell.",
     ]
     return "\n".join(lines)
-
-
-def _parser(name: str) -> tuple[_Parser, ModuleType]:
-    module = importlib.import_module(f"fronts.commands.{name}")
-    parser = _Parser(
-        prog=f"fronts {name}",
-        description=COMMANDS[name][:1].upper() + COMMANDS[name][1:] + ".",
-        epilog=module.EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        exit_on_error=False,
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    module.configure(parser)
-    return parser, module
 
 
 def _run(argv: Sequence[str]) -> int:
@@ -92,8 +81,12 @@ def _run(argv: Sequence[str]) -> int:
     if argv[0] == "--version":
         print(f"fronts {_version()}")
         return 0
+    if argv[0] == "--print-completion":
+        print(_completion(argv[1:]))
+        return 0
     name, *rest = argv
-    if name not in COMMANDS:
+    command = COMMANDS.get(name)
+    if command is None:
         known = ", ".join(COMMANDS)
         raise UsageError(
             f"'{name}' is not a command: choose one of {known}.",
@@ -102,14 +95,153 @@ def _run(argv: Sequence[str]) -> int:
             allowed=known,
             remedy="choose one of these",
         )
-    parser, module = _parser(name)
+    parser, carry_out, rest = _chosen(name, command, rest)
     _announce_compilation()
-    answer = module.run(parser.read(rest))
+    answer = carry_out(parser.read(rest))
     if "--json" in rest:
         print(json.dumps(answer.payload, allow_nan=False))
     else:
         print(answer.text)
     return int(answer.exit_code)
+
+
+def _chosen(
+    name: str, command: Command, rest: Sequence[str]
+) -> tuple[_Parser, Callable[[argparse.Namespace], Answer], list[str]]:
+    """Return the parser of a command and model, what carries it out, and the words left to read."""
+    if command.module:
+        module = importlib.import_module(f"fronts.commands.{command.module}")
+        parser = new_parser(f"fronts {name}", command.line, module.EXAMPLE)
+        module.configure(parser)
+        return parser, module.run, list(rest)
+    from fronts import derived
+
+    calls = command.calls if "" in command.calls else derived.models_of(command)
+    model, rest = _model(name, command, calls, rest)
+    bound = derived.Bound(calls[model], model)
+    examples = _examples(command, model, f"{name} {model} {bound.required()}".rstrip())
+    parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, examples)
+    derived.configure(parser, bound)
+    words = [word for word in (name, model, *rest) if word]
+    return parser, lambda options: derived.run(options, bound, words), rest
+
+
+def _examples(command: Command, model: str, required: str = "") -> str:
+    """Return the examples of a model, or all where none is named.
+
+    Of a model that has none of its own, ``required`` is one.
+    """
+    every = command.examples.split("\n  fronts ")[1:]
+    named = {each: each.split()[1] for each in every}
+    wanted = {model} if model != command.default else {model, *_not_models(command, named.values())}
+    own = [each for each in every if named[each] in wanted] if model else every
+    notes = f"\n\n{command.notes}" if command.notes else ""
+    return "\n  fronts ".join(["examples:", *(own or [required])]) + notes
+
+
+def _not_models(command: Command, words: Iterable[str]) -> set[str]:
+    return {word for word in words if word not in command.calls}
+
+
+def _model(
+    name: str, command: Command, calls: Mapping[str, Call], rest: Sequence[str]
+) -> tuple[str, list[str]]:
+    """Return the model that is named first, or the default, and the words after it."""
+    if "" in calls:
+        return "", list(rest)
+    known = ", ".join(calls)
+    first = rest[0] if rest else ""
+    if first in ("-h", "--help") and not command.default:
+        lines = [f"usage: fronts {name} MODEL [options]", "", f"{_sentence(command.line)}", ""]
+        lines += [f"  fronts {name} {model} --help" for model in calls]
+        print("\n".join([*lines, "", _examples(command, "")]))
+        raise SystemExit(0)
+    model = ALIASES.get(first, first)
+    if model in calls:
+        return _renamed(model, list(rest[1:]), calls, name)
+    if command.default and (not first or first.startswith("-")):
+        return _renamed(command.default, list(rest), calls, name)
+    said = f"'{first}' is not a model" if first else "a model is missing"
+    raise UsageError(
+        f"{said}: choose one of {known}; see 'fronts {name} --help'.",
+        quantity="model",
+        value=first,
+        allowed=known,
+        remedy="choose one of these",
+    )
+
+
+def _renamed(
+    model: str, rest: list[str], calls: Mapping[str, Call], command: str
+) -> tuple[str, list[str]]:
+    """Read ``vdp --model envelope`` as the model averaged, and ``vdp --model full`` as vdp."""
+    for index, word in enumerate(rest):
+        name, equals, value = word.partition("=")
+        if model == "vdp" and name == "--model" and "averaged" in calls:
+            used = 1 if equals else 2
+            value = value if equals else "".join(rest[index + 1 : index + 2])
+            models = {"full": "vdp", "averaged": "averaged", **ALIASES}
+            if value not in models:
+                raise UsageError(
+                    f"argument --model: invalid choice: '{value}' (choose from {', '.join(models)})"
+                    f"; see 'fronts {command} --help'.",
+                    quantity="--model",
+                )
+            return models[value], rest[:index] + rest[index + used :]
+    return model, rest
+
+
+def new_parser(program: str, line: str, examples: str) -> _Parser:
+    """Return a parser with the options of every command."""
+    parser = _Parser(
+        prog=program,
+        description=_sentence(line),
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        exit_on_error=False,
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    return parser
+
+
+def _sentence(line: str) -> str:
+    return line[:1].upper() + line[1:] + "."
+
+
+def _completion(words: Sequence[str]) -> str:
+    """Return the script that completes this command in a shell."""
+    try:
+        import shtab
+    except ModuleNotFoundError:
+        from theory.parameters import MissingPackageError
+
+        raise MissingPackageError("shtab", "completion", "shell completion") from None
+    shells = ", ".join(shtab.SUPPORTED_SHELLS)
+    if len(words) != 1 or words[0] not in shtab.SUPPORTED_SHELLS:
+        raise UsageError(f"--print-completion takes one shell: choose one of {shells}.")
+    script: str = shtab.complete(whole_parser(), shell=words[0])
+    return script
+
+
+def whole_parser() -> argparse.ArgumentParser:
+    """Return one parser with every command, model and option, as shell completion needs it."""
+    from fronts import derived
+
+    whole = argparse.ArgumentParser(prog="fronts", description="Excitation fronts.")
+    commands = whole.add_subparsers()
+    for name, command in COMMANDS.items():
+        parser = commands.add_parser(name, help=command.line)
+        if command.module:
+            importlib.import_module(f"fronts.commands.{command.module}").configure(parser)
+            continue
+        if "" in command.calls:
+            derived.configure(parser, derived.Bound(command.calls[""], ""))
+            continue
+        models = parser.add_subparsers()
+        for model, call in derived.models_of(command).items():
+            derived.configure(models.add_parser(model), derived.Bound(call, model))
+    return whole
 
 
 def _version() -> str:
@@ -123,8 +255,8 @@ def _version() -> str:
 
 def _announce_compilation() -> None:
     """Let a terminal show that the first run of a stepper compiles it."""
-    logger = logging.getLogger("verification.compiled")
-    if sys.stderr.isatty() and not logger.handlers:
+    logger = logging.getLogger("verification.execution.compiled")
+    if sys.stderr is not None and sys.stderr.isatty() and not logger.handlers:
         handler = logging.StreamHandler()
         handler.setFormatter(logging.Formatter("fronts: %(message)s"))
         logger.addHandler(handler)
@@ -132,6 +264,8 @@ def _announce_compilation() -> None:
 
 
 def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:
+    if sys.stderr is None:  # closed: the exit code must do
+        return
     if as_json:
         print(json.dumps({"error": {"message": message, **details}}), file=sys.stderr)
     else:
@@ -146,10 +280,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     An error meant for the user is a ``UsageError``, an ``OSError`` on a file, a ``ValueError``
     with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``
-    or a ``RunError``.
+    a ``RunError`` or a ``MissingPackageError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
+    if sys.stdout is None:
+        _complain("standard output is closed: open it, or send it to a file.", as_json, {})
+        return 2
     try:
         code = _run(arguments)
         sys.stdout.flush()
@@ -164,9 +301,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except FileError as error:
+        fields = ("quantity", "value", "allowed", "remedy")
+        _complain(str(error), as_json, {field: str(getattr(error, field)) for field in fields})
+        return 2
+    except MemoryError:
+        _complain("memory ran out: ask for fewer sites, samples or points.", as_json, {})
+        return 2
     except OSError as error:
         # Of a file only: what a file system says while writing is for the user to mend.
-        if error.filename is None and error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        if error.filename is None and error.errno not in _OF_A_FILE:
             return _defect(error, as_json)
         where = "" if error.filename is None else f" {error.filename}"
         _complain(f"the file{where} cannot be used: {error.strerror}.", as_json, {})
@@ -177,10 +321,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             details = {field: str(getattr(error, field)) for field in fields}
             _complain(str(error), as_json, details)
             return 2
-        from theory.kinetic_sum import PrecisionError
-        from theory.parameters import RunError
+        from theory.parameters import MissingPackageError, RunError
+        from theory.piecewise.sums.result import PrecisionError
 
-        if isinstance(error, (PrecisionError, RunError)):
+        if isinstance(error, (PrecisionError, RunError, MissingPackageError)):
             _complain(str(error), as_json, {})
             return 2
         return _defect(error, as_json)

@@ -9,11 +9,11 @@ from paper_checks.pictures import COLOURS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_continuation import Continuation
+    from theory.cells.friction import FrictionCell
+    from verification.cells.diagram import CellDiagram
 
 
-def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: Continuation) -> None:
+def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: CellDiagram) -> None:
     """Draw turning points of both cycles and steady sliding over the belt velocity."""
     hopf = cell.hopf_velocity
     stable = diagram.v_d > hopf

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import difflib
-import importlib
-import pkgutil
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from paper_checks.claim import NAME, Claim
+from verification.execution.discovery import modules_of
 
 PACKAGE = "paper_checks.claims"
 """Where the claims of the paper live."""
@@ -56,12 +54,10 @@ def find_entries(package: str | None = None) -> tuple[Entry, ...]:
     ValueError
         If a module lacks ``CLAIMS``, or a key is malformed or used twice.
     """
-    home = importlib.import_module(package or PACKAGE)
-    names = [module.name for module in pkgutil.iter_modules(home.__path__)]
     entries: list[Entry] = []
     seen: dict[str, str] = {}
-    for group in sorted((name for name in names if not name.startswith("_")), key=_natural):
-        module = importlib.import_module(f"{home.__name__}.{group}")
+    for module in modules_of(package or PACKAGE):
+        group = module.__name__.rpartition(".")[2]
         if not hasattr(module, "CLAIMS"):
             raise ValueError(f"{module.__name__} has no CLAIMS: give it a tuple of Claim.")
         for claim in module.CLAIMS:
@@ -106,8 +102,3 @@ def select(entries: Sequence[Entry], keys: Iterable[str]) -> tuple[Entry, ...]:
         return tuple(entries)
     chosen = set(wanted)
     return tuple(e for e in entries if e.group in chosen or e.claim.key in chosen)
-
-
-def _natural(name: str) -> list[tuple[int, str]]:
-    parts = re.findall(r"\d+|\D+", name)
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]

@@ -12,7 +12,8 @@ from dataclasses import replace
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.discover import Entry
-from paper_checks.outcome import Judgement, Outcome, now
+from paper_checks.outcome import Judgement, Outcome
+from verification.execution.metadata import now
 
 
 def following(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from paper_checks.section import Json, Section, Stamp, stamp_of, warned
-from verification.scenes import FAMILIES, REFERENCES
+from verification.quantities.scenes import FAMILIES, REFERENCES
 
 
 def first_calls(records: Mapping[str, Json]) -> Section | None:

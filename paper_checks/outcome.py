@@ -6,10 +6,10 @@ import logging
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
 
 from paper_checks.claim import NAME, Claim, Finding, Picture, Verdict
 from paper_checks.discover import Entry
+from verification.execution.metadata import now
 
 FAILED = "failed"
 """Status of a claim whose judge raised an error."""
@@ -159,11 +159,6 @@ def judge(claim: Claim) -> Judgement:
         failure = _sentence(error)
     seconds = time.perf_counter() - begin
     return Judgement(finding, failure, seconds, now(), shared=begin - start)
-
-
-def now() -> str:
-    """Give the time of day: UTC, ISO 8601, to the second."""
-    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def _sentence(error: BaseException) -> str:

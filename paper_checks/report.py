@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib import metadata
 from pathlib import Path
 
 from paper_checks.claim import NAME, Erratum, Verdict
 from paper_checks.figure_links import pictures_of
-from paper_checks.outcome import FAILED, Outcome, now, slug
+from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.section import Section
+from verification.execution.metadata import now, this_machine
 
 FORMAT = 1
 """Version of the JSON document; raised when a reader of the old one would break."""
 
-TOOLKIT = "excitation-fronts"
-PACKAGES = ("numpy", "scipy", "mpmath", "sympy", "matplotlib", "python-flint")
+PACKAGES = ("numpy", "scipy", "mpmath", "sympy", "numba", "matplotlib", "python-flint")
+"""Packages that a finding is made with."""
 
 Json = dict[str, object]
 
@@ -141,28 +139,10 @@ def make_report(
         available=available,
         versions=versions,
         source=source,
-        machine=machine(),
+        machine=this_machine(),
         created=now(),
         measurements=tuple(measurements),
     )
-
-
-def installed_versions() -> dict[str, str | None]:
-    """Give the versions of Python, the toolkit and the packages it computes with."""
-    found: dict[str, str | None] = {"python": platform.python_version()}
-    found["toolkit"] = _version(TOOLKIT)
-    for package in PACKAGES:
-        found[package] = _version(package)
-    return found
-
-
-def machine() -> dict[str, object]:
-    """Describe the machine as far as it matters for run times."""
-    return {
-        "system": platform.system(),
-        "architecture": platform.machine(),
-        "cores": os.cpu_count(),
-    }
 
 
 def to_json(report: Report) -> Json:
@@ -295,10 +275,3 @@ def _one_picture_a_name(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
             outcome = replace(outcome, judgement=judgement)  # noqa: PLW2901
         checked.append(outcome)
     return tuple(checked)
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None

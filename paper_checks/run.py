@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+import logging
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from typing import Protocol
 
 from paper_checks.discover import PACKAGE, Entry, find_entries
 from paper_checks.following import judgement_by_following
-from paper_checks.outcome import Judgement, Outcome, judge, now
+from paper_checks.outcome import Judgement, Outcome, judge
 from paper_checks.shipped import Shipped
-from paper_checks.store import Store
+from paper_checks.stored_judgement import judgement_from, plain_judgement
+from verification.execution.interruption import terminated_as_interrupted
+from verification.execution.metadata import now
+from verification.execution.pool import answers
+from verification.execution.store import Store
 
-DIED = "the process that judged it ended without an answer (killed, or out of memory)."
+logger = logging.getLogger(__name__)
 
 
 class Progress(Protocol):
-    """Who is told how the run goes."""
+    """Who is called as the run goes on."""
 
     def start(self, key: str) -> None:
         """Note that a claim is about to be judged."""
@@ -30,7 +32,7 @@ class Progress(Protocol):
 
 
 class Silence:
-    """Tell nobody."""
+    """Report nothing."""
 
     def start(self, key: str) -> None:
         """Ignore."""
@@ -45,7 +47,6 @@ def run(
     jobs: int = 1,
     package: str | None = None,
     store: Store | None = None,
-    resume: bool = False,
     shipped: Shipped | None = None,
     progress: Progress | None = None,
 ) -> tuple[Outcome, ...]:
@@ -61,13 +62,12 @@ def run(
     package : str, optional
         Where the claims were found; by default the paper's.
     store : Store, optional
-        Keeps each judgement as soon as it is made, also of a run that is interrupted later.
-    resume : bool, optional
-        Whether judgements in ``store`` are used instead of computed anew.
+        Judgements in it are used instead of computed anew; each new one is added as soon as it is
+        made. Those that failed are not, so that a resumed run tries again.
     shipped : Shipped, optional
         Findings of expensive claims that are used instead of computed anew.
     progress : Progress, optional
-        Told of each start and end.
+        Called at each start and end.
 
     Returns
     -------
@@ -77,98 +77,70 @@ def run(
     progress = progress or Silence()
     judged: dict[str, Judgement] = {}
 
-    def keep(entry: Entry, judgement: Judgement) -> None:
+    def note(entry: Entry, judgement: Judgement) -> None:
         key = entry.claim.key
         judged[key] = judgement
-        if store is not None and not judgement.stored:
-            store.save(key, judgement)
+        if store is not None and judgement.finding is not None and not judgement.stored:
+            store.add(key, plain_judgement(judgement))
         progress.done(Outcome(entry, judgement))
 
-    if store is not None and resume:
-        for entry in entries:
-            stored = store.load(entry.claim.key)
-            if stored is not None:
-                keep(entry, stored)
-    if shipped is not None:
-        for entry in entries:
-            found = shipped.load(entry) if entry.claim.key not in judged else None
-            if found is not None:
-                keep(entry, found)
-    left = [e for e in entries if e.claim.key not in judged and not e.claim.follows]
-    if jobs == 1:
-        for entry in left:
-            progress.start(entry.claim.key)
-            keep(entry, judge(entry.claim))
-    else:
-        for entry, judgement in _in_processes(left, jobs, package or PACKAGE, progress):
-            keep(entry, judgement)
     for entry in entries:
-        # They take no time and are never kept: what they follow may have another verdict now.
+        found = _stored(store, entry) or (shipped.load(entry) if shipped else None)
+        if found is not None:
+            note(entry, found)
+    left = [e for e in entries if e.claim.key not in judged and not e.claim.follows]
+    judges = _Here(tuple(left)) if jobs == 1 else _ByKey(package or PACKAGE)
+    keys = [entry.claim.key for entry in left]
+    # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
+    with (
+        terminated_as_interrupted(),
+        closing(
+            answers(judges, keys, workers=jobs, begun=lambda index: progress.start(keys[index]))
+        ) as coming,
+    ):
+        for index, answer in coming:
+            if isinstance(answer, Exception):
+                answer = Judgement(None, str(answer), 0.0, now())  # noqa: PLW2901
+            note(left[index], answer)
+    for entry in entries:
+        # They take no time and are never stored: what they follow may have another verdict now.
         if entry.claim.follows:
             judged[entry.claim.key] = judgement_by_following(entry, entries, judged)
             progress.done(Outcome(entry, judged[entry.claim.key]))
     return tuple(Outcome(entry, judged[entry.claim.key]) for entry in entries)
 
 
-def _in_processes(
-    entries: Sequence[Entry], jobs: int, package: str, progress: Progress
-) -> Iterator[tuple[Entry, Judgement]]:
-    lost = []
-    for entry, judgement in _pool(entries, jobs, package, progress):
-        if judgement is None:
-            lost.append(entry)
-        else:
-            yield entry, judgement
-    # One dead worker takes the whole pool with it. Each claim left is judged in a process of its
-    # own, so that only the one that kills its worker is failed.
-    for entry in lost:
-        for _, judgement in _pool([entry], 1, package, progress):
-            yield entry, judgement or Judgement(None, DIED, 0.0, now())
-
-
-def _pool(
-    entries: Sequence[Entry], jobs: int, package: str, progress: Progress
-) -> Iterator[tuple[Entry, Judgement | None]]:
-    """Yield judgements as they come; None for a claim lost with a dead worker."""
-    if not entries:
-        return
-    with _workers(min(jobs, len(entries))) as pool:
-        futures: dict[Future[Judgement], Entry] = {}
-        for entry in entries:
-            progress.start(entry.claim.key)
-            try:
-                futures[pool.submit(_judge_by_key, package, entry.claim.key)] = entry
-            except BrokenProcessPool:
-                yield entry, None
-        for future in as_completed(futures):
-            try:
-                yield futures[future], future.result()
-            except BrokenProcessPool:
-                yield futures[future], None
-
-
-@contextmanager
-def _workers(count: int) -> Iterator[ProcessPoolExecutor]:
-    before = set(multiprocessing.active_children())
-    # 'spawn' on every system: forking a process that runs compiled threads can hang.
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_leave_interrupts_to_parent)
+def _stored(store: Store | None, entry: Entry) -> Judgement | None:
+    """Return the judgement of a claim in the store; None if there is none that can be used."""
+    key = entry.claim.key
+    if store is None or key not in store.results:
+        return None
     try:
-        yield pool
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - before:
-            child.terminate()
-        raise
-    pool.shutdown()
+        return judgement_from(store.results[key])
+    except (KeyError, TypeError, ValueError, AttributeError):
+        logger.info("the stored finding of %s is damaged and is computed again", key)
+        return None
 
 
-def _leave_interrupts_to_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+@dataclass(frozen=True)
+class _Here:
+    """Judge a claim in this process."""
+
+    entries: tuple[Entry, ...]
+
+    def __call__(self, key: str) -> Judgement:
+        (entry,) = (entry for entry in self.entries if entry.claim.key == key)
+        return judge(entry.claim)
 
 
-def _judge_by_key(package: str, key: str) -> Judgement:
-    for entry in find_entries(package):
-        if entry.claim.key == key:
-            return judge(entry.claim)
-    raise LookupError(f"the claim '{key}' is not in {package}.")
+@dataclass(frozen=True)
+class _ByKey:
+    """Judge a claim in another process, which finds it by its key."""
+
+    package: str
+
+    def __call__(self, key: str) -> Judgement:
+        for entry in find_entries(self.package):
+            if entry.claim.key == key:
+                return judge(entry.claim)
+        raise LookupError(f"the claim '{key}' is not in {self.package}.")

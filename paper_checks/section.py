@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from paper_checks.freshness import staleness
+from verification.execution.metadata import staleness
 
 Row = tuple[str, ...]
 Json = Mapping[str, Any]
@@ -86,16 +86,16 @@ def stamp_of(record: Json) -> Stamp:
     versions = ", ".join(
         f"{name} {version}"
         for name, version in record["versions"].items()
-        if version != "not installed"
+        if version not in (None, "not installed")
     )
     where = f"{machine['processor']}, {machine['cores']} cores" + (versions and f"; {versions}")
-    return Stamp(record["command"], record["date"], where, staleness(record))
+    return Stamp(record["command"], record["date"], where, staleness(record.get("code")))
 
 
 def warned(lead: str, records: Mapping[str, Json]) -> str:
     """Add to a lead which of the records it was read from are stale, and why."""
     reasons: dict[str, list[str]] = {}
     for name, record in records.items():
-        if why := staleness(record):
+        if why := staleness(record.get("code")):
             reasons.setdefault(why, []).append(name)
     return lead + "".join(f" Stale: {', '.join(names)}; {why}." for why, names in reasons.items())

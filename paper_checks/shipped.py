@@ -9,16 +9,17 @@ part of the fingerprint. A finding whose fingerprint no longer fits is stale.
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from paper_checks.discover import Entry
-from paper_checks.imports import digest
 from paper_checks.outcome import Judgement, Provenance
-from paper_checks.store import digest_of, judgement_from, write_text
+from paper_checks.stored_judgement import judgement_from, plain_judgement
+from theory.parameters import ParameterError
+from verification.execution.metadata import Code, Metadata, staleness
+from verification.execution.record import Record
 
 FOLDER = Path(__file__).parent / "findings"
 
@@ -46,12 +47,6 @@ class Shipped:
     package: str
     packages: Collection[str]
 
-    def fingerprint(self, entry: Entry) -> str:
-        """Return a digest of the claim's key and of the code its module depends on."""
-        return digest_of(
-            [entry.claim.key, digest([f"{self.package}.{entry.group}"], self.packages)]
-        )
-
     def load(self, entry: Entry) -> Judgement | None:
         """Return the shipped judgement of an expensive claim, to be shown as stored.
 
@@ -61,32 +56,30 @@ class Shipped:
             None if the claim is not expensive, there is no finding or it is damaged, or it is
             stale and cheap. Its ``provenance`` says whether it is stale.
         """
-        if not entry.claim.expensive:
-            return None
         key = entry.claim.key
-        try:
-            held = json.loads((self.folder / f"{key}.json").read_text(encoding="utf-8"))
-            if held["digest"] != digest_of(held["judgement"]):
-                raise ValueError("digest")
-            judgement = judgement_from(held["judgement"])
-            stale = held["fingerprint"] != self.fingerprint(entry)
-            provenance = Provenance(held["command"], held["versions"], held["machine"], stale)
-        except FileNotFoundError:
+        path = self.folder / f"{key}.json"
+        if not entry.claim.expensive or not path.exists():
             return None
-        except (OSError, ValueError, KeyError, TypeError):
+        try:
+            record = Record.load(path, "finding")
+            if record.metadata.parameters["claim"] != key:
+                raise ValueError("claim")
+            judgement = judgement_from(record.content["judgement"])
+        except (OSError, ParameterError, ValueError, KeyError, TypeError):
             logger.info("the shipped finding of %s is damaged and is ignored", key)
             return None
+        metadata = record.metadata
+        stale = bool(staleness(metadata.code, self.packages))
+        if metadata.code is not None:
+            stale |= metadata.code.modules != (self._module(entry),)
         if stale and judgement.seconds < CHEAP:
             logger.info("the shipped finding of %s is stale and is computed anew", key)
             return None
+        provenance = Provenance(metadata.command, metadata.versions, metadata.machine, stale)
         return replace(judgement, provenance=provenance)
 
     def record(
-        self,
-        entry: Entry,
-        judgement: Judgement,
-        versions: Mapping[str, str | None],
-        machine: Mapping[str, object],
+        self, entry: Entry, judgement: Judgement, versions: Mapping[str, str | None]
     ) -> Path:
         """Write the judgement of an expensive claim that was computed in this run.
 
@@ -95,16 +88,18 @@ class Shipped:
         OSError
             If the folder takes no files, as that of an installed package may not.
         """
+        key = entry.claim.key
+        metadata = Metadata(
+            command=f"fronts check {key} --full --record",
+            parameters={"claim": key},
+            versions=versions,
+            code=Code.of([self._module(entry)], self.packages),
+        )
+        content = {"judgement": plain_judgement(judgement)}
         self.folder.mkdir(parents=True, exist_ok=True)
-        record = asdict(replace(judgement, stored=False, provenance=None))
-        held = {
-            "command": f"fronts check {entry.claim.key} --full --record",
-            "versions": dict(versions),
-            "machine": dict(machine),
-            "fingerprint": self.fingerprint(entry),
-            "digest": digest_of(record),
-            "judgement": record,
-        }
-        path = self.folder / f"{entry.claim.key}.json"
-        write_text(path, json.dumps(held, indent=1, ensure_ascii=False) + "\n")
+        path = self.folder / f"{key}.json"
+        Record(kind="finding", content=content, metadata=metadata).save(path)
         return path
+
+    def _module(self, entry: Entry) -> str:
+        return f"{self.package}.{entry.group}"

@@ -13,7 +13,7 @@ from paper_checks.pictures import COLOURS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from verification.sweeps.table import Table
+    from verification.execution.table import Table
 
 MARKS: Mapping[str, tuple[str, str]] = {
     "front": ("^", COLOURS["blue"]),
@@ -43,7 +43,7 @@ def draw_states(
     across, up : str
         Names of the columns on the two axes.
     boundary : Table, optional
-        Of ``verification.sweeps.boundary.Bisection`` over the same map.
+        Of ``verification.maps.boundary.Bisection`` over the same map.
     names : mapping of str to str, optional
         Labels that the legend calls otherwise.
     """

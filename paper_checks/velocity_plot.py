@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike
 
-    from theory.kinetic_relation import KineticRelation
+    from theory.piecewise.kinetic_relation import KineticRelation
     from verification.piecewise.run import FrontRun
 
 

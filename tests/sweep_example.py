@@ -8,8 +8,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from verification.sweeps.sweep import sweep
-from verification.sweeps.table import Point, grid
+from verification.execution.sweep import sweep
+from verification.execution.table import Point, grid
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,16 @@ def dying(point: Point) -> dict[str, float]:
     if point.number("x") == 4:
         os._exit(9)
     return {"value": point.number("x")}
+
+
+HUNGRY: set[int] = set()
+"""Points at which memory runs out."""
+
+
+def value(point: Point) -> dict[str, float | str]:
+    if point["x"] in HUNGRY:
+        raise MemoryError
+    return {"value": 1.0 / (0.1 + point.number("x")), "label": "small" * 20}
 
 
 POINTS = grid(x=range(1, 11), y=[1.5, 2.5])

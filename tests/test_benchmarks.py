@@ -39,11 +39,11 @@ from benchmarks.runner import (
 )
 from fronts.cli import main
 from fronts.commands import bench
-from paper_checks.freshness import staleness
-from theory.envelope import envelope_rate
-from verification.friction.run import run_friction
-from verification.friction.start import nucleus
-from verification.scenes import REFERENCES, scene_named, timed
+from theory.averaged.envelope import envelope_rate
+from verification.execution.metadata import staleness
+from verification.quantities.scenes import REFERENCES, scene_named, timed
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
 
 def _fake(method, log, value=1.0, claimed=0.5, **options):
@@ -220,8 +220,8 @@ def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
 def test_every_friction_method_gives_its_largest_error():
     scene = timed("friction")[0]
     chain, end = friction.chain_of(scene), scene.values["t"]
-    start = nucleus(chain, [1])
-    true = run_friction(chain, start, end, samples=friction.SAMPLES).y
+    start = excite(chain, [1])
+    true = simulate(chain, start, end, samples=friction.SAMPLES).y
     rows = friction.contenders(chain, start, true, end, quick=True)
     seen = {}
     for row in rows:
@@ -268,7 +268,7 @@ def test_the_stored_record_of_every_quantity_is_complete(quantity):
     assert record.versions["numpy"]
     for suffix in ("svg", "png"):
         assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
-    if staleness(dataclasses.asdict(record)):
+    if staleness(record.code):
         return  # it says so; scenes and methods may have changed since
     assert record.first_calls
     assert all(apart <= REFERENCES[quantity.name].accuracy for apart in record.agreement.values())
@@ -293,7 +293,7 @@ def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(quant
     assert all(row["default"] == quantity.default for row in mine)
     assert all(row["reasons"].keys() == {each["by"] for each in row["beaten"]} for row in mine)
     assert all(choice.NO_REASON not in row["reasons"].values() for row in mine)
-    if not staleness(dataclasses.asdict(record)):
+    if not staleness(record.code):
         assert {row["scene"] for row in mine} == set(quantity.scenes)
 
 
@@ -356,7 +356,7 @@ def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
     text = choice.as_text([row])
     assert "the default all the same: it is inexact" in text
     assert "one root is no rival: one root in an interval" in text
-    assert "stale: it does not say which code was measured" in text
+    assert "stale: it does not say which code it depends on" in text
 
 
 def test_a_rival_without_a_reason_is_said_to_have_none():

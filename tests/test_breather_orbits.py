@@ -11,17 +11,18 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve, root
 
 from fronts.cli import main
-from theory.breather import BreatherStatus, solve_breather
-from theory.vdp_chain import Ends, VdpChain
+from theory.averaged.breather import BreatherStatus, solve_breather
+from theory.chains.chain import Ends
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import (
     envelope_branch,
     solve_envelope_breather,
     staggered_branch,
 )
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import orbit_branch, solve_orbit
-from verification.integrators.variational import integrate_chain, integrate_variations
+from verification.steppers.variational import integrate_chain, integrate_variations
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
 SEED = 20261121
@@ -51,7 +52,7 @@ def differences(chain: VdpChain, state: np.ndarray, time: float) -> np.ndarray:
     return (ends[:, :size] - ends[:, size:]) / (2 * step)
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_taylor_flow_is_that_of_scipy(ends: Ends) -> None:
     chain = replace(CHAIN, ends=ends)
     state = np.random.default_rng(SEED).normal(size=14)

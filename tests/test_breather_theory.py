@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from theory.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
-from theory.envelope import (
+from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
+from theory.averaged.envelope import (
     envelope_jacobian,
     envelope_rate,
     staggered_defect,
@@ -18,8 +18,9 @@ from theory.envelope import (
     staggered_phase,
     staggered_rate,
 )
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.17, sites=8)
 SEED = 20261121
@@ -30,7 +31,7 @@ def noise(sites: int = 8) -> np.ndarray:
     return rng.normal(size=sites) + 1j * rng.normal(size=sites)
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_envelope_is_the_average_of_the_chain(ends: Ends) -> None:
     """Average εẏ-forces of (8) over a period at frozen φ, by a sum over 64 instants."""
     chain = replace(CHAIN, ends=ends)
@@ -47,7 +48,7 @@ def test_the_envelope_is_the_average_of_the_chain(ends: Ends) -> None:
     assert np.abs(envelope_rate(phi, chain) - averaged).max() < 1e-13
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_jacobian_is_the_derivative_of_the_rate(ends: Ends) -> None:
     chain, phi, step = replace(CHAIN, ends=ends), noise(), 1e-6
     columns = []
@@ -77,7 +78,7 @@ def test_the_staggered_reduction_fails_at_free_ends_by_what_it_says() -> None:
     assert left_out[1:-1].max() < 1e-15
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_staggered_jacobian_is_the_derivative(ends: Ends) -> None:
     chain, r, step = replace(CHAIN, ends=ends), noise().real, 1e-6
     columns = [

@@ -10,20 +10,23 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from paper_checks.claims import fig07, fig08, fig09, fig10, fig11
-from theory.envelope import envelope_rate
+from theory.averaged.breather import BreatherStatus
+from theory.averaged.envelope import envelope_rate
+from theory.chains.chain import Ends
+from theory.chains.nucleus import Nucleus, outward_pattern, right_angle_patterns
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
 from verification.breathers import exponents
 from verification.breathers.continuation import trace
-from verification.breathers.escape_range import escape_range
 from verification.breathers.newton import solve_at
-from verification.breathers.nucleation import Preparation, escape_threshold, hold, phase_steps
-from verification.breathers.nucleus import Nucleus, outward_pattern, right_angle_patterns
 from verification.breathers.orbits import solve_orbit
-from verification.breathers.run import RunStatus, run_breather
-from verification.breathers.slow_sweep import measure_delay
-from verification.breathers.threshold import Mechanism, Method, breather_threshold
-from verification.integrators.envelope_run import run_envelope
+from verification.breathers.run import run_breather
+from verification.runs.envelope_run import run_envelope
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.escape import escape_range, escape_threshold
+from verification.thresholds.preparation import Preparation, hold, phase_steps
+from verification.thresholds.result import Mechanism, ThresholdMethod
+from verification.thresholds.slow_sweep import measure_delay
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
@@ -38,7 +41,7 @@ def test_continuation_finds_the_fold_of_a_circle() -> None:
     assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_a_run_of_the_envelope_is_that_of_scipy(ends: Ends) -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.15, sites=7, ends=ends)
     rng = np.random.default_rng(SEED)
@@ -78,7 +81,7 @@ def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
 
 
 def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
-    for method in (Method.ENVELOPE, Method.ORBIT):
+    for method in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT):
         found = breather_threshold(CHAIN, Nucleus(1), method)
         assert found.mechanism is Mechanism.SYMMETRY_BREAKING
         assert found.c_stable is not None
@@ -181,7 +184,7 @@ def test_a_range_of_escape_needs_a_coupling_at_which_the_nucleus_holds() -> None
 def test_a_run_of_the_chain_settles_on_the_orbit() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.05, sites=7)
     run, orbit = run_breather(chain, Nucleus(1)), solve_orbit(chain, Nucleus(1))
-    assert run.status is RunStatus.SETTLED
+    assert run.status is BreatherStatus.SETTLED
     assert np.abs(run.amplitudes - orbit.amplitudes).max() <= run.error < 1e-5
     assert run.frequency == pytest.approx(orbit.frequency, abs=1e-8)
 
@@ -191,14 +194,14 @@ def test_a_run_of_the_chain_settles_where_damping_is_strong(eps: float) -> None:
     """With one step for every ε the drift stays at the truncation error of that step."""
     chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=eps, sites=9)
     run, orbit = run_breather(chain, Nucleus(1)), solve_orbit(chain, Nucleus(1))
-    assert run.status is RunStatus.SETTLED
+    assert run.status is BreatherStatus.SETTLED
     assert np.abs(run.amplitudes - orbit.amplitudes).max() <= run.error < 1e-5
     assert run.frequency == pytest.approx(orbit.frequency, abs=1e-8)
 
 
 def test_beyond_the_fold_a_run_of_the_chain_escapes() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.21, eps=0.05, sites=7)
-    assert run_breather(chain, Nucleus(1)).status is RunStatus.ESCAPED
+    assert run_breather(chain, Nucleus(1)).status is BreatherStatus.ESCAPED
 
 
 def test_wrong_nuclei_are_refused() -> None:

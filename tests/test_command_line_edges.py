@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import shlex
@@ -12,11 +11,10 @@ import pytest
 
 from fronts.arguments import with_values_joined
 from fronts.cli import main
-from fronts.progress import PERIOD, Fraction
-from theory.admissibility import check_admissible
-from theory.kinetic_relation import kinetic_relation
-from theory.limits import pinning_coupling, pinning_error, retreat_coupling
-from theory.unit_cell import threshold_ratio
+from theory.cells.vdp import threshold_ratio
+from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
 
 
 def _refused(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, str]:
@@ -81,9 +79,9 @@ def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
 @pytest.mark.parametrize(
     ("line", "quantity"),
     [
-        ("simulate friction --start-point minimum --displacement 3", "--start-point"),
-        ("simulate vdp --seed 3", "--seed"),
-        ("simulate vdp --perturbation 0.1 --seed -3", "--seed"),
+        ("simulate friction --start-point minimum --displacement 3", "start point"),
+        ("simulate vdp --seed 3", "seed"),
+        ("simulate vdp --perturbation 0.1 --seed -3", "seed"),
         ("simulate vdp --excite 1:99999999999", "--excite"),
         ("stress --list --savings", "--list"),
         ("stress --list --record", "--record"),
@@ -91,7 +89,7 @@ def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
         ("stress --savings --resume", "--resume"),
         ("stress --list --resume", "--resume"),
         ("stress --record --quantity c-pin", "--quantity"),
-        ("profile --c 0.5 --eta 0.03 --from 5 --to 5", "last position --to"),
+        ("profile --c 0.5 --eta 0.03 --from 5 --to 5", "last position"),
         ("kinetic --c 0.1:0.1:5 --eta 0.03", "--c"),
         ("kinetic --c 0.5 --eta 0.1:0.01:5", "--eta"),
         ("kinetic --c 0.1:inf:5 --eta 0.03", "--c"),
@@ -99,7 +97,7 @@ def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
         ("simulate vdp --mu-d 0.3", "--mu-d"),
         ("breather --c 0.1 --seed 3", "--seed"),
         ("kinetic --c 0.3:3:4 --eta 0.03 --out /nowhere/curve.csv", "--out"),
-        ("profile --c 0.5 --eta 0.03125 --branch 7", "--branch"),
+        ("profile --c 0.5 --eta 0.03125 --branch 7", "branch"),
         ("roots --v 0.3 --c 0.5 --count 100000 --digits 2000", "roots times digits"),
         ("roots --v 0.3 --c 0.5 --extent 100000 --digits 2000", "roots times digits"),
         ('derive cell --damping "1-y**40"', "damping"),
@@ -119,9 +117,11 @@ def test_an_option_without_its_value_is_named(capsys):
 @pytest.mark.parametrize(
     ("lines", "allowed"),
     [
-        (("front friction --c 0.02 --n 1000000000", "front friction --c 0.02 --n 900",
-          "front friction --c 0.02 --n 3"), "a whole number from 25 to 800"),
-        (("front vdp --c 0.6 --eta 0.03 --n 1000000000", "front vdp --c 0.6 --eta 0.03 --n 1001"),
+        (("front friction --c 0.02 --n 900", "front friction --c 0.02 --n 3"),
+         "a whole number from 25 to 800"),
+        (("front friction --c 0.02 --n 1000000000", "simulate friction --n 1000000000"),
+         "a whole number from 1 to 1000000"),
+        (("front vdp --c 0.6 --eta 0.03 --n 1001", "front vdp --c 0.6 --eta 0.03 --n 2000"),
          "a whole number from 2 to 1000"),
         (("kinetic --c 0 --eta 0.03", "kinetic --c 1e-300 --eta 0.03", "kinetic --c nan --eta 0.1",
           "kinetic --c 1e9 --eta 0.1"), "from 1e-08 to 1e+08"),
@@ -208,7 +208,7 @@ def test_a_front_at_rest_on_the_threshold_is_judged_at_once():
 
 
 def test_the_progress_of_a_curve_rises_to_its_end():
-    from theory.kinetic_relation import trace_kinetic_relation
+    from theory.piecewise.kinetic_relation import trace_kinetic_relation
 
     told: list[float] = []
     many = trace_kinetic_relation([0.5] * 201, [0.03125], progress=told.append)
@@ -216,23 +216,6 @@ def test_the_progress_of_a_curve_rises_to_its_end():
     assert told == sorted(told)
     assert 0.5 <= told[-1] <= 1.0  # two blocks of scenes
     assert {answer.branches for answer in many} == {kinetic_relation(0.5, 0.03125).branches}
-
-
-class _Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def test_nothing_is_said_of_the_time_left_before_anything_is_done(monkeypatch):
-    clock = [0.0]
-    monkeypatch.setattr("fronts.progress.time.perf_counter", lambda: clock[0])
-    terminal = _Terminal()
-    with Fraction("run", terminal) as shown:
-        for fraction in (0.0, 0.25):
-            clock[0] += 2 * PERIOD
-            shown.show(fraction)
-    assert "... run: 0 %\r" in terminal.getvalue()
-    assert f"25 %, about {3 * 4 * PERIOD:.0f} s left" in terminal.getvalue()
 
 
 def _stopped(capsys: pytest.CaptureFixture[str], line: str) -> str:
@@ -246,7 +229,7 @@ def test_an_interrupted_run_names_its_checkpoint(chain, tmp_path, capsys, monkey
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fronts.progress.Fraction.show", stop)
+    monkeypatch.setattr("verification.execution.progress.Progress.report", stop)
     file = tmp_path / "kept.npz"
     line = f"simulate {chain} --excite 1 --t-end 50 --json"
     assert _stopped(capsys, line) == "interrupted; nothing half-written is left behind."
@@ -264,22 +247,22 @@ def test_an_interrupted_run_names_its_checkpoint(chain, tmp_path, capsys, monkey
         "stress --quantity c-pin --points 60 --workers 1",
     ],
 )
-def test_an_interrupted_sweep_names_its_journal(line, tmp_path, capsys, monkeypatch):
+def test_an_interrupted_sweep_names_its_file(line, tmp_path, capsys, monkeypatch):
     def stop(_: object, fraction: float) -> None:
         if fraction > 0:
             raise KeyboardInterrupt
 
     out = tmp_path / "table.csv"
     with monkeypatch.context() as patch:
-        patch.setattr("fronts.progress.Fraction.show", stop)
+        patch.setattr("verification.execution.progress.Progress.report", stop)
         said = _stopped(capsys, f"{line} --out {shlex.quote(str(out))} --json")
-    journal = tmp_path / "table.csv.part"
-    assert journal.exists()
-    assert f"{journal} is kept" in said
+    part = tmp_path / "table.csv.part"
+    assert part.exists()
+    assert f"{part} is there" in said
     assert "--resume" in said
     assert main(shlex.split(f"{line} --out {shlex.quote(str(out))} --resume")) == 0
     assert out.exists()
-    assert not journal.exists()
+    assert not part.exists()
 
 
 @pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])
@@ -304,7 +287,7 @@ def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys
 def test_a_map_ends_where_its_grid_ends():
     from paper_checks.pictures import new_axes
     from paper_checks.state_picture import draw_states
-    from verification.sweeps.table import table_of
+    from verification.execution.table import table_of
 
     states = table_of(
         [{"c": c, "v_d": v, "label": "front" if c else "breather"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -9,11 +10,11 @@ from pathlib import Path
 SCRIPT = """
 import sys
 sys.path.insert(0, {folder!r})
-import verification.compiled as compiled
+import verification.execution.compiled as compiled
 from numba.core import config
 compiled._HOME = __import__("pathlib").Path({folder!r})
 config.CACHE_DIR = {cache!r}
-compiled._keep_compiled_code()
+compiled.keep_compiled_code()
 from outer import outer
 print(outer(1.0))
 """
@@ -43,3 +44,53 @@ def test_a_change_in_a_called_file_is_seen(tmp_path: Path) -> None:
     (folder / "inner.py").write_text(inner.format("3.25"))
     assert _answer(folder, cache) == 3.25
     assert len(list(cache.glob("compiled-*"))) == 2
+
+
+NOWHERE = """
+import os, sys
+sys.path.insert(0, {folder!r})
+import verification.execution.compiled as compiled
+from numba.core import config
+config.CACHE_DIR = ""
+compiled._can_be_written = lambda folder: folder.name.startswith("fronts-")
+print(compiled.keep_compiled_code())
+from inner import inner
+print(inner(1.0))
+print(os.environ["NUMBA_CACHE_DIR"])
+"""
+
+
+def test_where_nothing_can_be_written_code_is_compiled_into_a_temporary_folder(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "inner.py").write_text(
+        "from numba import njit\n@njit(cache=True)\ndef inner(x):\n    return 2.0 * x\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", NOWHERE.format(folder=str(tmp_path))],
+        capture_output=True, text=True, check=True, timeout=120,
+        env={**os.environ, "TMPDIR": str(tmp_path), "HOME": "/proc/no-such-home"},
+    )  # fmt: skip
+    folder, answer, inherited = done.stdout.splitlines()
+    assert answer == "2.0"
+    assert Path(folder).parent == Path(inherited)
+    assert Path(folder).parent.parent == tmp_path
+    assert not Path(folder).parent.exists()  # gone with the process
+
+
+def test_a_full_disk_does_not_end_a_computation_that_is_compiled(tmp_path: Path) -> None:
+    (tmp_path / "inner.py").write_text(
+        "from verification.execution.compiled import njit\n"
+        "@njit(cache=True)\ndef inner(x):\n    return 2.0 * x\n"
+    )
+    program = (
+        "import resource\nfrom inner import inner\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\nassert inner(1.0) == 2.0"
+    )
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parent.parent)])
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": path}
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=120,
+        env=environment, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")

@@ -13,9 +13,10 @@ from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER
 from derivations.symbols import epsilon
-from theory.breather import Reading, solve_breather
-from theory.envelope import envelope_rate
-from theory.vdp_chain import Ends, VdpChain
+from theory.averaged.breather import Reading, solve_breather
+from theory.averaged.envelope import envelope_rate
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 
 CELL = {"a": 2.5, "b": 0.5, "c": 0.1}
 

@@ -24,7 +24,9 @@ def test_every_step_of_the_cell_holds(name):
 
 
 def test_the_title_shows_the_damping():
-    assert derive(derive_envelope("2 - 3*y**2 + 5*y**4").model).title.endswith("5*y**4 - 3*y**2 + 2")
+    assert derive(derive_envelope("2 - 3*y**2 + 5*y**4").model).title.endswith(
+        "5*y**4 - 3*y**2 + 2"
+    )
 
 
 @pytest.mark.parametrize(("rest", "linear", "quintic"), [(1, 4, 0.5), (3, 11, 1)])

@@ -194,7 +194,8 @@ def test_a_derivation_whose_check_fails_says_so_and_stops():
     good = derivation("multiple-scales")
     old = good.steps[13]
     wrong = Given(name=old.name, given_as=good.steps[0].kind, words="a wrong claim",
-                  equation=equation(left_minus_right(old.result) * 2, 1), check=old.check)  # fmt: skip
+                  equation=equation(left_minus_right(old.result) * 2, 1),
+                  check=old.check)  # fmt: skip
     broken = Derivation(good.key, good.title, (*good.steps[:13], wrong, *good.steps[14:]))
     with pytest.raises(CheckFailedError, match="step 14"):
         broken.verify()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-import theory.unit_cell
+import theory.cells.vdp
 from derivations import catalogue
 from derivations.algebra.equations import parts_of
 from derivations.algebra.evidence import solved_for, value
@@ -35,13 +35,13 @@ from derivations.front.symbols import (
     v,
     zeta,
 )
-from theory import dispersion, limits
-from theory.front_profile import front_profile, front_profile_by_roots
-from theory.roots import labelled_roots, strip_bounds
-from theory.sum_bessel import sum_by_bessel
-from theory.sum_integral import sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
-from theory.sum_series import sum_by_roots
+from theory.piecewise import dispersion, limits
+from theory.piecewise.profile import front_profile, front_profile_by_roots
+from theory.piecewise.roots import labelled_roots, strip_bounds
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.series import sum_by_roots
 
 SUMS = (sum_by_integral, sum_by_quadrature, sum_by_roots, sum_by_bessel)
 
@@ -140,14 +140,14 @@ def test_54_the_ratio_of_the_cycles(front):
     for _ in range(5):
         a = rng.uniform(1, 5)
         b = rng.uniform(0.01, 0.12) * a * a
-        number = theory.unit_cell.eta_from_damping(a, b)
-        found = theory.unit_cell.threshold_ratio(number)
+        number = theory.cells.vdp.eta_from_damping(a, b)
+        found = theory.cells.vdp.threshold_ratio(number)
         assert found == pytest.approx(value(relation, {eta: number}).real, rel=1e-12)
         inner, outer = cell.compiled(a=a, b=b, c=0.1).amplitudes
         assert found == pytest.approx(inner / outer, rel=1e-9)
         slope = value(sp.diff(relation, eta), {eta: number}).real
-        assert theory.unit_cell.threshold_ratio_slope(number) == pytest.approx(slope, rel=1e-10)
-        assert theory.unit_cell.eta_from_ratio(found) == pytest.approx(number, rel=1e-12)
+        assert theory.cells.vdp.threshold_ratio_slope(number) == pytest.approx(slope, rel=1e-10)
+        assert theory.cells.vdp.eta_from_ratio(found) == pytest.approx(number, rel=1e-12)
 
 
 def test_the_static_sum_and_pinning(front):
@@ -158,7 +158,7 @@ def test_the_static_sum_and_pinning(front):
         spring, number = rng.uniform(0.05, 3), rng.uniform(0.002, 0.079)
         derived = solved_for(static, static_sum, {c: spring})
         assert limits.static_sum(spring) == pytest.approx(derived)
-        r = theory.unit_cell.threshold_ratio(number)
+        r = theory.cells.vdp.threshold_ratio(number)
         expected = solved_for(threshold, c_pin, {ratio: r}).real
         assert limits.pinning_coupling(number) == pytest.approx(expected, rel=1e-9)
         assert limits.pinning_eta(expected) == pytest.approx(number, rel=1e-9)
@@ -179,7 +179,7 @@ def test_the_limit_of_strong_coupling(front):
         number = rng.uniform(0.003, 0.07)
         fast = limits.strong_coupling_velocity(number)
         found = solved_for(total, strong_sum, {V: fast})
-        point = {strong_sum: found, ratio: theory.unit_cell.threshold_ratio(number)}
+        point = {strong_sum: found, ratio: theory.cells.vdp.threshold_ratio(number)}
         assert value(relation.lhs, point).real == pytest.approx(value(relation.rhs, point).real)
         assert complex(limits.strong_coupling_sum(fast)) == pytest.approx(found)
 
@@ -191,6 +191,6 @@ def test_weak_thresholds_follow_from_the_derived_integral(front):
     for number in (1e-4, 1e-6):
         fast = limits.weak_threshold_velocity(0.5, number)
         size = abs(evaluated(integral, {v: fast, c: 0.5}, lattice(0.5), fast))
-        errors.append(abs(size / (2 * theory.unit_cell.threshold_ratio(number)) - 1))
+        errors.append(abs(size / (2 * theory.cells.vdp.threshold_ratio(number)) - 1))
     assert errors[1] < errors[0] / 2
     assert math.isclose(errors[1], 0, abs_tol=0.05)

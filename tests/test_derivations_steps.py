@@ -6,17 +6,17 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from derivations.averaging.readings import averaged_breather
-from derivations.front.numbers import Lattice, profile
 
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import equals, value
+from derivations.averaging.readings import averaged_breather
 from derivations.cell.polynomial_text import DEEPEST, read_polynomial
+from derivations.front.numbers import Lattice, profile
 from derivations.symbols import a, b, damping_factor
-from theory.front_profile import front_profile
-from theory.vdp_chain import VdpChain
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
+from theory.piecewise.profile import front_profile
 from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.nucleus import Nucleus
 
 x = sp.Symbol("x")
 
@@ -63,6 +63,6 @@ def test_the_profile_by_history_is_that_of_the_integral_at_strong_coupling(zeta:
 
 def test_the_sampled_breather_is_that_of_the_averaged_chain() -> None:
     found = abs(averaged_breather())
-    chain = VdpChain(2.5, 0.5, 0.1, sites=23)
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=23)
     exact = abs(solve_envelope_breather(chain, Nucleus(1)).phi)[11:]
     np.testing.assert_allclose(found[:8], exact[:8], rtol=1e-8, atol=1e-12)

@@ -83,7 +83,7 @@ def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(
     own, fast_time = 0.3 + 0.4j, 0.6
     rest = {a: 1.7, epsilon: 0.2, omega: 1.1, t: fast_time}
     missing = derived.args[0] - printed.args[0]
-    names = {q: 0.4 + 0.1j for q in missing.atoms(AppliedUndef, sp.Derivative)}
+    names = dict.fromkeys(missing.atoms(AppliedUndef, sp.Derivative), 0.4 + 0.1j)
     number = value(missing, {**names, **rest, b: 0.9, c: 0.3, phi(n, t): own})
     fast = sp.exp(-2j * rest[omega] * fast_time)
     # By hand: ε (φ + φ* e)/2 times a times twice (φ*)² e over 4ω².
@@ -100,7 +100,12 @@ def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
 ) -> None:
     found = judgements[4]
     passing = printed_module.Judgement(
-        found.printed, found.step, found.corrected, found.on_derived, found.on_derived, (),
+        found.printed,
+        found.step,
+        found.corrected,
+        found.on_derived,
+        found.on_derived,
+        (),
         True,
     )
     monkeypatch.setattr(equations, "_judgements", lambda: {**judgements, 4: passing})

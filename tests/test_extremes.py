@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
-from theory.kinetic_sum import PrecisionError
 from theory.parameters import ParameterError
-from verification.extremes import judging
-from verification.extremes.discover import all_quantities, quantity_named
-from verification.extremes.judging import BAD, Outcome, is_clear, judge
-from verification.extremes.quantity import Axis, Check, Claim, Quantity
-from verification.extremes.table import stability
-from verification.scenes import FAMILIES, REFERENCES, scenes_of
+from theory.piecewise.sums.result import PrecisionError
+from verification.quantities import judging
+from verification.quantities.discover import all_quantities, quantity_named
+from verification.quantities.judging import BAD, Outcome, is_clear, judge
+from verification.quantities.quantity import Axis, Check, Claim, Quantity
+from verification.quantities.scenes import FAMILIES, REFERENCES, scenes_of
+from verification.quantities.table import stability
 
 QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
 POINTS = {

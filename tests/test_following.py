@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
+import sqlite3
 import sys
 from pathlib import Path
 
 import pytest
 
 from fronts.cli import main
+from fronts.commands.check import STORE
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.following import combined
@@ -147,11 +150,12 @@ def test_what_cannot_be_followed_fails_and_is_named(capsys, claims, line, senten
     assert sentence in found["b"]["failure"]
 
 
-def test_an_interrupted_run_keeps_no_verdict_that_was_taken_over(capsys, monkeypatch, tmp_path):
+def test_an_interrupted_run_stores_no_verdict_that_was_taken_over(capsys, monkeypatch, tmp_path):
     folder = str(tmp_path / "out")
     run(capsys, "--out", folder)
-    kept = {path.stem for path in (tmp_path / "out" / ".findings").iterdir()}
-    assert kept == {"one", "two"}
+    with contextlib.closing(sqlite3.connect(tmp_path / "out" / STORE)) as file:
+        stored = {key for (key,) in file.execute("SELECT key FROM results")}
+    assert stored == {"one", "two"}
     code, claims, _ = run(capsys, "--out", folder, "--resume")
     assert code == 0
     assert claims["a-both"]["stored"]

@@ -15,20 +15,20 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fronts.cli import main
-from theory.friction_cell import FrictionCell, friction_coefficient, friction_force, friction_slope
-from theory.friction_chain import FrictionChain
+from theory.cells.friction import FrictionCell, friction_coefficient, friction_force, friction_slope
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
-from verification.friction.cell_continuation import continue_cycles
-from verification.friction.cell_cycles import unstable_once
-from verification.friction.cell_orbits import (
-    cell_orbits,
+from verification.cells.diagram import cell_diagram
+from verification.cells.friction import (
     cycle_end_velocity,
+    friction_cell,
     stick_slip_cycle,
     unstable_cycle,
 )
-from verification.friction.events import run_events
-from verification.vdp.cell import vdp_cell
+from verification.cells.friction_cycles import unstable_once
+from verification.cells.vdp import vdp_cell
+from verification.references.friction_events import run_events
 
 CELL = FrictionCell()
 DIGITS = 20
@@ -90,7 +90,9 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     assert abs(cycle.period - slip - stick) <= cycle.error
     _, low = precise_phase(CELL, CELL.release, CELL.v_d, 0.0)
     assert abs(cycle.min - low) <= cycle.error
-    run = run_events(FrictionChain(0.0, CELL, 1), np.array([[cycle.max], [0.0]]), cycle.period)
+    run = run_events(
+        FrictionChain.of(CELL, c=0.0, sites=1), np.array([[cycle.max], [0.0]]), cycle.period
+    )
     # Started at the largest y, the run is back there after a period, at rest; DOP853 to 1e-12.
     assert abs(run.y[-1, 0] - cycle.max) < 1e-11
     assert abs(run.velocity[-1, 0]) < 1e-10
@@ -98,11 +100,11 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
 
 def test_the_stated_errors_bound_the_true_ones() -> None:
     """At every tolerance, against the finest; both cycles and the end."""
-    exact = cell_orbits(CELL, 1e-14)
+    exact = friction_cell(CELL, 1e-14)
     assert exact.stable is not None
     assert exact.unstable is not None
     for tolerance in (1e-6, 1e-8, 1e-10, 1e-12):
-        rough = cell_orbits(CELL, tolerance)
+        rough = friction_cell(CELL, tolerance)
         for ours, true in ((rough.stable, exact.stable), (rough.unstable, exact.unstable)):
             assert ours is not None
             for name in ("max", "min", "period", "stick_time"):
@@ -125,10 +127,10 @@ def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_basin_ends_where_runs_change_their_fate(side: int) -> None:
-    orbits = cell_orbits(replace(CELL, v_d=1.6))
+    orbits = friction_cell(replace(CELL, v_d=1.6))
     assert orbits.basin is not None
     edge, outward = orbits.basin[side], 2 * side - 1
-    chain = FrictionChain(0.0, orbits.cell, 1)
+    chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
     fate = []
     for step in (-1e-3, 1e-3):
         start = np.array([[edge + outward * step], [0.0]])
@@ -166,7 +168,7 @@ def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
         assert cycle is not None
         sticks.append(cycle.stick_time)
     assert math.log10(sticks[0] / sticks[1]) / 2 == pytest.approx(0.5, abs=0.03)
-    both = cell_orbits(replace(CELL, v_d=end * (1 - 1e-10)))
+    both = friction_cell(replace(CELL, v_d=end * (1 - 1e-10)))
     assert both.stable is not None
     assert both.unstable is not None
     assert both.stable.max == pytest.approx(both.unstable.max, abs=1e-4)
@@ -175,28 +177,28 @@ def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
 def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
     """Shooting tends to the expansion; the expansion takes over within the bound it states."""
     for distance, room in ((1e-3, 1e-3), (1e-5, 1e-5), (1e-6, 1e-6)):
-        cell = FrictionCell(CELL.hopf_velocity + distance)
+        cell = FrictionCell(v_d=CELL.hopf_velocity + distance)
         cycle = unstable_once(cell, 1e-13)
         assert cycle is not None
         small = math.sqrt(8 * cell.effective_damping * cell.v0**2 / -friction_slope(cell, cell.v_d))
         assert abs(cycle.amplitude / small - 1) < room
-    near = unstable_cycle(FrictionCell(CELL.hopf_velocity + 1e-8))
+    near = unstable_cycle(FrictionCell(v_d=CELL.hopf_velocity + 1e-8))
     assert near is not None
     # The expansion at 1e-8 beside the shot cycle at 1e-6: amplitudes go like the root.
     assert near.amplitude == pytest.approx(cycle.amplitude / 10, abs=near.error)
     assert near.error < 1e-7
     # Both are off centre by an amount that goes like the square of the amplitude.
     off = [
-        (each.max + each.min) / 2 - FrictionCell(CELL.hopf_velocity + distance).steady_sliding
+        (each.max + each.min) / 2 - FrictionCell(v_d=CELL.hopf_velocity + distance).steady_sliding
         for each, distance in ((near, 1e-8), (cycle, 1e-6))
     ]
     assert 100 * off[0] == pytest.approx(off[1], rel=1e-2)
-    assert abs(near.max + near.min - 2 * FrictionCell(CELL.hopf_velocity).steady_sliding) < 1e-6
+    assert abs(near.max + near.min - 2 * FrictionCell(v_d=CELL.hopf_velocity).steady_sliding) < 1e-6
 
 
 def test_a_steep_friction_curve_is_seen_by_the_series() -> None:
     """v₀ = 1e-3: the peak of μ is far below round-off until just before the touch."""
-    cell = FrictionCell(0.5, v0=1e-3)
+    cell = FrictionCell(v_d=0.5, v0=1e-3)
     cycle = stick_slip_cycle(cell)
     assert cycle is not None
 
@@ -220,7 +222,7 @@ def test_a_steep_friction_curve_is_seen_by_the_series() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cell", "reverses"), [(FrictionCell(mu_d=0.0), True), (FrictionCell(20.0, xi=0.0), True)]
+    ("cell", "reverses"), [(FrictionCell(mu_d=0.0), True), (FrictionCell(v_d=20.0, xi=0.0), True)]
 )
 def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
     cell: FrictionCell, reverses: bool
@@ -229,7 +231,9 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
     assert cycle is not None
     assert (cycle.speed > cell.v_d) is reverses
     start = np.array([[cycle.max], [0.0]])
-    run = run_events(FrictionChain(0.0, cell, 1), start, 4 * cycle.period, longest_step=0.01)
+    run = run_events(
+        FrictionChain.of(cell, c=0.0, sites=1), start, 4 * cycle.period, longest_step=0.01
+    )
     ends = run.log[run.log[:, 2] == 1, 0]
     assert np.diff(ends)[-1] == pytest.approx(cycle.period, abs=1e-9)
     assert np.any(run.log[:, 2] == 2)
@@ -237,22 +241,22 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
 
 def test_a_cell_that_never_sticks_is_refused() -> None:
     with pytest.raises(ParameterError, match="stick"):
-        cell_orbits(FrictionCell(200.0, xi=0.0))
+        friction_cell(FrictionCell(v_d=200.0, xi=0.0))
     with pytest.raises(ParameterError, match="v_d"):
-        cell_orbits(FrictionCell(1e-300))
+        friction_cell(FrictionCell(v_d=1e-300))
 
 
 @pytest.mark.parametrize(
     "cell",
     [
-        FrictionCell(1e-9), FrictionCell(1e-6), FrictionCell(1e4), FrictionCell(xi=0.0),
+        FrictionCell(v_d=1e-9), FrictionCell(v_d=1e-6), FrictionCell(v_d=1e4), FrictionCell(xi=0.0),
         FrictionCell(xi=1.0), FrictionCell(v0=1e-4, v_d=0.5), FrictionCell(v0=20.0),
-        FrictionCell(mu_d=0.999), FrictionCell(CELL.hopf_velocity),
-        FrictionCell(CELL.hopf_velocity * (1 + 1e-15)), FrictionCell(xi=1e-6),
+        FrictionCell(mu_d=0.999), FrictionCell(v_d=CELL.hopf_velocity),
+        FrictionCell(v_d=CELL.hopf_velocity * (1 + 1e-15)), FrictionCell(xi=1e-6),
     ],
 )  # fmt: skip
 def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCell) -> None:
-    orbits = cell_orbits(cell)
+    orbits = friction_cell(cell)
     stable = orbits.stable
     assert (stable is not None) == (cell.v_d < orbits.cycle_end_velocity)
     assert (orbits.basin is None) == (cell.effective_damping <= 0.0)
@@ -266,9 +270,9 @@ def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCel
 
 
 def test_the_diagram_is_the_cells_one_by_one() -> None:
-    diagram = continue_cycles(CELL, [1.0, 1.3, 1.7, 2.0])
+    diagram = cell_diagram(CELL, [1.0, 1.3, 1.7, 2.0])
     for i in (1, 2):
-        orbits = cell_orbits(replace(CELL, v_d=float(diagram.v_d[i])))
+        orbits = friction_cell(replace(CELL, v_d=float(diagram.v_d[i])))
         assert orbits.stable is not None
         assert orbits.unstable is not None
         assert diagram.stable[i, 1] == pytest.approx(orbits.stable.max, abs=1e-8)
@@ -278,7 +282,7 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
 
 
 def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None:
-    chain = VdpChain(2.5, 0.5, 0.0)
+    chain = VdpChain(a=2.5, b=0.5, c=0.0)
     gaps = []
     for eps in (0.04, 0.02, 0.01):
         cell = vdp_cell(2.5, 0.5, eps)

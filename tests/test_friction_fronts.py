@@ -9,10 +9,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain, FrictionEnds
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place, nucleus_sites
 from theory.parameters import ParameterError
-from verification.arrival_fit import (
+from verification.fronts.arrival_fit import (
     FrontStatus,
     Trial,
     leading,
@@ -20,13 +22,13 @@ from verification.arrival_fit import (
     settle,
     velocity_of_arrivals,
 )
-from verification.friction.front import measure_friction_front
-from verification.friction.lane import FrictionLane
-from verification.friction.start import Place, StartPoint, nucleus, nucleus_sites
-from verification.friction.threshold import (
+from verification.fronts.measure import measure_front
+from verification.runs.excite import StartPoint, excite
+from verification.runs.friction_integration import FrictionIntegration
+from verification.thresholds.spreading import (
     Definition,
     Spreading,
-    friction_threshold,
+    spreading_threshold,
     spreads,
 )
 
@@ -87,10 +89,10 @@ def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[
 
 
 def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
-    chain = FrictionChain(0.1, sites=12)
-    start = nucleus(chain, [1])
-    lane = FrictionLane(chain, start, 1e-10)
-    lane.go_to(110.0)
+    chain = FrictionChain(c=0.1, sites=12)
+    start = excite(chain, [1])
+    lane = FrictionIntegration(chain, start, tolerance=1e-10)
+    lane.advance_to(110.0)
     by_scipy = _arrivals_by_scipy(0.1, start[0], 110.0)
     known = ~np.isnan(by_scipy)
     assert np.count_nonzero(known) >= 9
@@ -99,7 +101,7 @@ def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
     assert np.max(np.abs(by_scipy - lane.arrivals)[known]) < 1e-5
     reached = np.flatnonzero(known)[2:]
     slope = np.polyfit(reached, by_scipy[reached], 1)[0]
-    front = measure_friction_front(FrictionChain(0.1, sites=61), accuracy=0.02)
+    front = measure_front(FrictionChain(c=0.1, sites=61), accuracy=0.02)
     # a few sites only, timed in steps of a period of 6.35: one step over the sites seen
     few = 6.35 / (reached.size * slope)
     assert front.v == pytest.approx(1.0 / slope, rel=few)
@@ -107,11 +109,11 @@ def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
 
 
 def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
-    chain = FrictionChain(0.0, sites=5)
-    found = friction_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
+    chain = FrictionChain(c=0.0, sites=5)
+    found = spreading_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
     assert found.error < 1e-5
     for c, arrives in ((0.98 * found.low, False), (1.02 * found.high, True)):
-        start = nucleus(replace(chain, c=c), [1])
+        start = excite(replace(chain, c=c), [1])
         by_scipy = _arrivals_by_scipy(c, start[0], 400.0)
         assert (not np.isnan(by_scipy[1])) is arrives
 
@@ -119,8 +121,8 @@ def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
 @pytest.mark.parametrize("size", [1, 2])
 def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: int) -> None:
     edge, bulk = (
-        friction_threshold(
-            FrictionChain(0.0, sites=sites),
+        spreading_threshold(
+            FrictionChain(c=0.0, sites=sites),
             Spreading(factor * size, place, final_time=400.0),
             accuracy=1e-5,
             tests=0,
@@ -131,10 +133,12 @@ def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: in
 
 
 def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
-    chain = FrictionChain(0.05, sites=15)
-    one, other = (FrictionLane(chain, nucleus(chain, [site]), 1e-10) for site in (1, 15))
+    chain = FrictionChain(c=0.05, sites=15)
+    one, other = (
+        FrictionIntegration(chain, excite(chain, [site]), tolerance=1e-10) for site in (1, 15)
+    )
     for lane in (one, other):
-        lane.go_to(200.0)
+        lane.advance_to(200.0)
     assert np.count_nonzero(~np.isnan(one.arrivals)) > 6
     # sums in another order: round-off, a little amplified
     np.testing.assert_allclose(one.arrivals, other.arrivals[::-1], atol=1e-8)
@@ -142,8 +146,8 @@ def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
 
 def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
     for c, long in ((0.1, 121), (0.2, 161)):
-        short = measure_friction_front(FrictionChain(c, sites=41), most_sites=41, accuracy=0.1)
-        far = measure_friction_front(FrictionChain(c, sites=long), most_sites=long, accuracy=0.1)
+        short = measure_front(FrictionChain(c=c, sites=41), max_sites=41, accuracy=0.1)
+        far = measure_front(FrictionChain(c=c, sites=long), max_sites=long, accuracy=0.1)
         assert short.v is not None
         assert short.error is not None
         assert far.v is not None
@@ -153,19 +157,19 @@ def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
 
 
 def test_statuses() -> None:
-    pinned = measure_friction_front(FrictionChain(0.008, sites=31))
+    pinned = measure_front(FrictionChain(c=0.008, sites=31))
     assert (pinned.status, pinned.v, pinned.steady) == (FrontStatus.PINNED, 0.0, False)
     assert pinned.error == pytest.approx(1.0 / 3000.0)
-    beyond = FrictionChain(0.05, FrictionCell(v_d=1.9), 31)
-    collapsed = measure_friction_front(beyond)
+    beyond = FrictionChain.of(FrictionCell(v_d=1.9), c=0.05, sites=31)
+    collapsed = measure_front(beyond)
     assert (collapsed.status, collapsed.v) == (FrontStatus.COLLAPSED, None)
     # the same coupling from six sites: they creep on, below the threshold of one
-    wide = measure_friction_front(FrictionChain(0.009, sites=31), size=6, accuracy=0.1)
+    wide = measure_front(FrictionChain(c=0.009, sites=31), excited=6, accuracy=0.1)
     assert wide.steady
     assert wide.v is not None
     assert 0.002 < wide.v < 0.004
-    unsteady = measure_friction_front(
-        FrictionChain(0.1, sites=31), most_sites=31, accuracy=1e-6
+    unsteady = measure_front(
+        FrictionChain(c=0.1, sites=31), max_sites=31, accuracy=1e-6
     )  # fmt: skip
     assert unsteady.status is FrontStatus.UNSTEADY
 
@@ -230,18 +234,19 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
 
 
 def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
-    chain = FrictionChain(0.0, sites=15)
+    chain = FrictionChain(c=0.0, sites=15)
 
     def at(**options: object) -> float:
         spreading = Spreading(**{"size": 3, "final_time": 600.0, **options})  # type: ignore[arg-type]
-        return friction_threshold(chain, spreading, accuracy=1e-4, tests=0).c
+        return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0).c
 
     first, several, whole = (at(definition=each) for each in Definition)
     assert first < several < whole
     assert at(final_time=1200.0) < first
-    literal = replace(chain, ends=FrictionEnds.LITERAL)
+    literal = replace(chain, ends=Ends.LITERAL)
     one = [
-        friction_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c for ends in (chain, literal)
+        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c
+        for ends in (chain, literal)
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
     assert abs(one[0] - one[1]) > 10 * 1e-4
@@ -249,12 +254,12 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
 
 
 def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> None:
-    chain = FrictionChain(0.0, sites=15)
-    sharp = friction_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
+    chain = FrictionChain(c=0.0, sites=15)
+    sharp = spreading_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
     assert sharp.monotone
     assert sharp.late <= sharp.c
     assert sharp.width < 1e-3 * sharp.c
-    late = friction_threshold(chain, Spreading(3, final_time=400.0), accuracy=1e-5, tests=4)
+    late = spreading_threshold(chain, Spreading(3, final_time=400.0), accuracy=1e-5, tests=4)
     assert late.fuzzy is not None
     assert late.fuzzy[0] == late.late < late.c
     assert late.width > 100.0 * late.error
@@ -265,9 +270,9 @@ def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> N
 
 
 def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
-    chain = FrictionChain(0.0, sites=9)
+    chain = FrictionChain(c=0.0, sites=9)
     coarse, fine = (
-        friction_threshold(
+        spreading_threshold(
             chain, Spreading(final_time=400.0, tolerance=each), accuracy=1e-6, tests=0
         )
         for each in (1e-6, 1e-11)
@@ -281,17 +286,17 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         lambda: Spreading(0),
         lambda: Spreading(final_time=0.0),
         lambda: Spreading(tolerance=1.0),
-        lambda: spreads(FrictionChain(0.01, sites=3), Spreading(3)),
-        lambda: friction_threshold(FrictionChain(0.0, FrictionCell(v_d=1.9)), Spreading()),
-        lambda: friction_threshold(FrictionChain(0.0, sites=5), Spreading(), lowest=0.1),
-        lambda: friction_threshold(FrictionChain(0.0), Spreading(), lowest=0.0),
-        lambda: friction_threshold(FrictionChain(0.0), Spreading(), highest=1e-4),
-        lambda: friction_threshold(FrictionChain(0.0), Spreading(), accuracy=0.0),
-        lambda: measure_friction_front(FrictionChain(0.0, sites=101)),
-        lambda: measure_friction_front(FrictionChain(0.02, sites=5)),
-        lambda: measure_friction_front(FrictionChain(0.02, sites=101), size=0),
-        lambda: measure_friction_front(FrictionChain(0.02, sites=101), accuracy=1.0),
-        lambda: measure_friction_front(FrictionChain(0.02, sites=101, ends=FrictionEnds.LITERAL)),
+        lambda: spreads(FrictionChain(c=0.01, sites=3), Spreading(3)),
+        lambda: spreading_threshold(FrictionChain.of(FrictionCell(v_d=1.9), c=0.0), Spreading()),
+        lambda: spreading_threshold(FrictionChain(c=0.0, sites=5), Spreading(), lowest=0.1),
+        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), lowest=0.0),
+        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), highest=1e-4),
+        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=0.0),
+        lambda: measure_front(FrictionChain(c=0.0, sites=101)),
+        lambda: measure_front(FrictionChain(c=0.02, sites=5)),
+        lambda: measure_front(FrictionChain(c=0.02, sites=101), excited=0),
+        lambda: measure_front(FrictionChain(c=0.02, sites=101), accuracy=1.0),
+        lambda: measure_front(FrictionChain(c=0.02, sites=101, ends=Ends.LITERAL)),
         lambda: nucleus_sites(31, Place.EDGE, 32),
     ],
 )

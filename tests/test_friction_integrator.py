@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain, FrictionEnds
-from theory.parameters import ParameterError
-from verification.friction.cell_orbits import cycle_end_velocity
-from verification.friction.events import run_events
-from verification.friction.lane import FrictionLane, FrictionRunError
-from verification.friction.run import FrictionRun, RunStatus, run_friction
-from verification.friction.start import nucleus
-from verification.integrators import friction
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.parameters import ParameterError, RunError
+from verification.cells.friction import cycle_end_velocity
+from verification.references.friction_events import run_events
+from verification.runs.excite import excite
+from verification.runs.friction_integration import FrictionIntegration
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import RunStatus, Trajectory
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -36,7 +37,7 @@ def holding_force(chain: FrictionChain, y: np.ndarray) -> np.ndarray:
     bend = 2 * y
     bend[:, 1:] -= y[:, :-1]
     bend[:, :-1] -= y[:, 1:]
-    if chain.ends is FrictionEnds.FREE:
+    if chain.ends is Ends.FREE:
         bend[:, 0] -= y[:, 0]
         bend[:, -1] -= y[:, -1]
     return 2 * chain.cell.xi * chain.cell.v_d + y + chain.c * bend
@@ -48,32 +49,36 @@ def sorted_log(log: np.ndarray) -> np.ndarray:
 
 
 SCENES = {
-    "cycle": (FrictionChain(0.0, sites=1), np.array([[2.0], [0.0]]), 60.0),
-    "three": (FrictionChain(0.02, sites=3), random_start(3), 60.0),
-    "five": (FrictionChain(0.05, sites=5), random_start(5), 60.0),
-    "strong": (FrictionChain(0.5, replace(CELL, v_d=0.5), 5), random_start(5), 40.0),
-    "reversals": (FrictionChain(10.0, sites=5), random_start(5), 15.0),
-    "wall": (FrictionChain(0.3, sites=4, ends=FrictionEnds.LITERAL), random_start(4), 40.0),
-    "slow belt": (FrictionChain(0.1, replace(CELL, v_d=0.01), 3), random_start(3), 60.0),
-    "undamped": (FrictionChain(0.1, replace(CELL, xi=0.0), 3), random_start(3), 40.0),
-    "steep": (FrictionChain(0.1, replace(CELL, v0=0.02, v_d=0.5), 3), random_start(3), 20.0),
-    "alike": (FrictionChain(0.3, sites=4), np.full((2, 4), 1.2) * [[1.5], [0.0]], 60.0),
-    "far": (FrictionChain(0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 20.0),
+    "cycle": (FrictionChain(c=0.0, sites=1), np.array([[2.0], [0.0]]), 60.0),
+    "three": (FrictionChain(c=0.02, sites=3), random_start(3), 60.0),
+    "five": (FrictionChain(c=0.05, sites=5), random_start(5), 60.0),
+    "strong": (FrictionChain.of(replace(CELL, v_d=0.5), c=0.5, sites=5), random_start(5), 40.0),
+    "reversals": (FrictionChain(c=10.0, sites=5), random_start(5), 15.0),
+    "wall": (FrictionChain(c=0.3, sites=4, ends=Ends.LITERAL), random_start(4), 40.0),
+    "slow belt": (FrictionChain.of(replace(CELL, v_d=0.01), c=0.1, sites=3), random_start(3), 60.0),
+    "undamped": (FrictionChain.of(replace(CELL, xi=0.0), c=0.1, sites=3), random_start(3), 40.0),
+    "steep": (
+        FrictionChain.of(replace(CELL, v0=0.02, v_d=0.5), c=0.1, sites=3),
+        random_start(3),
+        20.0,
+    ),
+    "alike": (FrictionChain(c=0.3, sites=4), np.full((2, 4), 1.2) * [[1.5], [0.0]], 60.0),
+    "far": (FrictionChain(c=0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 20.0),
 }
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_every_event_is_that_of_scipy(name: str) -> None:
     chain, start, t_end = SCENES[name]
-    ours = run_friction(chain, start, t_end, tolerance=1e-13, events=10_000, samples=201)
+    ours = simulate(chain, start, t_end, tolerance=1e-13, logged_events=10_000, samples=201)
     with warnings.catch_warnings():
         # In trial steps beyond an event the continued exponential may overflow; they are refused.
         warnings.simplefilter("ignore", RuntimeWarning)
         step = 0.003 if name in ("steep", "far") else 0.05
         theirs = run_events(chain, start, t_end, longest_step=step)
     assert ours.status is RunStatus.RESOLVED
-    assert len(ours.log) == len(theirs.log) == ours.events
-    mine, other = sorted_log(ours.log), sorted_log(theirs.log)
+    assert len(ours.event_log) == len(theirs.log) == ours.event_count
+    mine, other = sorted_log(ours.event_log), sorted_log(theirs.log)
     assert np.array_equal(mine[:, 1:], other[:, 1:])
     # DOP853 at 1e-13 accumulates about 1e-12 in these times, 1e-10 where y is 20 or μ is steep.
     room = 2e-9 if name in ("steep", "far") else 2e-11
@@ -86,8 +91,8 @@ def test_every_event_is_that_of_scipy(name: str) -> None:
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_the_error_reported_bounds_the_true_one(name: str, tolerance: float) -> None:
     chain, start, t_end = SCENES[name]
-    exact = run_friction(chain, start, t_end, tolerance=1e-14)
-    rough = run_friction(chain, start, t_end, tolerance=tolerance)
+    exact = simulate(chain, start, t_end, tolerance=1e-14)
+    rough = simulate(chain, start, t_end, tolerance=tolerance)
     assert rough.error is not None
     assert np.abs(rough.y - exact.y).max() <= rough.error
     assert np.abs(rough.velocity - exact.velocity).max() <= rough.error
@@ -101,10 +106,10 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
     """
     chain, start, t_end = SCENES[name]
     cell = chain.cell
-    first = run_friction(chain, start, t_end, tolerance=1e-12, events=10_000)
-    edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.log[:, 0]]))
+    first = simulate(chain, start, t_end, tolerance=1e-12, logged_events=10_000)
+    edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.event_log[:, 0]]))
     pieces = [np.linspace(a, b, 81) for a, b in pairwise(edges)]
-    run = run_friction(chain, start, t_end, tolerance=1e-12, times=np.concatenate(pieces).tolist())
+    run = simulate(chain, start, t_end, tolerance=1e-12, times=np.concatenate(pieces).tolist())
     gained = belt = burnt = 0.0
     for k, t in enumerate(pieces):
         rows = slice(81 * k, 81 * (k + 1))
@@ -123,7 +128,7 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
 
     def energy(y: np.ndarray, v: np.ndarray) -> float:
         ends = np.concatenate([[0.0], y, [0.0]])
-        stretch = np.diff(ends if chain.ends is FrictionEnds.LITERAL else y)
+        stretch = np.diff(ends if chain.ends is Ends.LITERAL else y)
         return float(0.5 * (v @ v + y @ y + chain.c * stretch @ stretch))
 
     change = energy(run.y[-1], run.velocity[-1]) - energy(*start)
@@ -133,7 +138,7 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
     assert belt - burnt == pytest.approx(gained + simpson_damping(run, pieces, cell), abs=1e-6)
 
 
-def simpson_damping(run: FrictionRun, pieces: list[np.ndarray], cell: FrictionCell) -> float:
+def simpson_damping(run: Trajectory, pieces: list[np.ndarray], cell: FrictionCell) -> float:
     total = 0.0
     for k, t in enumerate(pieces):
         v = run.velocity[81 * k : 81 * (k + 1)]
@@ -144,7 +149,7 @@ def simpson_damping(run: FrictionRun, pieces: list[np.ndarray], cell: FrictionCe
 @pytest.mark.parametrize("name", ["three", "five", "strong", "reversals", "undamped"])
 def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> None:
     chain, start, t_end = SCENES[name]
-    run = run_friction(chain, start, t_end, tolerance=1e-12, samples=4001, events=10_000)
+    run = simulate(chain, start, t_end, tolerance=1e-12, samples=4001, logged_events=10_000)
     w = run.velocity - chain.cell.v_d
     stuck = run.velocity == chain.cell.v_d
     force = np.abs(holding_force(chain, run.y.copy()))
@@ -153,7 +158,7 @@ def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> 
     # Exactly one mode: the log alone says which, and w agrees with it at every sample.
     for n in range(chain.sites):
         mode = int(np.sign(start[1, n] - chain.cell.v_d))
-        events = run.log[run.log[:, 1] == n + 1]
+        events = run.event_log[run.event_log[:, 1] == n + 1]
         expected, k = np.zeros(run.times.size, dtype=int), 0
         for i, t in enumerate(run.times):
             while k < len(events) and events[k, 0] < t:
@@ -179,7 +184,7 @@ def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> 
 def test_mirror_symmetry_survives_to_the_last_bit(sites: int, c: float) -> None:
     half = random_start((sites + 1) // 2)
     start = np.concatenate([half, half[:, ::-1][:, sites % 2 :]], axis=1)
-    run = run_friction(FrictionChain(c, sites=sites), start, 60.0 if c < 1 else 20.0)
+    run = simulate(FrictionChain(c=c, sites=sites), start, 60.0 if c < 1 else 20.0)
     assert np.array_equal(run.y, run.y[:, ::-1])
     assert np.array_equal(run.velocity, run.velocity[:, ::-1])
 
@@ -190,34 +195,34 @@ def test_uniform_sliding_is_an_equilibrium_of_free_ends_for_every_coupling(
     c: float, v_d: float
 ) -> None:
     cell = replace(CELL, v_d=v_d)
-    chain = FrictionChain(c, cell, 7)
+    chain = FrictionChain.of(cell, c=c, sites=7)
     start = np.array([np.full(7, cell.steady_sliding), np.zeros(7)])
-    run = run_friction(chain, start, 10.0, window=False)
+    run = simulate(chain, start, 10.0, active_window=False)
     # Unstable below the Hopf velocity: round-off grows by e^2 here.
     assert np.abs(run.y - cell.steady_sliding).max() < 1e-14
-    walls = run_friction(replace(chain, ends=FrictionEnds.LITERAL), start, 10.0)
+    walls = simulate(replace(chain, ends=Ends.LITERAL), start, 10.0)
     assert bool(np.abs(walls.y - cell.steady_sliding).max() > 1e-3) is (c > 0)
 
 
 def test_a_window_run_is_the_full_run() -> None:
-    chain = FrictionChain(0.02, sites=201)
-    start = nucleus(chain, [1])
+    chain = FrictionChain(c=0.02, sites=201)
+    start = excite(chain, [1])
     for tolerance in (1e-8, 1e-11):
         full, window = (
-            run_friction(chain, start, 150.0, tolerance=tolerance, window=each)
+            simulate(chain, start, 150.0, tolerance=tolerance, active_window=each)
             for each in (False, True)
         )
         assert window.mean_active < 60 < full.mean_active
         assert full.error is not None
         assert np.abs(full.y - window.y).max() <= max(full.error, tolerance)
-        assert full.events == window.events
+        assert full.event_count == window.event_count
 
 
 def test_uncoupled_sites_move_as_alone() -> None:
     start = random_start(4)
-    run = run_friction(FrictionChain(0.0, sites=4), start, 50.0, tolerance=1e-12)
+    run = simulate(FrictionChain(c=0.0, sites=4), start, 50.0, tolerance=1e-12)
     for n in range(4):
-        alone = run_friction(FrictionChain(0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
+        alone = simulate(FrictionChain(c=0.0, sites=1), start[:, [n]], 50.0, tolerance=1e-12)
         # Steps differ: each is good to its own error.
         assert np.abs(run.y[:, n] - alone.y[:, 0]).max() < 1e-9
 
@@ -225,28 +230,30 @@ def test_uncoupled_sites_move_as_alone() -> None:
 @pytest.mark.parametrize("sites", [2, 9, 50])
 def test_sites_that_start_alike_switch_together(sites: int) -> None:
     start = np.array([np.full(sites, 1.9), np.zeros(sites)])
-    run = run_friction(FrictionChain(0.3, sites=sites), start, 60.0, events=10_000)
+    run = simulate(FrictionChain(c=0.3, sites=sites), start, 60.0, logged_events=10_000)
     assert np.ptp(run.y, axis=1).max() == 0.0
-    times, counts = np.unique(run.log[:, 0], return_counts=True)
+    times, counts = np.unique(run.event_log[:, 0], return_counts=True)
     assert len(times) > 10
     assert np.all(counts == sites)
 
 
 def test_a_site_sticks_for_ever() -> None:
     slow = replace(CELL, v_d=1e-12)
-    run = run_friction(FrictionChain(0.0, slow, 2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4)
+    run = simulate(
+        FrictionChain.of(slow, c=0.0, sites=2), np.array([[0.0, 0.5], [1e-12, 1e-12]]), 1e4
+    )
     assert run.stuck.all()
-    assert run.events == 0
+    assert run.event_count == 0
     assert run.y[-1] == pytest.approx([1e-8, 0.5 + 1e-8], abs=1e-15)
 
 
 def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
-    chain = FrictionChain(0.0, sites=1)
+    chain = FrictionChain(c=0.0, sites=1)
     start = np.array([[CELL.release], [CELL.v_d]])
-    run = run_friction(chain, start, 20.0, events=100)
-    assert run.log[0, 0] < 1e-15
-    assert run.log[0, 2] == ENDS
-    beyond = run_friction(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
+    run = simulate(chain, start, 20.0, logged_events=100)
+    assert run.event_log[0, 0] < 1e-15
+    assert run.event_log[0, 2] == ENDS
+    beyond = simulate(chain, np.array([[5.0], [CELL.v_d]]), 1.0)
     assert np.all(np.diff(beyond.velocity[:50, 0]) < 0)
 
 
@@ -256,10 +263,10 @@ def test_a_start_at_the_verge_of_release_is_released_at_once() -> None:
      cycle_end_velocity(CELL) * (1 + 1e-9)],
 )  # fmt: skip
 def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: float) -> None:
-    chain = FrictionChain(0.0, replace(CELL, v_d=v_d), 1)
+    chain = FrictionChain.of(replace(CELL, v_d=v_d), c=0.0, sites=1)
     start = np.array([[chain.cell.release - 1e-3], [v_d]])
-    run = run_friction(chain, start, 60.0)
-    exact = run_friction(chain, start, 60.0, tolerance=1e-14)
+    run = simulate(chain, start, 60.0)
+    exact = simulate(chain, start, 60.0, tolerance=1e-14)
     assert np.isfinite(run.y).all()
     assert run.error is not None
     assert np.abs(run.y - exact.y).max() <= run.error
@@ -268,11 +275,11 @@ def test_at_the_critical_velocities_runs_are_finite_and_say_when_unsure(v_d: flo
 @pytest.mark.parametrize("v0", [0.1, 1e-2, 1e-3, 1e-5])
 @pytest.mark.parametrize("v_d", [1e-6, 0.3, 0.5])
 def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
-    chain = FrictionChain(0.05, replace(CELL, v0=v0, v_d=v_d), 2)
+    chain = FrictionChain.of(replace(CELL, v0=v0, v_d=v_d), c=0.05, sites=2)
     start = np.array([[1.4, 0.4], [0.0, 0.0]])
-    run = run_friction(chain, start, 15.0, tolerance=1e-10)
-    exact = run_friction(chain, start, 15.0, tolerance=1e-14)
-    assert run.sticks > 0
+    run = simulate(chain, start, 15.0, tolerance=1e-10)
+    exact = simulate(chain, start, 15.0, tolerance=1e-14)
+    assert run.counts["sticks"] > 0
     assert run.error is not None
     assert np.abs(run.y - exact.y).max() <= run.error
     # At tolerance 1e-10 the peak e^{-|w|/v₀} must have been seen, however narrow.
@@ -280,53 +287,53 @@ def test_steep_curves_and_slow_belts_converge(v0: float, v_d: float) -> None:
 
 
 def test_a_chain_of_ten_thousand_sites_runs() -> None:
-    chain = FrictionChain(0.02, sites=10_000)
-    long = run_friction(chain, nucleus(chain, [1]), 60.0, samples=3)
+    chain = FrictionChain(c=0.02, sites=10_000)
+    long = simulate(chain, excite(chain, [1]), 60.0, samples=3)
     short = replace(chain, sites=40)
-    brief = run_friction(short, nucleus(short, [1]), 60.0, samples=3)
+    brief = simulate(short, excite(short, [1]), 60.0, samples=3)
     assert np.isfinite(long.y).all()
     # Forty sites are enough for τ = 60: the far end is not reached to round-off.
     assert np.abs(long.y[:, :20] - brief.y[:, :20]).max() < 1e-9
 
 
 def test_what_cannot_be_run_is_refused() -> None:
-    chain = FrictionChain(0.1, sites=2)
+    chain = FrictionChain(c=0.1, sites=2)
     for start in (np.zeros((2, 3)), np.full((2, 2), np.nan), np.full((2, 2), np.inf)):
         with pytest.raises(ParameterError, match="start"):
-            run_friction(chain, start, 1.0)
-    with pytest.raises(ParameterError, match="tau"):
-        run_friction(chain, np.zeros((2, 2)), -1.0)
-    with pytest.raises(FrictionRunError):
-        run_friction(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
+            simulate(chain, start, 1.0)
+    with pytest.raises(ParameterError, match="end time"):
+        simulate(chain, np.zeros((2, 2)), -1.0)
+    with pytest.raises(RunError):
+        simulate(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
 
 
 def test_a_run_can_be_taken_in_parts() -> None:
-    chain = FrictionChain(0.05, sites=9)
-    start = nucleus(chain, [5])
-    whole, parts = (FrictionLane(chain, start, 1e-11) for _ in range(2))
-    whole.go_to(50.0)
+    chain = FrictionChain(c=0.05, sites=9)
+    start = excite(chain, [5])
+    whole, parts = (FrictionIntegration(chain, start, tolerance=1e-11) for _ in range(2))
+    whole.advance_to(50.0)
     for t in (13.0, 29.5, 50.0):
-        parts.go_to(t)
-    assert np.abs(whole.y - parts.y).max() < 1e-8
-    assert np.array_equal(whole.modes, parts.modes)
+        parts.advance_to(t)
+    assert np.abs(whole.state - parts.state).max() < 1e-8
+    assert np.array_equal(whole.stuck, parts.stuck)
 
 
 def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
-    chain = FrictionChain(0.05, sites=300)
-    lane = FrictionLane(chain, nucleus(chain, list(range(1, 301))), 1e-9)
-    lane.go_to(20.0)
+    chain = FrictionChain(c=0.05, sites=300)
+    lane = FrictionIntegration(chain, excite(chain, list(range(1, 301))), tolerance=1e-9)
+    lane.advance_to(20.0)
     for _ in range(5):
-        before = int(lane.counters[friction.STEPS])
-        lane.go_to(1e5, most_steps=40)
-        assert int(lane.counters[friction.STEPS]) - before == 40
-    assert lane.counters[friction.KINDS :].sum() > 300
+        before = lane.counts["steps"]
+        lane.advance_to(1e5, max_steps=40)
+        assert lane.counts["steps"] - before == 40
+    assert sum(lane.events.values()) > 300
 
 
 @pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])
 def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
-    chain = FrictionChain(0.05, sites=9)
-    start = nucleus(chain, place)
-    whole = run_friction(chain, start, 60.0, samples=7, events=500)
+    chain = FrictionChain(c=0.05, sites=9)
+    start = excite(chain, place)
+    whole = simulate(chain, start, 60.0, samples=7, logged_events=500)
     file = tmp_path / "run.npz"
     looks = 0
 
@@ -339,33 +346,39 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
     # A budget of one step of nine sites: the run is left after every step.
     for _ in range(2000):
         try:
-            resumed = run_friction(
-                chain, start, 60.0, samples=7, events=500, checkpoint=file, progress=interrupt,
+            resumed = simulate(
+                chain,
+                start,
+                60.0,
+                samples=7,
+                logged_events=500,
+                checkpoint=file,
+                progress=interrupt,
                 budget=1,
-            )  # fmt: skip
+            )
             break
         except KeyboardInterrupt:
             continue
     assert looks > 100
-    for name in ("y", "velocity", "envelope", "arrivals", "log"):
+    for name in ("states", "amplitude", "arrivals", "event_log"):
         assert np.array_equal(getattr(whole, name), getattr(resumed, name), equal_nan=True), name
     assert (whole.error, whole.steps) == (resumed.error, resumed.steps)
 
 
 def test_a_checkpoint_of_another_friction_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "run.npz"
-    chain = FrictionChain(0.05, sites=9)
-    run_friction(chain, nucleus(chain, [5]), 9.0, checkpoint=file)
+    chain = FrictionChain(c=0.05, sites=9)
+    simulate(chain, excite(chain, [5]), 9.0, checkpoint=file)
     for other, place, end, named in (
-        (FrictionChain(0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
+        (FrictionChain(c=0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
         (chain, [4], 9.0, "start"),
         (chain, [5], 10.0, "t_end"),
     ):
         with pytest.raises(ParameterError, match=named):
-            run_friction(other, nucleus(other, place), end, checkpoint=file)
+            simulate(other, excite(other, place), end, checkpoint=file)
 
 
 def test_more_samples_than_memory_holds_are_refused() -> None:
-    chain = FrictionChain(0.05, sites=1000)
+    chain = FrictionChain(c=0.05, sites=1000)
     with pytest.raises(ParameterError, match="at most 100000 for 1000 sites"):
-        run_friction(chain, nucleus(chain, [5]), 9.0, samples=200_000)
+        simulate(chain, excite(chain, [5]), 9.0, samples=200_000)

@@ -11,44 +11,45 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError
-from verification.friction.events import run_events
-from verification.friction.label import HOLD, WINDOW, label_friction
-from verification.friction.lane import FrictionLane
-from verification.friction.map import FrictionStateTask, friction_points
-from verification.friction.start import Place, nucleus
-from verification.label import Label
-from verification.sweeps.boundary import Bisection, boundary_lines
-from verification.sweeps.sweep import sweep
-from verification.sweeps.table import Point
+from verification.execution.sweep import sweep
+from verification.execution.table import Point
+from verification.maps.boundary import Bisection, boundary_lines
+from verification.maps.friction_rules import HOLD, WINDOW, find_friction_state
+from verification.maps.state import State
+from verification.maps.state_map import StateTask, state_points
+from verification.references.friction_events import run_events
+from verification.runs.excite import excite
+from verification.runs.friction_integration import FrictionIntegration
 
-SHORT = FrictionStateTask(sites=7)
+SHORT = StateTask(chain=FrictionChain(c=0, sites=7))
 
 
 @pytest.mark.parametrize(
     ("c", "v_d", "label"),
     [
-        (0.095, 1.05, Label.FRONT),
-        (0.05, 1.25, Label.FRONT),
-        (0.095, 1.45, Label.FIXED_POINT),
-        (0.02, 1.8, Label.FIXED_POINT),
-        (0.005, 1.55, Label.BREATHER),
+        (0.095, 1.05, State.FRONT),
+        (0.05, 1.25, State.FRONT),
+        (0.095, 1.45, State.FIXED_POINT),
+        (0.02, 1.8, State.FIXED_POINT),
+        (0.005, 1.55, State.BREATHER),
     ],
 )
-def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: Label) -> None:
+def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: State) -> None:
     result = SHORT(Point(c=c, v_d=v_d))
     assert result["label"] == label
-    chain = SHORT.chain(c, v_d)
+    chain = SHORT.at({"c": c, "v_d": v_d})
     end = min(float(result["time"]), 250.0)
-    run = run_events(chain, nucleus(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
+    run = run_events(chain, excite(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
     sticks = run.log[run.log[:, 2] == 0]
     late = sticks[sticks[:, 0] > end - WINDOW]
-    if label is Label.FRONT:
+    if label is State.FRONT:
         assert set(sticks[:, 1]) == set(range(1, 8))
         assert len(set(late[:, 1])) >= 4
-    elif label is Label.BREATHER:
+    elif label is State.BREATHER:
         assert set(sticks[:, 1]) == set(late[:, 1]) == {4}
         # six periods of about 6.35 in a window
         assert 5 <= len(late) <= 7
@@ -59,30 +60,32 @@ def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: Label)
 def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> None:
     rng = np.random.default_rng(2)
     for v_d in (1.2, 1.9):
-        chain = FrictionChain(0.1, FrictionCell(v_d), 8)
+        chain = FrictionChain.of(FrictionCell(v_d=v_d), c=0.1, sites=8)
         start = 1e-4 * rng.standard_normal((2, 8))
         start[0] += chain.cell.steady_sliding
-        lane = FrictionLane(chain, start, 1e-12)
+        lane = FrictionIntegration(chain, start, tolerance=1e-12)
         assert lane.going_to_rest()
-        before = np.abs(lane.velocity).max()
-        lane.go_to(400.0)
+        before = np.abs(lane.state[1]).max()
+        lane.advance_to(400.0)
         assert lane.arrived == 0
-        assert np.abs(lane.velocity).max() < before
-        excited = FrictionLane(chain, nucleus(chain, [4]), 1e-8)
+        assert np.abs(lane.state[1]).max() < before
+        excited = FrictionIntegration(chain, excite(chain, [4]), tolerance=1e-8)
         assert not excited.going_to_rest()
     # nothing can be said where sliding is unstable, however small the motion is
-    unstable = FrictionChain(0.1, FrictionCell(1.0), 8)
-    assert not FrictionLane(unstable, nucleus(unstable, [1], 0.57), 1e-12).going_to_rest()
+    unstable = FrictionChain.of(FrictionCell(v_d=1.0), c=0.1, sites=8)
+    assert not FrictionIntegration(
+        unstable, excite(unstable, [1], 0.57), tolerance=1e-12
+    ).going_to_rest()
 
 
 def test_a_front_needs_all_sites_and_time_to_hold() -> None:
-    chain = SHORT.chain(0.05, 1.25)
-    start = nucleus(chain, [4])
-    lane = FrictionLane(chain, start, 1e-8)
-    lane.go_to(1000.0)
-    found = label_friction(chain, start)
-    assert found.label is Label.FRONT
-    assert (found.reached, found.why) == (7, "decided")
+    chain = SHORT.at({"c": 0.05, "v_d": 1.25})
+    start = excite(chain, [4])
+    lane = FrictionIntegration(chain, start, tolerance=1e-8)
+    lane.advance_to(1000.0)
+    found = find_friction_state(chain, start)
+    assert found.state is State.FRONT
+    assert (found.reached, found.reason) == (7, "decided")
     last = float(np.max(lane.arrivals))
     assert HOLD * WINDOW <= found.time - last <= (HOLD + 1) * WINDOW
 
@@ -106,7 +109,7 @@ def test_a_breather_on_an_unstable_background_is_not_decided() -> None:
 
 def test_a_perturbation_can_undecide_beside_a_boundary() -> None:
     lines = boundary_lines(
-        sweep(SHORT, friction_points([0.08], [1.2, 1.4]), workers=1), ["c", "v_d"]
+        sweep(SHORT, state_points(SHORT, {"c": [0.08], "v_d": [1.2, 1.4]}), workers=1), ["c", "v_d"]
     )
     edge = sweep(Bisection(SHORT.alone(), 1e-3), lines, workers=1)
     at = float(edge["at"][0])
@@ -121,33 +124,37 @@ def test_a_perturbation_can_undecide_beside_a_boundary() -> None:
 
 def test_the_label_of_the_mirror_image_is_the_same() -> None:
     for c, v_d in ((0.05, 1.25), (0.005, 1.5), (0.09, 1.6)):
-        chain = SHORT.chain(c, v_d)
-        one, other = (label_friction(chain, nucleus(chain, [site])) for site in (2, 6))
-        assert (one.label, one.time, one.reached) == (other.label, other.time, other.reached)
+        chain = SHORT.at({"c": c, "v_d": v_d})
+        one, other = (find_friction_state(chain, excite(chain, [site])) for site in (2, 6))
+        assert (one.state, one.time, one.reached) == (other.state, other.time, other.reached)
 
 
 def test_maps_are_the_same_for_one_and_two_workers(tmp_path: Path) -> None:
-    points = friction_points([0.005, 0.05, 0.1], [1.05, 1.25, 1.55, 1.9])
+    points = state_points(SHORT, {"c": [0.005, 0.05, 0.1], "v_d": [1.05, 1.25, 1.55, 1.9]})
     tables = [
         sweep(SHORT, points, out=tmp_path / f"{workers}.csv", workers=workers) for workers in (1, 2)
     ]
     assert tables[0].as_csv() == tables[1].as_csv()
     assert set(tables[0]["label"]) == {"front", "breather", "fixed point"}
     one = Point(c=0.05, v_d=1.25)
-    assert FrictionStateTask(sites=9, size=3, place=Place.EDGE)(one)["label"] == "front"
+    three = Nucleus(3, "00", Place.EDGE)
+    wide = StateTask(chain=FrictionChain(c=0, sites=9), nucleus=three)
+    assert wide(one)["label"] == "front"
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: FrictionStateTask(sites=1),
-        lambda: FrictionStateTask(size=32),
-        lambda: FrictionStateTask(mu_st=0.5),
-        lambda: FrictionStateTask(v0=0.0),
-        lambda: FrictionStateTask(end=1.0),
-        lambda: FrictionStateTask(perturbation=1.0),
-        lambda: friction_points([-0.1], [1.0]),
-        lambda: friction_points([0.1], [0.0]),
+        lambda: StateTask(chain=FrictionChain(c=0, sites=1)),
+        lambda: replace(SHORT, nucleus=Nucleus(8, "0000000")),
+        lambda: replace(SHORT, end=1.0),
+        lambda: replace(SHORT, perturbation=1.0),
+        lambda: replace(SHORT, seed=1, held="c"),
+        lambda: state_points(SHORT, {"c": [-0.1], "v_d": [1.0]}),
+        lambda: state_points(SHORT, {"c": [0.1], "v_d": [0.0]}),
+        lambda: state_points(SHORT, {"c": [0.1], "mu_st": [0.5]}),
+        lambda: state_points(SHORT, {"eta": [0.1]}),
+        lambda: state_points(SHORT, {"velocity": [0.1]}),
     ],
 )
 def test_bad_parameters_are_refused(make: object) -> None:
@@ -190,10 +197,10 @@ def test_simulate_gives_numbers_files_and_a_picture(
     )
     assert main(shlex.split(line)) == 0
     answer = json.loads(capsys.readouterr().out)
-    lane = FrictionLane(
-        FrictionChain(0.05, sites=9), nucleus(FrictionChain(0.05, sites=9), [1]), 1e-9
+    lane = FrictionIntegration(
+        FrictionChain(c=0.05, sites=9), excite(FrictionChain(c=0.05, sites=9), [1]), tolerance=1e-9
     )
-    lane.go_to(150.0)
+    lane.advance_to(150.0)
     known = [t for t in answer["arrivals"] if t is not None]
     np.testing.assert_allclose(known, lane.arrivals[~np.isnan(lane.arrivals)], atol=1e-6)
     assert answer["width"] == len(known)

@@ -5,23 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from theory.friction_cell import FrictionCell
-from theory.friction_chain import FrictionChain
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.friction.cell_orbits import stick_slip_cycle
-from verification.friction.regularised import Solver, run_regularised
-from verification.friction.run import run_friction
-from verification.friction.start import nucleus
-from verification.friction.switch import run_switch
+from verification.cells.friction import stick_slip_cycle
+from verification.references.regularised import Solver, run_regularised
+from verification.references.switch_model import run_switch
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
-CHAIN = FrictionChain(0.02, sites=3)
-START = nucleus(CHAIN, [1])
-ONE = FrictionChain(0.0, sites=1)
+CHAIN = FrictionChain(c=0.02, sites=3)
+START = excite(CHAIN, [1])
+ONE = FrictionChain(c=0.0, sites=1)
 
 
 def test_the_switch_model_converges_with_the_first_power_of_the_band() -> None:
     """A site leaves stick with what is left of the band it came with: an error linear in it."""
-    exact = run_friction(CHAIN, START, 50.0, tolerance=1e-12)
+    exact = simulate(CHAIN, START, 50.0, tolerance=1e-12)
     errors = []
     for band in (1e-2, 1e-3, 1e-4):
         run = run_switch(CHAIN, START, 50.0, band=band, relative=1e-9, absolute=1e-11)
@@ -55,7 +55,7 @@ def test_the_period_of_the_switch_cell_is_short_in_proportion_to_the_band() -> N
 
 
 def test_fixed_steps_converge_until_the_band_limits_them() -> None:
-    exact = run_friction(CHAIN, START, 30.0, tolerance=1e-12)
+    exact = simulate(CHAIN, START, 30.0, tolerance=1e-12)
     errors = [
         np.abs(run_switch(CHAIN, START, 30.0, step=h, band=1e-6).y - exact.y).max()
         for h in (1e-1, 1e-2, 1e-3)
@@ -67,7 +67,7 @@ def test_fixed_steps_converge_until_the_band_limits_them() -> None:
 def test_on_smooth_motion_the_trapezoidal_rule_is_of_second_order() -> None:
     """No site sticks: started near steady sliding."""
     start = np.array([[0.8, 0.5, 0.5], [0.0, 0.0, 0.0]])
-    exact = run_friction(CHAIN, start, 20.0, tolerance=1e-13)
+    exact = simulate(CHAIN, start, 20.0, tolerance=1e-13)
     errors = [
         np.abs(run_switch(CHAIN, start, 20.0, step=h).y - exact.y).max() for h in (0.04, 0.02, 0.01)
     ]
@@ -81,7 +81,7 @@ def test_every_band_gives_a_finite_run_or_stops_and_says_where(
     band: float, step: float | None
 ) -> None:
     run = run_switch(CHAIN, START, 30.0, band=band, step=step)
-    exact = run_friction(CHAIN, START, 30.0)
+    exact = simulate(CHAIN, START, 30.0)
     assert np.isfinite(run.y).all()
     assert run.reached == 30.0
     # ode23t's default tolerances leave errors of a few hundredths, whatever the band.
@@ -90,13 +90,13 @@ def test_every_band_gives_a_finite_run_or_stops_and_says_where(
 
 
 def test_mirror_symmetry_of_the_switch_model() -> None:
-    chain = FrictionChain(0.05, sites=7)
-    run = run_switch(chain, nucleus(chain, [4]), 30.0, step=0.01)
+    chain = FrictionChain(c=0.05, sites=7)
+    run = run_switch(chain, excite(chain, [4]), 30.0, step=0.01)
     assert np.abs(run.y - run.y[:, ::-1]).max() < 1e-9
 
 
 def test_uniform_sliding_stays_in_the_switch_model() -> None:
-    chain = FrictionChain(3.0, sites=5)
+    chain = FrictionChain(c=3.0, sites=5)
     start = np.array([np.full(5, chain.cell.steady_sliding), np.zeros(5)])
     run = run_switch(chain, start, 20.0, step=0.01)
     assert np.abs(run.y - chain.cell.steady_sliding).max() < 1e-12
@@ -104,7 +104,7 @@ def test_uniform_sliding_stays_in_the_switch_model() -> None:
 
 @pytest.mark.parametrize("solver", list(Solver))
 def test_regularised_friction_converges_with_its_width(solver: Solver) -> None:
-    exact = run_friction(CHAIN, START, 12.0, tolerance=1e-12)
+    exact = simulate(CHAIN, START, 12.0, tolerance=1e-12)
     errors = []
     for delta in (1e-1, 1e-2, 1e-3):
         run = run_regularised(CHAIN, START, 12.0, solver=solver, delta=delta, tolerance=1e-8)

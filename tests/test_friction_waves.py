@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from theory.friction_chain import FrictionChain
+from theory.chains.friction import FrictionChain
 
 
 @pytest.mark.parametrize("c", [0.01, 0.3, 4.0])

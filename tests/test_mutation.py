@@ -131,8 +131,8 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
 
 
 def test_the_list_is_the_same_again() -> None:
-    source = (ROOT / "theory" / "dispersion.py").read_text(encoding="utf-8")
-    first, second = (mutants_of("theory/dispersion.py", source) for _ in range(2))
+    source = (ROOT / "theory" / "piecewise" / "dispersion.py").read_text(encoding="utf-8")
+    first, second = (mutants_of("theory/piecewise/dispersion.py", source) for _ in range(2))
     assert [m.name for m in first] == [m.name for m in second]
     assert len(first) > 30
 
@@ -158,8 +158,8 @@ def test_an_explanation_that_is_not_needed_is_named() -> None:
     assert stale_entries(explained, mutants, found) == ["m.py:f:0 ..."]
 
 
-@pytest.mark.parametrize("file", ["tests/test_theory_sums.py", "theory/limits.py"])
+@pytest.mark.parametrize("file", ["tests/test_theory_sums.py", "theory/piecewise/limits.py"])
 def test_tests_are_found_by_what_they_import(file: str) -> None:
     assert file in files_with_tests(ROOT)
-    assert {"theory/limits.py", "theory/unit_cell.py"} <= closure(ROOT, file)
+    assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= closure(ROOT, file)
     assert not any(name.startswith("derivations") for name in closure(ROOT, file))

@@ -12,11 +12,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 from fronts.cli import main
 from theory.parameters import ParameterError
+from verification.fronts.status import FrontStatus
 from verification.piecewise import chain as piecewise_chain
 from verification.piecewise import window as piecewise_window
-from verification.piecewise.chain import PiecewiseChain, Switching
+from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.crossing import first_zero
-from verification.piecewise.run import FrontStatus
 from verification.piecewise.simulation import hysteresis, simulate_front
 from verification.piecewise.window import (
     ChainState,
@@ -126,7 +126,7 @@ def crossings_by_runge_kutta(c, r, phi, count, longest_step):
 
 
 def crossings_by_chain(c, r, state, count):
-    chain, time, found = PiecewiseChain(c, r, state), 0.0, []
+    chain, time, found = PiecewiseMotion(c, r, state), 0.0, []
     for _ in range(count):
         step = chain.advance(1e3)
         assert isinstance(step, Switching)
@@ -145,7 +145,7 @@ def test_crossings_agree_with_a_runge_kutta_integration(c, eta, start, count):
     elif start == "moving":
         state = travelling_state(c, 1.4, 336)
     else:  # sites cross five times each here, close together
-        state = simulate_front(c, eta, most_periods=100).final
+        state = simulate_front(c, eta, max_periods=100).final
         state = ChainState(state.phi, state.origin)
     ours = crossings_by_chain(c, ratio(eta), state, count)
     theirs = crossings_by_runge_kutta(c, ratio(eta), state.phi, count, 0.02)
@@ -159,7 +159,7 @@ def test_crossings_agree_with_a_runge_kutta_integration(c, eta, start, count):
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (2.5, 0.03125)])
 def test_a_moving_window_gives_the_times_of_a_long_fixed_chain(c, eta):
     v, count = (0.31, 60) if c < 1 else (1.3, 60)
-    moving = simulate_front(c, eta, travelling_state(c, v, 400), most_periods=80)
+    moving = simulate_front(c, eta, travelling_state(c, v, 400), max_periods=80)
     long = widened(travelling_state(c, v, 400), 4000)
     fixed = crossings_by_chain(c, ratio(eta), long, count)
     times = np.array([time for time, _, _ in fixed])
@@ -226,7 +226,7 @@ def test_a_site_that_barely_overshoots_the_threshold_is_caught(excess):
     top = minimize_scalar(lambda t: -modulus(t), bounds=(1, 8), options={"xatol": 1e-10}).x
     r = modulus(top) * (1 - excess)
     expected = brentq(lambda t: modulus(t) - r, 0.5 * top, top, xtol=1e-13)
-    step = PiecewiseChain(c, r, step_state(96)).advance(1e3)
+    step = PiecewiseMotion(c, r, step_state(96)).advance(1e3)
     assert isinstance(step, Switching)
     assert (step.site, step.direction) == (1, 1)
     # the slope there is about sqrt(excess), so 1e-15 in phi moves the time by some 1e-11
@@ -306,7 +306,7 @@ def test_a_site_that_overtakes_the_window_makes_it_longer():
 
 def test_an_interrupted_run_leaves_the_next_one_whole(monkeypatch):
     calls = iter(range(10))
-    advance = PiecewiseChain.advance
+    advance = PiecewiseMotion.advance
 
     def interrupted(self, patience):
         if next(calls) == 5:
@@ -314,7 +314,7 @@ def test_an_interrupted_run_leaves_the_next_one_whole(monkeypatch):
         return advance(self, patience)
 
     with monkeypatch.context() as patch:
-        patch.setattr(PiecewiseChain, "advance", interrupted)
+        patch.setattr(PiecewiseMotion, "advance", interrupted)
         with pytest.raises(KeyboardInterrupt):
             simulate_front(0.5, 0.03125)
     assert simulate_front(0.5, 0.03125).steady

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -15,11 +16,12 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
+from fronts.commands import check
+from fronts.commands.check import STORE
 from paper_checks import discover, measurements
 from paper_checks.claim import Verdict
 from paper_checks.data_table import columns_as_csv, long_table
 from paper_checks.pictures import new_axes, picture
-from paper_checks.store import Store
 
 HERE = Path(__file__).parent
 KEYS = ["fig9-decay", "fig9-monotone", "fig16-speed", "fig16-misprint", "fig16-escape"]
@@ -30,6 +32,8 @@ import sys
 from paper_checks import discover
 discover.PACKAGE = "example_claims"
 from fronts.cli import main
+from fronts.commands import check
+from fronts.commands.check import STORE
 if __name__ == "__main__":
     # A test run in the background may have been told to ignore interrupts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -222,9 +226,9 @@ def test_one_and_two_processes_give_the_same_report(tmp_path, capsys):
         assert main(["check", "--out", str(folder), "--jobs", jobs]) == 0
         reports.append(without_times(json.loads((folder / "report.json").read_text())))
     assert reports[0] == reports[1]
-    names = sorted(path.name for path in (tmp_path / "1").iterdir() if path.is_file())
-    assert names == sorted(path.name for path in (tmp_path / "2").iterdir() if path.is_file())
-    assert len(names) == 2 + 2 * 2  # the page, the JSON, and two files for each picture
+    names = sorted(path.name for path in (tmp_path / "1").iterdir())
+    assert names == sorted(path.name for path in (tmp_path / "2").iterdir())
+    assert len(names) == 3 + 2 * 2  # page, JSON, store, and two files for each picture
     for name in (name for name in names if name.endswith((".svg", ".csv"))):
         assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
 
@@ -254,7 +258,9 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
     assert sum(report["counts"].values()) == len(report["claims"]) == 6
     assert report["headlines"] == ["fig16-speed", "fig9-monotone", "fig16-misprint"]
     assert {"python", "toolkit", "numpy", "scipy", "mpmath", "sympy"} <= set(report["versions"])
-    assert set(report["machine"]) == {"system", "architecture", "cores"}
+    assert set(report["machine"]) == {
+        "system", "architecture", "processor", "cores", "threads",
+    }  # fmt: skip
 
 
 def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, monkeypatch):
@@ -299,7 +305,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "ours, compiled31 s0.25 s0.001 s",
         "theirs---not <installed>",
         "beside-the-foldstiff",
-        "Stale: sum; it does not say which code was measured.",
+        "Stale: sum; it does not say which code it depends on.",
         "sites, 10 to 100",
         " (faster ones take minutes)10",
         "all107210000",
@@ -345,10 +351,9 @@ def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, capsys,
         if f"[{2 if jobs == '1' else 5}/6]" in line:
             break
     wait_for(tmp_path / "log", "fig16-speed")
-    for pid in [process.pid, *pids_of(tmp_path / "log")]:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(pid, signal.SIGKILL)
+    process.kill()
     process.communicate(timeout=20)
+    assert not still_alive(pids_of(tmp_path / "log")), "a worker outlives its killed parent"
     done = 2 if jobs == "1" else 5
     judged(tmp_path)
     assert not (folder / "index.html").exists()
@@ -372,8 +377,11 @@ def pids_of(log):
     return {int(line.split()[1]) for line in log.read_text().splitlines()}
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("jobs", ["1", "2"])
-def test_an_interrupt_keeps_what_is_finished_and_leaves_no_process(tmp_path, monkeypatch, jobs):
+def test_an_interrupt_stores_what_is_finished_and_leaves_no_process(
+    tmp_path, monkeypatch, jobs, number
+):
     folder = tmp_path / "report"
     monkeypatch.setenv("EXAMPLE_TROUBLE", "wait:fig16-speed")
     process = start("--out", str(folder), "--jobs", jobs)
@@ -382,18 +390,25 @@ def test_an_interrupt_keeps_what_is_finished_and_leaves_no_process(tmp_path, mon
         if f"[{finished}/6]" in line:
             break
     wait_for(tmp_path / "log", "fig16-speed")
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers as well
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal does: to the workers as well
+    else:
+        process.terminate()
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130
-    assert f"{finished} of 6 claims are judged and kept" in errors
+    assert f"{finished} of 6 claims are judged and stored" in errors
     assert "Traceback" not in errors
-    assert len(list((folder / ".findings").glob("*.json"))) == finished
-    assert [path.name for path in folder.iterdir()] == [".findings"]
-    pids = pids_of(tmp_path / "log")
+    assert len(stored(folder)) == finished
+    assert [path.name for path in folder.iterdir()] == [STORE]
+    assert not still_alive(pids_of(tmp_path / "log"))
+
+
+def still_alive(pids):
     deadline = time.monotonic() + 5  # a terminated process needs a moment to be gone
     while pids and time.monotonic() < deadline:
         pids = {pid for pid in pids if alive(pid)}
-    assert not pids
+        time.sleep(0.01)
+    return pids
 
 
 def alive(pid):
@@ -407,22 +422,30 @@ def alive(pid):
     return False
 
 
-@pytest.mark.parametrize("damage", ["half", "empty", "other digits", "other code", "no JSON"])
-def test_a_damaged_or_stale_finding_is_ignored(tmp_path, monkeypatch, capsys, damage):
+def stored(folder):
+    file = sqlite3.connect(folder / STORE)
+    try:
+        return [key for (key,) in file.execute("SELECT key FROM results")]
+    finally:
+        file.close()
+
+
+DAMAGE = {
+    "other digits": "UPDATE results SET text = replace(text, '0.700 000 000 1', '0.700 000 000 2')",
+    "another claim's": "UPDATE results SET text = (SELECT min(text) FROM results)",
+    "no JSON": "UPDATE results SET text = '[1, 2' WHERE key = 'fig9-decay'",
+    "gone": "DELETE FROM results WHERE key = 'fig9-decay'",
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_finding_is_computed_again(tmp_path, capsys, damage):
     folder = tmp_path / "report"
     assert main(["check", "fig9", "--out", str(folder)]) == 0
     judged(tmp_path)
-    path = folder / ".findings" / "fig9-decay.json"
-    text = path.read_text()
-    path.write_text(
-        {
-            "half": text[: len(text) // 2],
-            "empty": "",
-            "other digits": text.replace("0.700 000 000 1", "0.700 000 000 2"),
-            "other code": re.sub(r'("fingerprint": ")..', r"\1xx", text),
-            "no JSON": "[1, 2]",
-        }[damage]
-    )
+    with contextlib.closing(sqlite3.connect(folder / STORE)) as file:
+        assert file.execute(DAMAGE[damage]).rowcount
+        file.commit()
     assert main(["check", "fig9", "--out", str(folder), "--resume", "--json"]) == 0
     assert judged(tmp_path) == ["fig9-decay"]
     capsys.readouterr()
@@ -432,11 +455,18 @@ def test_a_damaged_or_stale_finding_is_ignored(tmp_path, monkeypatch, capsys, da
     assert judged(tmp_path) == ["fig9-decay", "fig9-monotone"]
 
 
-def test_the_fingerprint_depends_on_key_code_and_versions(tmp_path):
-    first = Store(tmp_path, "a" * 64, {"python": "3.11"})
-    others = [Store(tmp_path, "b" * 64, {"python": "3.11"}), Store(tmp_path, "a" * 64, {})]
-    prints = {store.fingerprint("k") for store in (first, *others)} | {first.fingerprint("l")}
-    assert len(prints) == 4
+@pytest.mark.parametrize("content", [b"", b"no database" * 500, None])
+def test_a_store_of_other_code_or_damaged_is_begun_anew(tmp_path, monkeypatch, content):
+    folder = tmp_path / "report"
+    assert main(["check", "fig9", "--out", str(folder)]) == 0
+    judged(tmp_path)
+    if content is None:
+        monkeypatch.setattr(check, "digest_of_packages", lambda _: "other code")
+    else:
+        (folder / STORE).write_bytes(content)
+    assert main(["check", "fig9", "--out", str(folder), "--resume"]) == 0
+    assert judged(tmp_path) == ["fig9-decay", "fig9-monotone"]
+    assert len(stored(folder)) == 2
 
 
 def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():

@@ -15,17 +15,17 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
-from theory.roots import labelled_roots
-from theory.sum_series import SeriesScene, tail_sum
-from theory.unit_cell import threshold_ratio
+from theory.cells.vdp import threshold_ratio
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.series import SeriesScene, tail_sum
+from verification.execution.sweep import sweep
+from verification.execution.table import Point, grid
 from verification.piecewise.chain import PiecewiseChain, Switching
 from verification.piecewise.window import travelling_state, truncation_bound
-from verification.savings import orbits, process, runs, sums, table
-from verification.savings.comparison import Comparison
-from verification.savings.table import SAVINGS, MeasuredSaving, Saving
-from verification.sweeps.sweep import sweep
-from verification.sweeps.table import Point, grid
-from verification.vdp.run import Model
+from verification.runs.model import Model
+from verification.work_reduction import orbits, process, runs, sums, table
+from verification.work_reduction.comparison import Comparison
+from verification.work_reduction.table import SAVINGS, MeasuredSaving, Saving
 
 ROOT = Path(__file__).parents[1]
 
@@ -118,7 +118,7 @@ def test_sites_at_rest_change_less_than_a_tenth_of_the_tolerance(
 def test_sites_behind_change_less_than_the_error_of_the_arrivals(
     c: float, end: float, tolerance: float
 ) -> None:
-    held(runs.sites_behind(c, end, tolerance), 1e6 * tolerance)  # times of 1e4, COMPANION = 100
+    held(runs.sites_behind(c, end, tolerance), 1e6 * tolerance)  # times of 1e4, COARSER = 100
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (1.5, 0.05), (3.0, 0.03125)])

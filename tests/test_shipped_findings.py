@@ -12,8 +12,8 @@ from fronts.cli import main
 from fronts.commands import check
 from paper_checks import discover, shipped
 from paper_checks.discover import find_entries
-from paper_checks.imports import closure, digest
 from paper_checks.outcome import judge
+from verification.execution.digest import closure, digest_of, digest_of_code
 
 CLAIM = """
 import os
@@ -76,12 +76,16 @@ def record(capsys, tmp_path):
 def change(path, edit):
     held = json.loads(path.read_text())
     edit(held)
-    path.write_text(json.dumps(held))
+    del held["checksum"]
+    path.write_text(json.dumps(held | {"checksum": digest_of(held)}))
 
 
 def long_ago(held):
     held["judgement"]["seconds"] = 1000.0
-    held["digest"] = shipped.digest_of(held["judgement"])
+
+
+def other_versions(held):
+    held["versions"]["numpy"] = "1.0"
 
 
 def test_only_expensive_findings_are_recorded_and_the_quick_run_shows_them(capsys, tmp_path):
@@ -103,7 +107,7 @@ def test_a_claim_that_is_not_expensive_is_computed_whatever_is_in_the_folder(cap
     slow = shipped.Shipped(tmp_path / "findings", "slow_code.claims", check._sources())
     fast = next(e for e in find_entries("slow_code.claims") if e.claim.key == "fast")
     record(capsys, tmp_path)
-    slow.record(fast, judge(fast.claim), {}, {})
+    slow.record(fast, judge(fast.claim), {})
     assert (tmp_path / "findings" / "fast.json").exists()
     assert run(capsys, tmp_path)[3] == ["fast"]
 
@@ -167,7 +171,7 @@ def test_a_damaged_one_is_ignored(capsys, tmp_path, damage):
 
 def test_other_versions_do_not_make_it_stale(capsys, tmp_path):
     path = record(capsys, tmp_path)
-    change(path, lambda held: held["versions"].update(numpy="1.0"))
+    change(path, other_versions)
     _, claims, _, ran = run(capsys, tmp_path)
     assert ran == ["fast"]
     assert claims["slow"]["provenance"]["versions"]["numpy"] == "1.0"
@@ -207,9 +211,9 @@ def test_a_computed_import_counts_as_the_whole_package(package):
 
 
 def test_the_digest_does_not_depend_on_line_ends(package):
-    before = digest(["slow_code.deep"], check._sources())
+    before = digest_of_code(["slow_code.deep"], check._sources())
     (package / "deep.py").write_bytes(b"N = 1\r\n")
-    assert digest(["slow_code.deep"], ["slow_code"]) == before
+    assert digest_of_code(["slow_code.deep"], ["slow_code"]) == before
 
 
 def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):

@@ -6,24 +6,38 @@ import importlib
 import json
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from theory.parameters import ParameterError
-from verification.sweeps.journal import journal_path
-from verification.sweeps.sweep import SweepError, sweep
-from verification.sweeps.table import Point, Table, grid, stamp_path, table_of
+from verification.execution.files import FileError
+from verification.execution.sweep import SweepError, part_path, sweep
+from verification.execution.table import Point, Table, grid, record_path, table_of
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
 sweep_example = importlib.import_module("sweep_example")
 POINTS, Slow, failing = sweep_example.POINTS, sweep_example.Slow, sweep_example.failing
+
+
+EXPECTED = {signal.SIGINT: b"KeyboardInterrupt", signal.SIGTERM: b"Terminated"}
+
+
+def _stored(out: Path) -> list[str]:
+    """Return the keys of what is stored for a table."""
+    with sqlite3.connect(part_path(out)) as file:
+        keys = [key for (key,) in file.execute("SELECT key FROM results")]
+    file.close()
+    return keys
 
 
 def _computed(log: Path) -> list[str]:
@@ -55,10 +69,10 @@ def _command(out: Path, log: Path, workers: int) -> list[str]:
 
 
 def _interrupted(out: Path, log: Path) -> None:
-    """Leave the journal of a sweep that came to an end after half of the points."""
+    """Leave the store of a sweep that was interrupted after half of the points."""
 
-    def stop(done: int, total: int, left: float | None) -> None:
-        if done == len(POINTS) // 2:
+    def stop(done: float) -> None:
+        if done == 0.5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -85,7 +99,7 @@ def test_one_worker_two_workers_and_any_executor_give_the_same_bytes(
         sweep(task, POINTS, out=threads, executor=executor)
         assert executor.submit(int, "1").result() == 1  # left open
     assert threads.read_bytes() == whole
-    assert not journal_path(two).exists()
+    assert not part_path(two).exists()
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -95,82 +109,25 @@ def test_a_killed_sweep_is_resumed_with_nothing_lost_and_nothing_twice(
     out, log = tmp_path / "out.csv", tmp_path / "log"
     victim = subprocess.Popen(_command(out, log, workers), cwd=FOLDER)
     deadline = time.monotonic() + 20
-    journal = journal_path(out)
-    while not journal.exists() or journal.read_bytes().count(b"\n") < 6:
+    while len(_computed(log)) < 6:
         assert time.monotonic() < deadline
         time.sleep(0.01)
     os.kill(victim.pid, signal.SIGKILL)
     victim.wait()
-    # Workers notice that their parent is gone, but may first end the point they are at.
-    time.sleep(0.5)
+    time.sleep(0.2)
     before = _computed(log)
-    kept = journal.read_bytes().count(b"\n") - 1
-    assert 5 <= kept <= len(before) < len(POINTS)
+    stored = len(_stored(out))
+    # What was computed but not yet handed over is lost: a point a worker, and one on its way.
+    assert len(before) - 2 * workers <= stored <= len(before) < len(POINTS)
     time.sleep(0.3)
     assert _computed(log) == before
     assert not _alive(log), "a worker lives on without its parent"
     table = sweep(Slow(str(log), 0.1), POINTS, out=out, workers=workers, resume=True)
     assert out.read_bytes() == whole
-    assert table.resumed == kept
-    # only points that were not yet in the journal are computed again
-    assert len(_computed(log)) == len(before) + len(POINTS) - kept
-    assert not journal.exists()
-
-
-def test_a_sweep_cut_at_any_byte_of_its_journal_gives_the_same_table(
-    tmp_path: Path, whole: bytes
-) -> None:
-    out, log = tmp_path / "out.csv", tmp_path / "log"
-    _interrupted(out, log)
-    content = journal_path(out).read_bytes()
-    lines = content.splitlines(keepends=True)
-    # every byte of the last line, of the end of the header, and a few others
-    cuts = {0, 1, len(lines[0]) - 1, len(lines[0]), len(lines[0]) + 1, len(content)}
-    cuts |= set(range(len(content) - len(lines[-1]), len(content), 5)) | {len(content) - 1}
-    for cut in sorted(cuts):
-        journal_path(out).write_bytes(content[:cut])
-        complete = max(content[:cut].count(b"\n") - 1, 0)
-        before = len(_computed(log))
-        assert sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True).resumed == complete
-        assert out.read_bytes() == whole
-        assert len(_computed(log)) - before == len(POINTS) - complete
-
-
-def test_a_sweep_killed_twice_keeps_what_it_did_after_the_half_written_line(
-    tmp_path: Path, whole: bytes
-) -> None:
-    out, log = tmp_path / "out.csv", tmp_path / "log"
-    _interrupted(out, log)
-    journal_path(out).write_bytes(journal_path(out).read_bytes()[:-7])
-
-    def stop(done: int, total: int, left: float | None) -> None:
-        if done == 15:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        sweep(Slow(str(log)), POINTS, out=out, workers=1, progress=stop, resume=True)
-    assert sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True).resumed == 15
-    assert out.read_bytes() == whole
-
-
-def test_a_damaged_line_is_passed_over_and_its_point_computed_again(
-    tmp_path: Path, whole: bytes, caplog: pytest.LogCaptureFixture
-) -> None:
-    out, log = tmp_path / "out.csv", tmp_path / "log"
-    _interrupted(out, log)
-    lines = journal_path(out).read_bytes().splitlines(keepends=True)
-    # another value that is well-formed JSON: only the checksum can tell
-    digit = lines[3].rindex(b"0.")
-    lines[3] = (
-        lines[3][: digit + 2]
-        + (b"1" if lines[3][digit + 2] != 49 else b"2")
-        + lines[3][digit + 3 :]
-    )
-    journal_path(out).write_bytes(b"".join(lines))
-    table = sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)
-    assert table.resumed == len(POINTS) // 2 - 1
-    assert out.read_bytes() == whole
-    assert "line 4" in caplog.text
+    assert table.resumed == stored
+    # only points that were not yet in the store are computed again
+    assert len(_computed(log)) == len(before) + len(POINTS) - stored
+    assert not part_path(out).exists()
 
 
 @pytest.mark.parametrize(
@@ -178,10 +135,10 @@ def test_a_damaged_line_is_passed_over_and_its_point_computed_again(
     [
         (Slow("log", factor=2.0), POINTS, "parameters.factor"),
         (Slow("log"), POINTS[:-1], "points.count"),
-        (failing, POINTS, "task"),
+        (failing, POINTS, "function: sweep_example.Slow there"),
     ],
 )
-def test_a_journal_of_another_sweep_is_refused_and_left_alone(
+def test_the_store_of_another_sweep_is_refused_and_left_alone(
     task: object,
     points: tuple[Point, ...],
     named: str,
@@ -191,32 +148,31 @@ def test_a_journal_of_another_sweep_is_refused_and_left_alone(
     monkeypatch.chdir(tmp_path)
     out = tmp_path / "out.csv"
     _interrupted(out, Path("log"))
-    before = journal_path(out).read_bytes()
+    before = part_path(out).read_bytes()
     with pytest.raises(ParameterError, match=named) as caught:
         sweep(task, points, out=out, workers=1, resume=True)  # type: ignore[arg-type]
     assert caught.value.remedy
-    assert journal_path(out).read_bytes() == before
+    assert part_path(out).read_bytes() == before
 
 
-def test_a_journal_is_not_overwritten_unasked_nor_is_a_file_that_is_none(tmp_path: Path) -> None:
+def test_a_store_is_not_overwritten_unasked_nor_is_a_file_that_is_none(tmp_path: Path) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
     _interrupted(out, log)
     with pytest.raises(ParameterError, match="--resume"):
         sweep(Slow(str(log)), POINTS, out=out, workers=1)
-    for text in ("a letter\n", "a letter", '{"task": 1}\n'):
-        journal_path(out).write_text(text, encoding="ascii")
+    for text in ("a letter\n", "a longer letter" * 1000, '{"task": 1}\n'):
+        part_path(out).write_text(text, encoding="ascii")
         with pytest.raises(ParameterError, match="unreadable"):
             sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)
-        assert journal_path(out).read_text(encoding="ascii") == text
+        assert part_path(out).read_text(encoding="ascii") == text
 
 
 def test_two_sweeps_do_not_write_one_file(tmp_path: Path) -> None:
-    pytest.importorskip("fcntl")
     out = tmp_path / "out.csv"
 
-    def second(done: int, total: int, left: float | None) -> None:
-        if done == 3:
-            with pytest.raises(ParameterError, match="in use"):
+    def second(done: float) -> None:
+        if done == 0.5:
+            with pytest.raises(FileError, match="in use"):
                 sweep(Slow(str(tmp_path / "log")), POINTS, out=out, workers=1, resume=True)
 
     sweep(Slow(str(tmp_path / "log")), POINTS, out=out, workers=1, progress=second)
@@ -229,18 +185,22 @@ def test_a_failing_point_is_named_and_the_others_are_kept(workers: int, tmp_path
     with pytest.raises(SweepError, match=r"Point\(x=2\) and 1 other.*no such point") as caught:
         sweep(failing, points, out=out, workers=workers)
     assert [point["x"] for point, _ in caught.value.failures] == [2, 5]
-    assert journal_path(out).read_bytes().count(b"\n") == 1 + 5
+    assert set(_stored(out)) == {"0", "2", "3", "5", "6"}
     assert not out.exists()
 
 
-def test_a_dead_worker_leaves_a_usable_journal(tmp_path: Path) -> None:
+def test_a_point_that_kills_its_worker_is_named_and_the_others_are_kept(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
-    with pytest.raises(SweepError, match="resumed"):
+    with pytest.raises(SweepError, match=r"Point\(x=4\) could not be computed.*killed") as caught:
         sweep(sweep_example.dying, grid(x=range(1, 8)), out=out, workers=2)
-    assert journal_path(out).exists()
+    assert [point["x"] for point, _ in caught.value.failures] == [4]
+    assert set(_stored(out)) == {"0", "1", "2", "4", "5", "6"}
 
 
-def test_an_interrupt_ends_the_workers_and_keeps_the_journal(tmp_path: Path, whole: bytes) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(
+    number: signal.Signals, tmp_path: Path, whole: bytes
+) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
     runner = subprocess.Popen(
         _command(out, log, 2), cwd=FOLDER, stderr=subprocess.PIPE, start_new_session=True
@@ -249,8 +209,11 @@ def test_an_interrupt_ends_the_workers_and_keeps_the_journal(tmp_path: Path, who
     while len(_computed(log)) < 4:
         assert time.monotonic() < deadline
         time.sleep(0.01)
-    os.killpg(runner.pid, signal.SIGINT)  # as Ctrl-C does: parent and workers
-    assert b"KeyboardInterrupt" in runner.communicate(timeout=10)[1]
+    if number == signal.SIGINT:
+        os.killpg(runner.pid, number)  # as Ctrl-C does: parent and workers
+    else:
+        os.kill(runner.pid, number)
+    assert EXPECTED[number] in runner.communicate(timeout=10)[1]
     before = _computed(log)
     time.sleep(0.3)
     assert _computed(log) == before
@@ -300,33 +263,56 @@ def test_a_finished_sweep_is_not_computed_again_unless_its_file_was_changed(
     assert out.read_bytes() == whole
 
 
-def test_the_stamp_names_task_parameters_and_versions(tmp_path: Path) -> None:
+def test_the_record_names_function_parameters_code_and_versions(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     log = str(tmp_path / "log")
-    sweep(Slow(log, factor=3.0), POINTS, out=out, workers=1)
-    stamp = json.loads(stamp_path(out).read_text(encoding="utf-8"))
-    assert stamp["task"] == "sweep_example.Slow"
-    assert stamp["parameters"]["factor"] == 3.0
-    assert stamp["points"]["count"] == 20
-    assert {"python", "numpy", "numba"} <= set(stamp["versions"])
-    assert stamp["table"]["seconds"] > 0
+    sweep(Slow(log, factor=3.0), POINTS, out=out, workers=1, command="fronts map")
+    record = json.loads(record_path(out).read_text(encoding="utf-8"))
+    assert record["command"] == "fronts map"
+    assert record["parameters"]["function"] == "sweep_example.Slow"
+    assert record["parameters"]["factor"] == 3.0
+    assert record["parameters"]["points"]["count"] == 20
+    assert record["code"]["modules"] == ["sweep_example"]
+    assert {"python", "numpy", "numba", "toolkit"} <= set(record["versions"])
+    assert record["table"]["seconds"] > 0
 
 
-def test_progress_counts_up_and_the_time_left_ends_at_zero(tmp_path: Path) -> None:
-    seen: list[tuple[int, int, float | None]] = []
-    sweep(
-        Slow(str(tmp_path / "log"), 0.01),
-        POINTS,
-        workers=1,
-        progress=lambda *numbers: seen.append(numbers),
-    )
-    assert [done for done, _, _ in seen] == list(range(len(POINTS) + 1))
-    assert {total for _, total, _ in seen} == {len(POINTS)}
-    assert seen[0][2] is None
-    assert seen[-1][2] == 0.0
-    # a pause of 10 ms a point: a third of the points in, more than 13 * 10 ms are left
-    assert seen[7][2] is not None
-    assert 0.13 <= seen[7][2] < 1.3
+def test_progress_is_the_fraction_done(tmp_path: Path) -> None:
+    seen: list[float] = []
+    sweep(Slow(str(tmp_path / "log")), POINTS, workers=1, progress=seen.append)
+    assert seen == pytest.approx(np.linspace(0.0, 1.0, len(POINTS) + 1))
+
+
+def test_points_may_be_axes_and_results_one_number() -> None:
+    table = sweep(lambda p: p["x"] * p["y"], {"x": np.arange(3), "y": [1.5, 2.0]}, workers=1)
+    assert table["value"] == pytest.approx([0, 0, 1.5, 2, 3, 4])
+
+
+def test_a_function_without_a_name_is_computed_here_unless_more_workers_are_asked_for() -> None:
+    assert len(sweep(lambda p: p["x"], {"x": range(4)})) == 4
+    with pytest.raises(ParameterError, match="importable by its name") as caught:
+        sweep(lambda p: p["x"], {"x": range(4)}, workers=2)
+    assert "workers=1" in caught.value.remedy
+
+
+def test_what_a_function_captures_and_does_belongs_to_the_sweep(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out.csv"
+
+    def times(factor: float) -> Callable[[Point], float]:
+        return lambda point: factor * point.number("x")
+
+    def values(function: Callable[[Point], float]) -> list[float]:
+        return sweep(function, {"x": [1.0]}, out=out, resume=True, workers=1)["value"].tolist()
+
+    assert [values(times(factor)) for factor in (2.0, 3.0)] == [[2.0], [3.0]]
+    # typed into a session: there is no file, and the code itself is compared
+    monkeypatch.delattr(sys.modules["__main__"], "__file__", raising=False)
+    for text in ("2 * point['x']", "2 + point['x']"):
+        scope: dict[str, Any] = {"__name__": "__main__"}
+        exec(f"def typed(point):\n    return {text}", scope)
+        assert values(scope["typed"]) == [eval(text, {"point": {"x": 1.0}})]
 
 
 def test_words_that_a_reader_would_misread_are_refused() -> None:

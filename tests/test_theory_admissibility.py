@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from theory.admissibility import _Shape, check_admissible
-from theory.front_profile import ProfileGrid, front_profile_by_roots, tail_bound
-from theory.kinetic_relation import kinetic_relation
-from theory.unit_cell import threshold_ratio
+from theory.cells.vdp import threshold_ratio
+from theory.piecewise.admissibility import _Shape, check_admissible
+from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.profile import ProfileGrid, front_profile_by_roots, tail_bound
 
 V, C = 0.6, 1.5
 

@@ -11,14 +11,14 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import jv
 
-from theory.branch_search import all_velocities
-from theory.front_profile import ProfileGrid, front_profile, tail_bound
+from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
-from theory.sum_integral import sums
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_series import sum_by_roots
-from theory.thresholds import fold_coupling
-from theory.unit_cell import threshold_ratio
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.folds import fold_coupling
+from theory.piecewise.profile import ProfileGrid, front_profile, tail_bound
+from theory.piecewise.sums.integral import sums
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.series import sum_by_roots
 
 FRONTS = [(0.3, 0.5), (1.0, 1.0), (0.05, 0.5), (3.0, 0.1), (1.0, 3.0), (7.4, 100.0), (50.0, 0.02)]
 
@@ -133,11 +133,22 @@ def test_the_profile_is_the_one_built_up_in_time(v: float, c: float) -> None:
         assert abs(phi - profile_in_time(position, v, c)) < found.error + 1e-12
 
 
+@pytest.mark.parametrize("v", [1e-10, 1e-5, 1e-3])
+@pytest.mark.parametrize("part", [1e-6, 0.3, 3.0])
+def test_just_behind_the_threshold_a_slow_front_is_right_to_its_error(
+    v: float, part: float
+) -> None:
+    """The distance to the next site, not the one from the last, sets the rounding over v."""
+    zeta = -part * v
+    found = front_profile([zeta], v, 1e-3)
+    assert abs(found.phi[0] - profile_in_time(zeta, v, 1e-3)) < 1e-14 + 1e-3 * found.error
+
+
 @pytest.mark.parametrize(("v", "c"), FRONTS)
 def test_the_profile_joins_at_whole_sites_and_reaches_its_limits(v: float, c: float) -> None:
     grid = ProfileGrid.make(v, c, 9.0, 1e-12)
     m = np.arange(-7.0, 7.0)
-    right_end, left_end = grid.at(m, np.ones(14)), grid.at(m + 1, np.zeros(14))
+    right_end, left_end = grid.between(m, np.zeros(14)), grid.between(m + 1, np.ones(14))
     # both sides of a site are one number but for the error of each
     assert np.max(np.abs(right_end - left_end)) <= 2 * grid.error
     zeta, phi = grid.on_lattice(4)

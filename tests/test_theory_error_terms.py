@@ -6,14 +6,16 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory import sum_integral_precise, sum_series, thresholds
-from theory.dispersion import root_free_strip
-from theory.limits import static_sum_distance
-from theory.sum_integral import equispaced_points, rounding_bound
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
-from theory.sum_series import sum_by_roots
-from theory.unit_cell import eta_from_ratio
+from theory.cells.vdp import eta_from_ratio
+from theory.piecewise import folds as thresholds
+from theory.piecewise.dispersion import root_free_strip
+from theory.piecewise.limits import static_sum_distance
+from theory.piecewise.sums import precise as sum_integral_precise
+from theory.piecewise.sums import series as sum_series
+from theory.piecewise.sums.integral import equispaced_points, rounding_bound
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.series import sum_by_roots
 
 
 @pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 0.2), (2.0, 1.5)])

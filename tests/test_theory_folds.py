@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from theory import thresholds
-from theory.limits import static_sum
-from theory.sum_integral import sums
+from theory.piecewise import folds as thresholds
+from theory.piecewise.limits import static_sum
+from theory.piecewise.sums.integral import sums
 
 
 @pytest.mark.parametrize("c", [1.0, 1.2, 1.5, 1.9])

@@ -9,8 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.branch_search import MOST_POINTS, all_velocities
-from theory.breather import (
+from theory.averaged.breather import (
     BreatherStatus,
     Reading,
     closed_form_fold,
@@ -18,16 +17,17 @@ from theory.breather import (
     solve_breather,
     tail_residual,
 )
-from theory.dispersion import root_free_strip
-from theory.front_profile import front_profile, tail_bound
-from theory.kinetic_relation import Status, kinetic_relation, trace_kinetic_relation
-from theory.kinetic_sum import PrecisionError
-from theory.limits import resonant_velocities, static_sum, static_sum_distance
-from theory.roots import labelled_roots
-from theory.sum_integral import sums
-from theory.thresholds import fold_coupling, fold_eta
-from theory.unit_cell import eta_from_ratio, threshold_ratio
-from theory.vdp_chain import VdpChain, effective_epsilon
+from theory.cells.vdp import eta_from_ratio, threshold_ratio
+from theory.chains.vdp import VdpChain, effective_epsilon
+from theory.piecewise.branch_search import MOST_POINTS, all_velocities
+from theory.piecewise.dispersion import root_free_strip
+from theory.piecewise.folds import fold_coupling, fold_eta
+from theory.piecewise.kinetic_relation import Status, kinetic_relation, trace_kinetic_relation
+from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance
+from theory.piecewise.profile import front_profile, tail_bound
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.integral import sums
+from theory.piecewise.sums.result import PrecisionError
 
 
 @pytest.mark.parametrize("v", [0.05, 0.3, 1.0, 20.0])

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from theory.graded_contour import _departing_poles, departing_labels, graded_rule
-from theory.roots import labelled_roots
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.graded_contour import _departing_poles, departing_labels, graded_rule
 
 SCENES = [(0.8, 3.0), (0.4, 0.9), (1.5, 12.0), (0.25, 0.3)]
 STEP = 0.5

@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.branch_search import all_velocities
-from theory.kinetic_relation import Branch, Status, kinetic_relation, trace_kinetic_relation
-from theory.limits import (
+from theory.cells.vdp import (
+    eta_from_damping,
+    eta_from_ratio,
+    is_bistable,
+    threshold_ratio,
+    threshold_ratio_slope,
+)
+from theory.parameters import ParameterError
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.folds import LAST_FOLD, fold_coupling, fold_eta
+from theory.piecewise.kinetic_relation import (
+    Branch,
+    Status,
+    kinetic_relation,
+    trace_kinetic_relation,
+)
+from theory.piecewise.limits import (
     pinning_coupling,
     pinning_eta,
     resonant_velocities,
@@ -21,17 +36,8 @@ from theory.limits import (
     strong_coupling_velocity,
     weak_threshold_velocity,
 )
-from theory.parameters import ParameterError
-from theory.sum_integral import sum_by_integral, sums
-from theory.sum_series import sum_by_roots
-from theory.thresholds import LAST_FOLD, fold_coupling, fold_eta
-from theory.unit_cell import (
-    eta_from_damping,
-    eta_from_ratio,
-    is_bistable,
-    threshold_ratio,
-    threshold_ratio_slope,
-)
+from theory.piecewise.sums.integral import sum_by_integral, sums
+from theory.piecewise.sums.series import sum_by_roots
 
 ETA = 0.03125  # a = 4, b = 0.5, the paper's
 
@@ -395,3 +401,13 @@ def test_eta_comes_from_the_damping() -> None:
     for a, b in ((0.0, 1.0), (1.0, 0.0), (-1.0, 1.0), (math.nan, 1.0), (1.0, math.inf)):
         with pytest.raises(ParameterError, match="damping coefficient"):
             eta_from_damping(a, b)
+
+
+@pytest.mark.parametrize("of", [pinning_eta, lambda c: fold_eta(c).value])
+@pytest.mark.parametrize("c", [1e308, 1e-310, float("inf"), float("nan"), -1.0])
+def test_a_coupling_beyond_double_precision_is_refused(
+    of: Callable[[float], float], c: float
+) -> None:
+    with pytest.raises(ParameterError, match="coupling c"):
+        of(c)
+    assert 0 < of(1e-150) < of(1e300) <= 0.08

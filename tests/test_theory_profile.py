@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from theory.admissibility import check_admissible
-from theory.front_profile import front_profile, front_profile_by_roots, tail_bound
-from theory.kinetic_relation import trace_kinetic_relation
-from theory.kinetic_sum import PrecisionError
+from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
-from theory.sum_series import sum_by_roots
-from theory.unit_cell import threshold_ratio
+from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.kinetic_relation import trace_kinetic_relation
+from theory.piecewise.profile import front_profile, front_profile_by_roots, tail_bound
+from theory.piecewise.sums.result import PrecisionError
+from theory.piecewise.sums.series import sum_by_roots
 
 FRONTS = [(0.3, 0.5), (0.05, 0.4), (1.0, 1.0), (3.0, 0.2), (2.0, 10.0)]
 ETA = 0.03125

@@ -6,9 +6,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory import certified_roots, root_count, roots
-from theory.dispersion import dispersion, dispersion_slope
-from theory.roots import labelled_roots, nearest_roots
+from theory.piecewise import certified_roots, root_count, roots
+from theory.piecewise.dispersion import dispersion, dispersion_slope
+from theory.piecewise.roots import labelled_roots, nearest_roots
 
 EPS = float(np.finfo(float).eps)
 

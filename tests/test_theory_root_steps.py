@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from theory.dispersion import dispersion
-from theory.roots import _argument, _labelled_step, _plain_step, _seeds, labelled_roots
+from theory.piecewise.dispersion import dispersion
+from theory.piecewise.roots import _argument, _labelled_step, _plain_step, _seeds, labelled_roots
 
 LABELS = np.array([-9, -3, 4, 12])
 

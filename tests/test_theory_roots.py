@@ -9,17 +9,18 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.certified_roots import certify_roots
-from theory.dispersion import dispersion, dispersion_slope, onsite, root_free_strip
-from theory.precise_roots import precise_roots
-from theory.root_count import (
+from theory.parameters import ParameterError
+from theory.piecewise.certified_roots import certify_roots
+from theory.piecewise.dispersion import dispersion, dispersion_slope, onsite, root_free_strip
+from theory.piecewise.precise_roots import precise_roots
+from theory.piecewise.root_count import (
     count_in_box,
     count_in_strips,
     edge_pieces,
     height_above_roots,
 )
-from theory.roots import labelled_roots, nearest_roots, roots_within, strip_bounds
-from verification.scenes import SCENES, Scene
+from theory.piecewise.roots import labelled_roots, nearest_roots, roots_within, strip_bounds
+from verification.quantities.scenes import SCENES, Scene
 
 LABELS = np.arange(-12, 13)
 HALF_PLANES = [pytest.param(True, id="above"), pytest.param(False, id="below")]
@@ -372,3 +373,13 @@ def test_the_root_free_strip_is_free_of_roots(scene: Scene) -> None:
         exact = mp.findroot(lambda x: c * mp.sinh(x) + v * x - 0.5, s)
         # never more than the true width, and less by no more than a few roundings
         assert 0 <= exact - s < 1e-13 * exact
+
+
+@pytest.mark.parametrize(
+    ("v", "c"), [(-1, 0.5), (1, -2), (0, 1), (np.float64(-1), 0.5), (np.int64(0), 1)]
+)
+def test_whole_numbers_are_checked_like_others(v: float, c: float) -> None:
+    with pytest.raises(ParameterError):
+        nearest_roots(v, c, 5, upper=True)
+    with pytest.raises(ParameterError):
+        labelled_roots(v, c, np.array([0]), upper=True)

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from theory.front_profile import ProfileGrid, _smooth_number, front_profile
-from theory.graded_contour import departing_labels, graded_rule, graded_sum
-from theory.kinetic_sum import PrecisionError
-from theory.roots import labelled_roots
+from theory.piecewise.profile import ProfileGrid, _smooth_number, front_profile
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.graded_contour import departing_labels, graded_rule, graded_sum
+from theory.piecewise.sums.result import PrecisionError
 
 
 @pytest.mark.parametrize("extent", [60.0, 200.0])

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from theory import branch_search
-from theory.limits import resonant_velocities, static_sum, static_sum_distance
-from theory.sum_integral import sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
+from theory.piecewise import branch_search
+from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance
+from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
 
 
 @pytest.mark.parametrize(

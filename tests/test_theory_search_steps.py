@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from theory import admissibility, branch_search
+from theory.piecewise import admissibility, branch_search
 
 EPS = np.finfo(float).eps
 

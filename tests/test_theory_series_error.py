@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from theory.front_profile import front_profile, front_profile_by_roots
+from theory.piecewise.profile import front_profile, front_profile_by_roots
 
 
 @pytest.mark.parametrize("zeta", [-0.5, 0.5])

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from theory.envelope_front import StrongCouplingFront, strong_coupling_front
+from theory.averaged.front import StrongCouplingFront, strong_coupling_front
 
 
 def test_the_velocity_is_c_and_the_width_of_the_front_times_kappa():

@@ -1,6 +1,7 @@
 """Where each evaluation of the sum begins and ends, and the errors that it adds up."""
 
 import cmath
+import dataclasses
 import math
 
 import mpmath as mp
@@ -9,14 +10,16 @@ import pytest
 import scipy.integrate
 from scipy.special import jv
 
-from theory import sum_bessel, sum_integral_precise, sum_series
-from theory.kinetic_sum import PrecisionError
-from theory.precise_roots import exact
-from theory.roots import RootSet, labelled_roots
-from theory.sum_bessel import sum_by_bessel
-from theory.sum_integral import sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
-from theory.sum_series import SeriesScene, sum_by_roots
+from theory.piecewise.precise_roots import exact
+from theory.piecewise.roots import RootSet, labelled_roots
+from theory.piecewise.sums import bessel as sum_bessel
+from theory.piecewise.sums import precise as sum_integral_precise
+from theory.piecewise.sums import series as sum_series
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.result import PrecisionError
+from theory.piecewise.sums.series import SeriesScene, sum_by_roots
 
 EPS = float(np.finfo(float).eps)
 
@@ -167,7 +170,7 @@ def test_what_a_shift_of_the_roots_does_to_the_kept_terms_is_their_error(monkeyp
     roots = labelled_roots(v, c, np.arange(-4, 5), True)
 
     def shifted(*_) -> RootSet:
-        return RootSet(roots.labels, roots.k, roots.residual, np.full(roots.k.shape, shift))
+        return dataclasses.replace(roots, radius=np.full(roots.k.shape, shift))
 
     def term(k: np.ndarray) -> np.ndarray:
         return 1 / (-1j * k * (v + c * np.sin(k)))

@@ -11,16 +11,16 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from theory.graded_contour import graded_rule, graded_sum
-from theory.kinetic_sum import KineticSum, PrecisionError
-from theory.limits import static_sum
 from theory.parameters import ParameterError
-from theory.sum_bessel import sum_by_bessel
-from theory.sum_integral import rounding_bound, sum_by_integral, sums
-from theory.sum_integral_precise import precise_sum_by_integral
-from theory.sum_quadrature import sum_by_quadrature
-from theory.sum_series import sum_by_roots
-from verification.scenes import SCENES, Scene, scene_named, scenes_tagged
+from theory.piecewise.limits import static_sum
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.graded_contour import graded_rule, graded_sum
+from theory.piecewise.sums.integral import rounding_bound, sum_by_integral, sums
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.result import KineticSum, PrecisionError
+from theory.piecewise.sums.series import sum_by_roots
+from verification.quantities.scenes import SCENES, Scene, scene_named, scenes_tagged
 
 # Where a method is at its limits: roots that cross or touch the graded contour, the first
 # resonance of c = 100, and the corners of the (v, c) plane.
@@ -370,3 +370,18 @@ def test_few_digits_have_an_honest_error_too(v: float, c: float, upper: bool) ->
     for digits in range(1, 16):
         found = sum_by_roots(v, c, digits, upper)
         assert distance(found, exact) <= found.error + exact.error, digits
+
+
+@pytest.mark.parametrize(
+    ("v", "c"),
+    [
+        (58211555053.99406, 1.76e-12),  # 2m/x overflows in Miller's recurrence
+        (947591542275.8, 1.96e-6),
+        (2.1e-5, 0.079),  # the first site alone lasts 5e4 units of time
+        (8.3e-6, 2.2e-10),
+    ],
+)
+def test_the_bessel_series_at_the_ends_of_its_range(v: float, c: float) -> None:
+    found, other = sum_by_bessel(v, c), sum_by_integral(v, c)
+    assert abs(found.value - other.value) <= found.error + other.error < 1e-11
+    assert found.terms < 1e5

@@ -12,17 +12,21 @@ import pytest
 
 from fronts.cli import main
 from paper_checks.claims._fronts import staggered_velocity
-from theory.envelope_front import strong_coupling_front
+from theory.averaged.front import strong_coupling_front
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
-from verification.arrival_fit import velocity_of_arrivals
-from verification.vdp.front import Behind, FrontStatus, measure_front
-from verification.vdp.run import Model
+from verification.fronts.arrival_fit import velocity_of_arrivals
+from verification.fronts.measure import measure_front
+from verification.fronts.result import LeftBoundary
+from verification.fronts.status import FrontStatus
+from verification.runs.model import Model
 
 
 @pytest.mark.parametrize(("eta", "c"), [(0.002, 0.3), (0.03125, 0.15), (0.05, 1.0), (0.09, 0.3)])
 def test_the_velocity_is_that_of_the_real_staggered_chain(eta: float, c: float) -> None:
-    front = measure_front(VdpChain(1.0, eta, c), behind=Behind.WAVE, accuracy=1e-6)
+    front = measure_front(
+        VdpChain(a=1.0, b=eta, c=c).averaged(), left_boundary=LeftBoundary.WAVE, accuracy=1e-6
+    )
     assert front.status is FrontStatus.STEADY
     assert front.v is not None
     assert front.error is not None
@@ -33,9 +37,9 @@ def test_the_velocity_is_that_of_the_real_staggered_chain(eta: float, c: float) 
 @pytest.mark.parametrize("model", list(Model))
 def test_the_uncertainty_bounds_the_distance_from_a_longer_measurement(model: Model) -> None:
     for c in (0.3, 0.6, 3.0):
-        chain = VdpChain(4.0, 0.5, c)
-        short = measure_front(chain, model, accuracy=1e-2)
-        long = measure_front(chain, model, accuracy=1e-4 if c > 1.0 else 1e-5)
+        chain = VdpChain(a=4.0, b=0.5, c=c)
+        short = measure_front(model.chain_of(chain), accuracy=1e-2)
+        long = measure_front(model.chain_of(chain), accuracy=1e-4 if c > 1.0 else 1e-5)
         assert short.v is not None
         assert long.v is not None
         assert short.error is not None
@@ -44,14 +48,20 @@ def test_the_uncertainty_bounds_the_distance_from_a_longer_measurement(model: Mo
 
 
 def test_a_front_that_outruns_the_waves_does_not_know_what_is_behind_it() -> None:
-    free, wave = (measure_front(VdpChain(4.0, 0.5, 0.3), behind=each) for each in Behind)
+    free, wave = (
+        measure_front(VdpChain(a=4.0, b=0.5, c=0.3).averaged(), left_boundary=each)
+        for each in LeftBoundary
+    )
     assert free.v == wave.v
     assert free.v is not None
     assert free.v > 0.3
 
 
 def test_a_front_slower_than_the_waves_does() -> None:
-    free, wave = (measure_front(VdpChain(1.0, 0.09, 0.3), behind=each) for each in Behind)
+    free, wave = (
+        measure_front(VdpChain(a=1.0, b=0.09, c=0.3).averaged(), left_boundary=each)
+        for each in LeftBoundary
+    )
     assert free.v is not None
     assert wave.v is not None
     assert free.v < 0.3
@@ -60,15 +70,14 @@ def test_a_front_slower_than_the_waves_does() -> None:
 
 def test_all_sites_kept_give_the_front_measured_with_few() -> None:
     """Sites behind are left out for a fast front: nothing of its arrivals changes."""
-    from verification.vdp.run import run_vdp
-    from verification.vdp.start import staggered_front
+    from verification.runs.excite import excite_edge
+    from verification.runs.simulate import simulate
 
-    chain = VdpChain(4.0, 0.5, 0.6, sites=60)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=60)
     runs = [
-        run_vdp(
-            chain, staggered_front(chain, 24), 4500.0, model=Model.ENVELOPE, behind=behind,
-            companion=False, samples=2,
-        )
+        simulate(
+            chain.averaged(), excite_edge(chain, 24), 4500.0, trailing_sites=behind,
+            estimate_error=False, samples=2)
         for behind in (0, 24)
     ]  # fmt: skip
     reached = ~np.isnan(runs[0].arrivals)
@@ -81,7 +90,7 @@ def test_all_sites_kept_give_the_front_measured_with_few() -> None:
     [(0.03125, 0.09, "pinned"), (0.11, 0.3, "collapsed"), (0.1, 0.3, "creeping")],
 )
 def test_what_does_not_run_is_named(eta: float, c: float, status: str) -> None:
-    front = measure_front(VdpChain(1.0, eta, c), most_sites=250)
+    front = measure_front(VdpChain(a=1.0, b=eta, c=c).averaged(), max_sites=250)
     assert front.status.value == status
     assert front.v == (0.0 if status == "pinned" else None)
 

@@ -12,11 +12,14 @@ from mpmath import mp
 from scipy.integrate import simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
-from verification.vdp.run import Model, VdpRun, run_vdp
-from verification.vdp.start import displaced, perturbed, staggered_front
-from verification.vdp.stiff_stage import full_jacobian, full_right_side
+from verification.runs.excite import add_noise, as_psi, excite, excite_edge
+from verification.runs.model import Model
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import Trajectory
+from verification.steppers.stiff_stage import full_jacobian, full_right_side
 
 FRONT = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
 
@@ -27,18 +30,18 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
     random = np.random.default_rng(seed)
     a = 10.0 ** random.uniform(0.0, 1.0)
     chain = VdpChain(
-        a,
-        a**2 * random.uniform(0.01, 0.12),
-        10.0 ** random.uniform(-2.0, 1.0),
-        10.0 ** random.uniform(-2.5, -0.7),
-        int(random.integers(2, 12)),
-        Ends.FREE if seed % 2 else Ends.PERIODIC,
+        a=a,
+        b=a**2 * random.uniform(0.01, 0.12),
+        c=10.0 ** random.uniform(-2.0, 1.0),
+        eps=10.0 ** random.uniform(-2.5, -0.7),
+        sites=int(random.integers(2, 12)),
+        ends=Ends.FREE if seed % 2 else Ends.PERIODIC,
     )
-    start = perturbed(displaced(chain, [1]), 0.3, seed)
-    run = run_vdp(
-        chain, start, 150.0, model=model, samples=2, tolerance=10.0 ** random.uniform(-10, -5)
+    start = add_noise(excite(chain, [1]), 0.3, seed)
+    run = simulate(
+        model.chain_of(chain), start, 150.0, samples=2, tolerance=10.0 ** random.uniform(-10, -5)
     )
-    exact = reference(chain, start, 150.0, model is Model.FULL)
+    exact = reference(chain, as_psi(start), 150.0, model is Model.FULL)
     true = float(np.abs(run.psi[-1] - exact).max())
     assert run.error is not None
     # Below 1e-9 the reference is no better than the run.
@@ -48,10 +51,10 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
 @pytest.mark.parametrize("slow_time", [20.0, 40.0, 60.0])
 def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: float) -> None:
     """On its unstable cycle a cell of (43) stands still: runs at any tolerance are the same run."""
-    cell = VdpChain(1.0, 0.11, 0.0, sites=2)
+    cell = VdpChain(a=1.0, b=0.11, c=0.0, sites=2)
     start = np.array([cell.unstable_amplitude, 0.0], dtype=complex)
     end = slow_time / cell.eps
-    run = run_vdp(cell, start, end, model=Model.ENVELOPE, tolerance=1e-12, samples=2)
+    run = simulate(cell.averaged(), start, end, tolerance=1e-12, samples=2)
     a, b = mp.mpf(cell.a), mp.mpf(cell.b)
 
     def rate(u: mp.mpf) -> mp.mpf:
@@ -79,38 +82,43 @@ def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: flo
 def test_sites_left_out_do_not_change_the_run(model: Model, c: float, end: float) -> None:
     """At c = 100 fronts are wide, and their first traces run far ahead."""
     tolerance = 1e-8
-    chain = VdpChain(4.0, 0.5, c, sites=160)
-    start = staggered_front(chain, 30)
+    chain = VdpChain(a=4.0, b=0.5, c=c, sites=160)
+    start = excite_edge(chain, 30)
     kept, whole = (
-        run_vdp(
-            chain, start, end, model=model, samples=10, tolerance=tolerance, window=window,
-            companion=False,
+        simulate(
+            model.chain_of(chain), start, end, samples=10, tolerance=tolerance,
+            active_window=window, estimate_error=False,
         )
         for window in (True, False)
     )  # fmt: skip
     assert kept.mean_active < 0.7 * whole.mean_active
-    # The bound that run_vdp states; both runs take the same steps.
-    assert np.abs(kept.psi - whole.psi).max() < 0.1 * tolerance * float(np.abs(start).max())
+    # The bound that the active window states; both runs take the same steps.
+    assert np.abs(kept.psi - whole.psi).max() < 0.1 * tolerance * float(np.hypot(*start).max())
 
 
 def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_square() -> None:
     """Steps times sites, a count and not a time, with sites behind the front left out."""
     spent = []
     for sites in (100, 200):
-        chain = VdpChain(4.0, 0.5, 0.6, sites=sites)
-        run = run_vdp(
-            chain, staggered_front(chain, 24), sites / 0.72 * 100, model=Model.ENVELOPE, behind=24,
-            companion=False, samples=2,
-        )  # fmt: skip
+        chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
+        run = simulate(
+            chain.averaged(),
+            excite_edge(chain, 24),
+            sites / 0.72 * 100,
+            trailing_sites=24,
+            estimate_error=False,
+            samples=2,
+        )
         spent.append(run.steps * run.mean_active)
     assert spent[1] / spent[0] < 2.2
 
 
 @pytest.mark.parametrize("model", list(Model))
 def test_an_interrupted_run_goes_on_to_the_same_bits(model: Model, tmp_path: Path) -> None:
-    start = displaced(FRONT, [1])
-    arguments = {"model": model, "samples": 7, "tolerance": 1e-7}
-    whole = run_vdp(FRONT, start, 1500.0, **arguments)  # type: ignore[arg-type]
+    start = excite(FRONT, [1])
+    chain = model.chain_of(FRONT)
+    arguments = {"samples": 7, "tolerance": 1e-7}
+    whole = simulate(chain, start, 1500.0, **arguments)  # type: ignore[arg-type]
     file = tmp_path / "run.npz"
     budget = 7000 if model is Model.FULL else 400
     looks = 0
@@ -123,8 +131,8 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(model: Model, tmp_path: Pat
 
     for _ in range(200):
         try:
-            resumed = run_vdp(
-                FRONT, start, 1500.0, checkpoint=file, progress=interrupt, budget=budget,
+            resumed = simulate(
+                chain, start, 1500.0, checkpoint=file, progress=interrupt, budget=budget,
                 **arguments,  # type: ignore[arg-type]
             )  # fmt: skip
             break
@@ -138,28 +146,28 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(model: Model, tmp_path: Pat
 
 def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "run.npz"
-    start = displaced(FRONT, [1])
-    run_vdp(FRONT, start, 50.0, checkpoint=file)
-    other = VdpChain(4.0, 0.5, 0.7, sites=40)
+    start = excite(FRONT, [1])
+    simulate(FRONT, start, 50.0, checkpoint=file)
+    other = VdpChain(a=4.0, b=0.5, c=0.7, sites=40)
     for chain, psi, end, named in (
         (other, start, 50.0, "c: 0.6 there, 0.7 here"),
-        (FRONT, displaced(FRONT, [2]), 50.0, "start"),
+        (FRONT, excite(FRONT, [2]), 50.0, "start"),
         (FRONT, start, 60.0, "t_end"),
     ):
         with pytest.raises(ParameterError, match=named):
-            run_vdp(chain, psi, end, checkpoint=file)
+            simulate(chain, psi, end, checkpoint=file)
     file.write_bytes(file.read_bytes()[:200])
     with pytest.raises(ParameterError, match="checkpoint"):
-        run_vdp(FRONT, start, 50.0, checkpoint=file)
+        simulate(FRONT, start, 50.0, checkpoint=file)
 
 
 @pytest.mark.parametrize("model", list(Model))
 def test_the_motion_depends_on_a_and_b_through_eta_only(model: Model) -> None:
     eta, a = 0.03, 7.0
-    one = VdpChain(1.0, eta, 0.4, sites=12)
-    other = VdpChain(a, eta * a**2, 0.4, sites=12)
+    one = VdpChain(a=1.0, b=eta, c=0.4, sites=12)
+    other = VdpChain(a=a, b=eta * a**2, c=0.4, sites=12)
     first, second = (
-        run_vdp(chain, displaced(chain, [1, 2]), 800.0, model=model, tolerance=1e-11)
+        simulate(model.chain_of(chain), excite(chain, [1, 2]), 800.0, tolerance=1e-11)
         for chain in (one, other)
     )
     scale = first.amplitude.max()
@@ -168,8 +176,8 @@ def test_the_motion_depends_on_a_and_b_through_eta_only(model: Model) -> None:
 
 def test_the_energy_lost_is_the_work_of_the_damping() -> None:
     """E(t) - E(0) = -ε∫Σẏ²(1 - ay² + by⁴)dt, by Simpson's rule over dense samples."""
-    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 12)
-    run = run_vdp(chain, displaced(chain, [1, 2]), 40.0, samples=8001, tolerance=1e-12)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=12)
+    run = simulate(chain, excite(chain, [1, 2]), 40.0, samples=8001, tolerance=1e-12)
     y, w = run.psi.imag, run.psi.real
     energy = 0.5 * (w**2 + y**2).sum(1) + 0.5 * chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
     power = -chain.eps * (w**2 * (1.0 - chain.a * y**2 + chain.b * y**4)).sum(1)
@@ -181,10 +189,10 @@ def test_the_energy_lost_is_the_work_of_the_damping() -> None:
 def test_the_average_is_the_limit_of_small_eps() -> None:
     differences = []
     for eps in (0.02, 0.01, 0.005):
-        chain = VdpChain(2.5, 0.5, 0.3, eps, 10)
-        start = displaced(chain, [1, 2], steps=[0, -1])
+        chain = VdpChain(a=2.5, b=0.5, c=0.3, eps=eps, sites=10)
+        start = excite(chain, [1, 2], quarter_turns=[0, -1])
         full, mean = (
-            run_vdp(chain, start, 20.0 / eps, model=model, samples=2, companion=False)
+            simulate(model.chain_of(chain), start, 20.0 / eps, samples=2, estimate_error=False)
             for model in (Model.FULL, Model.ENVELOPE)
         )
         differences.append(float(np.abs(full.amplitude[-1] - mean.amplitude[-1]).max()))
@@ -195,10 +203,10 @@ def test_the_average_is_the_limit_of_small_eps() -> None:
 @pytest.mark.parametrize("displacement", [30.0, 100.0, 300.0])
 def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
     """εby⁴ is from 4e3 to 4e7 at first; scipy's LSODA is the other method."""
-    chain = VdpChain(4.0, 0.5, 0.6, 0.01, 5)
-    start = displaced(chain, [3], displacement)
-    run = run_vdp(chain, start, 30.0, samples=2, tolerance=1e-9)
-    state = np.concatenate([start.imag, start.real])
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=5)
+    start = excite(chain, [3], displacement)
+    run = simulate(chain, start, 30.0, samples=2, tolerance=1e-9)
+    state = start.ravel()
     other = solve_ivp(
         lambda _, x: full_right_side(chain, x), (0.0, 30.0), state, method="LSODA",
         rtol=1e-10, atol=1e-10,
@@ -207,12 +215,12 @@ def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
     assert run.error is not None
     assert np.abs(run.psi[-1] - (w + 1j * y)).max() < 1e-5
     assert run.error < 1e-4
-    assert run.stiff_steps > 0 or displacement < 50.0
+    assert run.counts["stiff_steps"] > 0 or displacement < 50.0
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_jacobian_is_the_derivative_of_the_right_side(ends: Ends) -> None:
-    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 4, ends)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=4, ends=ends)
     x = np.random.default_rng(1).standard_normal(8)
     columns = [
         (full_right_side(chain, x + step) - full_right_side(chain, x - step)) / 2e-6
@@ -222,20 +230,19 @@ def test_the_jacobian_is_the_derivative_of_the_right_side(ends: Ends) -> None:
 
 
 def test_arrivals_are_the_times_at_which_the_level_is_met() -> None:
-    run = run_vdp(FRONT, displaced(FRONT, [1]), 1500.0, model=Model.ENVELOPE, tolerance=1e-11)
+    run = simulate(FRONT.averaged(), excite(FRONT, [1]), 1500.0, tolerance=1e-11)
     reached = np.flatnonzero(run.arrivals > 0.0)
     assert reached.size > 3
     for n in reached[:4]:
-        upto = run_vdp(
-            FRONT, displaced(FRONT, [1]), float(run.arrivals[n]), model=Model.ENVELOPE,
-            tolerance=1e-11, samples=2,
-        )  # fmt: skip
+        upto = simulate(
+            FRONT.averaged(), excite(FRONT, [1]), float(run.arrivals[n]), tolerance=1e-11, samples=2
+        )
         assert upto.amplitude[-1, n] == pytest.approx(run.level, rel=1e-9)
 
 
-def _bad(**changes: object) -> VdpRun:
+def _bad(**changes: object) -> Trajectory:
     arguments: dict[str, object] = {"t_end": 10.0} | changes
-    return run_vdp(FRONT, arguments.pop("start", displaced(FRONT, [1])), **arguments)  # type: ignore[arg-type]
+    return simulate(FRONT, arguments.pop("start", excite(FRONT, [1])), **arguments)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -258,15 +265,15 @@ def test_bad_input_is_named(changes: dict[str, object], named: str) -> None:
 @pytest.mark.parametrize("c", [1e-3, 5.0])
 def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> None:
     """The same as with all sites stepped, and the cost does not follow the length."""
-    chain = VdpChain(4.0, 0.5, c, 0.01, 60)
-    start = displaced(chain, [30], 200.0)
-    part = run_vdp(chain, start, 10.0, samples=3, tolerance=1e-9)
-    whole = run_vdp(chain, start, 10.0, samples=3, tolerance=1e-9, window=False)
-    assert part.stiff_steps > 0
+    chain = VdpChain(a=4.0, b=0.5, c=c, eps=0.01, sites=60)
+    start = excite(chain, [30], 200.0)
+    part = simulate(chain, start, 10.0, samples=3, tolerance=1e-9)
+    whole = simulate(chain, start, 10.0, samples=3, tolerance=1e-9, active_window=False)
+    assert part.counts["stiff_steps"] > 0
     assert part.mean_active < 0.9 * chain.sites
     assert part.error is not None
     assert np.abs(part.psi - whole.psi).max() < 1e-6
     long = replace(chain, sites=100_000)
-    far = run_vdp(long, displaced(long, [30], 200.0), 10.0, samples=3, tolerance=1e-9)
+    far = simulate(long, excite(long, [30], 200.0), 10.0, samples=3, tolerance=1e-9)
     assert far.mean_active < 1.5 * part.mean_active + 60.0
     assert np.abs(far.psi[:, :40] - whole.psi[:, :40]).max() < 1e-6

@@ -11,18 +11,16 @@ import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
 
-from theory.vdp_chain import Ends, VdpChain
-from verification.integrators.active import FREE, RING
-from verification.integrators.runge_kutta import (
-    fixed_steps,
-    step_error,
-    take_step,
-)
-from verification.integrators.slopes import ENVELOPE, FULL, slope
-from verification.integrators.splitting import saba, split_steps
-from verification.integrators.taylor import taylor_order, taylor_steps
-from verification.vdp.lane import Lane
-from verification.vdp.start import displaced
+from theory.chains.chain import Ends
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from verification.runs.excite import as_psi, excite
+from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers.active import FREE, RING
+from verification.steppers.fixed import fixed_steps
+from verification.steppers.kernel import slope_of
+from verification.steppers.runge_kutta import dop853_step, step_error
+from verification.steppers.splitting import saba, split_steps
+from verification.steppers.taylor import ENVELOPE, FULL, taylor_order, taylor_steps
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -31,7 +29,11 @@ CHAIN = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=7)
 
 
 def reference(
-    chain: VdpChain, start: ComplexArray, end: float, full: bool = True, tolerance: float = 1e-13
+    chain: VanDerPolChain,
+    start: ComplexArray,
+    end: float,
+    full: bool = True,
+    tolerance: float = 1e-13,
 ) -> ComplexArray:
     """Integrate (8), or (43) in complex form, by scipy's DOP853; written independently."""
     ring = chain.ends is Ends.PERIODIC
@@ -61,45 +63,41 @@ def reference(
 
 
 def _start(chain: VdpChain) -> ComplexArray:
-    return displaced(chain, [1, 3], 3.0, steps=[0, -1])
+    return as_psi(excite(chain, [1, 3], 3.0, quarter_turns=[0, -1]))
+
+
+def _of(chain: VdpChain, full: bool) -> VdpChain | AveragedChain:
+    return chain if full else chain.averaged()
 
 
 def _state(psi: ComplexArray, full: bool = True) -> FloatArray:
     return np.array([psi.imag, psi.real] if full else [psi.real, psi.imag])
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 @pytest.mark.parametrize("full", [True, False])
 @pytest.mark.parametrize("order", [4, 8])
 def test_a_runge_kutta_step_has_its_order(order: int, full: bool, ends: Ends) -> None:
-    chain = VdpChain(CHAIN.a, CHAIN.b, CHAIN.c, CHAIN.eps, 7, ends)
+    chain = VdpChain(a=CHAIN.a, b=CHAIN.b, c=CHAIN.c, eps=CHAIN.eps, sites=7, ends=ends)
     end = 20.0 if full else 20.0 / chain.eps
-    exact = _state(reference(chain, _start(chain), end, full), full)
+    exact = _state(reference(chain, _start(chain), end, full))
     errors = []
     # Steps whose errors lie between round-off and saturation.
     steps = {(4, True): 400, (8, True): 160, (4, False): 200, (8, False): 120}[order, full]
     for count in (steps, 2 * steps):
-        state = _state(_start(chain), full)
-        fixed_steps(
-            FULL if full else ENVELOPE,
-            state,
-            np.array([chain.a, chain.b, chain.c, chain.eps]),
-            RING if ends is Ends.PERIODIC else FREE,
-            20.0 / count,
-            count,
-            order,
-        )
+        state = _state(_start(chain))
+        fixed_steps(_of(chain, full), state, 20.0 / count, count, order)
         errors.append(np.abs(state - exact).max())
     assert errors[1] > 1e-12
     assert math.log2(errors[0] / errors[1]) > order - 0.6
 
 
-@pytest.mark.parametrize("ends", list(Ends))
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_splitting_gains_an_order_in_eps_at_fixed_steps(ends: Ends) -> None:
     """SABA_n: O(ε h^{2n}) + O(ε² h²): at small h the error falls like ε², and like h²."""
 
     def error(eps: float, count: int) -> float:
-        chain = VdpChain(4.0, 0.5, 0.6, eps, 7, ends)
+        chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=eps, sites=7, ends=ends)
         state = _state(_start(chain))
         parameters = np.array([chain.a, chain.b, chain.c, eps])
         split_steps(state, parameters, ends is Ends.PERIODIC, 5.0 / count, count, *saba(4))
@@ -111,11 +109,15 @@ def test_the_splitting_gains_an_order_in_eps_at_fixed_steps(ends: Ends) -> None:
     assert by_eps == pytest.approx(2.0, abs=0.3)
 
 
+def _run(chain: VanDerPolChain, psi: ComplexArray, end: float, tolerance: float) -> ComplexArray:
+    run = SmoothIntegration(chain, psi, [0.0, end], tolerance=tolerance, level=1.0)
+    while not run.finished:
+        run.advance(10**6)
+    return as_psi(run.samples[-1])
+
+
 def _by_runge_kutta(full: bool, tolerance: float, end: float) -> ComplexArray:
-    lane = Lane(CHAIN, full, _start(CHAIN), np.array([0.0, end]), tolerance, 1.0, True, 0)
-    while not lane.finished:
-        lane.go_on(10**6)
-    return lane.psi[-1]
+    return _run(_of(CHAIN, full), _start(CHAIN), end, tolerance)
 
 
 def _by_series(full: bool, tolerance: float, end: float) -> ComplexArray:
@@ -150,29 +152,44 @@ def test_a_tighter_tolerance_gives_a_smaller_error(
         assert smaller < 0.3 * larger
 
 
-@pytest.mark.parametrize("model", [FULL, ENVELOPE])
-def test_a_mirrored_state_has_the_mirrored_slope_to_the_last_bit(model: int) -> None:
+@pytest.mark.parametrize("full", [True, False])
+def test_a_mirrored_state_has_the_mirrored_slope_to_the_last_bit(full: bool) -> None:
     random = np.random.default_rng(3)
-    for m in (1, 2, 3, 8, 33):
+    chain = _of(VdpChain(a=2.5, b=0.5, c=0.3), full)
+    slope, parameters = slope_of(chain), np.array(chain.kernel_parameters())
+    for m in (1, 2, 3, 8, 33, 64, 101):
         half = random.standard_normal((2, m))
         mirrored = half[:, ::-1]
-        parameters = np.array([2.5, 0.5, 0.3, 0.01])
         one, other = np.zeros(2 * m), np.zeros(2 * m)
-        slope(model, half.ravel(), parameters, FREE, FREE, one)
-        slope(model, np.ascontiguousarray(mirrored).ravel(), parameters, FREE, FREE, other)
+        slope(half.ravel(), parameters, FREE, FREE, one)
+        slope(np.ascontiguousarray(mirrored).ravel(), parameters, FREE, FREE, other)
         assert np.array_equal(one.reshape(2, m)[:, ::-1], other.reshape(2, m))
 
 
 @pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
+def test_the_compiled_slope_is_the_kernel_at_every_site(full: bool, ends: Ends) -> None:
+    """The kernel in numpy, its neighbours by padding: the loop over sites is not used."""
+    chain = _of(VdpChain(a=2.5, b=0.5, c=0.3, eps=0.2, sites=6, ends=ends), full)
+    y, w = state = np.random.default_rng(5).standard_normal((2, 6))
+    mode = "wrap" if ends is Ends.PERIODIC else "edge"
+    left, right = (np.pad(state, ((0, 0), (1, 1)), mode=mode)[:, part] for part in (  # type: ignore[call-overload]
+        slice(0, 6), slice(2, 8)
+    ))  # fmt: skip
+    expected = np.array(chain.kernel()((y, w), left, right, chain.kernel_parameters()))
+    out = np.zeros(12)
+    code = RING if ends is Ends.PERIODIC else FREE
+    slope_of(chain)(state.ravel(), np.array(chain.kernel_parameters()), code, code, out)
+    assert np.abs(out - expected.ravel()).max() < 1e-14
+
+
+@pytest.mark.parametrize("full", [True, False])
 def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
-    chain = VdpChain(4.0, 0.5, 0.6, 0.05, 9, Ends.PERIODIC)
-    start = displaced(chain, [2, 3], 3.0, steps=[0, -1])
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=9, ends=Ends.PERIODIC)
+    start = as_psi(excite(chain, [2, 3], 3.0, quarter_turns=[0, -1]))
 
     def run(psi: ComplexArray) -> ComplexArray:
-        lane = Lane(chain, full, psi, np.array([0.0, 200.0]), 1e-9, 1.0, True, 0)
-        while not lane.finished:
-            lane.go_on(10**6)
-        return lane.psi[-1]
+        return _run(_of(chain, full), psi, 200.0, 1e-9)
 
     # Round-off of different orders of summation, grown over 200 units of time.
     assert np.abs(np.roll(run(start), 4) - run(np.roll(start, 4))).max() < 1e-9
@@ -181,28 +198,29 @@ def test_a_ring_is_the_same_from_every_site(full: bool) -> None:
 
 def test_the_clock_loses_nothing_over_many_equal_steps() -> None:
     """Equal steps are rounded alike: a plain sum of 20 000 of them is off by some 1e-10."""
-    chain = VdpChain(4.0, 0.5, 0.6, 0.01, 31)
-    start = displaced(chain, [1])
-    lane = Lane(chain, True, start, np.array([0.0, 1000.0]), 1e-13, 1.0, True, 0)
-    while not lane.finished:
-        lane.go_on(10**7)
-    state = _state(start)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=31)
+    start = excite(chain, [1])
+    run = SmoothIntegration(chain, start, [0.0, 1000.0], tolerance=1e-13, level=1.0)
+    while not run.finished:
+        run.advance(10**7)
+    state = start.copy()
     parameters = np.array([chain.a, chain.b, chain.c, chain.eps])
     taylor_steps(FULL, state, parameters, FREE, 1000.0, 1e-14, taylor_order(1e-14))
-    assert lane.counters[3] > 15_000
-    assert np.abs(lane.psi[-1] - (state[1] + 1j * state[0])).max() < 3e-11
+    assert run.counts["steps"] > 15_000
+    assert np.abs(run.samples[-1] - state).max() < 3e-11
 
 
 @pytest.mark.parametrize("displacement", [30.0, 100.0, 300.0])
 def test_a_step_that_explodes_never_passes(displacement: float) -> None:
     """The damping rate is up to 4e7: most of these steps are unstable, some end near 1e150."""
-    parameters = np.array([4.0, 0.5, 0.6, 0.01])
-    K, room, out = np.zeros((12, 10)), np.zeros((2, 10)), np.zeros(10)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=5)
+    take_step, parameters = dop853_step(slope_of(chain)), np.array(chain.kernel_parameters())
+    K, room, out = np.zeros((12, 10)), np.zeros((3, 10)), np.zeros(10)
     x = np.zeros(10)
     x[2] = displacement
     exploded = 0
     for h in np.geomspace(1e-8, 1.0, 400):
-        take_step(FULL, x, parameters, FREE, FREE, h, K, out)
+        take_step(x, parameters, FREE, FREE, h, K, out)
         error = step_error(K, h, room, displacement)
         if not np.abs(out).max() < 10.0 * displacement:
             exploded += 1

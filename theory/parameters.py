@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Callable
 from typing import SupportsFloat
 
@@ -37,6 +38,34 @@ class ParameterError(ValueError):
 
 class RunError(ArithmeticError):
     """A run that cannot go on; the message is one sentence that says where, and what to change."""
+
+
+class MissingPackageError(ImportError):
+    """A package that is not installed; the message is one sentence that names the extra.
+
+    Parameters
+    ----------
+    package : str
+        The package.
+    extra : str
+        The extra of this distribution that installs it.
+    purpose : str
+        What needs it.
+
+    Examples
+    --------
+    >>> print(MissingPackageError("python-flint", "certify", "a certified root"))
+    a certified root needs python-flint, which is not installed: 'pip install \
+excitation-fronts[certify]' installs it.
+    """
+
+    def __init__(self, package: str, extra: str, purpose: str) -> None:
+        self.package, self.extra, self.purpose = package, extra, purpose
+        super().__init__(
+            f"{purpose} needs {package}, which is not installed: "
+            f"'pip install excitation-fronts[{extra}]' installs it.",
+            name=package,
+        )
 
 
 def positive(
@@ -96,7 +125,9 @@ def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str)
     return _checked(quantity, value, f"finite and at least {low:g}", remedy, lambda x: x >= low)
 
 
-def count_within(quantity: str, value: int, low: int, high: int, remedy: str | None = None) -> int:
+def count_within(
+    quantity: str, value: SupportsFloat, low: int, high: int, remedy: str | None = None
+) -> int:
     """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
 
     Raises
@@ -113,6 +144,60 @@ def count_within(quantity: str, value: int, low: int, high: int, remedy: str | N
             lambda x: low <= x <= high and x == int(x),
         )
     )
+
+
+def real_number(quantity: str, value: object, low: float, high: float, remedy: str) -> float:
+    """Return a parameter as a float if it is a real number with ``low <= value <= high``.
+
+    Unlike :func:`within`, which also reads what is typed at a command line, this one takes numbers
+    only: text, truth values and arrays are refused. Numbers of numpy are numbers.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a real number, or not in the range.
+
+    Examples
+    --------
+    >>> real_number("coupling c", 1, 0.0, 1e6, "give a coupling")
+    1.0
+    >>> real_number("coupling c", "0.3", 0.0, 1e6, "give a coupling")
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: coupling c = '0.3' is not allowed: it must be a number from \
+0 to 1e+06; give a coupling.
+    """
+    allowed = f"a number from {low:g} to {high:g}"
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise ParameterError(quantity, _shown(value), allowed, remedy)
+    return _checked(quantity, value, allowed, remedy, lambda x: low <= x <= high)
+
+
+def whole_number(quantity: str, value: object, low: int, high: int, remedy: str = "") -> int:
+    """Return a parameter as an int if it is a whole number with ``low <= value <= high``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not whole, or not in the range.
+
+    Examples
+    --------
+    >>> whole_number("number of sites n", 31.0, 2, 100)
+    31
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        allowed = f"a whole number from {low} to {high}"
+        raise ParameterError(
+            quantity, _shown(value), allowed, remedy or "give a whole number in this range"
+        )
+    return count_within(quantity, value, low, high, remedy or None)
+
+
+def _shown(value: object) -> str:
+    """Return what is not a number in few characters and one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def end_time(quantity: str, value: float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import random
 import sys
 import tempfile
@@ -16,13 +15,14 @@ from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import Mutant, mutants_of
 from benchmarks.mutation.outcome import write_record
 from benchmarks.mutation.runs import Runs, Workers
+from verification.execution.digest import digest_of
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
   python -m benchmarks.mutation theory --formulas one    a sign, factor or index of each formula
   python -m benchmarks.mutation theory --part 0.2 --seed 3     one in five, chosen at random
-  python -m benchmarks.mutation theory/limits.py --list        the changes, nothing run
+  python -m benchmarks.mutation theory/piecewise/limits.py --list        the changes, nothing run
 
 Nothing in the working tree is touched: tests run in copies of it in --work. Results are kept there
 by the text of what was changed, so that a run that was stopped goes on where it was. --record
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "where", nargs="+", help="packages or modules, as theory or theory/limits.py"
+        "where", nargs="+", help="packages or modules, as theory or theory/piecewise/limits.py"
     )
     parser.add_argument(
         "--part", type=float, default=1.0, help="of each module's changes (default 1)"
@@ -120,7 +120,7 @@ def command_line(arguments: Sequence[str] | None) -> str:
 
 def default_work(root: Path) -> Path:
     """Return the folder for copies and results of this working tree, outside of it."""
-    mark = hashlib.sha256(str(root).encode()).hexdigest()[:8]
+    mark = digest_of(str(root))[:8]
     return Path(tempfile.gettempdir()) / f"fronts-mutation-{mark}"
 
 

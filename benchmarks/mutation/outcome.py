@@ -6,11 +6,12 @@ import json
 import subprocess
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from benchmarks.mutation.mutants import Mutant
+from verification.execution.files import write_text
+from verification.execution.metadata import now
 
 
 def counts(
@@ -56,7 +57,7 @@ def write_record(
     formulas = {(m.module, m.formula) for m in mutants if m.formula}
     record: dict[str, Any] = {
         "command": command,
-        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M"),
+        "date": now(),
         "commit": _git(root, "rev-parse", "HEAD"),
         "uncommitted": bool(_git(root, "status", "--porcelain", "--untracked-files=no")),
         "formulas": len(formulas),
@@ -67,9 +68,7 @@ def write_record(
         "open": [name for name in missed if reasons[name] is None],
     }
     text = json.dumps(record, indent=1, ensure_ascii=False) + "\n"
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(path)
+    write_text(path, text)
 
 
 def _git(root: Path, *words: str) -> str | None:

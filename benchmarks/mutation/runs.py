@@ -1,8 +1,7 @@
-"""Run the tests against each change, fastest first, in copies of the project; keep the results."""
+"""Run the tests against each change, fastest first, in copies of the project; store the results."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import queue
@@ -19,6 +18,8 @@ from typing import Any
 
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.survey import Survey, closure, digest, survey, test_files
+from verification.execution.digest import digest_of
+from verification.execution.store import Store
 
 COPIED = (
     "theory",
@@ -127,7 +128,7 @@ Asker = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 class Runs:
-    """Kept results and the order of tests.
+    """Stored results and the order of tests.
 
     Parameters
     ----------
@@ -140,7 +141,7 @@ class Runs:
     seconds : float
         Of tests, as measured on the unchanged tree, spent on one change at most.
     again : bool
-        Forget kept results.
+        Forget stored results.
     """
 
     def __init__(
@@ -153,16 +154,10 @@ class Runs:
         again: bool,
     ) -> None:
         self._root, self._workers, self._seconds = root, workers, seconds
-        self._path = work / "results.jsonl"
         self._lock = threading.Lock()
-        self._kept: dict[str, dict[str, Any]] = {}
-        if self._path.exists() and not again:
-            for line in self._path.read_text(encoding="utf-8").splitlines():
-                try:
-                    row = json.loads(line)
-                    self._kept[row["name"]] = row
-                except ValueError:
-                    continue  # the last line of a run that was killed
+        identity = {"results": "of changes"}  # each row says by its key which code it is of
+        self._store = Store(work / "results.sqlite", identity, resume=not again, replace=True)
+        self._known: dict[str, dict[str, Any]] = dict(self._store.results)
         self._survey = survey(root, work, modules, self._ask_all, self._tell)
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._noticed: Counter[str] = Counter()
@@ -196,14 +191,14 @@ class Runs:
         """Return ``killed`` or ``survived`` for each change that was run or is kept."""
         found: dict[str, str] = {}
         for mutant in mutants:
-            row = self._kept.get(mutant.name)
+            row = self._known.get(mutant.name)
             if row is None or (row["left_out"] and row.get("asked", 0.0) < self._seconds):
                 continue  # with more time there are more tests to ask
             if row["key"] == self._key(mutant, row["status"], row["by"]):
                 found[mutant.name] = row["status"]
         rest = [mutant for mutant in mutants if mutant.name not in found]
         first_lines = {(mutant.module, mutant.function): mutant.first_line for mutant in mutants}
-        for row in self._kept.values():
+        for row in self._known.values():
             module, function = row["name"].split(":")[:2]
             if row["by"] in self._survey.seconds and (module, function) in first_lines:
                 self._learn(module, first_lines[module, function], row["by"])
@@ -225,8 +220,7 @@ class Runs:
                 with self._lock:
                     done += 1
                     found[mutant.name] = row["status"]
-                    with self._path.open("a", encoding="utf-8") as file:
-                        file.write(json.dumps(row) + "\n")
+                    self._store.add(mutant.name, row)
                     now = time.monotonic()
                     if now - shown > 10.0 or done == len(rest):
                         shown = now
@@ -248,7 +242,7 @@ class Runs:
 
     def _key(self, mutant: Mutant, status: str, by: str | None) -> str:
         """Identify a result: the changed text, and the tests that were or would be asked."""
-        text = hashlib.sha256(mutant.source.encode()).hexdigest()
+        text = digest_of(mutant.source)
         if status == "killed":
             file = (by or "").split("::", maxsplit=1)[0].split(" ")[0]
             return digest(self._root, [file] if (self._root / file).is_file() else [], text)

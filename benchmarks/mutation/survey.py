@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import ast
-import hashlib
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
+
+from verification.execution.digest import digest_of, digest_of_files, imports_of
+from verification.execution.files import write_text
 
 LONGEST_FILE = 400.0
 """Seconds after which a file that is being recorded is given up."""
@@ -92,31 +92,19 @@ def closure(root: Path, file: str) -> frozenset[str]:
     return frozenset(reached)
 
 
-@lru_cache(maxsize=4096)
 def _imports(root: Path, file: str) -> frozenset[str]:
+    names, _ = imports_of(root / file, file.rpartition("/")[0].replace("/", "."))
     found = set()
-    for node in ast.walk(ast.parse((root / file).read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        else:
-            continue
-        for name in names:
-            for path in (f"{name.replace('.', '/')}.py", f"{name.replace('.', '/')}/__init__.py"):
-                if (root / path).is_file():
-                    found.add(path)
+    for name in names:
+        for path in (f"{name.replace('.', '/')}.py", f"{name.replace('.', '/')}/__init__.py"):
+            if (root / path).is_file():
+                found.add(path)
     return frozenset(found)
 
 
 def digest(root: Path, files: Iterable[str], *more: str) -> str:
-    """Return a hash of the contents of files and of some words."""
-    total = hashlib.sha256()
-    for file in sorted(files):
-        total.update(file.encode() + b"\0" + (root / file).read_bytes())
-    for word in more:
-        total.update(word.encode() + b"\0")
-    return total.hexdigest()[:20]
+    """Return a digest of the contents of files and of some words."""
+    return digest_of([digest_of_files(root, [root / file for file in files]), *more])[:20]
 
 
 def survey(
@@ -149,7 +137,7 @@ def survey(
     def take(index: int, answer: dict[str, Any]) -> None:
         file = wanted[index]
         known[file] = {"key": keys[file], "answer": answer}
-        path.write_text(json.dumps(known), encoding="utf-8")
+        write_text(path, json.dumps(known))
         tell(f"recorded {file}: {len(answer.get('passed', {}))} tests, {answer['seconds']:.1f} s")
 
     requests = [{"files": [file], "record": True, "timeout": LONGEST_FILE} for file in wanted]

@@ -1,8 +1,8 @@
 """How symbols, fields and derivatives are written: LaTeX, and one line of Unicode.
 
-``y(n + 1, t)`` is a good object to compute with and a poor one to read. Before printing, fields at a
-site, functions of slow times, their derivatives and conjugates are replaced by symbols whose names
-are the paper's: y with index n+1, dots for the time, primes for the slow time.
+``y(n + 1, t)`` is a good object to compute with and a poor one to read. Before printing, fields at
+a site, functions of slow times, their derivatives and conjugates are replaced by symbols with the
+paper's names: y with index n+1, dots for the time, primes for the slow time.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ _DOTS = {1: "\u0307", 2: "\u0308", 3: "\u20db"}
 
 
 def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
-    """Return the expression with readable symbols for fields and derivatives.
+    r"""Return the expression with readable symbols for fields and derivatives.
 
     Examples
     --------
     >>> t, n = sp.Symbol("t"), sp.Symbol("n", integer=True)
     >>> y = sp.Function("y", real=True)
     >>> displayed(y(n + 1, t).diff(t, 2), Script.LATEX)
-    \\ddot{y}_{n+1}
+    \ddot{y}_{n+1}
     """
     found: dict[sp.Basic, sp.Basic] = {}
     for own in expression.atoms(sp.Derivative, AppliedUndef, sp.conjugate):

@@ -294,9 +294,7 @@ class SolveCosine(Operation):
         (source,) = sources
         cosine = sp.Dummy("cosine")
         whole = sp.expand(left_minus_right(source))
-        whole = whole.replace(
-            lambda q: isinstance(q, sp.cos) and q.has(self.angle), lambda q: sp.expand_trig(q)
-        )
+        whole = whole.replace(lambda q: isinstance(q, sp.cos) and q.has(self.angle), sp.expand_trig)
         polynomial = sp.Poly(sp.expand(whole).xreplace({sp.cos(self.angle): cosine}), cosine)
         if polynomial.has(self.angle):
             raise OperationError(f"not only cosines of {self.angle} occur")

@@ -90,7 +90,8 @@ class Checks:
         self.branch = vanishes_at(self._branch_point, "a zero of the sampled imaginary part")
         self.quarter = equals(self._quarter_point, _DIRECT + " at a zero of its imaginary part")
         self.second_relation = equals(self._relation_point,
-                                      _DIRECT + " at a zero of its imaginary part", parts=2)  # fmt: skip
+                                      _DIRECT + " at a zero of its imaginary part",
+                                      parts=2)  # fmt: skip
         self.amplitude = vanishes_at(self._amplitude_point, "the amplitude of the sine of (9)")
         self.square = vanishes_at(self._square_point, "the square of an amplitude")
         self.turned = vanishes_at(self._turned_point, "a quarter turn a site")

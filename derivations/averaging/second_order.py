@@ -67,7 +67,8 @@ def steps(given: ChainModel, chain: Step) -> tuple[Step, ...]:
 
 def _routes(name: str, start: Step, checks: SecondOrderChecks) -> tuple[Step, ...]:
     scales = derived(f"modulation by multiple scales, {name}",
-                     ScalesToSecondOrder(epsilon, amplitude), start, check=checks.scales)  # fmt: skip
+                     ScalesToSecondOrder(epsilon, amplitude), start,
+                     check=checks.scales)  # fmt: skip
     averaged = derived(f"modulation by averaging, {name}", AverageToSecondOrder(epsilon, phi),
                        start, check=checks.averaging)  # fmt: skip
     visible = derived(f"fundamental of the average, {name}",

@@ -106,7 +106,7 @@ def _decaying(
                       "a steady state that decays along the chain", check=checks.wave)  # fmt: skip
     balance = derived(
         "balance", (Substitute(index=n, at=_sites(model)), Divide(wave)), averaged, decaying,
-        check=checks.balance, number=35, note="With constant k₁ and k₂ it can hold at one site only",
+        check=checks.balance, number=35, note="With constant k₁ and k₂ it can hold at one site",
     )  # fmt: skip
     parts = derived("balance in parts", RealAndImaginaryParts(), balance, check=checks.parts)
     frequency = derived(
@@ -139,7 +139,8 @@ def _decaying(
     amplitude = derived("amplitudes", TakeAmplitude(omega * t, A_n), scales.numbered(9),
                         check=checks.amplitude, number=38)  # fmt: skip
     size = definition("square of the amplitude", equation(square, alpha_0**2 * sp.exp(2 * k_1 * n)),
-                      "the square of the amplitude of φ at site n", check=checks.square)  # fmt: skip
+                      "the square of the amplitude of φ at site n",
+                      check=checks.square)  # fmt: skip
     loss = derived("damping of a site", Take(0), parts, check=checks.real_part)
     by_size = derived(
         "damping by amplitude", Eliminate(sp.exp(2 * k_1 * n)), loss, size, check=checks.by_size
@@ -149,7 +150,8 @@ def _decaying(
         "two sites", DividedDifference(square, squares[:2], divided), by_size,
         check=checks.divided(2), note="(35) at both sites demands that it vanishes",
     )  # fmt: skip
-    found = [decaying, balance, parts, frequency, isolated, phases, by_displacement, limit, branches, branch,
+    found = [decaying, balance, parts, frequency, isolated, phases, by_displacement, limit,
+             branches, branch,
              relation, quarter, both, amplitude, size, loss, by_size, two]  # fmt: skip
     if degree > 1:
         found.append(derived(

@@ -172,7 +172,8 @@ def chain_of(
     row = tuple(number(part.strip(), "weights") for part in (weights or "1").split(","))
     if len(row) > MAX_REACH or row[0] == 0 or row[-1] == 0:
         raise DerivationInputError("weights", weights, f"1 to {MAX_REACH} numbers or letters, the "
-                                   "first and the last other than zero", "give for example '1, w'")  # fmt: skip
+                                   "first and the last other than zero",
+                                   "give for example '1, w'")  # fmt: skip
     model = ChainModel(damping=h, stiffness=g, coupling=spring, weights=row)
     put = values_of(values or {}, model.parameters)
     return ChainModel(

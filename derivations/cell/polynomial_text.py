@@ -87,9 +87,9 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> dict[Monomial, F
     >>> read_polynomial("__import__('os')")
     Traceback (most recent call last):
     ...
-    derivations.algebra.errors.DerivationInputError: polynomial = "__import__('os')" is not allowed: it \
-must be a polynomial such as 1 - a*y**2 + b*y**4; '_' cannot be read; use numbers, letters, \
-+ - * / ** and brackets only.
+    derivations.algebra.errors.DerivationInputError: polynomial = "__import__('os')" is not \
+allowed: it must be a polynomial such as 1 - a*y**2 + b*y**4; '_' cannot be read; use numbers, \
+letters, + - * / ** and brackets only.
     """
     reader = _Reader(quantity, text, [])
     if len(text) > LONGEST:

@@ -195,7 +195,7 @@ def derive(given: ChainModel, order: int = 1) -> Derivation:
 
 
 def _cycles(given: ChainModel, found: AveragedCell) -> tuple[Step, ...]:
-    """What hangs on the cycles, as far as they have a closed form and are of the right kind."""
+    """Derive what hangs on the cycles, as far as they have a closed form and are bistable."""
     checks, mean = CellChecks(given), found.damping_mean
     try:
         known = limit_cycles(mean)

@@ -209,8 +209,8 @@ class Checks:
         with mp.workdps(40):
             point = {**self._point(0, 1), **_partials(_test_motion, own.Y, *_AT)}
             low, slope = self._coefficients(lambda p, q, _: _test_motion(p, q), _frequency)
-            return self._compare(candidate, point, lambda e: low + e * slope,
-                                 "value and slope in ε of the centre along a test motion")  # fmt: skip
+            what = "value and slope in ε of the centre along a test motion"
+            return self._compare(candidate, point, lambda e: low + e * slope, what)
 
     def _order_point(self) -> dict[Any, Any]:
         return {**self._point(0, 1), **_partials(_test_motion, own.Y_0, *_AT),
@@ -227,8 +227,8 @@ class Checks:
                 )
                 return low + e * slope
 
-            return self._compare(candidate, point, expected,
-                                 "value and slope in ε of the centre along a test motion")  # fmt: skip
+            what = "value and slope in ε of the centre along a test motion"
+            return self._compare(candidate, point, expected, what)
 
     def order_zero(self, candidate: sp.Basic) -> Evidence:
         """Compare with the residual at ε = 0."""
@@ -383,8 +383,10 @@ class Checks:
         return point, [found.imag, found.real]
 
     def _split(self, rng: random.Random) -> tuple[dict[Any, Any], complex, complex, float]:
-        """Parts of the resonance at α_0 = 2R over R e^{iθ}: the cell's, the neighbours', and the
-        frequency at which the cell's has no real part.
+        """Split the resonance at α_0 = 2R over R e^{iθ}.
+
+        Into the cell's and the neighbours' part; also the frequency at which the cell's is
+        imaginary.
         """
         point, p, wave = self._drawn_amplitude(rng)
         point[alpha_0] = wave[alpha_0] = 2 * point[R]

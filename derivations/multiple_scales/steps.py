@@ -240,6 +240,6 @@ def _to_breather(
         "breather frequency", (Substitute(), Truncate(epsilon, 1)), frequency, undetuned,
         check=checks.breather_frequency, number=30,
     )  # fmt: skip
-    return (central, rescaled, fundamental, match, doubled, own, modulus, free_frequency, close, exact,
-            detuned, neglected, cost, branches, halved, kept, decay, undetuned,
+    return (central, rescaled, fundamental, match, doubled, own, modulus, free_frequency, close,
+            exact, detuned, neglected, cost, branches, halved, kept, decay, undetuned,
             breather_frequency)  # fmt: skip

@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--defaults", action="store_true", help="judge the default methods by the stored records"
     )
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the records (benchmarks/results)"
+        "-o", "--out", type=Path, metavar="DIR", help="folder of the records (benchmarks/results)"
     )
 
 

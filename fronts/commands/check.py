@@ -10,10 +10,11 @@ import shutil
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from fronts.answer import Answer, UsageError
-from fronts.progress import Progress, kept
+from fronts.interrupted import resumable
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.following import resolved, with_followed
@@ -21,8 +22,8 @@ from paper_checks.measurements import stored_sections
 from paper_checks.outcome import Outcome, slug
 from paper_checks.page import page
 from paper_checks.report import (
+    PACKAGES,
     Report,
-    installed_versions,
     make_report,
     picture_files,
     pictures_listed,
@@ -31,8 +32,12 @@ from paper_checks.report import (
 from paper_checks.report_text import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
-from paper_checks.store import SOURCES, Store, source_hash, write_text
 from paper_checks.table import duration, entries_as_text
+from verification.execution.digest import SOURCES, digest_of_packages
+from verification.execution.files import write_text
+from verification.execution.metadata import installed_versions
+from verification.execution.progress import Progress
+from verification.execution.store import Store
 
 EXAMPLE = """\
 examples:
@@ -44,7 +49,8 @@ examples:
 
 exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusable input"""
 
-STORE = ".findings"
+STORE = ".findings.sqlite"
+"""What a run into a folder has judged so far."""
 MOST_JOBS = 256
 _OF_A_RUN = ("out", "jobs", "resume", "full", "record")
 """Options that say how claims are judged, which ``--list`` does not do."""
@@ -59,9 +65,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="V",
         help="only claims with this verdict on record: " + ", ".join(map(slug, Verdict)),
     )
-    parser.add_argument("--out", type=_folder, metavar="DIR", help="write the report here")
+    parser.add_argument("-o", "--out", type=_folder, metavar="DIR", help="write the report here")
     parser.add_argument(
+        "--workers",
         "--jobs",
+        dest="jobs",
         type=_jobs,
         metavar="N",
         help="processes (default 1: claims about run times are judged undisturbed)",
@@ -103,28 +111,34 @@ def run(options: argparse.Namespace) -> Answer:
     if options.record and not options.full:
         raise UsageError("--record keeps what was computed in this run: add --full.")
     folder = _checked_folder(options)
-    versions, source = installed_versions(), source_hash(_sources())
-    store = Store(folder / STORE, source, versions) if folder else None
+    versions, source = installed_versions(PACKAGES), digest_of_packages(_sources())
     shipped = Shipped(FOLDER, discover.PACKAGE, _sources())
 
     start = time.perf_counter()
-    shown = Progress(len(entries))
+    shown = Progress("claims", steps=len(entries))
 
     def said() -> str:
         if folder is None:
             return ""
         return (
-            f"{shown.finished} of {len(entries)} claims are judged and kept; "
+            f"{shown.finished} of {len(entries)} claims are judged and stored; "
             f"'fronts check --out {folder} --resume' goes on from there"
         )
 
-    with kept(said), shown:
+    identity = {"source": source, "versions": versions}
+    with (
+        resumable(said),
+        # What another code or version has found is computed anew, and not refused.
+        Store(folder / STORE, identity, resume=options.resume, replace=True)
+        if folder
+        else nullcontext() as store,
+        shown,
+    ):
         outcomes = judge_all(
             entries,
             jobs=options.jobs or 1,
             package=discover.PACKAGE,
             store=store,
-            resume=options.resume,
             shipped=None if options.full else shipped,
             progress=_Reporter(shown),
         )
@@ -207,7 +221,7 @@ def _checked_folder(options: argparse.Namespace) -> Path | None:
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"--out {folder} is a file: name a folder.")
     try:
-        (folder / STORE).mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
@@ -236,20 +250,22 @@ def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
 
 
 def _record(shipped: Shipped, report: Report) -> str:
-    kept = [
+    found = [
         outcome
         for outcome in report.outcomes
         if outcome.claim.expensive and outcome.finding and not outcome.judgement.stored
     ]
     try:
-        for outcome in kept:
-            shipped.record(outcome.entry, outcome.judgement, report.versions, report.machine)
+        for outcome in found:
+            shipped.record(outcome.entry, outcome.judgement, report.versions)
     except OSError as error:
         raise UsageError(
             f"the findings in {shipped.folder} cannot be written: {error.strerror}. "
             "Work in a checkout of the source."
         ) from None
-    names = ", ".join(outcome.claim.key for outcome in kept) or "none: no expensive claim was asked"
+    names = (
+        ", ".join(outcome.claim.key for outcome in found) or "none: no expensive claim was asked"
+    )
     return f"Recorded in {shipped.folder}: {names}."
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from derivations import catalogue
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, whole, write_whole
+from fronts.arguments import check_writable, whole
+from verification.execution.files import write_by
 
 if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
@@ -48,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stiffness", metavar="POLYNOMIAL", help="g(y) of another cell")
     parser.add_argument("--coupling", metavar="C", help="coupling of another chain (default c)")
     parser.add_argument("--weights", metavar="LIST",
-                        help="weights of the springs to the nearest, second … neighbours")  # fmt: skip
+                        help="weights of the springs to nearest, second … neighbours")  # fmt: skip
     parser.add_argument("--value", action="append", metavar="NAME=NUMBER", default=[],
                         help="a number for a letter of the chain; repeat for more")  # fmt: skip
     parser.add_argument("--no-front", action="store_true",
@@ -70,7 +71,7 @@ def run(args: argparse.Namespace) -> Answer:
     answer = _answer(args, other)
     if args.out is None:
         return answer
-    write_whole(args.out, lambda path: _write(path, answer.text))
+    write_by(args.out, lambda path: _write(path, answer.text))
     return Answer(answer.payload, f"wrote {args.out}", answer.exit_code)
 
 
@@ -95,7 +96,7 @@ def _listing() -> Answer:
             for name, (_, line, numbers) in catalogue.LISTING.items()]  # fmt: skip
     lines = [f"  {row['name']:<16} {row['equations']:<9} {row['derives']}" for row in rows]
     lines += ["  all              1-54      the verdict on every printed equation",
-              "  cell                       the averaged equation of your own oscillator"]  # fmt: skip
+              "  cell                       the average of your own oscillator"]  # fmt: skip
     return Answer({"derivations": rows}, "\n".join(lines))
 
 
@@ -205,8 +206,8 @@ def _cell(args: argparse.Namespace) -> Answer:
     if args.order not in (1, 2):
         raise UsageError(f"--order {args.order} is not allowed: it must be 1 or 2.")
     from derivations.algebra.errors import DerivationInputError
-    from derivations.cell.steps import derive
     from derivations.cell.envelope import derive_envelope
+    from derivations.cell.steps import derive
 
     envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")
     envelope = envelope.with_values(_values(args.value))

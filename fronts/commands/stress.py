@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_seed, check_writable, given, whole
-from fronts.progress import Fraction, kept_by_journal
+from fronts.interrupted import resumable_tables
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from verification.extremes.table import Stability
+    from verification.quantities.quantity import Quantity
+    from verification.quantities.table import Stability
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
@@ -24,8 +26,8 @@ in twenty with a value that is not allowed. Exit code 1: a stated error was exce
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
-STABILITY_CODE = ("verification.extremes.table", "verification.extremes.discover")
-SAVINGS_CODE = ("verification.savings.table",)
+STABILITY_CODE = ("verification.quantities.table", "verification.quantities.discover")
+SAVINGS_CODE = ("verification.work_reduction.table",)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -33,10 +35,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
     parser.add_argument("--points", type=whole, help="in all (default 1000)")
     parser.add_argument("--seed", type=whole, help="of the points at random (default 0)")
-    parser.add_argument("--out", type=Path, help="write every point to a .csv file")
-    parser.add_argument("--workers", type=whole, help="processes (default: one a core)")
+    parser.add_argument("-o", "--out", type=Path, help="write every point to a .csv file")
+    parser.add_argument("--workers", "--jobs", type=whole, help="processes (default: one a core)")
     parser.add_argument(
-        "--resume", action="store_true", help="go on from the journal OUT.part of a killed run"
+        "--resume", action="store_true", help="go on from OUT.part, which a killed run has left"
     )
     parser.add_argument("--list", action="store_true", help="list the quantities, try nothing")
     parser.add_argument(
@@ -65,15 +67,16 @@ def run(options: argparse.Namespace) -> Answer:
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
-    from verification.extremes.table import stability
+    from verification.quantities.discover import quantity_named
+    from verification.quantities.table import stability
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
     if options.resume and options.out is None:
-        raise UsageError("--resume needs --out: the journal is beside it.")
+        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
-    with kept_by_journal(options.out), Fraction("stress") as live:
+    with resumable_tables(options.out), Progress("stress") as live:
         found = stability(
             tuple(dict.fromkeys(options.quantity or ())),  # named twice is tried once
             points,
@@ -81,20 +84,24 @@ def run(options: argparse.Namespace) -> Answer:
             out=options.out,
             resume=options.resume,
             workers=options.workers,
-            progress=lambda done, total, _: live.show(done / max(total, 1)),
+            progress=live.report,
         )
     payload: dict[str, object] = {
         "points": len(found.table),
         "seed": seed,
         "counts": found.counts,
-        "quantities": [vars(line) | _range_of(line.quantity) for line in found.lines],
+        "quantities": [
+            vars(line) | _range_of(quantity_named(line.quantity)) for line in found.lines
+        ],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
         "out": None if options.out is None else str(options.out),
     }
     if options.record:
-        kept = {name: value for name, value in payload.items() if name != "out"}
-        _keep("stability", kept, f"fronts stress --points {points} --seed {seed}", STABILITY_CODE)
+        stored = {name: value for name, value in payload.items() if name != "out"}
+        _store(
+            "stability", stored, f"fronts stress --points {points} --seed {seed}", STABILITY_CODE
+        )
     return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 
@@ -115,20 +122,15 @@ def _alone(question: str, options: argparse.Namespace) -> None:
             )
 
 
-def _keep(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
+def _store(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
     """Store a result where the report finds it, with a digest of the code that it is of."""
-    from benchmarks.quantity import RESULTS
-    from benchmarks.record import now, these_versions, this_machine, write_json
-    from paper_checks.freshness import fingerprint
+    from fronts.commands.bench import ROOT
+    from verification.execution.metadata import Code, Metadata
+    from verification.execution.record import Record
 
-    stamp = {
-        "command": command,
-        "date": now(),
-        "machine": this_machine(),
-        "versions": these_versions(),
-        "code": fingerprint(modules),
-    }
-    write_json(stamp | payload, RESULTS / f"{name}.json")
+    metadata = Metadata(command=command, code=Code.of(modules))
+    path = ROOT / "benchmarks" / "results" / f"{name}.json"
+    Record(kind=name, content=payload, metadata=metadata).save(path)
 
 
 def _finite(value: Any) -> Any:
@@ -161,16 +163,13 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
-def _range_of(name: str) -> dict[str, str]:
-    from verification.extremes.discover import quantity_named
-
-    quantity = quantity_named(name)
+def _range_of(quantity: Quantity) -> dict[str, str]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
     return {"what": quantity.what, "over": axes, "ends": quantity.ends}
 
 
 def _list() -> Answer:
-    from verification.extremes.discover import all_quantities
+    from verification.quantities.discover import all_quantities
 
     rows = [
         {
@@ -184,7 +183,7 @@ def _list() -> Answer:
     ]
     lines = []
     for quantity in all_quantities():
-        said = _range_of(quantity.name)
+        said = _range_of(quantity)
         lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
         if quantity.ends:
             lines.append(f"{'':26}({said['ends']})")
@@ -192,7 +191,7 @@ def _list() -> Answer:
 
 
 def _savings(record: bool) -> Answer:
-    from verification.savings.table import measured_savings
+    from verification.work_reduction.table import measured_savings
 
     rows = measured_savings()
     lines = []
@@ -204,6 +203,6 @@ def _savings(record: bool) -> Answer:
         lines.append(f"    test: {row.saving.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
-        _keep("savings", payload, "fronts stress --savings", SAVINGS_CODE)
+        _store("savings", payload, "fronts stress --savings", SAVINGS_CODE)
     exceeded = not all(row.found.holds for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

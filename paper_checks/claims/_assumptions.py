@@ -25,11 +25,11 @@ FRONTS = ((0.5, 0.03125), (10.0, 0.03125))
 
 @lru_cache(maxsize=1)
 def _breather() -> EnvelopeBreather:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import Nucleus
 
-    return solve_envelope_breather(VdpChain(A, B, C, EPS, SITES), Nucleus(1))
+    return solve_envelope_breather(VdpChain(a=A, b=B, c=C, eps=EPS, sites=SITES), Nucleus(1))
 
 
 def one_decay() -> tuple[bool, str]:
@@ -46,12 +46,12 @@ def one_decay() -> tuple[bool, str]:
 
 def small_detuning() -> tuple[bool, str]:
     """Compare ω_1 with c, in the averaged chain and on the periodic orbit of (8)."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
     averaged = abs(_breather().omega - C) / C
-    orbit = solve_orbit(VdpChain(A, B, C, EPS, SITES), Nucleus(1))
+    orbit = solve_orbit(VdpChain(a=A, b=B, c=C, eps=EPS, sites=SITES), Nucleus(1))
     full = abs((orbit.frequency - 1.0) / EPS - C) / C
     return max(averaged, full) < SMALL, (
         f"at c = {C:g} |δ|/c is {averaged:.0e} in the averaged chain and {full:.4f} on the orbit "
@@ -61,7 +61,7 @@ def small_detuning() -> tuple[bool, str]:
 
 def always_admissible() -> tuple[bool, str]:
     """Look whether every solution of (54) at two couplings satisfies (47)."""
-    from theory.kinetic_relation import kinetic_relation
+    from theory.piecewise.kinetic_relation import kinetic_relation
 
     found = [
         (c, branch.v, branch.admissible)

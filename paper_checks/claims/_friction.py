@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from theory.friction_chain import FrictionChain
+    from theory.chains.friction import FrictionChain
 
 V_D, SITES = 1.25, 31
 """Belt velocity and number of sites of Figs. 3, 4 and 6; the rest is in (7)."""
@@ -17,20 +17,20 @@ V_D, SITES = 1.25, 31
 
 def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
     """Return the chain of the figures."""
-    from theory.friction_cell import FrictionCell
-    from theory.friction_chain import FrictionChain
+    from theory.cells.friction import FrictionCell
+    from theory.chains.friction import FrictionChain
 
-    return FrictionChain(c, FrictionCell(v_d), sites)
+    return FrictionChain.of(FrictionCell(v_d=v_d), c=c, sites=sites)
 
 
 def arrivals_by_scipy(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
-    from verification.friction.events import run_events
-    from verification.friction.start import nucleus
+    from verification.references.friction_events import run_events
+    from verification.runs.excite import excite
 
-    run = run_events(chain, nucleus(chain, excited), end, tolerance=1e-9, longest_step=0.5)
+    run = run_events(chain, excite(chain, excited), end, tolerance=1e-9, longest_step=0.5)
     arrivals = np.full(chain.sites, np.nan)
     for time, site, kind in run.log[::-1]:
         if kind == 0:
@@ -42,11 +42,11 @@ def arrivals_compiled(
     chain: FrictionChain, excited: tuple[int, ...], end: float
 ) -> NDArray[np.float64]:
     """Return the same by the event-exact Taylor stepper."""
-    from verification.friction.lane import FrictionLane
-    from verification.friction.start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
-    lane = FrictionLane(chain, nucleus(chain, excited), 1e-10)
-    lane.go_to(end)
+    lane = FrictionIntegration(chain, excite(chain, excited), tolerance=1e-10)
+    lane.advance_to(end)
     return lane.arrivals
 
 
@@ -58,7 +58,7 @@ def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> 
     ArithmeticError
         If by more than 1e-3, or if one saw an arrival that the other did not.
     """
-    from verification.companions import difference
+    from verification.runs.comparison import difference
 
     gap = difference(arrivals_by_scipy(chain, excited, end), arrivals_compiled(chain, excited, end))
     if not gap < 1e-3:

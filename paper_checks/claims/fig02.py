@@ -18,9 +18,9 @@ from paper_checks.data_table import long_table
 from paper_checks.pictures import COLOURS, NO_NUMBERS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_orbits import CellOrbits
-    from verification.friction.events import EventRun
+    from theory.cells.friction import FrictionCell
+    from verification.cells.result import BeltCell
+    from verification.references.friction_events import EventRun
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -34,11 +34,11 @@ AGREE = 1e-8
 
 
 @lru_cache(maxsize=1)
-def _orbits() -> CellOrbits:
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_orbits import cell_orbits
+def _orbits() -> BeltCell:
+    from theory.cells.friction import FrictionCell
+    from verification.cells.friction import friction_cell
 
-    return cell_orbits(FrictionCell(V_D))
+    return friction_cell(FrictionCell(v_d=V_D))
 
 
 @lru_cache(maxsize=32)
@@ -46,10 +46,10 @@ def _scipy(
     cell: FrictionCell, y: float, t_end: float, samples: int = 1001, *, rough: bool = False
 ) -> EventRun:
     """Run from rest; ``rough`` where only the state at the end is wanted."""
-    from theory.friction_chain import FrictionChain
-    from verification.friction.events import run_events
+    from theory.chains.friction import FrictionChain
+    from verification.references.friction_events import run_events
 
-    chain = FrictionChain(0.0, cell, 1)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
     times = np.linspace(0.0, t_end, samples)
     tolerance, step = (1e-8, 0.4) if rough else (1e-12, 0.08)
     return run_events(
@@ -150,10 +150,10 @@ def _figure(cycle: EventRun, rest: EventRun) -> Picture:
 
 def _three_regions() -> Finding:
     """Find both ends of bistability by shooting, and run from both starts at eight velocities."""
-    from theory.friction_cell import FrictionCell
-    from verification.friction.cell_continuation import continue_cycles
+    from theory.cells.friction import FrictionCell
+    from verification.cells.diagram import cell_diagram
 
-    cell = FrictionCell(V_D)
+    cell = FrictionCell(v_d=V_D)
     end = _orbits().cycle_end_velocity
     hopf = cell.hopf_velocity
     seen, wanted = [], []
@@ -166,9 +166,9 @@ def _three_regions() -> Finding:
         wanted.append((v_d > hopf, v_d < end))
     if seen != wanted:
         raise ArithmeticError(f"runs say {seen}, shooting {wanted}")
-    diagram = continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist())
+    diagram = cell_diagram(cell, np.linspace(0.9, 2.0, 221).tolist())
     close = replace(cell, v_d=end * (1.0 - 1e-6))
-    from verification.friction.cell_orbits import stick_slip_cycle
+    from verification.cells.friction import stick_slip_cycle
 
     last = stick_slip_cycle(close)
     if last is None:
@@ -225,13 +225,13 @@ def _three_regions() -> Finding:
 
 def _subcritical() -> Finding:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
-    from theory.friction_cell import FrictionCell, friction_slope
-    from verification.friction.cell_orbits import unstable_cycle
+    from theory.cells.friction import FrictionCell, friction_slope
+    from verification.cells.friction import unstable_cycle
 
-    hopf = FrictionCell(V_D).hopf_velocity
+    hopf = FrictionCell(v_d=V_D).hopf_velocity
     ratios, tested = [], 0
     for distance in (1e-2, 1e-3, 1e-4):
-        cell = FrictionCell(hopf + distance)
+        cell = FrictionCell(v_d=hopf + distance)
         cycle = unstable_cycle(cell)
         if cycle is None:
             raise ArithmeticError(f"no unstable cycle {distance:g} above the Hopf velocity")
@@ -270,9 +270,9 @@ def _friction_law() -> Finding:
     from derivations import catalogue
     from derivations.judgement import judge
     from derivations.judgement import printed as equation
-    from theory.friction_cell import FrictionCell, friction_coefficient
+    from theory.cells.friction import FrictionCell, friction_coefficient
 
-    cell = FrictionCell(V_D)
+    cell = FrictionCell(v_d=V_D)
     found = judge(equation(2), catalogue.load("friction"))
     if found.on_print.holds or not found.on_derived.holds:
         raise ArithmeticError(f"the limits of (2): {found.on_print.statement}")
@@ -314,29 +314,29 @@ def _friction_law() -> Finding:
 
 def _stick_interval() -> Finding:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
-    from theory.friction_chain import FrictionChain
-    from verification.friction.events import run_events
-    from verification.friction.run import run_friction
+    from theory.chains.friction import FrictionChain
+    from verification.references.friction_events import run_events
+    from verification.runs.simulate import simulate
 
     cell = _orbits().cell
     largest, begins = [], []
-    chain, start_at = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])
+    chain, start_at = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
     run = _scipy(cell, 2.0, 40.0)
-    ours = run_friction(chain, start_at, 40.0, samples=1001, events=1000)
+    ours = simulate(chain, start_at, 40.0, samples=1001, logged_events=1000)
     for each in (run, ours):
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
-    for log in (run.log, ours.log):
+    for log in (run.log, ours.event_log):
         start = log[log[:, 2] == 0, 0]
         stop = log[log[:, 2] == 1, 0]
         begins.append([float(b - a) for a, b in zip(start, stop, strict=False)])
     gap = max(abs(a - b) for a, b in zip(*begins, strict=True))
     if gap > AGREE:
         raise ArithmeticError(f"stick times of the two runs differ by {gap:.1e}")
-    stops = [log[log[:, 2] == 1, 0] for log in (run.log, ours.log)]
+    stops = [log[log[:, 2] == 1, 0] for log in (run.log, ours.event_log)]
     ends = (
         run_events(chain, start_at, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
-        run_friction(chain, start_at, 40.0, times=stops[1].tolist()),
+        simulate(chain, start_at, 40.0, times=stops[1].tolist()),
     )
     released = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
     off = max(float(np.abs(force - cell.mu_st).max()) for force in released)
@@ -365,8 +365,8 @@ def _stick_interval() -> Finding:
 
 def _switch_model() -> Finding:
     """Run the cell by the paper's method, and measure how far its cycle is from the exact one."""
-    from theory.friction_chain import FrictionChain
-    from verification.friction.switch import PAPER_BAND, run_switch
+    from theory.chains.friction import FrictionChain
+    from verification.references.switch_model import PAPER_BAND, run_switch
 
     orbits = _orbits()
     stable = orbits.stable
@@ -375,7 +375,7 @@ def _switch_model() -> Finding:
     period, _ = _measured(_scipy(orbits.cell, 2.0, 40.0), V_D)
     if abs(period - stable.period) > AGREE:
         raise ArithmeticError("shooting and the run differ")
-    chain = FrictionChain(0.0, orbits.cell, 1)
+    chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
     rows = []
     for relative, absolute in ((1e-3, 1e-6), (1e-9, 1e-11)):
         for band in (1e-2, 1e-3, PAPER_BAND):

@@ -20,13 +20,13 @@ SEEN = 0.02
 
 def _breather() -> Finding:
     """Compare the envelopes at the three times with each other and with much later ones."""
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain, excited = chain_of(0.004), (15, 16, 17)
-    run = run_friction(chain, nucleus(chain, excited), LATE[-1], times=(*TIMES_A, *LATE))
+    run = simulate(chain, excite(chain, excited), LATE[-1], times=(*TIMES_A, *LATE))
     gap = disagreement(chain_of(0.004, 9), (4, 5, 6), 60.0)
-    envelope = run.envelope
+    envelope = run.amplitude
     largest = float(envelope.max())
     change = np.ptp(envelope[:3], axis=0)
     worst = int(np.argmax(change))
@@ -85,20 +85,20 @@ def _breather() -> Finding:
 
 def _front() -> Finding:
     """Count the sites that stick-slip at the three times."""
-    from verification.friction.run import run_friction
-    from verification.friction.start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain = chain_of(0.02)
-    run = run_friction(chain, nucleus(chain, [1]), TIMES_B[-1], times=TIMES_B)
+    run = simulate(chain, excite(chain, [1]), TIMES_B[-1], times=TIMES_B)
     gap = disagreement(chain_of(0.02, 8), (1,), 180.0)
     arrived = [int(np.count_nonzero(run.arrivals <= time)) for time in TIMES_B]
-    behind = [float(run.envelope[k, : arrived[k] - 1].min()) for k in range(3)]
-    ahead = [float(run.envelope[k, arrived[k] + 5 :].max()) for k in range(3)]
+    behind = [float(run.amplitude[k, : arrived[k] - 1].min()) for k in range(3)]
+    ahead = [float(run.amplitude[k, arrived[k] + 5 :].max()) for k in range(3)]
     moves = arrived[0] < arrived[1] < arrived[2] < SITES and min(behind) > 10.0 * max(ahead)
     figure, axes = new_axes("column", xlabel=XLABEL, ylabel=YLABEL)
     sites = np.arange(1, SITES + 1)
     axes.axvspan(0.5, 1.5, color="0.9", label="excited, as printed")
-    for row, time, (line, colour) in zip(run.envelope, TIMES_B, STYLES, strict=True):
+    for row, time, (line, colour) in zip(run.amplitude, TIMES_B, STYLES, strict=True):
         axes.plot(sites, row, line, color=COLOURS[colour], label=rf"$\tau$ = {time:g}")
     axes.legend()
     drawn = picture(
@@ -108,7 +108,7 @@ def _front() -> Finding:
         figure,
         long_table(
             {
-                f"tau = {t:g}": {"tau": t, "n": sites, "amplitude": run.envelope[k]}
+                f"tau = {t:g}": {"tau": t, "n": sites, "amplitude": run.amplitude[k]}
                 for k, t in enumerate(TIMES_B)
             }
         ),

@@ -12,7 +12,7 @@ from paper_checks.data_table import long_table
 from paper_checks.pictures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
-    from verification.friction.threshold import FrictionThreshold
+    from verification.thresholds.result import RunThreshold
 
 SIZES = (1, 3, 5, 7, 9)
 ACCURACY, COARSE = 2e-5, 1e-4
@@ -37,20 +37,20 @@ INSENSITIVE = 0.1
 
 def _threshold(
     size: int, place: str, accuracy: float, ends: str = "free", **options: Any
-) -> FrictionThreshold:
+) -> RunThreshold:
     from dataclasses import replace
 
-    from theory.friction_chain import FrictionEnds
-    from verification.friction.start import Place
-    from verification.friction.threshold import Spreading, friction_threshold
+    from theory.chains.chain import Ends
+    from theory.chains.nucleus import Place
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
-    chain = replace(chain_of(0.0), ends=FrictionEnds(ends))
+    chain = replace(chain_of(0.0), ends=Ends(ends))
     spreading = Spreading(size, Place(place), **options)
-    return friction_threshold(chain, spreading, lowest=0.005, accuracy=accuracy, tests=0)
+    return spreading_threshold(chain, spreading, lowest=0.005, accuracy=accuracy, tests=0)
 
 
 @lru_cache(maxsize=1)
-def _figure() -> dict[tuple[str, int], FrictionThreshold]:
+def _figure() -> dict[tuple[str, int], RunThreshold]:
     return {
         (place, size): _threshold(size, place, ACCURACY)
         for place in ("edge", "bulk")

@@ -41,13 +41,13 @@ def _checked() -> float:
 
 def _regions() -> Finding:
     """Label a coarse map, bisect its boundaries, and look where breathers are."""
-    from verification.friction.map import FrictionStateTask, friction_points
-    from verification.sweeps.boundary import Bisection, boundary_lines
-    from verification.sweeps.sweep import sweep
+    from verification.execution.sweep import sweep
+    from verification.maps.boundary import Bisection, boundary_lines
+    from verification.maps.state_map import StateTask, state_points
 
     gap = _checked()
-    task = FrictionStateTask()
-    points = friction_points(COUPLINGS, VELOCITIES)
+    task = StateTask(chain=chain_of(0.0, SITES))
+    points = state_points(task, {"c": COUPLINGS, "v_d": VELOCITIES})
     states = sweep(task, points, workers=1)
     lines = boundary_lines(states, ("c", "v_d"))
     quick = replace(task.alone(), end=4000.0)
@@ -130,14 +130,15 @@ def _regions() -> Finding:
 
 
 def _cycle_end() -> float:
-    from verification.friction.cell_orbits import cycle_end_velocity
+    from verification.cells.friction import cycle_end_velocity
 
     return cycle_end_velocity(chain_of(0.0).cell)
 
 
 def _fills(c: float, v_d: float, size: int) -> bool:
-    from verification.friction.start import Place
-    from verification.friction.threshold import Definition, Spreading, spreads
+    from theory.chains.nucleus import Place
+    from verification.thresholds.result import Definition
+    from verification.thresholds.spreading import Spreading, spreads
 
     spreading = Spreading(size, Place.BULK, Definition.WHOLE, 2000.0)
     return spreads(chain_of(c, SITES, v_d), spreading)

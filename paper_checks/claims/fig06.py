@@ -16,7 +16,7 @@ from paper_checks.pictures import COLOURS, NO_NUMBERS, new_panels, picture
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from verification.friction.front import FrictionFront
+    from verification.fronts.result import Front
 
 COUPLINGS = (0.011, 0.012, 0.014, 0.017, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1)
 LINEAR_FROM = 0.02
@@ -37,13 +37,13 @@ RESIDUAL = 0.02
 
 
 @lru_cache(maxsize=1)
-def _fronts() -> dict[float, FrictionFront]:
-    from verification.friction.front import measure_friction_front
+def _fronts() -> dict[float, Front]:
+    from verification.fronts.measure import measure_front
 
     found = {}
     for c in (*COUPLINGS, *LARGE):
         sites = LARGE_SITES if c in LARGE else SITES if c < LINEAR_FROM else FAST_SITES
-        found[c] = measure_friction_front(chain_of(c, sites), most_sites=2 * sites, accuracy=0.02)
+        found[c] = measure_front(chain_of(c, sites), max_sites=2 * sites, accuracy=0.02)
     return found
 
 
@@ -160,17 +160,17 @@ def _linear() -> Finding:
 
 def _no_propagation() -> Finding:
     """Look for fronts below the threshold of a single site at the edge."""
-    from verification.friction.front import measure_friction_front
-    from verification.friction.threshold import Spreading, friction_threshold
+    from verification.fronts.measure import measure_front
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
-    single = friction_threshold(
+    single = spreading_threshold(
         chain_of(0.0), Spreading(), lowest=0.005, accuracy=2e-5, tests=0
     )  # fmt: skip
-    wide = friction_threshold(
+    wide = spreading_threshold(
         chain_of(0.0), Spreading(WIDE), lowest=0.005, accuracy=2e-5, tests=0
     )  # fmt: skip
-    pinned = measure_friction_front(chain_of(BELOW), most_sites=SITES, accuracy=0.1)
-    creeping = measure_friction_front(chain_of(BELOW), size=WIDE, most_sites=SITES, accuracy=0.1)
+    pinned = measure_front(chain_of(BELOW), max_sites=SITES, accuracy=0.1)
+    creeping = measure_front(chain_of(BELOW), excited=WIDE, max_sites=SITES, accuracy=0.1)
     margin = 0.02 * single.c
     gap = max(disagreement(chain_of(single.c + side, 5), (1,), 400.0) for side in (-margin, margin))
     runs = creeping.v is not None and creeping.v > 5.0 * (creeping.error or 0.0)

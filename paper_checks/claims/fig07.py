@@ -16,11 +16,11 @@ C, SITES = 0.1, 11
 
 def _localised() -> Finding:
     """Prepare one site near the cycle, run (8) with scipy, and compare with the periodic orbit."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
-    chain = VdpChain(A, B, C, EPS, SITES)
+    chain = VdpChain(a=A, b=B, c=C, eps=EPS, sites=SITES)
     orbit = solve_orbit(chain, Nucleus(1))
     centre = SITES // 2
     state = np.zeros(2 * SITES)
@@ -88,16 +88,16 @@ def _localised() -> Finding:
 
 def _constant_decay() -> Finding:
     """Compare the first ratio of amplitudes with the tail's, from orbit and averaged chain."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import staggered_branch
-    from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit
 
     centre = SITES // 2
     rows = []
-    branch = staggered_branch(VdpChain(A, B, 0.0, EPS, SITES), Nucleus(1))
+    branch = staggered_branch(VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES), Nucleus(1))
     for c in (0.1, 0.19):
-        orbit = solve_orbit(VdpChain(A, B, c, EPS, SITES), Nucleus(1))
+        orbit = solve_orbit(VdpChain(a=A, b=B, c=c, eps=EPS, sites=SITES), Nucleus(1))
         first = float(orbit.amplitudes[centre + 1] / orbit.amplitudes[centre])
         second = float(orbit.amplitudes[centre + 2] / orbit.amplitudes[centre + 1])
         rows.append((c, first, second, math.exp(-math.asinh(0.5 / c))))

@@ -19,13 +19,16 @@ CENTRE = SITES // 2
 
 def _amplitudes() -> Finding:
     """Compare (29) + (37), each reading, with the periodic orbit; check orbits with scipy."""
-    from theory.breather import Reading, solve_breather
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus
+    from theory.averaged.breather import Reading, solve_breather
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
     couplings = np.array([0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.175, 0.185, 0.19])
-    orbits = [solve_orbit(VdpChain(A, B, float(c), EPS, SITES), Nucleus(1)) for c in couplings]
+    orbits = [
+        solve_orbit(VdpChain(a=A, b=B, c=float(c), eps=EPS, sites=SITES), Nucleus(1))
+        for c in couplings
+    ]
     exact = np.array([orbit.amplitudes[CENTRE : CENTRE + 2] for orbit in orbits])
     misses = []
     for k in (4, 10):
@@ -36,12 +39,12 @@ def _amplitudes() -> Finding:
     fine = np.linspace(0.005, 0.1973, 120)
 
     def closed(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        chains = [VdpChain(A, B, float(c), EPS) for c in places]
+        chains = [VdpChain(a=A, b=B, c=float(c), eps=EPS) for c in places]
         return np.array([solve_breather(chain, reading).amplitudes(2) for chain in chains])
 
     theory = {reading: closed(reading, couplings) for reading in (Reading.NEIGHBOUR, Reading.TAIL)}
     errors = {reading: np.abs(values - exact) for reading, values in theory.items()}
-    none = solve_breather(VdpChain(A, B, 0.1, EPS), Reading.CENTRE).status.value == "none"
+    none = solve_breather(VdpChain(a=A, b=B, c=0.1, eps=EPS), Reading.CENTRE).status.value == "none"
     figure, axes = new_axes("column", height=3.0, xlabel="coupling c", ylabel=r"amplitude of $y_n$")
     series: dict[str, dict[str, Any]] = {
         f"periodic orbit, n = {site}": {"n": site, "c": couplings, "amplitude": exact[:, site]}
@@ -96,20 +99,20 @@ def _amplitudes() -> Finding:
 
 def _frequency() -> Finding:
     """Measure δ of (27) and the phase step of (37) on orbits, at several ε."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import Nucleus
     from verification.breathers.orbits import solve_orbit
 
     c = 0.1
     small = (0.04, 0.02, 0.01, 0.005)
     detuning, turns = [], []
     for eps in small:
-        orbit = solve_orbit(VdpChain(A, B, c, eps, SITES), Nucleus(1))
+        orbit = solve_orbit(VdpChain(a=A, b=B, c=c, eps=eps, sites=SITES), Nucleus(1))
         detuning.append((orbit.frequency - 1.0) / eps - c)
         step = np.angle(orbit.harmonics[CENTRE + 1] / orbit.harmonics[CENTRE])
         turns.append(float(step) + 0.5 * math.pi)
-    limit = solve_envelope_breather(VdpChain(A, B, c, EPS, SITES), Nucleus(1))
+    limit = solve_envelope_breather(VdpChain(a=A, b=B, c=c, eps=EPS, sites=SITES), Nucleus(1))
     averaged = abs(limit.omega - c)
     orders = [
         math.log(abs(values[-2] / values[-1])) / math.log(small[-2] / small[-1])

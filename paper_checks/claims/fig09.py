@@ -19,11 +19,11 @@ ROUNDING = 0.0005
 
 def _approximate(c: float, *, misprinted: bool = False) -> tuple[float, float, float]:
     """Growth of even and odd modes along the sinusoids (9), and the trivial one's distance."""
-    from theory.breather import solve_breather
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.breather import solve_breather
+    from theory.chains.vdp import VdpChain
     from verification.breathers.floquet import approximate_multipliers
 
-    chain = VdpChain(A, B, c, EPS, SITES)
+    chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=SITES)
     found = approximate_multipliers(chain, solve_breather(chain), misprinted=misprinted)
     return found.symmetric or 0.0, found.antisymmetric or 0.0, found.trivial
 
@@ -39,16 +39,17 @@ def _crossing(entry: int, *, misprinted: bool = False) -> float:
 
 def _multipliers() -> Finding:
     """Follow the multipliers along the approximate and the true orbit."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
-    from verification.breathers.threshold import Method, breather_threshold
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
-    chain = VdpChain(A, B, 0.0, EPS, SITES)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES)
     even, odd = _crossing(0), _crossing(1)
-    true = breather_threshold(chain, Nucleus(1), Method.ORBIT)
-    envelope = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
-    test = solve_orbit(VdpChain(A, B, 0.19, EPS, SITES), Nucleus(1))
+    true = breather_threshold(chain, Nucleus(1), ThresholdMethod.ORBIT)
+    envelope = breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE)
+    test = solve_orbit(VdpChain(a=A, b=B, c=0.19, eps=EPS, sites=SITES), Nucleus(1))
     by_scipy = np.sort(
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))
     )
@@ -61,7 +62,9 @@ def _multipliers() -> Finding:
     exact_c = np.concatenate([np.arange(0.02, 0.18, 0.02), np.linspace(0.18, 0.1911, 8)])
     exact = []
     for c in exact_c:
-        multipliers = solve_orbit(VdpChain(A, B, float(c), EPS, SITES), Nucleus(1)).multipliers
+        multipliers = solve_orbit(
+            VdpChain(a=A, b=B, c=float(c), eps=EPS, sites=SITES), Nucleus(1)
+        ).multipliers
         if multipliers is not None:
             exact.append((multipliers.symmetric or 0.0, multipliers.antisymmetric or 0.0))
     grown = np.array(exact)

@@ -14,11 +14,11 @@ C = 0.1
 
 def _in_phase() -> Finding:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation, hold, phase_steps
-    from verification.integrators.envelope_run import run_envelope
+    from theory.chains.vdp import VdpChain
+    from verification.runs.envelope_run import run_envelope
+    from verification.thresholds.preparation import Preparation, hold, phase_steps
 
-    chain = VdpChain(A, B, C, EPS)
+    chain = VdpChain(a=A, b=B, c=C, eps=EPS)
     times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, 801.0, 5.0)])
     history: dict[tuple[int, float], list[np.ndarray]] = {}
     for size in (3, 7):
@@ -120,14 +120,14 @@ def _growth() -> Finding:
     """Compare the growth of an antisymmetric perturbation with the exponents."""
     from dataclasses import replace
 
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import Nucleus, outward_pattern, sites_for
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import Nucleus, outward_pattern, sites_for
-    from verification.integrators.envelope_run import run_envelope
+    from verification.runs.envelope_run import run_envelope
 
     rows = []
     for size in (1, 3, 5, 7, 9):
-        chain = replace(VdpChain(A, B, C, EPS), sites=sites_for(size))
+        chain = replace(VdpChain(a=A, b=B, c=C, eps=EPS), sites=sites_for(size))
         found = solve_envelope_breather(chain, Nucleus(size, outward_pattern(size)))
         if found.exponents is None:
             raise ArithmeticError(f"no breather of size {size} at c = {C}")

@@ -15,10 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from verification.breathers.escape_range import EscapeRange
-    from verification.breathers.nucleation import EscapeThreshold
-    from verification.breathers.slow_sweep import Delay
-    from verification.breathers.threshold import BreatherThreshold
+    from verification.thresholds.result import BranchThreshold, Delay, RunThreshold
 
 SIZES = (1, 2, 3, 5, 7, 9)
 PRINTED = {1: 0.1916, 3: 0.2011}
@@ -32,39 +29,41 @@ in some hundred periods, so with less it is not slow; 1e6 periods of 31 sites ar
 
 
 @lru_cache(maxsize=1)
-def _folds() -> dict[str, list[BreatherThreshold]]:
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+def _folds() -> dict[str, list[BranchThreshold]]:
+    from theory.chains.nucleus import Nucleus, outward_pattern
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     return {
         method.value: [
             breather_threshold(chain, Nucleus(size, outward_pattern(size)), method)
             for size in SIZES
         ]
-        for method in (Method.ENVELOPE, Method.ORBIT)
+        for method in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT)
     }
 
 
 @lru_cache(maxsize=1)
-def _runs() -> dict[int, EscapeThreshold]:
+def _runs() -> dict[int, RunThreshold]:
     """Return thresholds of escape by bisection, with exact mirror symmetry."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     return {size: escape_threshold(chain, Preparation(size), tolerance=1e-5) for size in SIZES}
 
 
 @lru_cache(maxsize=1)
-def _perturbed() -> dict[int, EscapeRange]:
+def _perturbed() -> dict[int, RunThreshold]:
     """Return where perturbed nuclei escape, over three seeds."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.escape_range import escape_range
-    from verification.breathers.nucleation import Preparation
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.escape import escape_range
+    from verification.thresholds.preparation import Preparation
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     return {size: escape_range(chain, Preparation(size, perturbation=1e-6)) for size in SIZES}
 
 
@@ -84,13 +83,13 @@ def _agree() -> float:
 
 def _values() -> Finding:
     """Compare the printed couplings with the folds, and see what a sweep would have found."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation
-    from verification.breathers.slow_sweep import measure_delay
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.slow_sweep import measure_delay
 
     gap = _agree()
     folds = _folds()
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     sweeps = {size: measure_delay(chain, Preparation(size)) for size in PRINTED}
     envelope = {fold.nucleus.size: fold.c for fold in folds["envelope"]}
     orbit = {fold.nucleus.size: fold for fold in folds["orbit"]}
@@ -332,13 +331,13 @@ def _growth_by_differences(phi: NDArray[np.complex128], omega: float, c: float) 
     return float(np.sort(np.delete(found, np.argmin(abs(found))).real)[-1])
 
 
-def _growth_half_way(fold: BreatherThreshold) -> tuple[float, float]:
+def _growth_half_way(fold: BranchThreshold) -> tuple[float, float]:
     """Return the growth rate half way to a fold, and how far another one is from it."""
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import sites_for
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import sites_for
 
-    half = VdpChain(A, B, 0.5 * fold.c, EPS, sites_for(fold.nucleus.size))
+    half = VdpChain(a=A, b=B, c=0.5 * fold.c, eps=EPS, sites=sites_for(fold.nucleus.size))
     breather = solve_envelope_breather(half, fold.nucleus)
     if breather.exponents is None:
         raise ArithmeticError(f"no breather {fold.nucleus.pattern} half way to its fold")
@@ -347,17 +346,17 @@ def _growth_half_way(fold: BreatherThreshold) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=1)
-def pattern_folds() -> tuple[list[BreatherThreshold], float]:
+def pattern_folds() -> tuple[list[BranchThreshold], float]:
     """Return the folds of every pattern of steps ±π/2 of sizes 3, 5, 7, as ε → 0.
 
     And how far those of the staggered reduction are from them, for sizes 3 and 5.
     """
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import Nucleus, right_angle_patterns, sites_for
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import staggered_branch
-    from verification.breathers.nucleus import Nucleus, right_angle_patterns, sites_for
-    from verification.breathers.threshold import breather_threshold
+    from verification.thresholds.continuation import breather_threshold
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     rows, gaps = [], []
     for size in (3, 5, 7):
         for pattern in right_angle_patterns(size):
@@ -368,7 +367,7 @@ def pattern_folds() -> tuple[list[BreatherThreshold], float]:
             found = breather_threshold(chain, Nucleus(size, pattern))
             rows.append(found)
             if size < 7:
-                here = VdpChain(A, B, 0.0, EPS, sites_for(size))
+                here = VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=sites_for(size))
                 fold = staggered_branch(here, Nucleus(size, pattern)).fold
                 gaps.append(abs(fold.c - found.c) if fold is not None else 1.0)
     if max(gaps) > 1e-8:

@@ -27,14 +27,14 @@ _STEADY = 1e-3
 
 def _steady() -> Finding:
     """Run the chain from one displaced site, and time the front at every site."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import measure_front
-    from verification.vdp.run import Model, run_vdp
-    from verification.vdp.start import displaced
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
-    chain = VdpChain(A, B, C, eps=EPS, sites=SITES)
-    start = displaced(chain, [1])
-    run = run_vdp(chain, start, TIMES[-1] + _BEYOND, samples=206, tolerance=1e-8)
+    chain = VdpChain(a=A, b=B, c=C, eps=EPS, sites=SITES)
+    start = excite(chain, [1])
+    run = simulate(chain, start, TIMES[-1] + _BEYOND, samples=206, tolerance=1e-8)
     reached = np.flatnonzero(~np.isnan(run.arrivals))
     arrivals = run.arrivals[reached]
     places = np.interp(TIMES, arrivals, reached + 1.0)
@@ -42,7 +42,7 @@ def _steady() -> Finding:
     late = np.diff(arrivals[reached.size // 2 :])
     spread = float(np.ptp(late) / late.mean())
     in_order = bool(np.all(np.diff(arrivals) > 0.0) and np.all(np.diff(reached) == 1))
-    measured = measure_front(chain, Model.FULL)
+    measured = measure_front(chain)
     by_scipy = arrivals_of_chain(
         C, _COMPARED + 4, float(arrivals[_COMPARED]) + 50.0, run.level, chain.stable_amplitude
     )

@@ -42,9 +42,8 @@ sites wide at c = 100 and has not quite settled."""
 
 def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
     """Return v̂ of (8) with its error, by c, checked by scipy for strong coupling."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import measure_front
-    from verification.vdp.run import Model
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
 
     fronts = []
     for c in FULL:
@@ -52,10 +51,9 @@ def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
         wide = c >= 30.0
         fronts.append(
             measure_front(
-                VdpChain(A, B, c, eps=EPS, sites=500 if wide else 31),
-                Model.FULL,
+                VdpChain(a=A, b=B, c=c, eps=EPS, sites=500 if wide else 31),
                 accuracy=5e-3 if wide else 1e-2 if c > 3.0 else 1e-3,
-                most_sites=500 if wide else 250,
+                max_sites=500 if wide else 250,
             )
         )
     if not all(each.v and each.error is not None for each in fronts):
@@ -76,23 +74,32 @@ def _full_velocities() -> tuple[np.ndarray, np.ndarray]:
 
 def _scaling() -> Finding:
     """Measure v̂ of (8) and of (43) for strong coupling; compare the exponents with one."""
-    from theory.envelope_front import strong_coupling_front
-    from theory.vdp_chain import VdpChain
-    from verification.arrival_fit import FrontStatus
-    from verification.vdp.front import Behind, measure_front
+    from theory.averaged.front import strong_coupling_front
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
+    from verification.fronts.result import LeftBoundary
+    from verification.fronts.status import FrontStatus
 
     law = strong_coupling_front(B / A**2)
     fronts = [
-        measure_front(VdpChain(A, B, c), accuracy=2e-4, most_sites=2000 if c > 1.0 else 250)
+        measure_front(
+            VdpChain(a=A, b=B, c=c).averaged(), accuracy=2e-4, max_sites=2000 if c > 1.0 else 250
+        )
         for c in AVERAGED
     ]
     if not all(each.v and each.error is not None for each in fronts):
         raise ArithmeticError("a front did not run")
     v_full, error_full = _full_velocities()
-    slow = [measure_front(VdpChain(A, B, each), behind=Behind.WAVE).v or 0.0 for each in SLOW]
+    slow = [
+        measure_front(VdpChain(a=A, b=B, c=each).averaged(), left_boundary=LeftBoundary.WAVE).v
+        or 0.0
+        for each in SLOW
+    ]
     rise, foot = np.polyfit(SLOW, np.square(slow), 1)
     stop = -foot / rise
-    below = measure_front(VdpChain(A, B, stop - 1e-3), behind=Behind.WAVE)
+    below = measure_front(
+        VdpChain(a=A, b=B, c=stop - 1e-3).averaged(), left_boundary=LeftBoundary.WAVE
+    )
     if below.status is not FrontStatus.PINNED:
         raise ArithmeticError(f"a front is {below.status} where it should have stopped")
     c, v = np.array(AVERAGED), np.array([each.v for each in fronts])

@@ -24,19 +24,19 @@ _ORDER = 0.3
 
 def _collapse() -> Finding:
     """Run chains of equal η and different (a, b), and compare every value of every site."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.run import run_vdp
-    from verification.vdp.start import displaced
+    from theory.chains.vdp import VdpChain
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     largest = by_scipy = 0.0
     for eta in COMPARED:
-        one = VdpChain(1.0, eta, C, sites=24)
+        one = VdpChain(a=1.0, b=eta, c=C, sites=24)
         own_velocity = staggered_velocity(1.0, eta, C, 40)
-        own = run_vdp(one, displaced(one, [1, 2], steps=[0, -1]), 600.0, samples=61)
+        own = simulate(one, excite(one, [1, 2], quarter_turns=[0, -1]), 600.0, samples=61)
         for a in STRETCHES:
-            other = VdpChain(a, eta * a**2, C, sites=24)
-            start = displaced(other, [1, 2], steps=[0, -1])
-            run = run_vdp(other, start, 600.0, samples=61)
+            other = VdpChain(a=a, b=eta * a**2, c=C, sites=24)
+            start = excite(other, [1, 2], quarter_turns=[0, -1])
+            run = simulate(other, start, 600.0, samples=61)
             gap = np.max(np.abs(run.psi * np.sqrt(a) - own.psi)) / own.amplitude.max()
             largest = max(largest, float(gap))
             scaled = staggered_velocity(a, eta * a**2, C, 40)
@@ -61,18 +61,18 @@ def _collapse() -> Finding:
 
 def _velocity() -> Finding:
     """Measure v̂(η) to where fronts end, and find that place by bisection."""
-    from theory.vdp_chain import VdpChain, effective_epsilon
-    from verification.vdp.front import Behind, FrontMeasurement, measure_front
-    from verification.vdp.run import Model
+    from theory.chains.vdp import VdpChain, effective_epsilon
+    from verification.fronts.measure import measure_front
+    from verification.fronts.result import Front, LeftBoundary
 
-    def front(eta: float, behind: Behind = Behind.FREE) -> FrontMeasurement:
-        return measure_front(VdpChain(1.0, eta, C), behind=behind, most_sites=250)
+    def front(eta: float, behind: LeftBoundary = LeftBoundary.FREE) -> Front:
+        return measure_front(
+            VdpChain(a=1.0, b=eta, c=C).averaged(), left_boundary=behind, max_sites=250
+        )
 
     free = [front(eta) for eta in ETAS]
-    wave = [front(eta, Behind.WAVE) for eta in ETAS]
-    full = [
-        measure_front(VdpChain(1.0, eta, C, eps=0.01), Model.FULL, most_sites=250) for eta in FULL
-    ]
+    wave = [front(eta, LeftBoundary.WAVE) for eta in ETAS]
+    full = [measure_front(VdpChain(a=1.0, b=eta, c=C, eps=0.01), max_sites=250) for eta in FULL]
     if any(each.v is None for each in (*free, *wave, *full)):
         raise ArithmeticError("a front did not run")
     v, v_wave, v_full = (np.array([each.v for each in runs]) for runs in (free, wave, full))
@@ -88,7 +88,7 @@ def _velocity() -> Finding:
         else:
             low = middle
     beyond = front(high).status.value
-    strength = effective_epsilon(VdpChain(1.0, FULL[0], C, eps=0.01))
+    strength = effective_epsilon(VdpChain(a=1.0, b=FULL[0], c=C, eps=0.01))
     falls = bool(np.all(np.diff(v) < 0.0))
     worst = max(each.error or 0.0 for each in free)
     varies = float(np.ptp(v)) > 10.0 * worst
@@ -156,14 +156,13 @@ def _velocity() -> Finding:
 
 def _epsilon() -> Finding:
     """Measure v/ε at several ε and compare with the averaged chain."""
-    from theory.vdp_chain import VdpChain
-    from verification.vdp.front import measure_front
-    from verification.vdp.run import Model
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
 
     limit = staggered_velocity(4.0, 0.5, C)
-    averaged = measure_front(VdpChain(4.0, 0.5, C), accuracy=1e-5).v or 0.0
+    averaged = measure_front(VdpChain(a=4.0, b=0.5, c=C).averaged(), accuracy=1e-5).v or 0.0
     runs = [
-        measure_front(VdpChain(4.0, 0.5, C, eps=eps), Model.FULL, accuracy=1e-4, most_sites=250)
+        measure_front(VdpChain(a=4.0, b=0.5, c=C, eps=eps), accuracy=1e-4, max_sites=250)
         for eps in EPSILONS
     ]
     v = np.array([each.v or 0.0 for each in runs])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from paper_checks.pictures import NO_NUMBERS, new_axes, picture
 from paper_checks.state_picture import draw_states
 
 if TYPE_CHECKING:
-    from verification.sweeps.table import Scalar
+    from verification.execution.table import Scalar
 
 ETAS = tuple(round(0.01 * n, 2) for n in range(1, 15))
 COUPLINGS = tuple(round(0.05 * n, 2) for n in range(1, 21))
@@ -26,15 +27,15 @@ boundary."""
 
 def _regions() -> Finding:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
-    from theory.vdp_chain import effective_epsilon
-    from verification.sweeps.boundary import Bisection, boundary_lines
-    from verification.sweeps.sweep import sweep
-    from verification.vdp.map import StateTask, compare, state_points
-    from verification.vdp.run import Model
+    from theory.chains.vdp import effective_epsilon
+    from verification.execution.sweep import sweep
+    from verification.maps.boundary import Bisection, boundary_lines
+    from verification.maps.state_map import StateTask, compare, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
-    points = state_points(ETAS, COUPLINGS)
-    full = StateTask(Model.FULL)
-    average = full.averaged()
+    full = StateTask(chain=FIGURE_15)
+    average = StateTask(chain=FIGURE_15.averaged())
+    points = state_points(full, {"eta": ETAS, "c": COUPLINGS})
     states = sweep(full, points, workers=1)
     averaged = sweep(average, points, workers=1)
     agreement = compare(states, averaged)
@@ -49,7 +50,7 @@ def _regions() -> Finding:
     by_full, by_average = (
         sweep(Bisection(task.alone(), 1.0 / 16.0), edge, workers=1) for task in (full, average)
     )
-    held = sweep(StateTask(Model.ENVELOPE, held="a", value=4.0), points, workers=1)
+    held = sweep(replace(average, held="a"), points, workers=1)
     other_reading = compare(averaged, held)
     counts = states.counts("label")
     ordered = all(_breathers_lowest(states["c"], states["label"], states["eta"] == e) for e in ETAS)
@@ -98,7 +99,7 @@ def _regions() -> Finding:
             f"b = 0.5 is held; with a = 4 held, {other_reading.same} of {other_reading.total} "
             "points keep their label. For η > 1/8 the averaged chain is certain to go to rest, "
             "since damping is positive at every amplitude. At the smallest η averaging is poor "
-            f"(effective ε {effective_epsilon(full.chain(ETAS[0], 0.1)):.2g}): at η = {ETAS[0]:g} "
+            f"(effective ε {effective_epsilon(full.at({'eta': ETAS[0]})):.2g}): at η = {ETAS[0]:g} "
             f"breathers end at c = {by_full['at'][0]:.3f} by (8) and at c = "
             f"{by_average['at'][0]:.3f} by (43). " + _between(band, lost)
         ),

@@ -14,10 +14,10 @@ A, B, C = 4.0, 0.5, 0.5
 
 def _profile() -> Finding:
     """Compare the series, the integral and the running chain, and look for a violation of (47)."""
-    from theory.admissibility import check_admissible
-    from theory.front_profile import front_profile, front_profile_by_roots
-    from theory.kinetic_relation import kinetic_relation
-    from theory.unit_cell import eta_from_damping, threshold_ratio
+    from theory.cells.vdp import eta_from_damping, threshold_ratio
+    from theory.piecewise.admissibility import check_admissible
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from theory.piecewise.profile import front_profile, front_profile_by_roots
     from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
@@ -92,7 +92,7 @@ def _profile() -> Finding:
 
 def _inadmissible_scenes() -> str:
     """Name other solutions of (54) that violate (47), found now."""
-    from theory.kinetic_relation import kinetic_relation
+    from theory.piecewise.kinetic_relation import kinetic_relation
 
     found = []
     for c, eta in ((0.45, 0.03125), (10.0, 0.03125), (100.0, 1e-4), (0.3, 1e-6)):
@@ -105,9 +105,9 @@ def _inadmissible_scenes() -> str:
 
 def _limits() -> Finding:
     """Measure how far φ is from its limits, against the proven bound."""
-    from theory.front_profile import front_profile, tail_bound
-    from theory.kinetic_relation import kinetic_relation
-    from theory.unit_cell import eta_from_damping
+    from theory.cells.vdp import eta_from_damping
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from theory.piecewise.profile import front_profile, tail_bound
     from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)

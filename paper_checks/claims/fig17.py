@@ -30,9 +30,9 @@ CHECKED = (0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 100.0, 1000.0)
 
 def _scaling() -> Finding:
     """Follow d ln v/d ln c along the fastest branch, and compare with the running chain."""
-    from theory.kinetic_relation import kinetic_relation, trace_kinetic_relation
-    from theory.limits import strong_coupling_velocity
-    from theory.unit_cell import eta_from_damping
+    from theory.cells.vdp import eta_from_damping
+    from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
+    from theory.piecewise.limits import strong_coupling_velocity
     from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)
@@ -94,7 +94,7 @@ def _scaling() -> Finding:
 
 def _velocities(eta: float, runs: list[FrontRun]) -> Picture:
     """Draw every solution up to c = 3, and the fold."""
-    from theory.kinetic_relation import trace_kinetic_relation
+    from theory.piecewise.kinetic_relation import trace_kinetic_relation
     from verification.piecewise.simulation import hysteresis
 
     near = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), eta)
@@ -174,7 +174,7 @@ def _exponents(c: np.ndarray, v: np.ndarray, exponent: np.ndarray, limit: float)
 
 def _exponent_by_series(c: float, v: float) -> float:
     """Return d ln v/d ln c = -|Σ|_{ln c}/|Σ|_{ln v} from differences of the root series."""
-    from theory.sum_series import sum_by_roots
+    from theory.piecewise.sums.series import sum_by_roots
 
     def size(v_: float, c_: float) -> float:
         return float(abs(sum_by_roots(v_, c_).value))
@@ -186,15 +186,15 @@ def _exponent_by_series(c: float, v: float) -> float:
 
 
 def _fastest_admissible(c: float, eta: float) -> float:
-    from theory.kinetic_relation import kinetic_relation
+    from theory.piecewise.kinetic_relation import kinetic_relation
 
     return [branch.v for branch in kinetic_relation(c, eta).branches if branch.admissible][-1]
 
 
 def _single_valued() -> Finding:
     """Count branches near pinning, and start the chain from rest and moving."""
-    from theory.kinetic_relation import kinetic_relation, trace_kinetic_relation
-    from theory.unit_cell import eta_from_damping
+    from theory.cells.vdp import eta_from_damping
+    from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
     from verification.piecewise.simulation import hysteresis
 
     eta = eta_from_damping(A, B)
@@ -243,8 +243,8 @@ def _single_valued() -> Finding:
 
 def _stable() -> Finding:
     """Look for couplings where the wave is admissible and the chain leaves it."""
-    from theory.kinetic_relation import kinetic_relation
-    from theory.unit_cell import eta_from_damping
+    from theory.cells.vdp import eta_from_damping
+    from theory.piecewise.kinetic_relation import kinetic_relation
     from verification.piecewise.simulation import simulate_front
 
     eta = eta_from_damping(A, B)

@@ -21,9 +21,9 @@ C = 0.3
 
 def _velocity() -> Finding:
     """Trace every branch over η and put the running chain on top."""
-    from theory.kinetic_relation import trace_kinetic_relation
-    from theory.limits import pinning_eta, weak_threshold_velocity
-    from theory.thresholds import fold_eta
+    from theory.piecewise.folds import fold_eta
+    from theory.piecewise.kinetic_relation import trace_kinetic_relation
+    from theory.piecewise.limits import pinning_eta, weak_threshold_velocity
     from verification.piecewise.simulation import simulate_front
 
     fold = fold_eta(C)
@@ -108,7 +108,7 @@ def _velocity() -> Finding:
 
 def _forward() -> Finding:
     """Look for sets of η and c at which no front advances, in theory and in the chain."""
-    from theory.kinetic_relation import kinetic_relation
+    from theory.piecewise.kinetic_relation import kinetic_relation
     from verification.piecewise.simulation import simulate_front
 
     rows = []
@@ -150,11 +150,15 @@ def _forward() -> Finding:
 
 def _explicit() -> Finding:
     """Evaluate Σ without a single root, and the velocity in its closed limits."""
-    from theory.kinetic_relation import kinetic_relation
-    from theory.limits import pinning_coupling, strong_coupling_velocity, weak_threshold_velocity
-    from theory.sum_integral import sum_by_integral
-    from theory.sum_series import sum_by_roots
-    from theory.unit_cell import threshold_ratio
+    from theory.cells.vdp import threshold_ratio
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from theory.piecewise.limits import (
+        pinning_coupling,
+        strong_coupling_velocity,
+        weak_threshold_velocity,
+    )
+    from theory.piecewise.sums.integral import sum_by_integral
+    from theory.piecewise.sums.series import sum_by_roots
 
     integral, series = sum_by_integral(0.3, 0.5), sum_by_roots(0.3, 0.5)
     gap = abs(integral.value - series.value)

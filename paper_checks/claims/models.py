@@ -20,17 +20,17 @@ ACCURACY = 2e-5
 
 def _cells() -> Finding:
     """Compare the bistable ranges and how the two cycles meet at their end."""
-    from theory.friction_cell import FrictionCell
-    from theory.vdp_chain import VdpChain
-    from verification.friction.cell_orbits import cell_orbits
+    from theory.cells.friction import FrictionCell
+    from theory.chains.vdp import VdpChain
+    from verification.cells.friction import friction_cell
 
     cell = FrictionCell()
-    orbits = cell_orbits(cell)
+    orbits = friction_cell(cell)
     end = orbits.cycle_end_velocity
     gaps = {}
     sticks = {}
     for part in (1e-3, 1e-4):
-        near = cell_orbits(replace(cell, v_d=(1.0 - part) * end))
+        near = friction_cell(replace(cell, v_d=(1.0 - part) * end))
         if near.stable is None or near.unstable is None:
             raise ArithmeticError(f"no two cycles {part:g} before their end at v_d = {end:.6f}")
         gaps[part] = near.stable.max - near.unstable.max
@@ -38,7 +38,7 @@ def _cells() -> Finding:
     friction = math.log10(gaps[1e-3] / gaps[1e-4])
     smooth = {}
     for part in (1e-3, 1e-4):
-        chain = VdpChain(1.0, 0.125 * (1.0 - part), 0.0)
+        chain = VdpChain(a=1.0, b=0.125 * (1.0 - part), c=0.0)
         smooth[part] = chain.stable_amplitude - chain.unstable_amplitude
     van_der_pol = math.log10(smooth[1e-3] / smooth[1e-4])
     slow = FrictionCell(v_d=0.9 * cell.hopf_velocity)
@@ -75,25 +75,24 @@ def _cells() -> Finding:
 
 def _thresholds() -> Finding:
     """Compare the order and the size of thresholds in the two models."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.nucleus import Place as Where
-    from verification.breathers.threshold import breather_threshold
-    from verification.friction.start import Place
-    from verification.friction.threshold import Spreading, friction_threshold
+    from theory.chains.nucleus import Nucleus, Place, outward_pattern
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
     def friction(size: int, place: Place) -> float:
-        return friction_threshold(
+        return spreading_threshold(
             chain_of(0.0), Spreading(size, place), lowest=0.005, accuracy=ACCURACY, tests=0
         ).c
 
-    chain = VdpChain(A, B, 0.0)
+    chain = VdpChain(a=A, b=B, c=0.0)
     first = [friction(1, Place.BULK), friction(3, Place.BULK), friction(1, Place.EDGE)]
     folds = [
         breather_threshold(chain, Nucleus(1)),
         breather_threshold(chain, Nucleus(3, outward_pattern(3))),
-        breather_threshold(chain, Nucleus(1, "", Where.EDGE)),
+        breather_threshold(chain, Nucleus(1, "", Place.EDGE)),
     ]
     second = [fold.c for fold in folds]
     noisy = escape_threshold(chain, Preparation(3, perturbation=1e-6), tolerance=1e-4).c
@@ -136,18 +135,17 @@ def _thresholds() -> Finding:
 
 def _velocities() -> Finding:
     """Compare velocities in units of the largest group velocity of waves about rest."""
-    from theory.vdp_chain import VdpChain
-    from verification.friction.front import measure_friction_front
-    from verification.vdp.front import measure_front
+    from theory.chains.vdp import VdpChain
+    from verification.fronts.measure import measure_front
 
     friction = {}
     for c in (0.012, 0.02, 0.04, 0.1, 0.3, 1.0):
         sites = 31 if c < 0.02 else 61 if c < 0.2 else 101
-        front = measure_friction_front(chain_of(c, sites), accuracy=0.02, most_sites=2 * sites)
+        front = measure_front(chain_of(c, sites), accuracy=0.02, max_sites=2 * sites)
         friction[c] = (front.v or 0.0, front.error or 0.0, front.chain.largest_group_velocity)
     smooth = {
         a: {
-            c: measure_front(VdpChain(a, B, c), most_sites=128, accuracy=1e-2)
+            c: measure_front(VdpChain(a=a, b=B, c=c).averaged(), max_sites=128, accuracy=1e-2)
             for c in (0.21, 0.25, 0.3, 0.45, 1.0, 2.0)
         }
         for a in (A, STEEP)
@@ -269,19 +267,20 @@ def _columns(
 
 def _maps() -> Finding:
     """Compare, column by column, which states follow each other as the coupling grows."""
-    from verification.friction.map import FrictionStateTask, friction_points
-    from verification.sweeps.sweep import sweep
-    from verification.sweeps.table import Point
-    from verification.vdp.map import StateTask, state_points
-    from verification.vdp.run import Model
+    from verification.execution.sweep import sweep
+    from verification.execution.table import Point
+    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.vdp_rules import FIGURE_15
 
-    task = FrictionStateTask().alone()
-    first = sweep(task, friction_points(MAP_COUPLINGS, MAP_VELOCITIES), workers=1)
-    average = StateTask(Model.ENVELOPE)
-    second = sweep(average, state_points(MAP_ETAS, MAP_STRENGTHS), workers=1)
+    task = StateTask(chain=chain_of(0.0)).alone()
+    points = state_points(task, {"c": MAP_COUPLINGS, "v_d": MAP_VELOCITIES})
+    first = sweep(task, points, workers=1)
+    full, average = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
+    points = state_points(average, {"eta": MAP_ETAS, "c": MAP_STRENGTHS})
+    second = sweep(average, points, workers=1)
     for eta, c in MAP_CHECKED:
         point = Point(eta=eta, c=c)
-        pair = [each(point)["label"] for each in (StateTask(Model.FULL), average)]
+        pair = [each(point)["label"] for each in (full, average)]
         if pair[0] != pair[1]:
             raise ArithmeticError(f"at η = {eta:g}, c = {c:g}: {pair[0]} by (8), {pair[1]} by (43)")
     gap = max(

@@ -89,8 +89,8 @@ def _length() -> Finding:
 
 def _ends() -> Finding:
     """Look whether uniform steady sliding is an equilibrium of (1) with literal and free ends."""
-    from theory.envelope import coupling_matrix
-    from theory.vdp_chain import Ends
+    from theory.averaged.envelope import coupling_matrix
+    from theory.chains.chain import Ends
 
     sites, c, belt = 31, 0.02, 1.25
     sliding = np.full(sites, friction(belt))

@@ -32,14 +32,14 @@ BEYOND = 1.35
 
 def _kept(pattern: tuple[int, ...], belt: float, end: float) -> frozenset[int]:
     """Return the sites that stick between ``end`` and ``end`` + 40, some six periods."""
-    from verification.friction.lane import FrictionLane
-    from verification.friction.start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(WEAK, SITES, belt)
-    lane = FrictionLane(chain, nucleus(chain, pattern), 1e-8)
-    lane.go_to(end)
-    lane.arrivals[:] = np.nan
-    lane.go_to(end + 40.0)
+    lane = FrictionIntegration(chain, excite(chain, pattern), tolerance=1e-8)
+    lane.advance_to(end)
+    lane.forget_arrivals()
+    lane.advance_to(end + 40.0)
     return frozenset((np.flatnonzero(~np.isnan(lane.arrivals)) + 1).tolist())
 
 
@@ -83,8 +83,9 @@ def _many_patterns() -> Finding:
 
 def _promotes() -> Finding:
     """See on a ladder of couplings whether each kind of nucleus spreads."""
-    from verification.friction.start import Place
-    from verification.friction.threshold import Definition, Spreading, spreads
+    from theory.chains.nucleus import Place
+    from verification.thresholds.result import Definition
+    from verification.thresholds.spreading import Spreading, spreads
 
     changes, first = [], []
     for place, size in KINDS:

@@ -18,8 +18,8 @@ def _substitution() -> Finding:
     """Put (14) into (10) and into (11) and compare with (15)."""
     import sympy as sp
 
-    from derivations.multiple_scales.symbols import Y
     from derivations.judgement import printed
+    from derivations.multiple_scales.symbols import Y
     from derivations.symbols import omega, t, t_hat
 
     fifteen = printed(15).expression
@@ -60,15 +60,18 @@ def _unknowns() -> Finding:
 
     from derivations.judgement import printed
     from derivations.symbols import c, k_2, omega_1, theta
-    from theory.vdp_chain import VdpChain
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
-    from verification.breathers.nucleus import Nucleus
 
     second = printed(25).expression.args[1].args[0]
     at = second.subs({theta: -sp.pi / 2, k_2: -sp.pi / 2})
     found = sp.solve(at, omega_1)
     exact = found == [c]
-    numeric = abs(solve_envelope_breather(VdpChain(A, B, 0.1, EPS, 11), Nucleus(1)).omega - 0.1)
+    numeric = abs(
+        solve_envelope_breather(VdpChain(a=A, b=B, c=0.1, eps=EPS, sites=11), Nucleus(1)).omega
+        - 0.1
+    )
     return Finding(
         verdict=Verdict.PARTIAL if exact and numeric < 1e-9 else Verdict.REPRODUCED,
         value="ω_1 = c exactly, from (25) at θ = k_2 = -π/2",
@@ -85,10 +88,10 @@ def _unknowns() -> Finding:
 
 def _extraction() -> Finding:
     """Solve (29) with (37) at n = 0, 1 and in the tail, and search at random as well."""
-    from theory.breather import Reading, solve_breather
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.breather import Reading, solve_breather
+    from theory.chains.vdp import VdpChain
 
-    chain = VdpChain(A, B, 0.1, EPS)
+    chain = VdpChain(a=A, b=B, c=0.1, eps=EPS)
     closed = {reading: solve_breather(chain, reading) for reading in Reading}
     generator = np.random.default_rng(37)
     hits = {
@@ -143,14 +146,14 @@ STABLE, UNSTABLE = (1, 0.15), (3, 0.15)
 
 def _escape() -> Finding:
     """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleus import Nucleus, outward_pattern
+    from theory.chains.nucleus import Nucleus, outward_pattern
+    from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
     turns, rows = 8, []
     for size, c in (STABLE, UNSTABLE):
         nucleus = Nucleus(size, outward_pattern(size))
-        orbit = solve_orbit(VdpChain(A, B, c, EPS, 9), nucleus)
+        orbit = solve_orbit(VdpChain(a=A, b=B, c=c, eps=EPS, sites=9), nucleus)
         if orbit.multipliers is None:
             raise ArithmeticError(f"no multipliers of size {size}")
         values, vectors = np.linalg.eig(monodromy_by_differences(orbit.state, c, orbit.period))

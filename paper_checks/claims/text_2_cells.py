@@ -32,11 +32,11 @@ def _cell() -> Finding:
     """Find both cycles of one cell as fixed points of its return map, and their stability."""
     from scipy.optimize import brentq
 
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
     rows = []
     for a, b in SETS:
-        chain = VdpChain(a, b, 0.0, EPS)
+        chain = VdpChain(a=a, b=b, c=0.0, eps=EPS)
         for predicted in (chain.unstable_amplitude, chain.stable_amplitude):
             cycle = float(
                 brentq(lambda y, a=a, b=b: _turn(a, b, y) - y, 0.8 * predicted, 1.1 * predicted)
@@ -124,13 +124,13 @@ def _small() -> Finding:
     """Compare the ripple of the cycle with ε and with the number that governs averaging."""
     from scipy.integrate import solve_ivp
 
-    from theory.vdp_chain import VdpChain, effective_epsilon
+    from theory.chains.vdp import VdpChain, effective_epsilon
 
     rows = []
     for a, b in SETS:
         ripples = []
         for eps in (EPS, EPS / 4.0):
-            chain = VdpChain(a, b, 0.0, eps)
+            chain = VdpChain(a=a, b=b, c=0.0, eps=eps)
 
             def rate(_: float, state: np.ndarray, chain: VdpChain = chain) -> list[float]:
                 y, w = state
@@ -148,7 +148,7 @@ def _small() -> Finding:
             )
             size = np.hypot(*run.y)
             ripples.append(float((size.max() - size.min()) / size.mean()))
-        rows.append((a, effective_epsilon(VdpChain(a, b, 0.0, EPS)), *ripples))
+        rows.append((a, effective_epsilon(VdpChain(a=a, b=b, c=0.0, eps=EPS)), *ripples))
     orders = [math.log(row[2] / row[3]) / math.log(4.0) for row in rows]
     return Finding(
         verdict=Verdict.PARTIAL if max(row[2] for row in rows) > 0.1 else Verdict.REPRODUCED,

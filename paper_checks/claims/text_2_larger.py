@@ -14,7 +14,7 @@ from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.pictures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
-    from verification.breathers.fate import Fate, Growth
+    from verification.breathers.outcome import Evolution, FollowedNucleus
 
 CHAIN_SITES = 41
 """Room for twenty new sites on each side: none of the nuclei that stand reaches the ends."""
@@ -31,16 +31,16 @@ FRICTION_PAUSE = 1000.0
 
 
 @lru_cache(maxsize=1)
-def _fates() -> dict[tuple[int | None, float], Fate]:
+def _fates() -> dict[tuple[int | None, float], FollowedNucleus]:
     """Return what became of the nucleus by seed (None for exact mirror symmetry) and coupling."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.fate import follow_nucleus
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.outcome import follow_nucleus
 
     found = {}
     for seed in (None, *SEEDS):
         for c in COUPLINGS:
             size = 0.0 if seed is None else PERTURBATION
-            chain = VdpChain(A, B, c, EPS, CHAIN_SITES)
+            chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=CHAIN_SITES)
             found[seed, c] = follow_nucleus(chain, perturbation=size, seed=seed or 0)
     return found
 
@@ -52,10 +52,10 @@ def _asserted(ends: Mapping[float, str]) -> bool:
     return bool(stand and run) and max(stand) < min(run)
 
 
-def _in_words(growths: Mapping[float, Growth]) -> str:
+def _in_words(growths: Mapping[float, Evolution]) -> str:
     words = []
     for c, growth in growths.items():
-        word = growth.end.value
+        word = growth.outcome.value
         if word == "larger nucleus":
             word = f"{growth.size} sites stand"
         elif word == "creep":
@@ -66,24 +66,24 @@ def _in_words(growths: Mapping[float, Growth]) -> str:
 
 def _to_larger() -> Finding:
     """Follow the single nucleus through the range, with and without mirror symmetry."""
-    from verification.breathers.fate import PAUSE, distance_from_breather
+    from verification.breathers.outcome import PAUSE, distance_from_breather
 
     fates = _fates()
-    rows = {seed: {c: fates[seed, c].growth for c in COUPLINGS} for seed in (None, *SEEDS)}
+    rows = {seed: {c: fates[seed, c].evolution for c in COUPLINGS} for seed in (None, *SEEDS)}
     unsure = [key for key, fate in fates.items() if not fate.confirmed]
     if unsure:
         raise ArithmeticError(f"a run at a hundred times the tolerance ended otherwise: {unsure}")
     ripple = 2.0 * EPS * fates[None, COUPLINGS[0]].run.chain.stable_amplitude
     gaps, rates = [], []
     for c in COUPLINGS:
-        if rows[None][c].end.value == "larger nucleus":
-            gap, rate = distance_from_breather(fates[None, c])
-            if not gap < ripple:
-                raise ArithmeticError(f"at c = {c} the run is {gap:.1e} from the breather")
-            gaps.append(gap)
-            rates.append(rate)
+        if rows[None][c].outcome.value == "larger nucleus":
+            near = distance_from_breather(fates[None, c])
+            if near.growth is None or not near.gap < ripple:
+                raise ArithmeticError(f"at c = {c} the run is {near.gap:.1e} from the breather")
+            gaps.append(near.gap)
+            rates.append(near.growth)
     holds = {
-        seed: _asserted({c: growth.end.value for c, growth in row.items()})
+        seed: _asserted({c: growth.outcome.value for c, growth in row.items()})
         for seed, row in rows.items()
     }
     if all(holds.values()):
@@ -165,22 +165,23 @@ def _to_larger() -> Finding:
 
 
 @lru_cache(maxsize=32)
-def _friction_growth(c: float, push: float, size: int = 1) -> Growth:
+def _friction_growth(c: float, push: float, size: int = 1) -> Evolution:
     """Return how a nucleus of Model I grew, its right neighbour displaced by ``push``."""
-    from verification.breathers.fate import growth
-    from verification.friction.lane import FrictionLane
-    from verification.friction.start import Place, nucleus, nucleus_sites
+    from theory.chains.nucleus import Place, nucleus_sites
+    from verification.breathers.outcome import evolution
+    from verification.runs.excite import excite
+    from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(c)
     excited = nucleus_sites(SITES, Place.BULK, size)
-    start = nucleus(chain, excited)
+    start = excite(chain, excited)
     start[0, excited[-1]] += push
-    lane = FrictionLane(chain, start, 1e-9)
-    lane.go_to(FRICTION_TIME)
+    lane = FrictionIntegration(chain, start, tolerance=1e-9)
+    lane.advance_to(FRICTION_TIME)
     joined = lane.arrivals.copy()
     joined[excited[0] - 1 : excited[-1]] = 0.0
     reached = int(np.count_nonzero(~np.isnan(joined)))
-    return growth(joined, FRICTION_TIME, reached, FRICTION_PAUSE)
+    return evolution(joined, FRICTION_TIME, reached, FRICTION_PAUSE)
 
 
 def _friction() -> Finding:
@@ -188,18 +189,18 @@ def _friction() -> Finding:
     gap = disagreement(chain_of(FRICTION[-2], 5), (3,), 300.0)
     rows = {push: {c: _friction_growth(c, push) for c in FRICTION} for push in (0.0, PERTURBATION)}
     spreads = all(
-        any(growth.end.value == "front" for growth in row.values()) for row in rows.values()
+        any(growth.outcome.value == "front" for growth in row.values()) for row in rows.values()
     )
     through = all(
-        _asserted({c: growth.end.value for c, growth in row.items()}) for row in rows.values()
+        _asserted({c: growth.outcome.value for c, growth in row.items()}) for row in rows.values()
     )
     if through:
         verdict = Verdict.REPRODUCED
     else:
         verdict = Verdict.PARTIAL if spreads else Verdict.NOT_REPRODUCED
-    held = max(c for c, growth in rows[0.0].items() if growth.end.value == "held")
-    three = _friction_growth(held, 0.0, 3).end.value
-    first = min(c for c, growth in rows[0.0].items() if growth.end.value != "held")
+    held = max(c for c, growth in rows[0.0].items() if growth.outcome.value == "held")
+    three = _friction_growth(held, 0.0, 3).outcome.value
+    first = min(c for c, growth in rows[0.0].items() if growth.outcome.value != "held")
     return Finding(
         verdict=verdict,
         value="; ".join(

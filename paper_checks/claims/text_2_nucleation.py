@@ -19,11 +19,11 @@ SETS = ((2.5, 0.5), (4.0, 0.5))
 
 def _lone() -> Finding:
     """Look for other stable states above the largest printed threshold."""
-    from theory.envelope import envelope_jacobian
-    from theory.vdp_chain import VdpChain
-    from verification.integrators.envelope_run import run_envelope
+    from theory.averaged.envelope import envelope_jacobian
+    from theory.chains.vdp import VdpChain
+    from verification.runs.envelope_run import run_envelope
 
-    chain = VdpChain(A, B, 0.25, EPS, 15)
+    chain = VdpChain(a=A, b=B, c=0.25, eps=EPS, sites=15)
     still = np.zeros(15, dtype=complex)
     uniform = np.full(15, chain.stable_amplitude, dtype=complex)
     rates = {}
@@ -57,14 +57,18 @@ def _lone() -> Finding:
 
 def _limit_of_sizes() -> Finding:
     """Compare the threshold of size 3 with those that no longer change with size."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from theory.chains.nucleus import Nucleus, outward_pattern
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     folds = {
-        size: breather_threshold(chain, Nucleus(size, outward_pattern(size)), Method.ENVELOPE)
+        size: breather_threshold(
+            chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE
+        )
         for size in (3, 5, 7)
     }
     runs = {size: escape_threshold(chain, Preparation(size), tolerance=1e-4) for size in (3, 5)}
@@ -98,14 +102,16 @@ def _limit_of_sizes() -> Finding:
 
 def _two_values() -> Finding:
     """Find the one threshold of the single nucleus that two sections give differently."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus
-    from verification.breathers.threshold import Method, breather_threshold
+    from theory.chains.nucleus import Nucleus
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod
 
-    chain = VdpChain(A, B, 0.0, EPS)
-    orbit = breather_threshold(chain, Nucleus(1), Method.ORBIT)
-    average = breather_threshold(chain, Nucleus(1), Method.ENVELOPE)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
+    orbit = breather_threshold(chain, Nucleus(1), ThresholdMethod.ORBIT)
+    average = breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE)
     run = escape_threshold(chain, Preparation(1), tolerance=1e-4)
     if abs(run.c - average.c) > run.error + average.error:
         raise ArithmeticError(f"run {run.c:.6f}, fold {average.c:.6f}")
@@ -141,12 +147,14 @@ def _two_values() -> Finding:
 
 def _all_lost() -> Finding:
     """Look whether any breather we can follow exists at the largest printed threshold."""
-    from theory.vdp_chain import VdpChain
-    from verification.breathers.nucleation import Preparation, escape_threshold
-    from verification.breathers.nucleus import Nucleus, Place, outward_pattern
-    from verification.breathers.threshold import Method, breather_threshold
+    from theory.chains.nucleus import Nucleus, Place, outward_pattern
+    from theory.chains.vdp import VdpChain
+    from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.escape import escape_threshold
+    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.result import ThresholdMethod
 
-    chain = VdpChain(A, B, 0.0, EPS)
+    chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     folds, _ = pattern_folds()
     folds = [
         *folds,
@@ -156,7 +164,7 @@ def _all_lost() -> Finding:
     ]
     last = max(folds, key=lambda fold: fold.c)
     three = Nucleus(3, outward_pattern(3))
-    full = breather_threshold(chain, three, Method.ORBIT)
+    full = breather_threshold(chain, three, ThresholdMethod.ORBIT)
     runs = [escape_threshold(chain, Preparation(size), tolerance=1e-4) for size in (1, 3, 5)]
     by_size = {
         fold.nucleus.size: fold.c

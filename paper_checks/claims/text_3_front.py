@@ -12,7 +12,7 @@ from paper_checks.claims._text import untestable
 from paper_checks.following import following
 
 if TYPE_CHECKING:
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
 
 A, B = 4.0, 0.5
 
@@ -21,16 +21,16 @@ def _gauge() -> Finding:
     """Run (34) with ω = 1 and with ω = 1 + εc and compare, for three ε."""
     from scipy.integrate import solve_ivp
 
-    from theory.envelope import envelope_rate
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.envelope import envelope_rate
+    from theory.chains.vdp import VdpChain
 
     sites, duration = 6, 12.0
-    size = VdpChain(A, B, 0.5).stable_amplitude
+    size = VdpChain(a=A, b=B, c=0.5).stable_amplitude
     start = np.array([size * (1.0 + 0.2j) * math.exp(-0.8 * n) for n in range(sites)])
     gaps = []
     small = (0.02, 0.01, 0.005)
     for eps in small:
-        chain = VdpChain(A, B, 0.5, eps, sites)
+        chain = VdpChain(a=A, b=B, c=0.5, eps=eps, sites=sites)
         ends = []
         for omega in (1.0, 1.0 + eps * chain.c):
 
@@ -43,8 +43,8 @@ def _gauge() -> Finding:
         gaps.append(float(np.abs(ends[1] - ends[0]).max() / np.abs(ends[0]).max()))
     order = math.log(gaps[0] / gaps[-1]) / math.log(small[0] / small[-1])
     at_one = np.abs(
-        _rate_34(start, VdpChain(A, B, 0.5, 0.01, sites), 1.0)
-        - envelope_rate(start, VdpChain(A, B, 0.5, 0.01, sites))
+        _rate_34(start, VdpChain(a=A, b=B, c=0.5, eps=0.01, sites=sites), 1.0)
+        - envelope_rate(start, VdpChain(a=A, b=B, c=0.5, eps=0.01, sites=sites))
     ).max()
     right = order > 0.9 and gaps[1] < 0.1 and at_one < 1e-12
     return Finding(
@@ -74,16 +74,18 @@ def _rate_34(phi: np.ndarray, chain: VdpChain, omega: float) -> np.ndarray:
 
 def _collapse_figure() -> Finding:
     """See on which figure sets of (a, b) can collapse, by the scaling of (8)."""
-    from theory.envelope import envelope_rate
-    from theory.vdp_chain import VdpChain
+    from theory.averaged.envelope import envelope_rate
+    from theory.chains.vdp import VdpChain
 
     generator = np.random.default_rng(14)
     gaps = []
     for a, b, c in generator.uniform((1.0, 0.1, 0.1), (5.0, 1.0, 1.0), (5, 3)):
         sites = 5
         phi = np.asarray(generator.normal(size=(2, sites)).T @ [1.0, 1.0j], dtype=complex)
-        whole = envelope_rate(phi, VdpChain(a, b, c, sites=sites))
-        scaled = envelope_rate(complex(math.sqrt(a)) * phi, VdpChain(1.0, b / a**2, c, sites=sites))
+        whole = envelope_rate(phi, VdpChain(a=a, b=b, c=c, sites=sites))
+        scaled = envelope_rate(
+            complex(math.sqrt(a)) * phi, VdpChain(a=1.0, b=b / a**2, c=c, sites=sites)
+        )
         gaps.append(float(np.abs(scaled / math.sqrt(a) - whole).max()))
     full = _full_scaling()
     right = max(gaps) < 1e-11 and full < 1e-11

@@ -20,12 +20,12 @@ ETAS = (0.002, 0.005, 0.01, 0.015, 0.02)
 @lru_cache(maxsize=1)
 def _velocities() -> tuple[float, float, float, float]:
     """Velocity and error at c = 0.6: of (43) by a run, and of (54) with a run of (44)."""
-    from theory.kinetic_relation import kinetic_relation
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
-    from verification.vdp.front import measure_front
 
-    front = measure_front(VdpChain(A, B, 0.6))
+    front = measure_front(VdpChain(a=A, b=B, c=0.6).averaged())
     branch = kinetic_relation(0.6, B / A**2).branches[-1]
     run = simulate_front(0.6, B / A**2)
     if front.v is None or front.error is None or run.v is None:
@@ -75,14 +75,14 @@ def _captions() -> Finding:
 
 def _eta_alike() -> Finding:
     """Compare how the velocities of (43) and of (54) fall with η, and where they end."""
-    from theory.kinetic_relation import kinetic_relation
-    from theory.thresholds import fold_eta
-    from theory.vdp_chain import VdpChain
+    from theory.chains.vdp import VdpChain
+    from theory.piecewise.folds import fold_eta
+    from theory.piecewise.kinetic_relation import kinetic_relation
+    from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
-    from verification.vdp.front import measure_front
 
     def measured(eta: float) -> float | None:
-        return measure_front(VdpChain(1.0, eta, C), most_sites=250).v
+        return measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v
 
     def solved(eta: float) -> float | None:
         branches = kinetic_relation(C, eta).branches

@@ -15,16 +15,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.breather import BreatherStatus
-from theory.envelope import (
+from theory.averaged.breather import BreatherStatus
+from theory.averaged.envelope import (
     coupling_matrix,
     envelope_rate,
     staggered_jacobian,
     staggered_phase,
     staggered_rate,
 )
-from theory.parameters import ParameterError
-from theory.vdp_chain import Ends, VdpChain
+from theory.chains.chain import Ends
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError, RunError
 from verification.breathers.continuation import Branch, Fold, arrive, trace
 from verification.breathers.exponents import (
     Exponents,
@@ -34,7 +36,6 @@ from verification.breathers.exponents import (
     unpack,
 )
 from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
-from verification.breathers.nucleus import Nucleus
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -43,9 +44,9 @@ START = 0.01
 """Coupling at which branches leave the anticontinuum limit."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EnvelopeBreather:
-    """A breather of the averaged chain.
+    """A breather of the averaged chain, solved; `Breather` has what every method gives.
 
     Attributes
     ----------
@@ -53,8 +54,8 @@ class EnvelopeBreather:
         ``none`` if the branch folds below this coupling.
     phi : complex array, shape (N,)
         φ_n; empty if there is none.
-    omega : float
-        Ω per unit T; the frequency in t is 1 + εΩ.
+    detuning : float or None
+        Ω per unit T; None if there is no breather.
     exponents : Exponents or None
         Stability.
     fold : Fold or None
@@ -69,15 +70,28 @@ class EnvelopeBreather:
 
     status: BreatherStatus
     phi: Complex
-    omega: float
+    detuning: float | None
     exponents: Exponents | None
     fold: Fold | None
     error: float
     residual: float
     seconds: float
 
+    @property
+    def omega(self) -> float:
+        """Ω per unit T; the frequency in t is 1 + εΩ.
 
-def rotating_system(chain: VdpChain, centre: int) -> System:
+        Raises
+        ------
+        RunError
+            If there is no breather.
+        """
+        if self.detuning is None:
+            raise RunError(BreatherStatus.NONE.sentence)
+        return self.detuning
+
+
+def rotating_system(chain: VanDerPolChain, centre: int) -> System:
     """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre."""
     sites = chain.sites
     springs = coupling_matrix(sites, chain.ends)
@@ -98,7 +112,7 @@ def rotating_system(chain: VdpChain, centre: int) -> System:
     return system
 
 
-def start_of_branch(chain: VdpChain, nucleus: Nucleus, c: float = START) -> BranchPoint:
+def start_of_branch(chain: VanDerPolChain, nucleus: Nucleus, c: float = START) -> BranchPoint:
     """Solve near c = 0, from the cycle of one cell on every excited site.
 
     Raises
@@ -125,19 +139,20 @@ def start_of_branch(chain: VdpChain, nucleus: Nucleus, c: float = START) -> Bran
         raise ParameterError(
             "pattern",
             repr(nucleus.pattern),
-            "one a steady breather can have at small c (see verification/breathers/nucleus.py)",
+            "one a steady breather can have at small c (see theory.chains.nucleus.py)",
             "name another pattern",
         )
     return point
 
 
 def envelope_branch(
-    chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0, *, monitored: bool = True
+    chain: VanDerPolChain, nucleus: Nucleus, c_end: float = 2.0, *, monitored: bool = True
 ) -> Branch:
     """Follow the breather from c → 0 through its fold, with its growth rates if ``monitored``.
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> branch = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1))
     >>> round(branch.fold.c, 6)
     0.190788
@@ -148,7 +163,7 @@ def envelope_branch(
     return trace(system, start, c_end, monitor)
 
 
-def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreather:
+def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> EnvelopeBreather:
     """Solve the averaged breather at the coupling of ``chain``.
 
     Raises
@@ -158,6 +173,7 @@ def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreath
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> found = solve_envelope_breather(VdpChain(a=2.5, b=0.5, c=0.1, sites=15), Nucleus(1))
     >>> round(float(abs(found.phi[7])), 6), round(found.omega, 12)
     (2.818455, 0.1)
@@ -177,31 +193,38 @@ def solve_envelope_breather(chain: VdpChain, nucleus: Nucleus) -> EnvelopeBreath
             empty = np.empty(0, dtype=complex)
             seconds = time.perf_counter() - started
             return EnvelopeBreather(
-                BreatherStatus.NONE, empty, math.nan, None, fold, math.inf, math.inf, seconds
+                status=BreatherStatus.NONE,
+                phi=empty,
+                detuning=None,
+                exponents=None,
+                fold=fold,
+                error=math.inf,
+                residual=math.inf,
+                seconds=seconds,
             )
         point = arrive(system, branch, chain.c)
     phi, omega = unpack(point.u)
     stability = exponents(phi, omega, chain, nucleus.mirrored(chain.sites))
     seconds = time.perf_counter() - started
     return EnvelopeBreather(
-        BreatherStatus.EXISTS,
-        phi,
-        omega,
-        stability,
-        fold,
-        2.0 * point.correction + _rounding(phi, chain),
-        point.residual,
-        seconds,
+        status=BreatherStatus.EXISTS,
+        phi=phi,
+        detuning=omega,
+        exponents=stability,
+        fold=fold,
+        error=2.0 * point.correction + _rounding(phi, chain),
+        residual=point.residual,
+        seconds=seconds,
     )
 
 
-def _rounding(phi: Complex, chain: VdpChain) -> float:
+def _rounding(phi: Complex, chain: VanDerPolChain) -> float:
     """Return what rounding of the damping does to an amplitude: it cancels as the cycles meet."""
     gap = max(1.0 - 8.0 * chain.eta, 1e-16)
     return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
 
-def staggered_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> Branch:
+def staggered_branch(chain: VanDerPolChain, nucleus: Nucleus, c_end: float = 2.0) -> Branch:
     """Follow the same branch in the real staggered reduction (patterns of ``+`` and ``-`` only).
 
     Half the unknowns, no frequency and no phase condition: an independent computation of the fold.
@@ -231,7 +254,9 @@ def staggered_branch(chain: VdpChain, nucleus: Nucleus, c_end: float = 2.0) -> B
     return trace(system, solve_at(system, r, START), c_end)
 
 
-def _left_pattern(u: Real, guess: Complex, excited: NDArray[np.intp], chain: VdpChain) -> bool:
+def _left_pattern(
+    u: Real, guess: Complex, excited: NDArray[np.intp], chain: VanDerPolChain
+) -> bool:
     """Whether the solution is not the one that was started from."""
     phi, _ = unpack(u)
     return bool(np.abs(phi[excited] - guess[excited]).max() > 0.3 * chain.stable_amplitude)

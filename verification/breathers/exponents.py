@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.envelope import envelope_jacobian
-from theory.vdp_chain import VdpChain
+from theory.averaged.envelope import envelope_jacobian
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VanDerPolChain
 from verification.breathers.continuation import Monitor
-from verification.breathers.nucleus import Nucleus
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -23,7 +23,7 @@ MARGINAL = 1e-9
 """Growth rates below this count as zero: round-off of an eigenvalue that is exactly zero."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Exponents:
     """Eigenvalues of the linearisation in the rotating frame.
 
@@ -55,7 +55,7 @@ class Exponents:
         return self.growth <= MARGINAL
 
 
-def rotating_jacobian(phi: Complex, omega: float, chain: VdpChain) -> Real:
+def rotating_jacobian(phi: Complex, omega: float, chain: VanDerPolChain) -> Real:
     """Return the Jacobian of φ' - iΩφ in (Re φ, Im φ), shape (2N, 2N)."""
     turn = omega * np.eye(chain.sites)
     zero = np.zeros_like(turn)
@@ -63,7 +63,9 @@ def rotating_jacobian(phi: Complex, omega: float, chain: VdpChain) -> Real:
     return turned
 
 
-def exponents(phi: Complex, omega: float, chain: VdpChain, mirrored: bool = False) -> Exponents:
+def exponents(
+    phi: Complex, omega: float, chain: VanDerPolChain, mirrored: bool = False
+) -> Exponents:
     """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``."""
     jacobian = rotating_jacobian(phi, omega, chain)
     if not mirrored:
@@ -83,12 +85,12 @@ def exponents(phi: Complex, omega: float, chain: VdpChain, mirrored: bool = Fals
         rest = np.concatenate([even, odd])
     leader = rest[int(rest.real.argmax())]
     return Exponents(
-        values,
-        float(np.abs(values).min()),
-        float(leader.real),
-        float(abs(leader.imag)),
-        symmetric,
-        antisymmetric,
+        values=values,
+        trivial=float(np.abs(values).min()),
+        growth=float(leader.real),
+        frequency=float(abs(leader.imag)),
+        symmetric=symmetric,
+        antisymmetric=antisymmetric,
     )
 
 
@@ -129,7 +131,7 @@ def unpack(u: Real) -> tuple[Complex, float]:
     return u[:sites] + 1j * u[sites:-1], float(u[-1])
 
 
-def stability_monitor(chain: VdpChain, nucleus: Nucleus) -> Monitor:
+def stability_monitor(chain: VanDerPolChain, nucleus: Nucleus) -> Monitor:
     """Return a monitor of (growth, even growth, odd growth) less `MARGINAL`.
 
     Without mirror symmetry the last two repeat the first.

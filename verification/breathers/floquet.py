@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.breather import ClosedFormBreather
+from theory.averaged.breather import ClosedFormBreather
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain
 from verification.breathers.exponents import parity_basis, split_eigenvalues
-from verification.integrators.variational import STEPS, integrate_along_sinusoids
+from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -26,7 +26,7 @@ MARGINAL = 1e-8
 """Growth per unit T below which a multiplier counts as on the circle (round-off over ε)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Multipliers:
     """Eigenvalues of the monodromy matrix.
 
@@ -115,7 +115,15 @@ def floquet_multipliers(
         values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     leader = complex(rest[int(np.abs(rest).argmax())])
-    return Multipliers(values, trivial, leader, rate(rest), symmetric, antisymmetric, error)
+    return Multipliers(
+        values=values,
+        trivial=trivial,
+        leader=leader,
+        growth=rate(rest),
+        symmetric=symmetric,
+        antisymmetric=antisymmetric,
+        error=error,
+    )
 
 
 def approximate_multipliers(

@@ -15,17 +15,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.breather import BreatherStatus
-from theory.envelope import coupling_matrix
-from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain, effective_epsilon
+from theory.averaged.breather import BreatherStatus
+from theory.averaged.envelope import coupling_matrix
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain, effective_epsilon
+from theory.parameters import ParameterError, RunError
 from verification.breathers.continuation import Branch, Fold, Monitor, arrive, trace
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.floquet import MARGINAL, Multipliers, floquet_multipliers
 from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.integrators.variational import STEPS, integrate_variations
+from verification.steppers.variational import STEPS, integrate_variations
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -37,9 +37,9 @@ STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Orbit:
-    """A periodic orbit of (8).
+    """A periodic orbit of (8), solved; `Breather` has what every method gives.
 
     Attributes
     ----------
@@ -47,8 +47,8 @@ class Orbit:
         ``none`` if the branch folds below this coupling.
     state : float array, shape (2N,)
         Displacements and velocities at the moment when y = 0 < ẏ at the centre; empty if none.
-    period, frequency : float
-        In t, dimensionless.
+    duration : float or None
+        Of one period in t; None if there is no orbit.
     amplitudes : float array, shape (N,)
         max |y_n| over the period.
     harmonics : complex array, shape (N,)
@@ -67,8 +67,7 @@ class Orbit:
 
     status: BreatherStatus
     state: Real
-    period: float
-    frequency: float
+    duration: float | None
     amplitudes: Real
     harmonics: Complex
     multipliers: Multipliers | None
@@ -76,6 +75,24 @@ class Orbit:
     error: float
     fold: Fold | None
     seconds: float
+
+    @property
+    def period(self) -> float:
+        """In t, dimensionless.
+
+        Raises
+        ------
+        RunError
+            If there is no orbit.
+        """
+        if self.duration is None:
+            raise RunError(BreatherStatus.NONE.sentence)
+        return self.duration
+
+    @property
+    def frequency(self) -> float:
+        """2π/period; raises as `period` does."""
+        return 2.0 * math.pi / self.period
 
 
 def chain_rate(state: Real, chain: VdpChain) -> Real:
@@ -289,17 +306,16 @@ def describe_orbit(
         fine.monodromy, period, chain.eps, _parity(state, nucleus, chain.sites), change
     )
     return Orbit(
-        BreatherStatus.EXISTS,
-        state,
-        period,
-        2.0 * math.pi / period,
-        largest_displacements(fine.samples),
-        first_harmonics(fine.samples),
-        multipliers,
-        float(np.abs(coarse.state - state).max()),
-        error,
-        fold,
-        time.perf_counter() - started,
+        status=BreatherStatus.EXISTS,
+        state=state,
+        duration=period,
+        amplitudes=largest_displacements(fine.samples),
+        harmonics=first_harmonics(fine.samples),
+        multipliers=multipliers,
+        residual=float(np.abs(coarse.state - state).max()),
+        error=error,
+        fold=fold,
+        seconds=time.perf_counter() - started,
     )
 
 
@@ -315,15 +331,14 @@ def _parity(state: Real, nucleus: Nucleus, sites: int) -> int:
 def _no_orbit(fold: Fold, started: float) -> Orbit:
     nothing = np.empty(0)
     return Orbit(
-        BreatherStatus.NONE,
-        nothing,
-        math.nan,
-        math.nan,
-        nothing,
-        np.empty(0, dtype=complex),
-        None,
-        math.inf,
-        math.inf,
-        fold,
-        time.perf_counter() - started,
+        status=BreatherStatus.NONE,
+        state=nothing,
+        duration=None,
+        amplitudes=nothing,
+        harmonics=np.empty(0, dtype=complex),
+        multipliers=None,
+        residual=math.inf,
+        error=math.inf,
+        fold=fold,
+        seconds=time.perf_counter() - started,
     )

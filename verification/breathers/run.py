@@ -9,17 +9,17 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.averaged.breather import BreatherStatus
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
-from theory.vdp_chain import VdpChain, effective_epsilon
-from verification.breathers.nucleus import Nucleus
 from verification.breathers.orbits import chain_rate
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.integrators.variational import integrate_chain
+from verification.steppers.variational import integrate_chain
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -34,26 +34,13 @@ LARGEST_EPS = 0.2
 """Beyond it this step is too long for transients."""
 
 
-class RunStatus(StrEnum):
-    """How a run ended."""
-
-    SETTLED = "settled"
-    """It repeats itself every period to the tolerance."""
-
-    UNSETTLED = "unsettled"
-    """Still changing when the time was over: it decays slowly, or its phases wander."""
-
-    ESCAPED = "escaped"
-    """A site that was at rest passed the unstable cycle: no breather."""
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BreatherRun:
     """The end of a run.
 
     Attributes
     ----------
-    status : RunStatus
+    status : BreatherStatus
         Settled, unsettled or escaped.
     amplitudes : float array, shape (N,)
         max |y_n| over the last period.
@@ -71,7 +58,7 @@ class BreatherRun:
         Wall-clock time.
     """
 
-    status: RunStatus
+    status: BreatherStatus
     amplitudes: Real
     harmonics: Complex
     frequency: float
@@ -141,12 +128,12 @@ def run_breather(
         if np.hypot(state[:sites], state[sites:])[outside].max(initial=0.0) > (
             chain.unstable_amplitude
         ):
-            return _measured(chain, state, period, RunStatus.ESCAPED, drifts, elapsed, started)
+            return _measured(chain, state, period, BreatherStatus.ESCAPED, drifts, elapsed, started)
         period, drift = _period(chain, state, period, 2 * steps)
         drifts.append(drift)
         if drift < tolerance:
-            return _measured(chain, state, period, RunStatus.SETTLED, drifts, elapsed, started)
-    return _measured(chain, state, period, RunStatus.UNSETTLED, drifts, elapsed, started)
+            return _measured(chain, state, period, BreatherStatus.SETTLED, drifts, elapsed, started)
+    return _measured(chain, state, period, BreatherStatus.UNSETTLED, drifts, elapsed, started)
 
 
 def _steps(chain: VdpChain) -> int:
@@ -176,7 +163,7 @@ def _measured(
     chain: VdpChain,
     state: Real,
     period: float,
-    status: RunStatus,
+    status: BreatherStatus,
     drifts: list[float],
     elapsed: float,
     started: float,
@@ -184,17 +171,17 @@ def _measured(
     samples = integrate_chain(chain, state, period, SAMPLES).samples
     drift = drifts[-1] if drifts else math.inf
     error = math.inf
-    if status is RunStatus.SETTLED and len(drifts) > 1:
+    if status is BreatherStatus.SETTLED and len(drifts) > 1:
         # Drift falls by a factor each block of 5 units of T.
         factor = min(drifts[-1] / max(drifts[-2], 1e-300), 0.99)
         error = max(5.0 * drift / (1.0 - factor), 1e-12)
     return BreatherRun(
-        status,
-        largest_displacements(samples),
-        first_harmonics(samples),
-        2.0 * math.pi / period,
-        drift,
-        error,
-        elapsed,
-        time.perf_counter() - started,
+        status=status,
+        amplitudes=largest_displacements(samples),
+        harmonics=first_harmonics(samples),
+        frequency=2.0 * math.pi / period,
+        drift=drift,
+        error=error,
+        time=elapsed,
+        seconds=time.perf_counter() - started,
     )

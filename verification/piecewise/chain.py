@@ -70,7 +70,7 @@ class Rest:
         return self.margin > self.remainder + 1e-13
 
 
-class PiecewiseChain:
+class PiecewiseMotion:
     """The chain (44) at one moment, right after a switching.
 
     Parameters
@@ -137,8 +137,8 @@ class PiecewiseChain:
             self._latest = (self._latest - sites) % self.sites
         self._load(spectrum)
 
-    def advance(self, patience: float) -> Switching | Rest:
-        """Move to the next switching, or until rest is proven or ``patience`` has passed."""
+    def advance(self, stall_time: float) -> Switching | Rest:
+        """Move to the next switching, or until rest is proven or ``stall_time`` has passed."""
         waited = 0.0
         while True:
             step, curvature, level = self._sampling_step()
@@ -167,7 +167,7 @@ class PiecewiseChain:
             margin = float(((np.abs(equilibrium) - self.threshold) * self._sign).min())
             remainder = float(np.abs(self._deviation).sum()) / self.sites
             rest = Rest(margin, remainder)
-            if rest.proven or waited > patience:
+            if rest.proven or waited > stall_time:
                 return rest
 
     def _sampling_step(self) -> tuple[float, float, int]:
@@ -196,7 +196,7 @@ class PiecewiseChain:
         phi: Complex,
         step: float,
     ) -> npt.NDArray[np.bool_]:
-        """Tell which sites may cross in which interval.
+        """Return which sites may cross in which interval.
 
         gap > 0 means: on its own side. A chord minus ``least``, F h^2/8, bounds it between samples.
         """
@@ -206,7 +206,7 @@ class PiecewiseChain:
         return suspect
 
     def _clear(self, modes: Complex, phi: Complex, step: float) -> npt.NDArray[np.bool_]:
-        """Tell which sites cannot reach the threshold within ``step``, each by its own Taylor sum.
+        """Return which sites stay off the threshold within ``step``, each by its own Taylor sum.
 
         Sharper than the common bound F where the sites differ by decades, as at small r.
         """

@@ -3,25 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
 
+from verification.fronts.status import FrontStatus
 from verification.piecewise.window import ChainState
 
 METHOD = "exact propagation from switching to switching"
-
-
-class FrontStatus(StrEnum):
-    """Verdict on a run."""
-
-    STEADY = "steady"
-    SETTLING = "settling"
-    UNSTEADY = "unsteady"
-    SLIDING = "sliding"
-    PINNED = "pinned"
-    MARGINAL = "marginal"
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from enum import StrEnum
 
 import numpy as np
 
+from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError, count_within, positive, within
-from theory.unit_cell import threshold_ratio
-from verification.piecewise.chain import PiecewiseChain, Rest
+from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History
 from verification.piecewise.window import (
@@ -65,7 +65,7 @@ def simulate_front(
     *,
     start_velocity: float | None = None,
     tolerance: float = 1e-12,
-    most_periods: int = 1000,
+    max_periods: int = 1000,
 ) -> FrontRun:
     """Run the chain (44) until its front is steady, pinned, or clearly neither.
 
@@ -84,7 +84,7 @@ def simulate_front(
         Velocity of a moving start; negative to retreat.
     tolerance : float
         Relative spread of the period at which the motion counts as steady.
-    most_periods : int
+    max_periods : int
         Give up settling after so many sites.
 
     Returns
@@ -106,10 +106,10 @@ def simulate_front(
     """
     c, r = positive("coupling c", coupling), _threshold(eta)
     within("tolerance", tolerance, 1e-13, 1e-2)
-    periods = count_within("most_periods", most_periods, 4 * BLOCK, 1_000_000)
+    periods = count_within("max_periods", max_periods, 4 * BLOCK, 1_000_000)
     began = time.perf_counter()
     state = _start_state(c, r, start, start_velocity)
-    history = History(PiecewiseChain(c, r, state), c)
+    history = History(PiecewiseMotion(c, r, state), c)
     outcome: Rest | None = None
     while outcome is None:
         outcome = history.extend(BLOCK)
@@ -119,7 +119,7 @@ def simulate_front(
 
 
 def hysteresis(
-    eta: float, couplings: Sequence[float], *, tolerance: float = 1e-12, most_periods: int = 1000
+    eta: float, couplings: Sequence[float], *, tolerance: float = 1e-12, max_periods: int = 1000
 ) -> Hysteresis:
     """Lower the coupling under a moving front, and compare with starts from rest.
 
@@ -141,9 +141,9 @@ def hysteresis(
     moving: list[FrontRun] = []
     for c in descending:
         start = moving[-1].final if moving else Start.MOVING
-        moving.append(simulate_front(c, eta, start, most_periods=most_periods, **options))
+        moving.append(simulate_front(c, eta, start, max_periods=max_periods, **options))
     resting = tuple(
-        simulate_front(c, eta, Start.RESTING, most_periods=most_periods, **options)
+        simulate_front(c, eta, Start.RESTING, max_periods=max_periods, **options)
         for c in descending
     )
     return Hysteresis(descending, tuple(moving), resting)
@@ -184,7 +184,7 @@ def _start_state(
     if kind is not Start.MOVING:
         if velocity is not None:
             raise ParameterError(
-                "start velocity", velocity, "left out unless the start is moving",
+                "start velocity", velocity, "not given unless the start is moving",
                 "leave it out or start moving",
             )  # fmt: skip
         sites = window_length(c, 1.2 * c / (1 + 0.15 * c), 1e-15 * r)

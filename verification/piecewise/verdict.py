@@ -7,8 +7,9 @@ import time
 import numpy as np
 import numpy.typing as npt
 
-from verification.piecewise.chain import PiecewiseChain, Rest
-from verification.piecewise.run import FrontRun, FrontStatus
+from verification.fronts.status import FrontStatus
+from verification.piecewise.chain import PiecewiseMotion, Rest
+from verification.piecewise.run import FrontRun
 from verification.piecewise.window import (
     truncation_bound,
     widened,
@@ -28,7 +29,7 @@ _SLIDING_ERROR = 1e-4  # relative, as wide as the relay; the tests vary the rela
 class History:
     """A chain with the record of its front: when each further site was gained or lost."""
 
-    def __init__(self, chain: PiecewiseChain, coupling: float) -> None:
+    def __init__(self, chain: PiecewiseMotion, coupling: float) -> None:
         self.chain = chain
         self.coupling = coupling
         self.events = 0
@@ -110,7 +111,7 @@ class History:
     def _widen(self, sites: int) -> None:
         state = widened(self.chain.state(), sites)
         grazes = self.chain.grazes
-        self.chain = PiecewiseChain(self.coupling, self.chain.threshold, state)
+        self.chain = PiecewiseMotion(self.coupling, self.chain.threshold, state)
         self.chain.grazes = grazes
 
     def _mean_velocity(self) -> float:
@@ -142,12 +143,12 @@ class History:
         """Relative spread that round-off alone explains: a crossing is as sharp as it is steep."""
         return max(_FLOOR, 4 * self._jitter * abs(self._mean_velocity()))
 
-    def decided(self, tolerance: float, most_periods: int) -> bool:
-        """Tell whether further periods would not change the verdict."""
+    def decided(self, tolerance: float, max_periods: int) -> bool:
+        """Return whether further periods would not change the verdict."""
         spreads = self._spreads()
-        if self._is_steady(spreads, tolerance) or self._total() >= most_periods:
+        if self._is_steady(spreads, tolerance) or self._total() >= max_periods:
             return True
-        if self.events >= 6 * most_periods:
+        if self.events >= 6 * max_periods:
             return True
         return len(spreads) >= _LONG and not _shrinks(spreads)
 
@@ -220,7 +221,7 @@ class History:
 
 
 def _shrinks(spreads: npt.NDArray[np.float64]) -> bool:
-    """Tell whether the largest spread falls from one group of blocks to the next, twice."""
+    """Return whether the largest spread falls from one group of blocks to the next, twice."""
     if len(spreads) < 3 * _GROUP:
         return False
     groups = spreads[-3 * _GROUP :].reshape(3, _GROUP).max(axis=1)
@@ -228,7 +229,7 @@ def _shrinks(spreads: npt.NDArray[np.float64]) -> bool:
 
 
 def _decays(spreads: npt.NDArray[np.float64]) -> bool:
-    """Tell whether it falls and is small enough for the fall to be geometric."""
+    """Return whether it falls and is small enough for the fall to be geometric."""
     return _shrinks(spreads) and bool(spreads[-3 * _GROUP :].max() < 0.1)
 
 

@@ -18,9 +18,9 @@ from theory.parameters import ParameterError
 Complex = npt.NDArray[np.complex128]
 Flags = npt.NDArray[np.bool_]
 
-MOST_SITES = 1 << 15
+MAX_SITES = 1 << 15
 _RESERVE = 1 / 16
-"""Part of the damping kept back, so that the bounds stay finite as the front slows down."""
+"""Part of the damping held in reserve, so that the bounds stay finite as the front slows down."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class ChainState:
     origin : int
         Site number of ``phi[0]``.
     on : ndarray of bool, shape (N,), optional
-        Sites with ``|phi| > r``; worked out from ``phi`` if left out.
+        Sites with ``|phi| > r``; worked out from ``phi`` if not given.
     latest : int, optional
         Index in ``phi`` of a site that has just crossed and stands at r exactly.
     """
@@ -99,9 +99,9 @@ def window_length(coupling: float, velocity: float, tolerance: float, zone: int 
     s = decay_rate(coupling, velocity)
     distance = math.log(max(truncation_bound(coupling, velocity, 100 / s) / tolerance, 1e-300)) / s
     sites = 16 * math.ceil((distance + 100 / s + zone + 8) / 16)
-    if sites > MOST_SITES:
+    if sites > MAX_SITES:
         raise ParameterError(
-            "coupling c", coupling, f"small enough for a window of {MOST_SITES} sites",
+            "coupling c", coupling, f"small enough for a window of {MAX_SITES} sites",
             "use the kinetic relation at such couplings",
         )  # fmt: skip
     return max(sites, 32)

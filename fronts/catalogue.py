@@ -1,0 +1,368 @@
+"""The commands of ``fronts``: for each model the function of the library that answers.
+
+A command is a line here. Its options, their help and their defaults are read off the function and
+the class of the chain (`fronts.signatures`); its answer is the function's result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Call:
+    """A public function behind a command, for one model.
+
+    Attributes
+    ----------
+    function : str
+        ``module:name``; imported when the command runs.
+    chain : bool or str
+        Whether the function's first parameter is a chain of the model: its fields are options too.
+        Or ``module:Class`` of what it is in its place.
+    fixed : mapping
+        Fields of the chain that are no options, because the function does not depend on them.
+    curve : str
+        ``module:name`` of a function of the chains, the parameter in which they differ, and its
+        values, that gives a curve where there is a better way than point by point; None from it
+        means that there is not.
+    start : str
+        ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
+        parameters are options too.
+    scene : mapping
+        Defaults of this command: parameters that the library requires, or another default.
+    ranged : bool
+        Whether a field of the chain may be a range, which gives a curve.
+    hidden : tuple of str
+        Parameters that are no options, of the function or of the chain.
+    grid : mapping of str to (float, float, int), or None
+        That the function takes axes: parameters of the chain that are ranges by default, in the
+        order of the table. Each further parameter that is given as a range is an axis too.
+    also : str
+        ``module:name`` of a function of the result that gives further entries of the JSON object.
+    only : mapping of str to str
+        Options that belong to one ``--method`` each.
+    sites : str
+        ``module:name`` of a function that gives the length of the chain from the size of the
+        nucleus, where it is not given.
+    """
+
+    function: str
+    chain: bool | str = False
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    curve: str = ""
+    start: str = ""
+    scene: Mapping[str, Any] = field(default_factory=dict)
+    ranged: bool = False
+    hidden: tuple[str, ...] = ()
+    grid: Mapping[str, tuple[float, float, int]] | None = None
+    also: str = ""
+    only: Mapping[str, str] = field(default_factory=dict)
+    sites: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """A command: one call, or one for each model.
+
+    Attributes
+    ----------
+    line : str
+        What it answers, in one line.
+    examples : str
+        Command lines that work, shown by ``--help``.
+    calls : mapping of str to Call
+        By model; the key is empty where there is one only, and `EVERY` stands for each further
+        model that is registered in `theory.chains.chain.CHAINS`.
+    notes : str
+        What else ``--help`` says at its end.
+    default : str
+        The model where none is named.
+    module : str
+        A command that is not derived: a module of `fronts.commands` with ``configure`` and ``run``.
+    """
+
+    line: str
+    examples: str = ""
+    notes: str = ""
+    calls: Mapping[str, Call] = field(default_factory=dict)
+    default: str = ""
+    module: str = ""
+
+
+EVERY = "*"
+"""Any registered model."""
+
+ALIASES = {"envelope": "averaged"}
+"""Other names of models."""
+
+_BREATHER = "verification.breathers.breather:breather"
+_CELL = "verification.cells.cell:cell"
+_ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
+_FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
+"""Damping coefficients of Figs. 7-11."""
+
+_FRONT = "verification.fronts.measure:measure_front"
+_SIMULATE = "verification.runs.simulate:simulate"
+_MAP = "fronts.maps:mapped"
+_HIDDEN_OF_RUNS = ("times", "estimate_error", "budget")
+_VDP_RUN = Call(
+    function=_SIMULATE,
+    chain=True,
+    start="fronts.starts:prepared",
+    scene={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0},
+    hidden=(*_HIDDEN_OF_RUNS, "start_point"),
+    also="fronts.running:evolution",
+)
+_VDP_MAP = Call(
+    function=_MAP,
+    chain=True,
+    scene={"chain.sites": 16},
+    ranged=True,
+    grid={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
+    hidden=("held", "start_point", "out", "pattern", "ends"),
+)
+_THRESHOLD = "verification.thresholds.threshold:threshold"
+_OF_BISECTION = ("final_time", "accuracy", "lowest", "highest", "tests", "displacement")
+_VDP_THRESHOLD = Call(
+    function=_THRESHOLD,
+    chain=True,
+    fixed={"c": 0.0, "sites": 31},
+    scene={**_FIG_7, "method": "envelope"},
+    ranged=True,
+    only={
+        "perturbation": "sweep",
+        "seed": "sweep",
+        **dict.fromkeys(_OF_BISECTION, "bisection"),
+    },
+)
+
+COMMANDS: dict[str, Command] = {
+    "kinetic": Command(
+        line="every velocity at which the piecewise-linear front can travel (Eq. 54)",
+        examples="""
+  fronts kinetic --c 0.5 --eta 0.03125
+  fronts kinetic --c 0.45 --a 4 --b 0.5 --json
+  fronts kinetic --c 0.3:3:200 --eta 0.03125 --out curve.png
+  fronts kinetic --c 0.3 --eta 0.001:0.12:200 --out curve.csv""",
+        calls={"": Call(function="fronts.piecewise:kinetic_relation")},
+    ),
+    "sum": Command(
+        line="the sum of the kinetic relation, by four methods (Eq. 53)",
+        examples="""
+  fronts sum --v 0.3 --c 0.5
+  fronts sum --v 0.3 --c 0.5 --method series --digits 50 --json""",
+        calls={"": Call(function="fronts.piecewise:sigma")},
+    ),
+    "roots": Command(
+        line="labelled complex roots of the dispersion relation (Eqs. 50-52)",
+        examples="""
+  fronts roots --v 0.3 --c 0.5 --count 8
+  fronts roots --v 0.3 --c 0.5 --extent 40 --certify --json
+  fronts roots --v 0.3 --c 0.5 --count 4 --digits 40""",
+        calls={"": Call(function="fronts.piecewise:roots")},
+    ),
+    "profile": Command(
+        line="the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
+        examples="""
+  fronts profile --c 0.5 --eta 0.03125
+  fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png
+  fronts profile --c 0.45 --eta 0.03125 --branch 1 --from -5 --to 5 --out profile.csv""",
+        calls={"": Call(function="fronts.piecewise:front_profile")},
+    ),
+    "front": Command(
+        line="velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)",
+        examples="""
+  fronts front piecewise --c 0.5 --eta 0.03125
+  fronts front piecewise --c 0.44 --a 4 --b 0.5 --start resting --json
+  fronts front averaged --c 0.6 --a 4 --b 0.5
+  fronts front vdp --c 0.6 --a 4 --b 0.5 --eps 0.01 --json
+  fronts front vdp --c 0.5:2:7 --a 4 --b 0.5 --workers 2 --out fig13.png
+  fronts front friction --c 0.02 --n 101
+  fronts front friction --c 0.02:0.1:5 --out fig06.png
+  fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json""",
+        calls={
+            "piecewise": Call(function="fronts.moving:piecewise_front", chain=True, ranged=True),
+            "vdp": Call(
+                function=_FRONT,
+                chain=True,
+                scene={"chain.sites": 32},
+                ranged=True,
+                hidden=("point", "ends"),
+            ),
+            "averaged": Call(
+                function=_FRONT,
+                chain=True,
+                scene={"chain.sites": 32},
+                ranged=True,
+                hidden=("point", "ends"),
+            ),
+            "friction": Call(
+                function=_FRONT,
+                chain=True,
+                scene={"chain.sites": 101},
+                ranged=True,
+                hidden=("left_boundary", "ends"),
+            ),
+            EVERY: Call(function=_FRONT, chain=True, ranged=True, hidden=("point", "ends")),
+        },
+    ),
+    "simulate": Command(
+        line="a run of a chain from given sites, as numbers and as a picture (Eqs. 5, 8, 43)",
+        examples="""
+  fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
+  fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.25 --excite 15 --t-end 20000 \\
+      --out run.npz --picture run.png
+  fronts simulate averaged --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --t-end 9000
+  fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png""",
+        calls={
+            "vdp": _VDP_RUN,
+            "averaged": _VDP_RUN,
+            "friction": Call(
+                function=_SIMULATE,
+                chain=True,
+                start="fronts.starts:prepared",
+                scene={"chain.c": 0.02, "t_end": 1000.0},
+                hidden=(*_HIDDEN_OF_RUNS, "level"),
+            ),
+            EVERY: Call(
+                function=_SIMULATE,
+                chain=True,
+                start="fronts.starts:prepared",
+                scene={"t_end": 1000.0},
+                hidden=(*_HIDDEN_OF_RUNS, "start_point"),
+            ),
+        },
+    ),
+    "cell": Command(
+        line="what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
+        examples="""
+  fronts cell friction --v-d 1.25
+  fronts cell friction --v-d 1.25 --xi 0 --json
+  fronts cell friction --v-d 0.9:2:200 --out cell.png
+  fronts cell vdp --a 2.5 --b 0.5
+  fronts cell averaged --a 2.5 --b 0.4:0.8:9""",
+        notes="""In JSON null stands for what does not exist or is infinite; "status" says which.
+"basin" is the range of y that goes to rest when started with zero velocity: null if none does,
+[null, null] if all do.""",
+        calls={
+            "friction": Call(
+                function=_CELL,
+                chain="theory.cells.friction:FrictionCell",
+                ranged=True,
+                curve="fronts.cells:bifurcation",
+            ),
+            "vdp": Call(function=_CELL, chain=True, fixed=_ALONE, scene=_FIG_7, ranged=True),
+            "averaged": Call(function=_CELL, chain=True, fixed=_ALONE, scene=_FIG_7, ranged=True),
+        },
+    ),
+    "map": Command(
+        line="the state of a chain over a plane of parameters (Figs. 5, 15)",
+        examples="""
+  fronts map averaged --eta 0.01:0.14:7 --c 0.05:1:7
+  fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png
+  fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --refine 0 --out map.csv --resume
+  fronts map friction --c 0:0.1:11 --v-d 1:2:11
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume""",
+        notes="""The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
+unless --a or another --b is given. OUT.json has parameters and versions of the table OUT.csv,
+OUT-boundary.csv the boundaries.""",
+        calls={
+            "vdp": _VDP_MAP,
+            "averaged": _VDP_MAP,
+            "friction": Call(
+                function=_MAP,
+                chain=True,
+                ranged=True,
+                grid={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
+                hidden=("held", "displacement", "out", "pattern"),
+            ),
+            EVERY: Call(
+                function=_MAP,
+                chain=True,
+                ranged=True,
+                grid={},
+                hidden=("held", "out", "start_point", "pattern"),
+            ),
+        },
+    ),
+    "breather": Command(
+        line="a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
+        examples="""
+  fronts breather --c 0.1
+  fronts breather --c 0.1 --method all
+  fronts breather --c 0.19 --a 2.5 --b 0.5 --eps 0.01 --method orbit --json
+  fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
+  fronts breather --c 0.195 --method closed-form --reading tail
+  fronts breather vdp --c 0.02:0.18:9 --out frequency.png
+  fronts breather averaged --c 0.1""",
+        default="vdp",
+        calls={
+            "vdp": Call(
+                function=_BREATHER,
+                chain=True,
+                scene={**_FIG_7, "chain.c": 0.1, "method": "orbit"},
+                ranged=True,
+                only={"reading": "closed-form", "seed": "simulation"},
+                sites="theory.chains.nucleus:sites_for",
+            ),
+            "averaged": Call(
+                function=_BREATHER,
+                chain=True,
+                scene={**_FIG_7, "chain.c": 0.1},
+                ranged=True,
+                only={"reading": "closed-form", "seed": "simulation"},
+                sites="theory.chains.nucleus:sites_for",
+            ),
+        },
+    ),
+    "threshold": Command(
+        line="the coupling at which a nucleus stops being localised (Figs. 4, 11)",
+        examples="""
+  fronts threshold vdp --nucleus 3
+  fronts threshold vdp --nucleus 1 --method orbit --json
+  fronts threshold vdp --nucleus 5 --method sweep
+  fronts threshold vdp --nucleus 3 --method sweep --perturbation 1e-6 --seed 1
+  fronts threshold vdp --nucleus 1 --place edge
+  fronts threshold vdp --b 0.3:0.7:9 --out threshold.png
+  fronts threshold averaged --nucleus 1
+  fronts threshold friction --place edge --nucleus 1
+  fronts threshold friction --nucleus 3 --definition whole --final-time 2000 --json
+  fronts threshold friction --v-d 1.2:1.6:5 --place edge --accuracy 1e-4""",
+        calls={
+            "vdp": _VDP_THRESHOLD,
+            "averaged": _VDP_THRESHOLD,
+            "friction": Call(
+                function="fronts.thresholds:spreading_threshold",
+                chain=True,
+                fixed={"c": 0.0},
+                ranged=True,
+                hidden=("pattern",),
+            ),
+            EVERY: Call(
+                function=_THRESHOLD,
+                chain=True,
+                fixed={"c": 0.0},
+                ranged=True,
+                hidden=("method", "perturbation", "seed"),
+            ),
+        },
+    ),
+    "derive": Command(
+        line="the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
+        module="derive",
+    ),
+    "stress": Command(
+        line="every quantity over all decades of its parameters, held against another method",
+        module="stress",
+    ),
+    "bench": Command(
+        line="error against run time beside peers, and how cost grows (source tree only)",
+        module="bench",
+    ),
+    "check": Command(line="the verdict on each claim of the paper", module="check"),
+}
+"""Every command; the overview lists them in this order."""

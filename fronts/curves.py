@@ -1,0 +1,173 @@
+"""A curve: one function of a chain at many values of one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError
+from theory.result import Result, plain
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refusal(Result):
+    """A point of a curve at which there is no answer.
+
+    Attributes
+    ----------
+    status : str
+        ``refused``.
+    reason : str
+        Why, in one sentence.
+    """
+
+    status: str = "refused"
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Curve(Result):
+    """Results of one function along one parameter of a chain.
+
+    Attributes
+    ----------
+    along : str
+        The parameter.
+    values : ndarray, shape (n,)
+        Its values.
+    points : tuple of Result
+        What the function gives there; a `Refusal` where it cannot.
+    seconds : float
+        Wall time.
+    """
+
+    along: str
+    values: FloatArray = field(metadata={"axis": "value"})
+    points: tuple[Result, ...]
+    seconds: float
+
+    @property
+    def needs_attention(self) -> bool:
+        """Whether a point has no answer."""
+        return any(isinstance(point, Refusal) for point in self.points)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a value: the parameter, then every number and word of the result there."""
+        rows = [
+            {
+                name: value
+                for name, value in point.to_dict().items()
+                if name != self.along
+                and (value is None or isinstance(value, (bool, int, float, str)))
+            }
+            for point in self.points
+        ]
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        table = {self.along: np.asarray(self.values)}
+        for name in names:
+            cells = [row.get(name) for row in rows]
+            numbers = all(
+                cell is None or (isinstance(cell, (int, float)) and not isinstance(cell, bool))
+                for cell in cells
+            )
+            table[name] = np.array(cells, dtype=float if numbers else object)
+        return table
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return ``along``, ``points`` (each with its value of the parameter) and ``seconds``."""
+        points = [
+            {self.along: float(value)} | point.to_dict()
+            for value, point in zip(self.values, self.points, strict=True)
+        ]
+        return {"along": self.along, "points": points, "seconds": plain(self.seconds)}
+
+
+def curve(
+    function: Callable[..., Result],
+    chains: Sequence[Any],
+    along: str,
+    values: Sequence[float],
+    arguments: Mapping[str, Any],
+    *,
+    workers: int | None = 1,
+    progress: Callable[[float], None] | None = None,
+) -> Curve:
+    """Compute a function of each chain.
+
+    Parameters
+    ----------
+    function : callable
+        Of a chain and ``arguments``.
+    chains : sequence of Chain
+        The chains.
+    along : str
+        The parameter in which they differ.
+    values : sequence of float
+        Its values.
+    arguments : mapping
+        Further arguments by name.
+    workers : int, optional
+        Processes; by default this one alone, None for one a core.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    Curve
+        A point at which the function refuses its input, or cannot go on, is a `Refusal`.
+
+    Raises
+    ------
+    ParameterError
+        If it refuses every one of them.
+    """
+    begin = perf_counter()
+    task = _Task(function, dict(arguments))
+    found: dict[int, Result] = {}
+    for index, answer in _answers(task, chains, workers):
+        found[index] = answer
+        if progress is not None:
+            progress(len(found) / len(chains))
+    points = tuple(found[index] for index in range(len(chains)))
+    if all(isinstance(point, Refusal) for point in points):
+        # One sentence, as for a single point.
+        function(chains[0], **arguments)
+    return Curve(
+        along=along,
+        values=np.asarray(values, dtype=float),
+        points=points,
+        seconds=perf_counter() - begin,
+    )
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A function with its further arguments, for another process."""
+
+    function: Callable[..., Result]
+    arguments: dict[str, Any]
+
+    def __call__(self, chain: Any) -> Result:
+        try:
+            return self.function(chain, **self.arguments)
+        except (ParameterError, ArithmeticError) as refusal:
+            return Refusal(reason=str(refusal))
+
+
+def _answers(task: _Task, chains: Sequence[Any], workers: int | None) -> Any:
+    if workers == 1 or len(chains) == 1:
+        yield from enumerate(map(task, chains))
+        return
+    from verification.execution.pool import answers
+
+    for index, answer in answers(task, chains, workers=workers):
+        if isinstance(answer, Exception):
+            raise answer
+        yield index, answer

@@ -1,0 +1,211 @@
+"""Results written to files: the formats, and what every file says of where it comes from.
+
+A file carries the command, the parameters and the versions: as keys of a .json, as an array
+``provenance`` of a .npz, as lines that begin with ``#`` at the end of a .csv (read it with
+``pandas.read_csv(path, comment="#")``), and in the metadata of a picture. No date is among them,
+so that the same command writes the same file.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from fronts.answer import UsageError
+from fronts.arguments import check_writable
+from theory.result import Result, plain
+from verification.execution.files import write_by
+from verification.execution.metadata import installed_versions
+
+PICTURES = (".png", ".svg", ".pdf")
+FORMATS = (".csv", ".json", ".npz", *PICTURES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Provenance:
+    """Where a file comes from.
+
+    Attributes
+    ----------
+    command : str
+        The command line, without the names of files.
+    parameters : mapping
+        What was computed, with every default.
+    """
+
+    command: str
+    parameters: Mapping[str, Any]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return command, parameters, and versions of the toolkit and of what it uses."""
+        return {
+            "command": self.command,
+            "parameters": plain(self.parameters),
+            "versions": installed_versions(),
+        }
+
+
+def check_files(paths: Iterable[Path], formats: tuple[str, ...] = FORMATS) -> None:
+    """Refuse, before any work, files that cannot be written or are named twice.
+
+    Raises
+    ------
+    UsageError
+        If there is one.
+    """
+    seen: dict[Path, Path] = {}
+    for path in paths:
+        check_writable(path, formats)
+        if path.resolve() in seen:
+            raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
+        seen[path.resolve()] = path
+
+
+def write_result(path: Path, result: Result, provenance: Provenance) -> None:
+    """Write a result in the format that the file's ending names, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in one of `FORMATS`.
+    result : Result
+        What to write.
+    provenance : Provenance
+        Where it comes from.
+
+    Raises
+    ------
+    UsageError
+        If there is no table or no picture of such a result.
+    """
+    writer = _WRITERS.get(path.suffix.lower(), _picture)
+    try:
+        write = writer(result, provenance.to_dict())
+    except TypeError as error:
+        raise UsageError(
+            f"{path} cannot be written: {error}", quantity="--out", value=path
+        ) from None
+    write_by(path, write)
+
+
+def _json(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+    text = json.dumps({**result.to_dict(), "provenance": provenance}, allow_nan=False, indent=1)
+    return lambda path: _write_text(path, text + "\n")
+
+
+def _csv(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+    table = as_table(result)
+    stream = StringIO(newline="")
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(table)
+    writer.writerows([_cell(value) for value in row] for row in zip(*table.values(), strict=True))
+    for name, value in provenance.items():
+        stream.write(f"# {name}: {value if isinstance(value, str) else json.dumps(value)}\n")
+    return lambda path: _write_text(path, stream.getvalue())
+
+
+def as_table(result: Result) -> dict[str, list[Any]]:
+    """Return a result as columns of Python values: its own table, or one row of its numbers.
+
+    Examples
+    --------
+    >>> from fronts.piecewise import Root
+    >>> as_table(Root(label=0, re=0.1, im=0.2, residual=0.0, radius=1e-15))["re"]
+    [0.1]
+    """
+    try:
+        return {name: column.tolist() for name, column in result.columns().items()}
+    except TypeError:
+        return {
+            name: [value]
+            for name, value in result.to_dict().items()
+            if value is None or isinstance(value, (bool, int, float, str))
+        }
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+    import numpy as np
+
+    own = getattr(result, "arrays", None)
+    arrays = (
+        own()
+        if own is not None
+        else {
+            each.name: getattr(result, each.name)
+            for each in fields(result)  # type: ignore[arg-type]
+            if isinstance(getattr(result, each.name), np.ndarray)
+        }
+    )
+    if not arrays:
+        arrays = {name: _array(values) for name, values in as_table(result).items()}
+    scalars = {
+        name: value for name, value in result.to_dict().items() if not isinstance(value, list)
+    }
+    arrays |= {
+        "result": np.array(json.dumps(scalars)),
+        "parameters": np.array(json.dumps(provenance["parameters"])),
+        "provenance": np.array(json.dumps(provenance)),
+    }
+    return lambda path: np.savez_compressed(path, **arrays)
+
+
+def _array(values: list[Any]) -> Any:
+    """Return a column as an array that needs no pickle: text where its values are not numbers."""
+    import numpy as np
+
+    column = np.array(values)
+    if column.dtype.kind != "O":
+        return column
+    return np.array([_cell(value) for value in values])
+
+
+def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+    import matplotlib as mpl
+
+    from paper_checks.pictures import new_axes
+
+    figure, axes = new_axes("page", height=3.6)
+    result.plot(axes)
+    said = json.dumps(provenance)
+
+    def write(path: Path) -> None:
+        kind = path.suffix.lower().removeprefix(".")
+        with mpl.rc_context({"svg.hashsalt": "fronts"}):
+            figure.savefig(path, dpi=200, metadata={_NOTE[kind]: said, **_SILENT[kind]})
+
+    return write
+
+
+_NOTE = {"png": "Description", "svg": "Description", "pdf": "Subject"}
+"""Where each kind of picture keeps a text."""
+
+_SILENT: dict[str, dict[str, None]] = {
+    "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
+    "png": dict.fromkeys(("Software",)),
+    "pdf": dict.fromkeys(("CreationDate", "Creator", "Producer")),
+}
+"""Where Matplotlib would write the time of day and its own version."""
+
+_WRITERS: dict[str, Callable[[Result, dict[str, Any]], Callable[[Path], None]]] = {
+    ".json": _json,
+    ".csv": _csv,
+    ".npz": _npz,
+}
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="")

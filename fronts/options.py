@@ -1,0 +1,179 @@
+"""Options of the command line, derived from the parameters of a function or a class."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from fronts.arguments import decimal, real, real_or_range, site_list, whole
+from fronts.signatures import REQUIRED, Described
+
+FLAGS: Mapping[str, tuple[str, ...]] = {
+    "sites": ("--n", "--sites"),
+    "start.sites": ("--excite",),
+    "excited": ("--nucleus", "--excited"),
+    "lowest": ("--c-min", "--lowest"),
+    "highest": ("--c-max", "--highest"),
+    "left_boundary": ("--left-boundary", "--behind"),
+    "point": ("--start-point",),
+    "size": ("--nucleus",),
+    "workers": ("--workers", "--jobs"),
+    "perturbation": ("--perturbation", "--perturb"),
+    "final_time": ("--t-end", "--final-time"),
+    "end": ("--t-end", "--end"),
+    "low": ("--from",),
+    "high": ("--to",),
+}
+"""Options whose names are not their parameter's, and the other names that are understood."""
+
+INTERNAL = frozenset({"progress", "executor", "chain", "nucleus"})
+"""Parameters that no shell can give."""
+
+_READERS: Mapping[str, Any] = {
+    "float": real,
+    "numbers": real_or_range,
+    "decimal": decimal,
+    "int": whole,
+    "str": str,
+    "path": Path,
+    "sites": site_list,
+}
+
+
+def option(name: str) -> str:
+    """Return how a parameter is written at the shell.
+
+    Examples
+    --------
+    >>> option("sites"), option("start_v")
+    ('--n', '--start-v')
+    """
+    return FLAGS.get(name, (f"--{name.replace('_', '-')}",))[0]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Options that belong together: the fields of a chain, the parameters of a function.
+
+    Attributes
+    ----------
+    prefix : str
+        Before each name in the namespace, so that two groups may have the same name.
+    parameters : tuple of Described
+        Those that a shell can give.
+    scene : mapping
+        Defaults of this command, for parameters that have none of their own or another one.
+    ranged : bool
+        Whether a number may also be a range ``low:high:count``.
+    """
+
+    prefix: str
+    every: tuple[Described, ...]
+    scene: Mapping[str, Any]
+    ranged: bool = False
+
+    @property
+    def parameters(self) -> tuple[Described, ...]:
+        """Those that a shell can give: of a simple kind."""
+        return tuple(
+            each
+            for each in self.every
+            if each.name not in INTERNAL and (each.kind in _READERS or each.kind in _OTHERS)
+        )
+
+    def declare(
+        self,
+        parser: Any,
+        not_required: Iterable[str] = (),
+        said: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        """Declare one option for each parameter.
+
+        An option that is not given is absent from the namespace, so that the library's own default
+        holds.
+
+        Parameters
+        ----------
+        parser : argparse.ArgumentParser or a group of it
+            Where.
+        not_required : iterable of str, optional
+            Parameters that may be absent though they have no default.
+        said : mapping of str to str, optional
+            Defaults in words, of those that depend on others.
+        """
+        for each in self.parameters:
+            default = said.get(each.name, self._default(each))
+            dest, words = self.prefix + each.name, _help(each, default, self.ranged)
+            if each.kind == "bool":
+                kind = argparse.BooleanOptionalAction if default is True else "store_true"
+                parser.add_argument(*_names(self.prefix, each.name), dest=dest, action=kind,
+                                    default=argparse.SUPPRESS, help=words)  # fmt: skip
+                continue
+            ranged = self.ranged and each.kind == "float"
+            parser.add_argument(
+                *_names(self.prefix, each.name),
+                dest=dest,
+                type=real_or_range if ranged else _READERS.get(each.kind, str),
+                choices=each.choices or None,
+                action="append" if each.kind == "strings" else "store",
+                required=default is REQUIRED and each.name not in not_required,
+                default=argparse.SUPPRESS,
+                metavar=_metavar(self.prefix, each),
+                help=words,
+            )
+
+    def is_required(self, each: Described) -> bool:
+        """Tell whether a parameter has no default."""
+        return self._default(each) is REQUIRED
+
+    def given(self, options: argparse.Namespace) -> dict[str, Any]:
+        """Return what was given or is set by the command, as the library takes it."""
+        found = {}
+        for each in self.parameters:
+            if hasattr(options, self.prefix + each.name):
+                value = getattr(options, self.prefix + each.name)
+                found[each.name] = each.make(value) if each.make is not None else value
+            elif self.prefix + each.name in self.scene:
+                found[each.name] = self.scene[self.prefix + each.name]
+        return found
+
+    def defaults(self) -> dict[str, Any]:
+        """Return the defaults, where there are any."""
+        found = {each.name: self._default(each) for each in self.parameters}
+        return {
+            name: value
+            for name, value in found.items()
+            if value is not REQUIRED and value is not None
+        }
+
+    def _default(self, each: Described) -> Any:
+        return self.scene.get(self.prefix + each.name, each.default)
+
+
+_OTHERS = {"bool", "choice", "strings"}
+
+
+def _names(prefix: str, name: str) -> tuple[str, ...]:
+    return FLAGS.get(prefix + name) or FLAGS.get(name, (option(name),))
+
+
+def _metavar(prefix: str, each: Described) -> str | None:
+    if each.choices:
+        return None
+    if each.kind in ("path", "sites") or each.name == "size":
+        return {"path": "FILE", "sites": "SITES"}.get(each.kind, "SIZE")
+    return _names(prefix, each.name)[0].strip("-").upper().replace("-", "_")
+
+
+def _help(each: Described, default: Any, ranged: bool) -> str:
+    words = each.help[:1].lower() + each.help[1:].rstrip(".") if each.help else ""
+    if each.kind == "numbers" or (ranged and each.kind == "float"):
+        words += "; a range low:high:count gives a curve"
+    value = getattr(default, "value", default)
+    if default is not REQUIRED and value not in (None, "") and not isinstance(value, (bool, tuple)):
+        words += f" (default {value:g})" if isinstance(value, float) else f" (default {value})"
+    return words.replace("%", "%%")

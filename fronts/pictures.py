@@ -1,0 +1,220 @@
+"""One picture for each kind of result, entered under the name of its class.
+
+A new picture is a function ``(result, axes, **style)`` and one line in `DRAWINGS`. The axes come
+in empty; the function labels them. Matplotlib is imported by the caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
+"""Of Okabe and Ito's palette, told apart by colour-blind readers."""
+
+
+def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
+    """Draw a result.
+
+    Parameters
+    ----------
+    result : Result
+        What to draw.
+    axes : matplotlib.axes.Axes, optional
+        Where; by default new axes.
+    **style
+        For the lines of the picture.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If there is no picture of such a result.
+    """
+    names = [each.__name__ for each in type(result).__mro__]
+    drawing = next((DRAWINGS[name] for name in names if name in DRAWINGS), None)
+    if drawing is None:
+        raise TypeError(f"there is no picture of {names[0]}.")
+    if axes is None:
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots(layout="constrained")[1]
+    drawing(result, axes, **style)
+    return axes
+
+
+def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:
+    _branches(axes, [result], "c", style)
+    axes.set(xlabel="coupling c", ylabel="front velocity v")
+
+
+def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:
+    label = "coupling c" if result.along == "c" else "η = b/a²"
+    axes.set(xlabel=label, ylabel="front velocity v")
+    _branches(axes, result.points, result.along, style)
+    if result.along == "c":
+        _thresholds(axes, result.points[0])
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend()
+
+
+def _branches(axes: Axes, points: Any, along: str, style: Mapping[str, Any]) -> None:
+    kinds: tuple[tuple[bool | None, str, dict[str, Any]], ...] = (
+        (True, "admissible", {"color": BLUE}),
+        (False, "not admissible", {"color": VERMILION, "mfc": "none"}),
+        (None, "not decided", {"color": "0.6"}),
+    )
+    for admissible, label, look in kinds:
+        pairs = [
+            (getattr(point, along), branch.v)
+            for point in points
+            for branch in point.branches
+            if branch.admissible is admissible
+        ]
+        if pairs:
+            axes.plot(*zip(*pairs, strict=True), "o", label=label, **{"ms": 2.2, **look, **style})
+
+
+def _thresholds(axes: Axes, answer: Any) -> None:
+    low, high = axes.get_xlim()
+    for name in ("fold", "pin", "retreat"):
+        value = getattr(answer, f"c_{name}")
+        if value is not None and low < value < high:
+            line = "--" if name == "fold" else "-"
+            label = f"$c_\\mathrm{{{name}}}$ = {value:.4g}"
+            axes.axvline(value, color="0.5", lw=0.8, ls=line, label=label)
+    axes.set_xlim(low, high)
+
+
+def _roots(result: Any, axes: Axes, **style: Any) -> None:
+    for half, colour in ((result.upper, BLUE), (result.lower, VERMILION)):
+        parts = [(float(root.re), float(root.im)) for root in half]
+        if parts:
+            axes.plot(*zip(*parts, strict=True), "o", **{"ms": 3.0, "color": colour, **style})
+    axes.axhline(0.0, color="0.5", lw=0.6)
+    axes.set(xlabel="Re k (per site)", ylabel="Im k (per site)")
+
+
+def _profile(result: Any, axes: Axes, **style: Any) -> None:
+    axes.set(xlabel="ζ (sites)", ylabel=r"$\varphi/\varphi_s$")
+    zeta, phi = result.zeta, result.phi
+    axes.plot(zeta, np.abs(phi), **{"color": BLUE, "label": r"$|\varphi|$", **style})
+    axes.plot(zeta, phi.real, color=VERMILION, lw=0.9, ls="--", label=r"Re $\varphi$")
+    axes.plot(zeta, phi.imag, color=GREEN, lw=0.9, ls=":", label=r"Im $\varphi$")
+    axes.axhline(result.threshold, color="0.5", lw=0.8)
+    place = (zeta[-1], result.threshold)
+    axes.annotate("threshold", place, ha="right", va="bottom", fontsize=8, color="0.35")
+    axes.legend(title=f"v = {result.v:.6g}")
+
+
+def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
+    from paper_checks.cell_picture import draw_bifurcation
+
+    draw_bifurcation(axes, result.cell, result.diagram)
+
+
+def _curve(result: Any, axes: Axes, **style: Any) -> None:
+    """Draw what the points of a curve are about: the first of these names that they have."""
+    table = result.columns()
+    name = next(each for each in CURVES if each in table)
+    x, y = table[result.along], table[name].astype(float)
+    error = table.get("error")
+    shown = np.isfinite(y)
+    bars = None if error is None else np.nan_to_num(error.astype(float))[shown]
+    axes.errorbar(
+        x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, "color": BLUE, **style}
+    )
+    axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
+
+
+def _breather(result: Any, axes: Axes, **style: Any) -> None:
+    _amplitudes(axes, result, {"color": BLUE, **style})
+
+
+def _breathers(result: Any, axes: Axes, **style: Any) -> None:
+    for name, found in result.methods.items():
+        _amplitudes(axes, found, {"label": name, **style})
+    axes.legend()
+
+
+def _amplitudes(axes: Axes, found: Any, look: Mapping[str, Any]) -> None:
+    if found.amplitudes.size:
+        sites = np.arange(1, found.amplitudes.size + 1)
+        axes.semilogy(sites, found.amplitudes, **{"marker": "o", "ms": 3.0, "lw": 0.8, **look})
+    axes.set(xlabel="site n", ylabel="amplitude")
+
+
+def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
+    amplitude = result.amplitude
+    image = axes.imshow(
+        amplitude.T,
+        origin="lower",
+        aspect="auto",
+        extent=(float(result.times[0]), float(result.times[-1]), 0.5, amplitude.shape[1] + 0.5),
+        interpolation="nearest",
+        **{"cmap": "cividis", "vmin": 0.0, **style},
+    )
+    reached = np.flatnonzero(~np.isnan(result.arrivals))
+    if reached.size:
+        axes.plot(
+            result.arrivals[reached], reached + 1, "o", ms=2.0, color=VERMILION, label="reached"
+        )
+        axes.legend(loc="upper left", framealpha=0.8)
+    time = "time τ" if result.chain.model == "friction" else "time t"
+    axes.set(xlabel=time, ylabel="site n")
+    axes.figure.colorbar(image, ax=axes, label="amplitude")
+
+
+def _front(result: Any, axes: Axes, **style: Any) -> None:
+    count = np.arange(1, result.arrivals.size + 1)
+    axes.plot(result.arrivals, count, "o", **{"ms": 2.5, "color": BLUE, **style})
+    axes.set(xlabel="time of arrival", ylabel="sites passed")
+    if result.v is not None:
+        axes.set_title(f"v = {result.v:.6g}")
+
+
+def _state_map(result: Any, axes: Axes, **style: Any) -> None:
+    from paper_checks.state_picture import draw_states
+
+    found = getattr(result, "found", result)
+    across, up = (*found.axes, *found.axes)[:2]
+    draw_states(axes, found.states, across, up, found.boundary)
+    axes.set(xlabel=LABELS.get(across, across), ylabel=LABELS.get(up, up))
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+CURVES = ("v", "c_crit", "frequency", "effective_damping")
+"""What is drawn over the parameter of a curve."""
+
+LABELS = {
+    "c": "coupling c",
+    "v": "front velocity v",
+    "c_crit": "critical coupling c",
+    "v_d": "belt velocity $v_d$",
+    "eps": "small parameter ε",
+    "eta": "η = b/a²",
+}
+
+DRAWINGS: dict[str, Callable[..., None]] = {
+    "KineticRelation": _kinetic_point,
+    "KineticCurve": _kinetic_curve,
+    "Roots": _roots,
+    "Profile": _profile,
+    "Bifurcation": _bifurcation,
+    "Curve": _curve,
+    "Trajectory": _trajectory,
+    "Front": _front,
+    "StateMap": _state_map,
+    "ComparedMap": _state_map,
+    "Breather": _breather,
+    "BreatherComparison": _breathers,
+}
+"""Class of result and the function that draws it."""

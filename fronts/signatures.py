@@ -1,0 +1,171 @@
+"""What a public function or a parameter class says of itself: names, kinds, defaults, help.
+
+The command line has no list of options of its own: it reads the signature and the numpy docstring.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+REQUIRED = inspect.Parameter.empty
+"""Default of a parameter that has none."""
+
+_ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :(?: (.*))?)?$")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Described:
+    """One parameter of a function or one field of a dataclass.
+
+    Attributes
+    ----------
+    name : str
+        Its name in Python.
+    kind : str
+        One of ``float``, ``numbers`` (a number or an array), ``decimal`` (a number kept as text),
+        ``int``, ``str``, ``bool``, ``path``, ``sites``, ``choice``, ``strings``, or the name of the
+        class.
+    default : object
+        `REQUIRED` if it has none.
+    help : str
+        What its docstring or its metadata say, in one paragraph.
+    choices : tuple of str
+        Values of a ``choice``.
+    make : callable or None
+        From a choice to the value that is passed on.
+    """
+
+    name: str
+    kind: str
+    default: Any
+    help: str
+    choices: tuple[str, ...] = ()
+    make: Callable[[str], Any] | None = None
+
+
+def described(what: Callable[..., Any]) -> tuple[Described, ...]:
+    """Return the parameters of a function, or the fields of a dataclass.
+
+    Parameters
+    ----------
+    what : callable
+        With a numpy docstring: its sections Parameters or Attributes are the help.
+
+    Returns
+    -------
+    tuple of Described
+        In the order of the signature.
+
+    Examples
+    --------
+    >>> from theory.cells.friction import FrictionCell
+    >>> described(FrictionCell)[0].name, described(FrictionCell)[0].kind
+    ('v_d', 'float')
+    """
+    words = documented(inspect.getdoc(what) or "")
+    module = dict(vars(sys.modules[what.__module__]))
+    if dataclasses.is_dataclass(what):
+        return tuple(
+            _described(each.name, str(each.type), _default(each), words, module, each.metadata)
+            for each in dataclasses.fields(what)
+            if each.init
+        )
+    return tuple(
+        _described(each.name, str(each.annotation), each.default, words, module, {})
+        for each in inspect.signature(what).parameters.values()
+        if each.kind is not inspect.Parameter.VAR_KEYWORD
+    )
+
+
+def documented(doc: str) -> dict[str, tuple[str, str]]:
+    """Return type and text of each entry of the sections Parameters and Attributes.
+
+    Examples
+    --------
+    >>> documented('''Do it.
+    ...
+    ... Parameters
+    ... ----------
+    ... a, b : float
+    ...     Coefficients,
+    ...     positive.
+    ... ''')
+    {'a': ('float', 'Coefficients, positive.'), 'b': ('float', 'Coefficients, positive.')}
+    """
+    found: dict[str, tuple[str, str]] = {}
+    lines = doc.splitlines()
+    names: list[str] = []
+    inside = False
+    for number, line in enumerate(lines):
+        if number + 1 < len(lines) and set(lines[number + 1].strip()) == {"-"}:
+            inside, names = line.strip() in ("Parameters", "Attributes"), []
+        elif inside and (entry := _ENTRY.match(line)):
+            names = [name.lstrip("*") for name in entry[1].split(", ")]
+            found |= dict.fromkeys(names, (entry[2] or "", ""))
+        elif inside and line.startswith("    "):
+            for name in names:
+                kind, text = found[name]
+                found[name] = (kind, f"{text} {line.strip()}".strip())
+    return found
+
+
+def _default(each: dataclasses.Field[Any]) -> Any:
+    if each.default is not dataclasses.MISSING:
+        return each.default
+    if each.default_factory is not dataclasses.MISSING:
+        return each.default_factory()
+    return REQUIRED
+
+
+def _described(
+    name: str,
+    annotation: str,
+    default: Any,
+    words: Mapping[str, tuple[str, str]],
+    module: Mapping[str, Any],
+    metadata: Mapping[str, Any],
+) -> Described:
+    kind, text = words.get(name, ("", ""))
+    text = metadata.get("help", text).replace("`", "")
+    plain = annotation.strip("'\"").replace(" | None", "").replace("None | ", "")
+    first, _, other = plain.partition(" | ")
+    plain = first if other in ("str", "float") and isinstance(module.get(first), type) else plain
+    listed = re.match(r"\{.*?\}", kind)
+    if plain.startswith("Literal["):
+        choices = ast.literal_eval(plain.removeprefix("Literal"))
+        return Described(
+            name=name, kind="choice", default=default, help=text, choices=tuple(choices)
+        )
+    known = module.get(plain)
+    if isinstance(known, type) and issubclass(known, Enum):
+        values = tuple(str(member.value) for member in known)
+        return Described(
+            name=name, kind="choice", default=default, help=text, choices=values, make=known
+        )
+    if plain == "str" and listed:
+        values = tuple(str(each) for each in ast.literal_eval(f"[{listed[0][1:-1]}]"))
+        return Described(name=name, kind="choice", default=default, help=text, choices=values)
+    return Described(name=name, kind=_KINDS.get(plain, plain), default=default, help=text)
+
+
+_KINDS = {
+    "float": "float",
+    "SupportsFloat": "float",
+    "Numbers": "numbers",
+    "float | str": "decimal",
+    "int": "int",
+    "str": "str",
+    "bool": "bool",
+    "Path": "path",
+    "Sequence[int]": "sites",
+    "tuple[int, ...]": "sites",
+    "Sequence[str]": "strings",
+}

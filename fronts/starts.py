@@ -1,0 +1,69 @@
+"""The start of a run, as the shell gives it: excited sites, how far, and noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from theory.chains.chain import Chain
+from theory.chains.friction import FrictionChain
+from theory.parameters import ParameterError, count_within, within
+from verification.runs.excite import FloatArray, StartPoint, add_noise, excite
+
+
+def prepared(
+    chain: Chain,
+    sites: Sequence[int] | None = None,
+    displacement: float | None = None,
+    *,
+    start_point: StartPoint | None = None,
+    perturbation: float | None = None,
+    seed: int | None = None,
+) -> FloatArray:
+    """Return a start with some sites excited, the others at rest, and noise on all.
+
+    Parameters
+    ----------
+    chain : Chain
+        Of a finite length.
+    sites : sequence of int, optional
+        Sites that are excited: 15, or 14,15,16, or 14:16; by default the middle one, of the
+        friction chain the first.
+    displacement : float, optional
+        How far; by default the excited state of one cell.
+    start_point : StartPoint, optional
+        Point of the cycle from which excited sites of the friction chain start, by default its
+        maximum.
+    perturbation : float, optional
+        Size of normal noise on every site, by default 0.
+    seed : int, optional
+        Seed of the noise, by default 1.
+
+    Returns
+    -------
+    ndarray, shape (2, N)
+        (y, w) of every site.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of range, or one says what another says or has no meaning without it.
+    """
+    if start_point is not None and displacement is not None:
+        raise ParameterError(
+            "start point", start_point, "absent beside a displacement", "give one of them"
+        )
+    if seed is not None and perturbation is None:
+        raise ParameterError(
+            "seed", seed, "absent without a perturbation, which is the noise that it is of",
+            "give a perturbation too",
+        )  # fmt: skip
+    if sites is None:
+        count: int = getattr(chain, "sites", 1)
+        sites = (1,) if isinstance(chain, FrictionChain) else ((count + 1) // 2,)
+    options: dict[str, Any] = {} if start_point is None else {"point": start_point}
+    start = excite(chain, sites, displacement, **options)
+    if not perturbation:
+        return start
+    seed = count_within("seed", 1 if seed is None else seed, 0, 2**32 - 1)
+    return add_noise(start, within("perturbation", perturbation, 0.0, 1.0), seed)

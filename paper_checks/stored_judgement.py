@@ -1,0 +1,54 @@
+"""Judgements as plain data, for the store of a run and for the findings that are shipped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
+from paper_checks.claim import Erratum, Fault, Finding, Formula, Picture, Verdict
+from paper_checks.outcome import Judgement
+
+
+def plain_judgement(judgement: Judgement) -> dict[str, Any]:
+    """Return a judgement as JSON has it, without what says that it was stored."""
+    return asdict(replace(judgement, stored=False, provenance=None))
+
+
+def judgement_from(record: Mapping[str, Any]) -> Judgement:
+    """Rebuild a judgement from plain data; it is marked as stored.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If the data are not those of a judgement.
+    """
+    fields = record["finding"]
+    if not isinstance(fields, dict):
+        raise TypeError("finding")
+    first, second = fields["methods"]
+    finding = Finding(
+        **{
+            **fields,
+            "verdict": Verdict(fields["verdict"]),
+            "methods": (first, second),
+            "pictures": tuple(Picture(**picture) for picture in fields["pictures"]),
+            "formulas": tuple(Formula(**formula) for formula in fields["formulas"]),
+            "erratum": _erratum(fields["erratum"]),
+        }
+    )
+    return Judgement(
+        finding,
+        None,
+        float(record["seconds"]),
+        str(record["judged"]),
+        True,
+        shared=float(record.get("shared", 0.0)),
+    )
+
+
+def _erratum(fields: Mapping[str, str] | None) -> Erratum | None:
+    if fields is None:
+        return None
+    rest = {name: text for name, text in fields.items() if name != "fault"}
+    return Erratum(Fault(fields["fault"]), **rest)

@@ -1,0 +1,244 @@
+"""Checkpoints that were damaged, forged, or written by others: one sentence, never a wrong run."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.lib import format as npy
+
+from theory.parameters import ParameterError, RunError
+from verification.execution import checkpoint
+from verification.execution.checkpoint import load_checkpoint, run_to_end, save_checkpoint
+from verification.execution.digest import digest_of_arrays
+from verification.execution.files import FileError
+
+FOLDER = Path(__file__).parent
+sys.path.insert(0, str(FOLDER))
+Logistic = importlib.import_module("checkpoint_example").Logistic
+
+METADATA = {"c": 0.5, "sites": 3}
+
+
+def arrays() -> dict[str, np.ndarray]:
+    return {
+        "state": np.array([[0.1, -0.0, np.nan], [np.inf, 5e-324, 1.0]]),
+        "psi": np.array([1 + 2j]),
+        "counters": np.arange(4),
+        "released": np.array([True, False]),
+        "empty": np.zeros((0, 3)),
+        "scalar": np.array(0.25),
+        "transposed": np.arange(6.0).reshape(2, 3).T,
+    }
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    file = tmp_path / "run.npz"
+    save_checkpoint(file, arrays(), METADATA, 2.5)
+    return file
+
+
+def blank() -> dict[str, np.ndarray]:
+    return {name: np.zeros_like(array) for name, array in arrays().items()}
+
+
+def test_what_is_saved_is_loaded_to_the_bit_and_the_same_bytes_each_time(path: Path) -> None:
+    found = blank()
+    assert load_checkpoint(path, found, METADATA) == 2.5
+    assert digest_of_arrays(found) == digest_of_arrays(arrays())
+    before = path.read_bytes()
+    save_checkpoint(path, arrays(), METADATA, 2.5)
+    assert path.read_bytes() == before
+    with np.load(path) as opened:  # numpy reads it as well
+        assert np.array_equal(opened["counters"], np.arange(4))
+
+
+def entries(path: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(path) as box:
+        return {name: box.read(name) for name in box.namelist()}
+
+
+def forge(path: Path, change: Callable[[dict[str, bytes], dict[str, Any]], None]) -> None:
+    """Change entries and header, and give the file a digest that fits, as a forger would."""
+    found = entries(path)
+    header = json.loads(found["header.json"])
+    change(found, header)
+    try:
+        content = {
+            name.removesuffix(".npy"): np.load(io.BytesIO(found[name]))
+            for name in found
+            if name.endswith(".npy")
+        }
+        header["digest"] = digest_of_arrays(content)
+    except (ValueError, MemoryError):
+        pass
+    with zipfile.ZipFile(path, "w") as box:
+        for name, content_ in (found | {"header.json": json.dumps(header).encode()}).items():
+            box.writestr(name, content_)
+
+
+def npy_bytes(array: np.ndarray, pickled: bool = False) -> bytes:
+    file = io.BytesIO()
+    npy.write_array(file, array, allow_pickle=pickled)
+    return file.getvalue()
+
+
+def huge(shape: str) -> bytes:
+    head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".encode()
+    head += b" " * (-(len(head) + 11) % 64) + b"\n"
+    return b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head
+
+
+FORGED: dict[str, Callable[[dict[str, bytes], dict[str, Any]], object]] = {
+    "an array is missing": lambda e, h: e.pop("state.npy"),
+    "another shape": lambda e, h: e.update({"state.npy": npy_bytes(np.zeros((3, 2)))}),
+    "another type": lambda e, h: e.update({"counters.npy": npy_bytes(np.arange(4.0))}),
+    "16 TiB": lambda e, h: e.update({"state.npy": huge(f"({2**41},)")}),
+    "a negative shape": lambda e, h: e.update({"state.npy": huge("(-1,)")}),
+    "a shape of words": lambda e, h: e.update({"state.npy": huge("('a',)")}),
+    "too short": lambda e, h: e.update({"state.npy": e["state.npy"][:-8]}),
+    "too long": lambda e, h: e.update({"state.npy": e["state.npy"] + b"12345678"}),
+    "objects": lambda e, h: e.update(
+        {"state.npy": npy_bytes(np.array([[1, 2, 3]] * 2, dtype=object), pickled=True)}
+    ),
+    "columns first": lambda e, h: e.update(
+        {"state.npy": npy_bytes(np.asfortranarray(arrays()["state"]))}
+    ),
+    "no header": lambda e, h: h.clear(),
+    "another format": lambda e, h: h.update(format=2),
+    "a deep header": lambda e, h: h.update(metadata=eval("[" * 90 + "]" * 90)),
+    "time of NaN": lambda e, h: h.update(seconds=float("nan")),
+    "time in words": lambda e, h: h.update(seconds="long"),
+    "a digest of no word": lambda e, h: h.update(digest=5) or e.pop("psi.npy"),
+    "other parameters": lambda e, h: h["metadata"].update(c=0.6),
+    "another numpy": lambda e, h: h["metadata"]["versions"].update(numpy="1.0"),
+}
+
+
+@pytest.mark.parametrize("name", FORGED)
+def test_a_forged_checkpoint_is_one_sentence_and_fills_nothing(name: str, path: Path) -> None:
+    forge(path, FORGED[name])
+    found = blank()
+    with pytest.raises(ParameterError, match="checkpoint") as caught:
+        load_checkpoint(path, found, METADATA)
+    assert "\n" not in str(caught.value)
+    assert digest_of_arrays(found) == digest_of_arrays(blank())
+
+
+def test_what_differs_is_named(path: Path) -> None:
+    with pytest.raises(ParameterError, match=r"c: 0\.5 there, 0\.6 here"):
+        load_checkpoint(path, blank(), METADATA | {"c": 0.6})
+    forge(path, FORGED["another numpy"])
+    with pytest.raises(ParameterError, match=r"versions\.numpy: 1\.0 there"):
+        load_checkpoint(path, blank(), METADATA)
+
+
+def test_what_is_no_checkpoint_is_one_sentence(path: Path) -> None:
+    array = npy_bytes(np.zeros(3))
+    for content in (b"", b"PK", array, b"\x00" * 1000, path.read_bytes()[:-30], os.urandom(3000)):
+        path.write_bytes(content)
+        with pytest.raises(ParameterError, match="as this toolkit writes them"):
+            load_checkpoint(path, blank(), METADATA)
+    path.unlink()
+    with pytest.raises(FileError):
+        load_checkpoint(path, blank(), METADATA)
+
+
+def test_no_changed_byte_goes_unnoticed(path: Path) -> None:
+    """Every byte of the file changed in turn: refused, or of no meaning (dates, padding)."""
+    content = path.read_bytes()
+    expected, silent = digest_of_arrays(arrays()), 0
+    for place in range(0, len(content), 7):
+        changed = bytearray(content)
+        changed[place] ^= 0x41
+        path.write_bytes(changed)
+        found = blank()
+        try:
+            load_checkpoint(path, found, METADATA)
+        except ParameterError:
+            assert digest_of_arrays(found) == digest_of_arrays(blank())
+        else:
+            silent += 1
+            assert digest_of_arrays(found) == expected
+    assert silent < len(content) / 14
+
+
+def test_a_clock_that_is_none_or_stands_still_does_not_run_for_ever(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    run_to_end([Logistic()], 3.0, 1, path)
+    for clock in (np.nan, -1.0, 7.0, np.inf):
+        forged = npy_bytes(np.array([clock]))
+        forge(path, lambda e, _, forged=forged: e.update({"0.clock.npy": forged}))
+        with pytest.raises(ParameterError, match="checkpoint"):
+            run_to_end([Logistic()], 3.0, 1, path)
+    broken = Logistic()
+    broken.clock[0] = np.nan
+    with pytest.raises(RunError, match="does not get on"):
+        run_to_end([broken], 3.0, 1)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_saves_the_run_where_it_is(number: signal.Signals, tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    program = (
+        "import signal, sys, checkpoint_example\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "checkpoint_example.main(sys.argv[1])"
+    )
+    runner = subprocess.Popen(
+        [sys.executable, "-c", program, str(path)],
+        cwd=FOLDER,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert runner.stdout is not None
+    assert runner.stdout.readline() == b"5\n"
+    runner.send_signal(number)
+    errors = runner.communicate(timeout=10)[1]
+    assert (b"Terminated" if number == signal.SIGTERM else b"KeyboardInterrupt") in errors
+    resumed, whole = Logistic(steps=2000), Logistic(steps=2000)
+    begun: list[float] = []
+    run_to_end([resumed], 2000.0, 1, path, begun.append)
+    assert begun[0] * 2000 > 5
+    run_to_end([whole], 2000.0, 1)
+    assert resumed.state.tobytes() == whole.state.tobytes()
+    assert [p.name for p in tmp_path.iterdir()] == ["run.npz"]
+
+
+def test_a_signal_within_a_piece_of_work_waits_for_its_end(tmp_path: Path) -> None:
+    """In the middle the arrays are no state of the run."""
+    path = tmp_path / "run.npz"
+
+    class Split(Logistic):  # type: ignore[misc, valid-type]
+        def advance(self, budget: int) -> None:
+            super().advance(budget)
+            self.clock += 1000.0
+            if self.clock[0] == 1002.0:
+                os.kill(os.getpid(), signal.SIGTERM)
+            self.clock -= 1000.0
+
+    with pytest.raises(KeyboardInterrupt):
+        run_to_end([Split()], 3.0, 1, path)
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    with np.load(path) as opened:
+        assert opened["0.clock"] == 2.0
+
+
+def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "run.npz"
+    run_to_end([Logistic()], 3.0, 1, path)
+    monkeypatch.setattr(checkpoint, "digest_of_code", lambda *_: "other")
+    with pytest.raises(ParameterError, match=r"same parameters, code and versions .*code"):
+        run_to_end([Logistic()], 3.0, 1, path)

@@ -1,0 +1,106 @@
+"""A stored measurement is stale when the code it is of has changed, and only then."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from verification.execution.digest import (
+    DRAWING,
+    closure,
+    digest_of_arrays,
+    essence,
+    imports_of,
+)
+from verification.execution.metadata import CHANGED, UNKNOWN, Code, staleness
+
+OURS = ("timed_code",)
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    home = tmp_path / "timed_code"
+    home.mkdir()
+    (home / "__init__.py").write_text("")
+    (home / "deep.py").write_text('"""What."""\n\n\ndef f(x):\n    """Say."""\n    return x + 1\n')
+    (home / "top.py").write_text("def g(x):\n    from timed_code.deep import f\n    return f(x)\n")
+    (home / "other.py").write_text("N = 1\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield home
+    for name in [name for name in sys.modules if name.startswith("timed_code")]:
+        del sys.modules[name]
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "stale"),
+    [
+        ("deep.py", "def f(x):\n    # a remark\n    return (\n        x + 1\n    )\n", True),
+        ("deep.py", "def f(x):  # a remark\n\n    'Other words.'\n    return x + 1\n", False),
+        ("deep.py", "def f(x):\n    return x + 2\n", True),
+        ("deep.py", "def f(x):\n    if x:\n        pass\n    return x + 1\n", True),
+        ("other.py", "N = 2\n", False),
+        ("top.py", "def g(x):\n    return x\n", True),
+    ],
+)
+def test_what_makes_a_record_stale(package, file, text, stale):
+    code = Code.of(["timed_code.top"], OURS)
+    assert staleness(code, OURS) == ""
+    (package / file).write_text(text)
+    assert staleness(code, OURS) == (CHANGED if stale else "")
+
+
+def test_a_record_of_a_module_that_is_gone_is_stale(package):
+    code = Code.of(["timed_code.other"], OURS)
+    (package / "other.py").unlink()
+    assert staleness(code, OURS) == CHANGED
+    with pytest.raises(ValueError, match=r"no module timed_code\.other"):
+        Code.of(["timed_code.other"], OURS)
+
+
+def test_a_record_that_names_no_code_is_stale():
+    assert staleness(None) == staleness({}) == UNKNOWN
+
+
+def test_the_essence_keeps_strings_that_are_used_and_blocks(tmp_path):
+    path = tmp_path / "code.py"
+    found = []
+    for text in (
+        "x = f'{1 + 1:d} # not a remark'\n",
+        "x = f'{1 + 2:d} # not a remark'\n",
+        "if a:\n    b\n    c\n",
+        "if a:\n    b\nc\n",
+    ):
+        path.write_text(text + "#" * len(found))  # another size, so that nothing is remembered
+        found.append(essence(path))
+    assert len(set(found)) == 4
+    assert "# not a remark" in found[0]
+
+
+def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():
+    held = closure("benchmarks.roots", without=DRAWING)
+    needed = {"benchmarks.runner", "theory.piecewise.roots", "verification.quantities.scenes"}
+    assert needed <= set(held)
+    assert not {"benchmarks.velocity", "benchmarks.vdp", "verification.runs.vdp"} & set(held)
+    assert not {"benchmarks.diagram", "paper_checks.pictures"} & set(held)
+
+
+def test_every_bit_of_an_array_counts_and_so_do_type_shape_and_name():
+    arrays = [
+        {"a": np.zeros(4)}, {"a": np.zeros((2, 2))}, {"a": np.zeros(4, dtype=np.int64)},
+        {"b": np.zeros(4)}, {"a": np.array([0, 0, 0, 5e-324])}, {"a": np.zeros(0)}, {},
+    ]  # fmt: skip
+    assert len({digest_of_arrays(each) for each in arrays}) == len(arrays)
+    square = np.arange(9.0).reshape(3, 3)
+    assert digest_of_arrays({"a": square.T}) == digest_of_arrays({"a": square.T.copy()})
+
+
+def test_no_installed_package_imports_one_that_is_not():
+    """Benchmarks are in the source tree only; ``fronts bench`` asks for that tree first."""
+    packages = ("theory", "derivations", "verification", "paper_checks", "fronts", "benchmarks")
+    root = Path(__file__).parent.parent
+    installed = [path for name in packages[:-1] for path in (root / name).rglob("*.py")]
+    for path in installed:
+        names, _ = imports_of(path, path.parent.relative_to(root).as_posix().replace("/", "."))
+        outside = {name for name in names if name.split(".")[0] in ("benchmarks", "tests")}
+        assert not outside or path.name == "bench.py", path

@@ -1,0 +1,160 @@
+"""Files are written whole or not at all, through links, into FIFOs, and never over a device."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+import stat
+import threading
+from pathlib import Path
+
+import pytest
+
+from verification.execution.files import (
+    FileError,
+    check_writable,
+    file_error,
+    sole_writer,
+    write_by,
+    write_bytes,
+    writing,
+)
+
+
+def test_what_fails_half_way_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "out.csv"
+    write_bytes(path, b"old")
+    with pytest.raises(TypeError), writing(path) as file:
+        file.writelines([b"half of the n", "ew"])  # type: ignore[list-item]
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_keeps_its_permissions_and_a_new_one_has_the_usual_ones(tmp_path: Path) -> None:
+    private, new = tmp_path / "private", tmp_path / "new"
+    private.touch(0o600)
+    mask = os.umask(0o027)
+    try:
+        for path in (private, new):
+            write_bytes(path, b"x")
+    finally:
+        os.umask(mask)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (private, new)] == [0o600, 0o640]
+
+
+@pytest.mark.parametrize("exists", [True, False])
+def test_a_symbolic_link_stays_and_the_file_it_leads_to_is_written(
+    exists: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "there").mkdir()
+    target = tmp_path / "there" / "target"
+    if exists:
+        target.write_bytes(b"old")
+    link, second = tmp_path / "link", tmp_path / "second"
+    link.symlink_to("there/target")
+    second.symlink_to(link)
+    write_bytes(second, b"new")
+    assert link.is_symlink()
+    assert second.is_symlink()
+    assert target.read_bytes() == b"new"
+
+
+def test_a_loop_of_links_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a").symlink_to("b")
+    (tmp_path / "b").symlink_to("a")
+    with pytest.raises(FileError, match="symbolic link"):
+        write_bytes(tmp_path / "a", b"x")
+
+
+@pytest.mark.parametrize("by_path", [True, False])
+def test_into_a_fifo_the_content_is_passed_on(by_path: bool, tmp_path: Path) -> None:
+    fifo = tmp_path / "out.svg"
+    os.mkfifo(fifo)
+    content = b"0123456789" * 20_000  # more than a pipe holds
+    read: list[bytes] = []
+    reader = threading.Thread(target=lambda: read.append(fifo.read_bytes()))
+    reader.start()
+    check_writable(fifo)
+    if by_path:
+        write_by(fifo, lambda path: path.write_bytes(content))
+    else:
+        write_bytes(fifo, content)
+    reader.join(10)
+    assert read == [content]
+    assert stat.S_ISFIFO(fifo.stat().st_mode)
+
+
+def test_a_fifo_whose_reader_leaves_is_one_sentence(tmp_path: Path) -> None:
+    fifo = tmp_path / "out"
+    os.mkfifo(fifo)
+    reader = threading.Thread(target=lambda: os.close(os.open(fifo, os.O_RDONLY)))
+    reader.start()
+    with pytest.raises(FileError, match="keep its reader open"):
+        write_bytes(fifo, b"x" * 1_000_000)
+    reader.join(10)
+
+
+def test_what_is_no_file_is_refused_and_left_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "folder").mkdir()
+    listening = socket.socket(socket.AF_UNIX)
+    monkeypatch.chdir(tmp_path)  # the name of a socket must be short
+    listening.bind("socket")
+    link = tmp_path / "link"
+    link.symlink_to("/dev/null")
+    for path, word in (
+        (Path("/dev/null"), "is a device"), (link, "is a device"), (Path("socket"), "is a socket"),
+        (tmp_path / "folder", "is a folder"), (tmp_path / "none" / "out", "does not exist"),
+        (tmp_path / ("x" * 300), "too long"), (Path("a\0b"), "null"),
+    ):  # fmt: skip
+        for write in (check_writable, lambda path: write_bytes(path, b"x")):
+            with pytest.raises(FileError, match=word) as caught:
+                write(path)
+            assert "\n" not in str(caught.value)
+            assert str(caught.value).endswith(f"{caught.value.remedy}.")
+    listening.close()
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, 9999])
+def test_each_error_of_the_system_has_its_remedy(number: int) -> None:
+    error = file_error(Path("run.npz"), OSError(number, os.strerror(number)))
+    assert str(error).startswith("the file run.npz cannot be written: ")
+    assert str(error).count(".") == 2  # of the name, and of one sentence
+    assert error.errno == number
+
+
+def test_a_lock_ends_with_its_block_and_is_taken_by_one_only(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    for _ in range(2):
+        with sole_writer(path):
+            assert (tmp_path / "run.npz.lock").exists()
+            with pytest.raises(FileError, match="in use"), sole_writer(path):
+                pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_of_many_threads_that_want_a_file_one_at_a_time_has_it(tmp_path: Path) -> None:
+    """The lock's file comes and goes, and a stale one may be held by somebody else."""
+    inside, most, taken = [0], [0], [0]
+
+    def want() -> None:
+        for _ in range(200):
+            try:
+                with sole_writer(tmp_path / "run"):
+                    inside[0] += 1
+                    most[0] = max(most[0], inside[0])
+                    taken[0] += 1
+                    inside[0] -= 1
+            except FileError:
+                continue
+
+    threads = [threading.Thread(target=want) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == [1]
+    assert taken[0] >= 200

@@ -1,0 +1,429 @@
+"""``import fronts`` and what it promises: names, cost, results, files."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import mpmath as mp
+import numpy as np
+import pytest
+
+import fronts as fr
+from fronts import derived
+from fronts.catalogue import COMMANDS
+from fronts.cli import main, whole_parser
+from fronts.signatures import described, documented
+from theory.result import Result
+
+ROOT = Path(__file__).parents[1]
+HEAVY = ("numpy", "scipy", "sympy", "matplotlib", "mpmath", "numba", "pandas", "xarray")
+
+mpl.use("agg")
+
+
+def _python(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False
+    )
+
+
+def test_import_loads_nothing_heavy_and_takes_no_time(tmp_path):
+    code = (
+        "import sys, time; t = time.perf_counter(); import fronts; t = time.perf_counter() - t;"
+        "print(t, *{name.partition('.')[0] for name in sys.modules})"
+    )
+    shown = [_python(code, tmp_path).stdout.split() for _ in range(3)]
+    assert not {*HEAVY} & {*shown[0]}
+    assert min(float(words[0]) for words in shown) < 0.1  # of three: other work on the machine
+
+
+def test_every_public_name_is_there_and_types_know_the_same_ones():
+    tree = ast.parse((ROOT / "fronts" / "__init__.py").read_text())
+    (block,) = (
+        node
+        for node in tree.body
+        if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
+    )
+    known = {
+        (alias.asname, node.module)
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert known == {(name, home) for name, home in fr._HOMES.items()}
+    assert {*dir(fr)} == {*fr.__all__}
+    for name in fr.__all__:
+        assert getattr(fr, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nosuchname'"):
+        fr.nosuchname
+
+
+@pytest.mark.parametrize("package", ["theory", "derivations", "verification", "paper_checks"])
+@pytest.mark.parametrize("kind", ["file", "folder"])
+def test_a_file_of_the_user_that_hides_a_package_is_named(package, kind, tmp_path):
+    hiding = tmp_path / (f"{package}.py" if kind == "file" else package)
+    if kind == "file":
+        hiding.write_text("x = 1\n")
+    else:
+        hiding.mkdir()
+        (hiding / "__init__.py").write_text("")
+    shown = _python("import fronts", tmp_path)
+    assert shown.returncode == 1
+    last = shown.stderr.strip().splitlines()[-1]
+    assert last.startswith(f"ImportError: {hiding} hides the package '{package}'")
+    assert last.count(".") >= 1
+    assert last.endswith("folder.")
+
+
+def test_a_file_of_another_name_hides_nothing(tmp_path):
+    (tmp_path / "theories.py").write_text("")
+    assert _python("import fronts; fronts.VdpChain", tmp_path).returncode == 0
+
+
+def _subclasses(of: type) -> set[type]:
+    return {of}.union(*map(_subclasses, of.__subclasses__()))
+
+
+def test_every_result_is_frozen_and_keyword_only():
+    for name in fr.__all__:
+        getattr(fr, name)
+    for name in COMMANDS:
+        for call in COMMANDS[name].calls.values():
+            derived.located(call.function)
+    kinds = _subclasses(Result) - {Result}
+    assert len(kinds) > 8
+    for kind in kinds:
+        options = kind.__dataclass_params__
+        assert options.frozen, kind
+        assert all(each.kw_only for each in dataclasses.fields(kind) if each.init), kind
+
+
+def _results() -> dict[str, Result]:
+    return {
+        "point": fr.kinetic_relation(c=0.45, eta=0.03125),
+        "curve": fr.kinetic_relation(c=[0.4, 0.45, 0.5], eta=0.03125),
+        "roots": fr.roots(0.3, 0.5, count=4),
+        "profile": fr.front_profile(0.5, 0.03125, points=11),
+        "cell": fr.cell(fr.VdpChain(a=2.5, b=0.5, c=0.0)),
+        "breather": fr.breather(fr.VdpChain(a=2.5, b=0.5, c=0.1, sites=9), method="envelope"),
+    }
+
+
+RESULTS = ("point", "curve", "roots", "profile", "cell", "breather")
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Result]:
+    return _results()
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_result_shows_itself(name, results):
+    result = results[name]
+    json.dumps(result.to_dict(), allow_nan=False)
+    assert len(repr(result)) < 1200
+    assert repr(result).startswith(type(result).__name__ + "(")
+    assert "array(" not in repr(result)
+    shown = result._repr_html_()
+    assert shown.startswith("<table>")
+    assert shown.count("<tr>") == len(dataclasses.fields(result))
+
+
+@pytest.mark.parametrize("name", ["point", "curve", "roots", "profile", "breather"])
+def test_a_result_draws_itself(name, results):
+    import matplotlib.pyplot as plt
+
+    axes = results[name].plot()
+    assert axes.get_xlabel()
+    assert axes.get_ylabel()
+    assert results[name].plot(axes) is axes
+    plt.close("all")
+
+
+def test_what_has_no_picture_says_so():
+    with pytest.raises(TypeError, match="no picture of KineticSum"):
+        fr.sigma(0.3, 0.5).plot()
+
+
+def test_tables_of_pandas_and_xarray_hold_the_same_numbers(results):
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    curve, profile = results["curve"], results["profile"]
+    frame = curve.to_pandas()
+    # Nothing at 0.4, two velocities at 0.45, one at 0.5.
+    assert frame["c"].tolist() == [0.4, 0.45, 0.45, 0.5]
+    velocities = [branch.v for point in curve.points for branch in point.branches]
+    assert frame["v"].dropna().tolist() == velocities
+    data = profile.to_xarray()
+    assert data["phi"].dims == ("zeta",)
+    assert np.array_equal(data["zeta"], profile.zeta)
+    assert np.array_equal(profile.to_pandas()["re_phi"], profile.phi.real)
+    with pytest.raises(TypeError, match="not tabular"):
+        fr.sigma(0.3, 0.5).to_pandas()
+
+
+def test_a_missing_extra_is_named(monkeypatch, results):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"excitation-fronts\[tables\]"):
+        results["curve"].to_pandas()
+
+
+def test_a_curve_has_what_its_points_have(results):
+    for point in results["curve"].points:
+        alone = fr.kinetic_relation(c=point.c, eta=point.eta)
+        # The search for many at once starts from other values: equal to their errors.
+        for one, other in zip(alone.branches, point.branches, strict=True):
+            assert abs(one.v - other.v) <= one.error + other.error
+    assert results["curve"].along == "c"
+    assert fr.kinetic_relation(c=0.5, eta=[0.03, 0.04]).along == "eta"
+
+
+@pytest.mark.parametrize("digits", [16, 40, 400])
+def test_the_error_of_many_digits_is_neither_zero_nor_exceeded(digits):
+    """Against the same sum to 20 digits more, by the same integral on another grid."""
+    found, better = (
+        fr.sigma("0.3", "0.5", digits=digits),
+        fr.sigma("0.3", "0.5", digits=digits + 20),
+    )
+    told = found.to_dict()
+    with mp.workdps(digits + 30):
+        error = mp.mpf(str(told["error"]))
+        assert 0 < error < mp.mpf(10) ** (1 - digits)
+        written = mp.mpc(told["re"], told["im"])
+        assert abs(written - better.value) <= error
+
+
+def test_an_error_below_every_double_is_told(capsys):
+    assert main(shlex.split("sum --v 0.3 --c 0.5 --digits 400")) == 0
+    shown = capsys.readouterr().out
+    assert "e+00" not in shown
+    assert "e-400" in shown
+
+
+def test_two_thousand_digits_may_be_asked_for(monkeypatch):
+    """The series works in more digits than it gives; its limit is of what is asked for."""
+    from theory.piecewise import precise_roots
+
+    asked = []
+
+    def noted(quantity, value, low, high, *remedy):
+        asked.append((value, high))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(precise_roots, "count_within", noted)
+    with pytest.raises(KeyboardInterrupt):
+        fr.sigma("0.3", "0.5", digits=2000, method="series")
+    assert all(value <= high for value, high in asked)
+    assert asked[0][0] > 2000
+
+
+PUBLIC = [name for name in fr.__all__ if inspect.isfunction(getattr(fr, name))]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_a_public_function_says_what_it_takes_gives_and_raises(name):
+    doc = inspect.getdoc(getattr(fr, name)) or ""
+    for section in ("Parameters", "Returns"):
+        assert f"{section}\n{'-' * len(section)}\n" in doc, (name, section)
+    described_ = documented(doc)
+    for parameter in inspect.signature(getattr(fr, name)).parameters:
+        assert described_.get(parameter, ("", ""))[1], (name, parameter)
+
+
+def _parsers():
+    for name, command in COMMANDS.items():
+        if command.module:
+            continue
+        calls = command.calls if "" in command.calls else derived.models_of(command)
+        for model, call in calls.items():
+            yield pytest.param(derived.Bound(call, model), id=f"{name} {model}".strip())
+
+
+@pytest.mark.parametrize("bound", list(_parsers()))
+def test_every_option_of_a_model_has_help_of_the_library(bound):
+    for group in (bound.fields, bound.start, bound.nucleus, bound.own):
+        for each in group.parameters:
+            assert each.help, each.name
+
+
+@pytest.mark.parametrize(
+    ("line", "own", "others"),
+    [
+        ("cell friction", "--v-d", ("--eps", "--a ")),
+        ("cell vdp", "--eps", ("--v-d", "--mu-st")),
+        ("breather averaged", "--pattern", ("--v-d", "--start-point")),
+    ],
+)
+def test_help_of_a_model_has_its_options_and_no_others(line, own, others, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main([*line.split(), "--help"])
+    assert stopped.value.code == 0
+    shown = capsys.readouterr().out
+    assert own in shown
+    for other in others:
+        assert other not in shown
+
+
+def test_options_have_the_defaults_of_the_library():
+    call = COMMANDS["profile"].calls[""]
+    parameters = {each.name: each.default for each in described(derived.located(call.function))}
+    assert parameters["points"] == inspect.signature(fr.front_profile).parameters["points"].default
+    parser_defaults = vars(whole_parser().parse_args(["profile", "--c", "1"]))
+    assert "points" not in parser_defaults  # absent, so that the function's own default holds
+
+
+@pytest.mark.parametrize("suffix", ["csv", "json", "npz", "png", "svg", "pdf"])
+def test_every_format_carries_command_parameters_and_versions(suffix, tmp_path):
+    out = tmp_path / f"curve.{suffix}"
+    line = "kinetic --c 0.45:0.5:2 --eta 0.03125"
+    assert main([*line.split(), "-o", str(out)]) == 0
+    content = out.read_bytes()
+    if suffix == "npz":
+        with np.load(out) as data:
+            assert data["v"].size == 3
+            content = str(data["provenance"]).encode()
+    elif suffix == "pdf":
+        # Strings of a PDF are in octal or UTF-16 where it needs to be; the command is plain.
+        content = content.replace(b"\\", b"").replace(b"\x00", b"")
+    for part in ("fronts kinetic --c 0.45:0.5:2 --eta 0.03125", "versions", "numpy"):
+        assert part.encode() in content, part
+    assert str(tmp_path).encode() not in content
+
+
+def test_a_table_with_its_provenance_is_read_back(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    out = tmp_path / "curve.csv"
+    assert main(f"kinetic --c 0.45:0.5:2 --eta 0.03125 -o {out}".split()) == 0
+    frame = pandas.read_csv(out, comment="#")
+    assert frame["v"].tolist() == [
+        branch.v
+        for point in fr.kinetic_relation(c=[0.45, 0.5], eta=0.03125).points
+        for branch in point.branches
+    ]
+    assert out.read_text().startswith("c,eta,status,v,error")
+
+
+def test_several_files_at_once_and_one_twice(tmp_path, capsys):
+    table, picture = tmp_path / "p.csv", tmp_path / "p.png"
+    line = f"profile --c 0.5 --eta 0.03125 --out {table} --picture {picture}"
+    assert main(line.split()) == 0
+    assert {*tmp_path.iterdir()} == {table, picture}
+    assert main(f"profile --c 0.5 --eta 0.03125 -o {table} -o {tmp_path}/./p.csv".split()) == 2
+    assert "one file" in capsys.readouterr().err
+
+
+def test_a_link_is_written_through_and_a_device_is_left_alone(tmp_path, capsys):
+    target, link = tmp_path / "target.csv", tmp_path / "link.csv"
+    link.symlink_to(target)
+    line = "profile --c 0.5 --eta 0.03125 --points 3 --out"
+    assert main([*line.split(), str(link)]) == 0
+    assert link.is_symlink()
+    assert target.read_text().startswith("zeta,")
+    device = tmp_path / "null.csv"
+    device.symlink_to("/dev/null")
+    assert main([*line.split(), str(device)]) == 2
+    assert "is a device" in capsys.readouterr().err
+    assert Path("/dev/null").is_char_device()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no named pipes in a folder there")
+def test_a_fifo_gets_the_file(tmp_path):
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    reader = subprocess.Popen(["cat", str(pipe)], stdout=subprocess.PIPE, text=True)
+    assert (
+        main([*["profile", "--c", "0.5", "--eta", "0.03125", "--points", "3", "--out"], str(pipe)])
+        == 0
+    )
+    assert reader.communicate(timeout=30)[0].startswith("zeta,")
+    assert pipe.is_fifo()
+
+
+def test_a_range_gives_a_curve_of_any_chain(tmp_path, capsys):
+    out = tmp_path / "c.csv"
+    line = f"breather averaged --c 0.05:0.25:3 --json -o {out}"
+    assert main(line.split()) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["along"] == "c"
+    assert [point["c"] for point in answer["points"]] == [0.05, 0.15, 0.25]
+    alone = fr.breather(fr.AveragedChain(a=2.5, b=0.5, c=0.15, sites=15))
+    assert answer["points"][1]["frequency"] == pytest.approx(alone.frequency, abs=1e-12)
+    assert answer["points"][2]["status"] == "none"
+    assert out.read_text().splitlines()[0].startswith("c,")
+
+
+def test_a_point_that_is_refused_does_not_lose_the_others(capsys):
+    """Two cycles need eta < 1/8: the first two values of b have them."""
+    assert main(["breather", "averaged", "--b", "0.5:1.1:3", "--c", "0.05", "--json"]) == 1
+    answer = json.loads(capsys.readouterr().out)
+    assert [point["status"] for point in answer["points"]] == ["exists", "refused", "refused"]
+    assert "1/8" in answer["points"][2]["reason"]
+
+
+def test_two_ranges_are_refused(capsys):
+    assert main(["breather", "averaged", "--b", "0.4:0.5:2", "--c", "0.05:0.1:2"]) == 2
+    assert "not for both" in capsys.readouterr().err
+
+
+def test_envelope_is_another_name_of_averaged(capsys):
+    assert main(["breather", "envelope", "--c", "0.1", "--json"]) == 0
+    one = json.loads(capsys.readouterr().out)
+    assert main(["breather", "vdp", "--model", "envelope", "--c", "0.1", "--json"]) == 0
+    other = json.loads(capsys.readouterr().out)
+    assert one["chain"]["model"] == other["chain"]["model"] == "averaged"
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_completion_knows_commands_models_and_options(shell, capsys):
+    pytest.importorskip("shtab")
+    assert main(["--print-completion", shell]) == 0
+    shown = capsys.readouterr().out
+    # tcsh completes commands and models only.
+    options = () if shell == "tcsh" else ("--eta",)
+    for word in ("kinetic", "breather", "averaged", *options):
+        assert word in shown
+
+
+def test_completion_of_an_unknown_shell_is_refused(capsys):
+    assert main(["--print-completion", "dos"]) == 2
+    assert "choose one of" in capsys.readouterr().err
+
+
+def test_bad_input_in_python_is_a_parameter_error():
+    for call in (
+        lambda: fr.kinetic_relation(c=0.5, eta=0.03, a=4, b=0.5),
+        lambda: fr.kinetic_relation(c=0.5, a=4),
+        lambda: fr.kinetic_relation(c=float("nan"), eta=0.03),
+        lambda: fr.sigma(0.3, 0.5, method="guess"),
+        lambda: fr.roots(0.3, 0.5, count=3, extent=9.0),
+        lambda: fr.front_profile(0.5, 0.03125, branch=7),
+        lambda: fr.judge("nosuchclaim"),
+        lambda: fr.derivation(99),
+        lambda: fr.derivation("nosuch"),
+    ):
+        with pytest.raises(fr.ParameterError) as refused:
+            call()
+        assert str(refused.value).count("\n") == 0
+    with pytest.raises(fr.RunError, match="no travelling front"):
+        fr.front_profile(0.2, 0.03125)
+
+
+def test_kinetic_is_as_fast_from_the_shell_as_it_was():
+    """0.25 s on an idle machine; measured as processor time, which other work does not change."""
+    code = (
+        "import os, subprocess, sys;"
+        "subprocess.run([sys.executable, '-m', 'fronts', 'kinetic', '--c', '0.5', '--eta',"
+        " '0.03125'], check=True, stdout=subprocess.DEVNULL);"
+        "t = os.times(); print(t.children_user + t.children_system)"
+    )
+    seconds = [float(_python(code, ROOT).stdout) for _ in range(3)]
+    assert min(seconds) < 0.6

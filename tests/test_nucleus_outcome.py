@@ -1,0 +1,143 @@
+"""Claims about what becomes of a nucleus: by other integrators, and by made-up arrivals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from paper_checks.claim import Verdict
+from paper_checks.claims import text_2_larger
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError
+from verification.breathers.outcome import (
+    PAUSE,
+    Outcome,
+    distance_from_breather,
+    evolution,
+    follow_nucleus,
+)
+
+A, B, EPS = 2.5, 0.5, 0.01
+NAN = float("nan")
+
+
+def chain(c: float, sites: int = 41) -> VdpChain:
+    return VdpChain(a=A, b=B, c=c, eps=EPS, sites=sites)
+
+
+def joined_by_scipy(c: float, sites: int, slow_time: float) -> np.ndarray:
+    """Slow time at which |ẏ + iy| of each site first exceeds the unstable cycle: DOP853 on (8)."""
+    amplitude, level = (
+        np.sqrt((A / B) * (1 + side * np.sqrt(1 - 8 * B / A**2))) for side in (1, -1)
+    )
+    half = sites // 2 + 1
+
+    def rate(_: float, x: np.ndarray) -> np.ndarray:
+        # Mirror symmetry by folding: site 0 is the middle, with its neighbour on both sides.
+        y, v = x[:half], x[half:]
+        left = np.concatenate([[y[1]], y[:-1]])
+        right = np.concatenate([y[1:], [y[-1]]])
+        force = -y - EPS * c * (2 * y - left - right) - EPS * v * (1 - A * y**2 + B * y**4)
+        return np.concatenate([v, force])
+
+    state = np.zeros(2 * half)
+    state[0] = amplitude
+    joined = np.full(half, np.nan)
+    joined[0] = 0.0
+    step = 1.0 / EPS
+    for block in range(round(slow_time)):
+        run = solve_ivp(rate, (0, step), state, "DOP853", rtol=1e-8, atol=1e-9)
+        size = np.hypot(run.y[:half], run.y[half:])
+        for site in np.flatnonzero(np.isnan(joined) & (size > level).any(axis=1)):
+            joined[site] = block + EPS * run.t[np.argmax(size[site] > level)]
+        state = run.y[:, -1]
+    return joined
+
+
+def test_sites_join_when_they_do_by_scipy() -> None:
+    """Seven sites by T = 75 at c = 0.203."""
+    followed = follow_nucleus(chain(0.203, 31), slow_time=75.0)
+    half = EPS * followed.run.arrivals[15:]
+    expected = joined_by_scipy(0.203, 31, 75.0)
+    assert np.array_equal(np.isnan(half), np.isnan(expected))
+    assert np.count_nonzero(~np.isnan(half)) == 4
+    # scipy is read at its steps, of 0.01 of T or less; its own error is 1e-3 by then.
+    assert np.nanmax(np.abs(half - expected)) < 0.05
+
+
+def test_where_a_mirrored_nucleus_stands_it_is_the_periodic_orbit_of_its_size() -> None:
+    followed = follow_nucleus(chain(0.193), slow_time=500.0)
+    assert (followed.evolution.outcome, followed.evolution.size) == (Outcome.LARGER, 5)
+    assert followed.mirrored
+    assert followed.confirmed
+    assert followed.same_until == 500.0
+    near = distance_from_breather(followed)
+    # |Ψ| of a motion of amplitude 3 has a ripple of ε times that, on both sides.
+    assert near.gap < 2 * EPS * 3
+    assert near.growth is not None
+    assert near.growth > 0.01
+
+
+def test_noise_drives_the_same_nucleus_on() -> None:
+    followed = follow_nucleus(chain(0.193), perturbation=1e-3, seed=1, slow_time=800.0)
+    assert followed.evolution.size_at(300.0) == 5
+    assert followed.evolution.outcome is Outcome.CREEP
+    assert followed.evolution.size > 5
+    assert not followed.mirrored
+    assert followed.confirmed
+    assert followed.evolution.longest_pause is not None
+    assert followed.evolution.longest_pause > PAUSE
+
+
+def test_below_the_loss_it_holds_and_beyond_the_range_a_front_runs() -> None:
+    assert follow_nucleus(chain(0.19), slow_time=300.0).evolution.outcome is Outcome.HELD
+    assert follow_nucleus(chain(0.21, 21), slow_time=400.0).evolution.outcome is Outcome.FRONT
+
+
+@pytest.mark.parametrize(
+    ("joined", "size", "outcome"),
+    [
+        ([NAN, 0, NAN], 0, Outcome.SHRUNK),
+        ([NAN, 0, NAN], 1, Outcome.HELD),
+        ([NAN, NAN, 40, 0, 40, NAN, NAN], 3, Outcome.LARGER),
+        ([NAN, NAN, 60, 0, 60, NAN, NAN], 3, Outcome.UNDECIDED),
+        ([NAN, 90, 60, 30, 0, 30, 60, 90, NAN], 7, Outcome.FRONT),
+        ([NAN, 99, 60, 30, 0, 30, 60, 99, NAN], 7, Outcome.FRONT),
+        ([40, 30, 20, 0, 20, 30, 40], 7, Outcome.FRONT),
+        ([0, 10, 20, 30, 40, 50, 60, 70], 8, Outcome.FRONT),
+        ([0, 0, NAN, NAN], 2, Outcome.HELD),
+    ],
+)
+def test_the_rules_on_made_up_arrivals(joined: list[float], size: int, outcome: Outcome) -> None:
+    assert evolution(np.array(joined, dtype=float), 100.0, size).outcome is outcome
+
+
+def test_one_long_pause_makes_creep_of_a_front() -> None:
+    """In the middle of the growth, or at its end if the run goes on."""
+    even = np.array([NAN, 90, 60, 30, 0, 30, 60, 90, NAN])
+    late = np.array([NAN, 290, 260, 30, 0, 30, 260, 290, NAN])
+    assert evolution(even, 150.0, 7).outcome is Outcome.FRONT
+    assert evolution(late, 300.0, 7).outcome is Outcome.CREEP
+    assert evolution(even + 0.9 * 90 * (even > 0), 300.0, 7).outcome is Outcome.CREEP
+
+
+def test_a_nucleus_wider_than_the_chain_is_refused() -> None:
+    with pytest.raises(ParameterError, match="nucleus size"):
+        follow_nucleus(chain(0.19, 5), 7)
+
+
+def test_the_verdict_follows_what_the_runs_show() -> None:
+    stands = {0.193: "larger nucleus", 0.203: "front"}
+    assert text_2_larger._asserted(stands)
+    assert not text_2_larger._asserted({0.193: "creep", 0.203: "front"})
+    assert not text_2_larger._asserted({0.193: "larger nucleus", 0.203: "creep"})
+    assert not text_2_larger._asserted({0.193: "front", 0.203: "larger nucleus"})
+
+
+def test_in_model_one_no_larger_nucleus_stands() -> None:
+    finding = next(
+        one for one in text_2_larger.CLAIMS if one.key == "text-friction-nucleation"
+    ).judge()
+    assert finding.verdict is Verdict.PARTIAL
+    assert "stand" not in finding.value

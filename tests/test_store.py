@@ -1,0 +1,143 @@
+"""The store: what is damaged is computed again, what is another's is refused, nothing is run."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from theory.parameters import ParameterError
+from verification.execution.files import FileError
+from verification.execution.store import Store
+
+IDENTITY = {"function": "f", "parameters": {"c": 0.5}, "versions": {"numpy": "2.0"}}
+RESULTS = {str(n): [["value", 1.0 / (n + 1)], ["label", "front"]] for n in range(40)}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    with Store(tmp_path / "out.part", IDENTITY, resume=False) as store:
+        for key, result in RESULTS.items():
+            store.add(key, result)
+    assert [each.name for each in tmp_path.iterdir()] == ["out.part"]
+    return tmp_path / "out.part"
+
+
+def found(path: Path, **options: Any) -> dict[str, Any]:
+    with Store(path, IDENTITY, resume=True, **options) as store:
+        return store.results
+
+
+def change(path: Path, *statements: str) -> None:
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        for statement in statements:
+            file.execute(statement)
+        file.commit()
+
+
+def test_what_was_added_is_found_and_floats_to_the_bit(path: Path) -> None:
+    assert found(path) == RESULTS
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE results SET text = replace(text, 'front', 'brink') WHERE key = '7'",
+        "UPDATE results SET text = (SELECT text FROM results WHERE key = '8'), checksum = "
+        "(SELECT checksum FROM results WHERE key = '8') WHERE key = '7'",
+        "UPDATE results SET text = x'00ff' WHERE key = '7'",
+        "UPDATE results SET checksum = 5 WHERE key = '7'",
+        "UPDATE results SET key = x'37' WHERE key = '7'",
+        "DELETE FROM results WHERE key = '7'",
+    ],
+)
+def test_a_damaged_row_is_passed_over(statement: str, path: Path) -> None:
+    change(path, statement)
+    assert found(path) == {key: result for key, result in RESULTS.items() if key != "7"}
+
+
+@pytest.mark.parametrize(
+    ("statements", "word"),
+    [
+        (["DROP TABLE results"], "not one"),
+        (["DROP TABLE results",
+          "CREATE VIEW results AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
+          "SELECT i AS key, i AS text, i AS checksum FROM n"], "not one"),
+        (["CREATE TRIGGER t AFTER INSERT ON results BEGIN DELETE FROM results; END"], "not one"),
+        (["ALTER TABLE results ADD COLUMN more TEXT"], "not one"),
+        (["DELETE FROM identity"], "damaged"),
+        (["INSERT INTO identity VALUES ('{}')"], "damaged"),
+        (["UPDATE identity SET text = '[1'"], "damaged"),
+        ([f"UPDATE identity SET text = '{'[' * 100_000}'"], "damaged"),
+        (["UPDATE identity SET text = '{}'"], "another run"),
+        (["UPDATE identity SET text = replace(text, '\"format\": 3', '\"format\": 2')"], "format"),
+    ],
+)  # fmt: skip
+def test_a_crafted_file_is_one_sentence_or_begun_anew(
+    statements: list[str], word: str, path: Path
+) -> None:
+    change(path, *statements)
+    with pytest.raises(ParameterError, match=word) as caught:
+        found(path)
+    assert "\n" not in str(caught.value)
+    assert found(path, replace=True) == {}
+    assert found(path) == {}
+
+
+def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path) -> None:
+    other = tmp_path / "mine.sqlite"
+    change(other, "CREATE TABLE letters (text TEXT)", "INSERT INTO letters VALUES ('dear')")
+    with pytest.raises(ParameterError, match="not one"):
+        found(other)
+    with contextlib.closing(sqlite3.connect(other)) as file:
+        assert file.execute("SELECT text FROM letters").fetchone() == ("dear",)
+    os.mkfifo(tmp_path / "fifo")
+    with pytest.raises(FileError, match="FIFO"):
+        found(tmp_path / "fifo")
+
+
+@pytest.mark.parametrize("name", ["function", "parameters", "versions"])
+def test_what_differs_is_named_and_nothing_is_lost(name: str, path: Path) -> None:
+    other = json.loads(json.dumps(IDENTITY))
+    other[name] = "g" if name == "function" else {"c": 0.6, "numpy": "2.1"}
+    with pytest.raises(ParameterError, match=f"{name}"):
+        Store(path, other, resume=True)
+    with pytest.raises(ParameterError, match="--resume"):
+        Store(path, IDENTITY, resume=False)
+    assert found(path) == RESULTS
+
+
+def test_changed_bytes_are_noticed(path: Path, tmp_path: Path) -> None:
+    """At random: a sentence, or true results only."""
+    content = path.read_bytes()
+    chance = random.Random(3)
+    for n in range(150):
+        changed = bytearray(content)
+        for _ in range(chance.choice([1, 3, 30])):
+            changed[chance.randrange(len(changed))] = chance.randrange(256)
+        file = tmp_path / f"{n}"
+        file.write_bytes(changed[: chance.choice([len(changed), chance.randrange(len(changed))])])
+        try:
+            results = found(file)
+        except ParameterError as error:
+            message = f"{error}"
+            results = {}
+        else:
+            message = ""
+        assert "\n" not in message
+        assert results.items() <= RESULTS.items()
+
+
+def test_the_file_is_ones_own_while_it_is_open(path: Path) -> None:
+    with Store(path, IDENTITY, resume=True) as store:
+        store.add("40", 1)
+        for options in ({}, {"replace": True}):
+            with pytest.raises(FileError, match="in use by another run"):
+                found(path, **options)
+    assert found(path)["40"] == 1

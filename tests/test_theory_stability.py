@@ -1,0 +1,147 @@
+"""Stability of fronts of (44), against Bessel functions, polynomial roots and running chains."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.special import jv
+
+from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.stability import front_stability, stability_limit, symbol_coefficients
+from theory.piecewise.sums.series import sum_by_roots
+from verification.piecewise.run import FrontStatus
+from verification.piecewise.simulation import simulate_front
+
+ETA = 0.03125
+
+
+def fastest(c, eta=ETA):
+    return max((b for b in kinetic_relation(c, eta).branches if b.admissible), key=lambda b: b.v)
+
+
+def sum_by_many_digits(v, c):
+    return sum_by_roots(v, c, digits=30).value
+
+
+def by_bessel(v, c, terms):
+    """The coefficients as they are defined, with another sum and scipy's Bessel functions."""
+    k = np.arange(1, terms + 1)
+    crossing = -0.5 * complex(sum_by_many_digits(abs(v), c))
+    if v < 0:
+        crossing = 1.0 - crossing
+    response = (-1j) ** k * np.exp((-0.5 + 1j * c) * k / abs(v)) * jv(k, c * k / abs(v))
+    return 0.5 * np.real(np.exp(-1j * np.angle(crossing)) * response)
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.29, 2.4), (5.0, 30.0), (-0.25, 1.3)])
+def test_the_symbol_is_made_of_bessel_functions(v, c):
+    found = symbol_coefficients(v, c, 40)
+    assert np.allclose(found, by_bessel(v, c, 40), rtol=0, atol=1e-14)  # rounding of e^{iφ} c/v
+
+
+@pytest.mark.parametrize("c", [2.2, 2.38, 2.45, 3.0, 5.0, 13.0])
+def test_the_leading_multiplier_is_the_largest_root_of_the_polynomial(c):
+    v = fastest(c).v
+    found = front_stability(v, c)
+    terms = found.terms // 2  # e^{-K/2v} = 1e-15
+    p = by_bessel(v, c, terms)
+    polynomial = np.concatenate([[p.sum()], -p])
+    roots = np.roots(polynomial)
+    others = roots[np.abs(roots - 1.0) > 1e-6]
+    leading = others[np.argmax(np.abs(others))]
+    if found.multiplier is None:
+        assert abs(leading) < found.floor * 1.01
+    else:
+        assert abs(abs(leading) - found.multiplier) < 1e-9  # of np.roots at this degree
+        assert abs(abs(np.angle(leading)) - found.angle) < 1e-9
+    assert found.stable == (abs(leading) < 1.0)
+
+
+@pytest.mark.parametrize("c", [2.38, 2.5])
+def test_a_disturbed_front_decays_or_grows_by_the_multiplier(c):
+    """The switching times of the running chain obey z² = 2 |z| cos(angle) z - |z|²."""
+    v = fastest(c).v
+    found = front_stability(v, c)
+    run = simulate_front(c, ETA, start_velocity=v * (1.0 + 1e-6))
+    wait = np.diff(run.crossing_times) - 1.0 / v
+    size = np.abs(wait)
+    # The linear regime: small, and after the first transient; up to where it settles or has grown.
+    begin = 25
+    end = begin + int(np.argmax((size[begin:] > 1e-4) | (size[begin:] < 1e-11)) or 200)
+    part = wait[begin:end]
+    assert part.size > 20
+    columns = np.stack([part[1:-1], part[:-2]], axis=1)
+    (s, d), *_ = np.linalg.lstsq(columns, part[2:], rcond=None)
+    assert math.sqrt(-d) == pytest.approx(found.multiplier, abs=2e-4)
+    assert math.acos(s / 2 / math.sqrt(-d)) == pytest.approx(found.angle, abs=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("c", "eta", "stable"),
+    [(1.0, ETA, True), (3.0, ETA, False), (13.0, ETA, True), (9.0, 0.04, True), (1.5, 0.11, True)],
+)
+def test_the_running_chain_keeps_stable_fronts_and_leaves_unstable_ones(c, eta, stable):
+    """c = 13 is beyond the first loss of stability: it has been regained."""
+    branches = [b for b in kinetic_relation(c, eta).branches if b.admissible]
+    branch = max(branches, key=lambda b: abs(b.v))
+    assert branch.stable is stable
+    run = simulate_front(c, eta, start_velocity=branch.v * (1.0 + 1e-5), tolerance=1e-9)
+    if stable:
+        assert run.status is FrontStatus.STEADY
+        assert run.v == pytest.approx(branch.v, rel=1e-8)
+    else:
+        assert run.status is FrontStatus.UNSTEADY
+
+
+@pytest.mark.parametrize("c", [2.3, 2.45, 30.0])
+def test_the_error_of_a_multiplier_bounds_it(c):
+    v = fastest(c).v
+    found = front_stability(v, c)
+    with mp.workdps(40):
+        crossing = mp.mpc(-sum_by_many_digits(v, c) / 2)
+        turn = mp.conj(crossing) / abs(crossing)
+        p = [
+            mp.re(turn * (-1j) ** k * mp.expjpi(0) * mp.exp((-0.5 + 1j * mp.mpf(c)) * k / v)
+                  * mp.besselj(k, mp.mpf(c) * k / v)) / 2
+            for k in range(1, found.terms + 1)
+        ]  # fmt: skip
+        total = mp.fsum(p)
+
+        def symbol(z):
+            return total - mp.fsum(x * z ** (-k) for k, x in enumerate(p, start=1))
+
+        z = mp.findroot(symbol, mp.mpc(found.multiplier * np.exp(1j * found.angle)))
+        off = abs(abs(z) - found.multiplier)
+    assert off <= found.error
+    assert found.error < 1e-10
+
+
+def test_where_stability_is_first_lost():
+    limit = stability_limit(ETA)
+    assert 2.405 < limit.c < 2.41  # seen on running chains
+    below, above = (front_stability(fastest(c).v, c) for c in (limit.c - 1e-6, limit.c + 1e-6))
+    assert below.multiplier < 1.0 < above.multiplier
+    # By the multipliers of two couplings, linearly: ten digits.
+    rate = (above.multiplier - below.multiplier) / 2e-6
+    assert limit.c - 1e-6 + (1.0 - below.multiplier) / rate == pytest.approx(limit.c, abs=1e-10)
+    assert limit.error < 1e-11
+    assert kinetic_relation(0.5, ETA).c_stable == limit.c
+
+
+def test_stability_may_end_with_the_branch_itself():
+    limit = stability_limit(0.01)
+    assert limit.angle == 0.0
+    before, beyond = (kinetic_relation(limit.c + d, 0.01) for d in (-1e-6, 1e-6))
+    assert len(before.branches) == len(beyond.branches) + 2
+    near = front_stability(before.branches[-1].v, before.c)
+    assert near.stable
+    assert 0.99 < near.multiplier < 1.0
+
+
+def test_what_is_not_decided_says_so():
+    found = front_stability(1e4, 1e7)
+    assert (found.stable, found.multiplier, found.error) == (None, None, None)
+    assert stability_limit(0.09) is None
+    inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]
+    assert all(b.stable is None for b in inadmissible)

@@ -1,0 +1,131 @@
+"""Trajectories: whether a run is resolved and until when, what is refused, what becomes JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from theory.chains.chain import CHAINS, Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.piecewise import PiecewiseChain
+from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
+from verification.fronts.status import FrontStatus
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import RunStatus
+from verification.steppers.stop_code import StopCode
+
+FRONT = VdpChain(a=4, b=0.5, c=0.6, sites=8)
+RING = FRONT.replace(ends=Ends.PERIODIC)
+
+
+def test_a_run_that_rounding_decides_says_until_when_it_is_resolved() -> None:
+    """On its unstable cycle a cell of (43) stands still for ever; rounding makes it leave."""
+    cell = AveragedChain(a=1.0, b=0.11, c=0.0, sites=2)
+    start = np.array([[cell.unstable_amplitude, 0.0], [0.0, 0.0]])
+    end = 400.0 / cell.eps
+    run = simulate(cell, start, end, samples=101)
+    assert run.status is RunStatus.NOT_RESOLVED
+    assert run.resolved_until is not None
+    assert 0.0 < run.resolved_until < end
+    until = run.times <= run.resolved_until
+    wrong = np.abs(run.amplitude[:, 0] - cell.unstable_amplitude)
+    assert wrong[until].max() <= cell.unstable_amplitude
+    assert wrong.max() > 0.5 * cell.unstable_amplitude
+    short = simulate(cell, start, run.resolved_until, samples=11)
+    assert short.status is RunStatus.RESOLVED
+    assert short.resolved_until == run.resolved_until
+
+
+def test_a_resolved_run_says_so_and_without_comparison_nothing_is_claimed() -> None:
+    run = simulate(FRONT, excite(FRONT, [1]), 50.0)
+    assert (run.status, run.resolved_until) == (RunStatus.RESOLVED, 50.0)
+    alone = simulate(FRONT, excite(FRONT, [1]), 50.0, estimate_error=False)
+    assert (alone.status, alone.error, alone.resolved_until) == (RunStatus.NOT_COMPARED, None, None)
+    assert np.array_equal(alone.states, run.states)
+
+
+@pytest.mark.parametrize("model", ["vdp", "averaged", "friction"])
+def test_a_trajectory_becomes_json_whole(model: str) -> None:
+    chain = FRONT if model == "vdp" else FRONT.averaged()
+    if model == "friction":
+        run = simulate(FrictionChain(c=0.02, sites=4), excite(FrictionChain(c=0.02, sites=4), [1]),
+                       20.0, samples=3)  # fmt: skip
+    else:
+        run = simulate(chain, excite(chain, [1]), 20.0, samples=3)
+    found = json.loads(json.dumps(run.to_dict(), allow_nan=False))
+    assert found["chain"]["model"] == model == run.chain.model
+    assert np.array_equal(np.array(found["states"]), run.states)
+    assert isinstance(run.chain, CHAINS[model])
+
+
+def test_a_start_may_be_complex_or_a_pair_of_rows() -> None:
+    rows = excite(FRONT, [1, 2], quarter_turns=[0, -1])
+    psi = rows[1] + 1j * rows[0]
+    one, other = (simulate(FRONT, each, 20.0, samples=2) for each in (rows, psi))
+    assert np.array_equal(one.states, other.states)
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda: simulate(PiecewiseChain(c=0.5, eta=0.03), np.zeros((2, 4)), 10.0),
+        lambda: simulate(FRONT, np.zeros((3, 8)), 10.0),
+        lambda: simulate(FRONT, np.zeros((2, 8), dtype=complex), 10.0),
+        lambda: simulate(FRONT, [["a"] * 8] * 2, 10.0),
+        lambda: simulate(FRONT, np.zeros((2, 8)), 10.0, times=[5.0, 1.0]),
+        lambda: simulate(FRONT, np.zeros((2, 8)), 10.0, times=[5.0, 11.0]),
+        lambda: simulate(FRONT, np.zeros((2, 8)), 10.0, tolerance=1.0),
+        lambda: simulate(
+            FRONT.replace(ends=Ends.PERIODIC), np.zeros((2, 8)), 9.0, trailing_sites=4
+        ),
+        lambda: simulate(FRONT, np.zeros((2, 8)), 10.0, logged_events=5),
+        lambda: simulate(FrictionChain(c=0.1, sites=2), np.zeros((2, 2)), 10.0, level=1.0),
+        lambda: excite(FRONT, []),
+        lambda: excite(FRONT, [9]),
+        lambda: excite(FRONT, [1], 1e4),
+        lambda: excite(PiecewiseChain(c=0.5, eta=0.03), [1]),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_sentence(run: Callable[[], object]) -> None:
+    with pytest.raises(ParameterError) as caught:
+        run()
+    assert "\n" not in str(caught.value)
+
+
+def test_every_status_has_its_sentence() -> None:
+    for member in (*RunStatus, *FrontStatus, *StopCode, *Ends):
+        assert member.sentence.endswith(".")
+
+
+def test_the_second_process_does_not_compile() -> None:
+    """What is compiled for a chain is found on disk again: no signature is missed."""
+    code = (
+        "from theory.chains.vdp import VdpChain as C\n"
+        "from verification.runs.excite import excite\n"
+        "from verification.runs.simulate import simulate\n"
+        "chain = C(a=4, b=0.5, c=0.6, sites=4)\n"
+        "simulate(chain, excite(chain, [1]), 5.0)\n"
+        "from verification.steppers import smooth\n"
+        "_, _, step = smooth._STEPS[(chain.kernel(), 4, -1)]\n"
+        "print(sum(smooth._advance.stats.cache_misses.values()), step.cache_hits)\n"
+    )
+    simulate(FRONT, excite(FRONT, [1]), 5.0)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["0", "1"]
+
+
+def test_times_are_those_asked_for_and_the_run_goes_to_its_end() -> None:
+    chain = FrictionChain(c=0.02, sites=4)
+    run = simulate(chain, excite(chain, [1]), 50.0, times=[1.0, 2.5])
+    whole = simulate(chain, excite(chain, [1]), 50.0, samples=2)
+    assert run.times.tolist() == [1.0, 2.5]
+    assert math.isclose(run.arrivals[0], whole.arrivals[0], abs_tol=1e-8)
+    assert run.counts["sticks"] == whole.counts["sticks"]

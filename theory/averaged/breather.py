@@ -1,0 +1,321 @@
+"""The closed form of the breather, Eqs. (9), (29), (30), (37), (38), for each reading of n in (37).
+
+The unknowns are α_0 and z = e^{k_1}. Write S = α_0², w = z². Then (29) is c z = G(S) with
+G = (-b S² + 2a S - 8)/16, and (37), with k_2 = -π/2, is
+
+    ½ - a S w^n/8 + b S² w^{2n}/16 = (c/2)(1/z - z).                                          (37)
+
+(37) holds at one site n at most; print leaves n open. The readings:
+
+- ``centre``, n = 0. The left side is -G by definition, so -G = (G/2)(1/w - 1): G = 0 or w = -1.
+  No solution.
+- ``neighbour``, n = 1. With s = S w, s (1 - a s/4 + b s²/8) = G (S - s): a cubic for s at given
+  S, the parameter of the branch, and c = G √(S/s).
+- ``tail``, n → ∞. c = z/(1 - w), and (29) is b S² - 2a S + 8 + 16 w/(1 - w) = 0.
+
+Each branch starts from the cycle of one cell and has a largest c, its fold.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from theory.averaged.breather_branch import NeighbourBranch, discriminant
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError, at_least
+from theory.status import Status
+
+SMALLEST_C = 1e-100
+"""Below it e^{2 k_1}, which is near c² at small c, is too small for double precision."""
+SMALLEST_ETA = 1e-24
+"""Below it the squares of the two cycles are too far apart for their products."""
+_EPS = float(np.finfo(float).eps)
+_NOISE = 64.0 * _EPS
+"""Relative rounding of c along a branch."""
+_SCAN = 500
+
+
+class Reading(Status):
+    """The site n at which (37) is taken; print leaves it open."""
+
+    CENTRE = "centre", "(37) is taken at the centre, n = 0, where it has no solution."
+    NEIGHBOUR = "neighbour", "(37) is taken at the neighbour of the centre, n = 1."
+    TAIL = "tail", "(37) is taken far out, n → ∞, where it is linear."
+
+
+class BreatherStatus(Status):
+    """What was found of a breather, by whichever method; each member says it in a sentence."""
+
+    EXISTS = "exists", "the equations have a breather at this coupling."
+    NONE = "none", "there is no such breather at this coupling: its branch ends in a fold below it."
+    SETTLED = "settled", "the run repeats itself every period to the tolerance."
+    UNSETTLED = (
+        "unsettled",
+        "the run was still changing when its time was over: give it more slow time, or solve for "
+        "the orbit.",
+    )
+    ESCAPED = (
+        "escaped",
+        "a site that was at rest passed the unstable cycle; whether there is an unstable breather "
+        "the run does not tell, but the orbit does.",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedFormFold:
+    """The largest coupling of the closed form.
+
+    Attributes
+    ----------
+    c : float or None
+        Dimensionless; None if the reading has no solution at any coupling.
+    error : float
+        Estimated error of ``c``.
+    reading : Reading
+        Where (37) was taken.
+    place : float
+        For ``neighbour`` the fold's (S_s - S)/(S_s - S_us), in terms of the two cycles' squares.
+    """
+
+    c: float | None
+    error: float
+    reading: Reading
+    place: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedFormBreather:
+    """The closed form at one coupling.
+
+    Attributes
+    ----------
+    status : BreatherStatus
+        ``none`` beyond the fold, or for the reading ``centre``.
+    alpha_0 : float or None
+        Amplitude of the central site.
+    decay : float or None
+        e^{k_1}, the ratio of neighbouring amplitudes.
+    frequency : float
+        ω = 1 + εc of (30).
+    phase_step : float
+        k_2 = -π/2 of (37).
+    residual : float
+        Largest residual of (29) and (37).
+    error : float
+        Bound on the relative error of ``alpha_0`` and ``decay``; infinite if there is none.
+    fold : ClosedFormFold
+        Where the branch ends.
+    seconds : float
+        Wall-clock time.
+    """
+
+    status: BreatherStatus
+    alpha_0: float | None
+    decay: float | None
+    frequency: float
+    phase_step: float
+    residual: float
+    error: float
+    fold: ClosedFormFold
+    seconds: float
+
+    def amplitudes(self, count: int) -> NDArray[np.float64]:
+        """Return A_n = α_0 e^{k_1|n|} for n = 0 … count-1 (Eq. 38); empty if there is none."""
+        if self.alpha_0 is None or self.decay is None:
+            return np.empty(0)
+        return np.array([self.alpha_0 * self.decay**n for n in range(count)])
+
+
+def decay_of_centre(alpha_0: float, chain: VanDerPolChain) -> float:
+    """Return e^{k_1} = (-b α_0⁴ + 2a α_0² - 8)/(16 c) (Eq. 29)."""
+    return _gain(alpha_0**2, chain) / chain.c
+
+
+def breather_frequency(chain: VanDerPolChain) -> float:
+    """Return ω = 1 + εc (Eq. 30).
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> breather_frequency(VdpChain(a=2.5, b=0.5, c=0.1, eps=0.01))
+    1.001
+    """
+    return 1.0 + chain.eps * chain.c
+
+
+def tail_residual(alpha_0: float, decay: float, site: float, chain: VanDerPolChain) -> float:
+    """Return left minus right side of (37) at a site, times -(c/2)(z - 1/z).
+
+    Parameters
+    ----------
+    alpha_0, decay : float
+        α_0 and z = e^{k_1}.
+    site : float
+        n; ``math.inf`` for the linear tail.
+    chain : VdpChain or AveragedChain
+        a, b, c.
+    """
+    square = 0.0 if math.isinf(site) else alpha_0**2 * decay ** (2 * site)
+    balance = 0.5 - chain.a * square / 8.0 + chain.b * square**2 / 16.0
+    return balance - 0.5 * chain.c * (1.0 / decay - decay)
+
+
+def solve_breather(
+    chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
+) -> ClosedFormBreather:
+    """Solve (29) with (37) on the branch that starts from the stable cycle of one cell.
+
+    Parameters
+    ----------
+    chain : VdpChain or AveragedChain
+        Needs two cycles (8b < a²) and c > 0.
+    reading : Reading, optional
+        Where (37) is taken.
+
+    Raises
+    ------
+    ParameterError
+        If the cell has no cycle, c is zero or below `SMALLEST_C`, or η below `SMALLEST_ETA`.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> breather = solve_breather(VdpChain(a=2.5, b=0.5, c=0.1))
+    >>> [round(float(value), 4) for value in breather.amplitudes(2)]
+    [2.8185, 0.2946]
+    >>> solve_breather(VdpChain(a=2.5, b=0.5, c=0.1), Reading.CENTRE).status.value
+    'none'
+    """
+    started = time.perf_counter()
+    _check_range(chain)
+    fold = closed_form_fold(chain, reading)
+    exists = fold.c is not None and chain.c <= fold.c
+    solve = _tail if reading is Reading.TAIL else _neighbour
+    S, w, error = solve(chain, fold) if exists else (math.nan, math.nan, math.inf)
+    alpha_0, decay = math.sqrt(S), math.sqrt(w)
+    site = math.inf if reading is Reading.TAIL else 1.0
+    residual = max(
+        abs(decay_of_centre(alpha_0, chain) - decay),
+        abs(tail_residual(alpha_0, decay, site, chain)),
+    )
+    return ClosedFormBreather(
+        status=BreatherStatus.EXISTS if exists else BreatherStatus.NONE,
+        alpha_0=alpha_0 if exists else None,
+        decay=decay if exists else None,
+        frequency=breather_frequency(chain),
+        phase_step=-0.5 * math.pi,
+        residual=residual if exists else math.inf,
+        error=error,
+        fold=fold,
+        seconds=time.perf_counter() - started,
+    )
+
+
+def _check_range(chain: VanDerPolChain) -> None:
+    if chain.c == 0:
+        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
+    remedy = "take a larger one: at small c the decay is c itself, and the centre the stable cycle"
+    at_least("coupling c", chain.c, SMALLEST_C, remedy)
+
+
+def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
+    """Return the largest coupling at which (29) and (37) have a solution.
+
+    For the reading ``tail`` it is known: c² = m(1 + m) with m = (a² - 8b)/(16 b).
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1)).c, 6)
+    0.197334
+    >>> round(closed_form_fold(VdpChain(a=2.5, b=0.5, c=0.1), Reading.TAIL).c, 6)
+    0.600293
+    """
+    at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, "take a smaller a or a larger b")
+    gap = discriminant(chain)
+    if reading is Reading.CENTRE:
+        return ClosedFormFold(c=None, error=0.0, reading=reading)
+    if reading is Reading.TAIL:
+        m = gap / (16.0 * chain.b)
+        c = math.sqrt(m) * math.sqrt(1.0 + m)
+        return ClosedFormFold(c=c, error=8.0 * _EPS * c, reading=reading)
+    branch = NeighbourBranch(chain.a, chain.b, gap)
+    grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
+    # The first fall: c rises from zero, and falls before S turns.
+    falling = np.flatnonzero(np.diff(branch.coupling(grid)) < 0.0)
+    peak = max(int(falling[0]), 1)
+    low, high = float(grid[peak - 1]), float(grid[min(peak + 1, _SCAN - 1)])
+    found = minimize_scalar(
+        lambda t: -branch.coupling_at(t),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    t = float(found.x)
+    # SciPy stops at 1e-8 of t; one parabola puts its top where the height is right to rounding.
+    below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
+    t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
+    c = branch.coupling_at(t)
+    return ClosedFormFold(c=c, error=_NOISE * c, reading=reading, place=math.exp(t))
+
+
+def _gain(square: float, chain: VanDerPolChain) -> float:
+    return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0
+
+
+def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S).
+
+    G(S) = c z is b S² - 2a S + 8 + 16 c z = 0, of discriminant a² - 8b - 16 b c z = 16 b (m - c z).
+    With c z = (√(1 + 4c²) - 1)/2 and m as at the fold,
+
+        m - c z = 2 (m (1 + m) - c²)/(2m + 1 + √(1 + 4c²)),
+
+    whose numerator is taken in rational numbers: nothing is lost as c comes to the fold.
+    """
+    a, b, c = Fraction(chain.a), Fraction(chain.b), Fraction(chain.c)
+    m = (a * a - 8 * b) / (16 * b)
+    wide = Fraction(2.0 * float(m) + 1.0) + Fraction(math.hypot(1.0, 2.0 * chain.c))
+    inside = 32 * b * (m * (1 + m) - c * c) / wide
+    root = math.sqrt(max(float(inside), 0.0))
+    error = 8.0 * _EPS
+    if inside <= 0:
+        # c is beyond the fold by the rounding of the fold's c only; the breather there is given,
+        # and how far it moves over that rounding of c, which is like its square root.
+        slack = 32 * b * 2 * c * Fraction(fold.error) / wide
+        error += math.sqrt(float(slack)) / chain.a
+    z = 2.0 * chain.c / (1.0 + math.hypot(1.0, 2.0 * chain.c))
+    return (chain.a + root) / chain.b, z * z, error
+
+
+def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
+    """Return S, w and their relative error for n = 1, on the branch before the fold."""
+    branch = NeighbourBranch(chain.a, chain.b, discriminant(chain))
+    c, top = chain.c, math.log(fold.place)
+    low = min(math.log(branch.first), branch.start_at(c))
+    t = top
+    if branch.coupling_at(top) > c:
+        t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * _EPS)
+    # The true place lies where c - c(t) surely changes its sign; beside the fold, where c(t)
+    # surely falls below c on both sides.
+    spread = 4.0 * _EPS * max(1.0, abs(t))
+    noise = _NOISE * c
+    for _ in range(60):
+        beyond = branch.coupling_at(t + spread)
+        after = beyond > c + noise or branch.coupling_at(max(t, top) + spread) < c - noise
+        if branch.coupling_at(t - spread) < c - noise and after:
+            break
+        spread *= 2.0
+    ends = [branch.squares(np.array([x])) for x in (t - spread, t, t + spread)]
+    (S_low, s_low), (S, s), (S_high, s_high) = [(float(x[0]), float(y[0])) for x, y in ends]
+    w = s / S
+    moved = max(abs(S_low - S) / S, abs(S_high - S) / S, abs(s_low / S_low - w) / w)
+    moved = max(moved, abs(s_high / S_high - w) / w)
+    return S, w, moved + 16.0 * _EPS

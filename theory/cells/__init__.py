@@ -1,0 +1,1 @@
+"""One oscillator alone: rest state, unstable and stable cycle."""

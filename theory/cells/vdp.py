@@ -1,0 +1,124 @@
+"""The bistable Van der Pol cell of Model II (Eq. 8 at c = 0): η and the ratio of its two cycles.
+
+The averaged amplitude equation (43) of one cell, with amplitude ρ = |φ|, is
+ρ' = -(ρ/2)(1 - a ρ²/4 + b ρ⁴/8). Its two cycles are ρ² = (a/b)(1 ∓ √(1 - 8η)), η = b/a².
+"""
+
+from __future__ import annotations
+
+import math
+
+from theory.parameters import ParameterError, at_least, within
+
+ETA_END = 0.125
+"""The two cycles meet at η = 1/8; beyond it the cell has no limit cycle."""
+
+SMALLEST_ETA = 1e-24
+"""Below this |Σ| = 2r is too small for double precision to separate from zero."""
+
+
+def eta_from_damping(a: float, b: float) -> float:
+    """Return η = b/a² of the damping 1 - a y² + b y⁴ (Eq. 54).
+
+    Parameters
+    ----------
+    a, b : float
+        Coefficients of (8), dimensionless, both positive, from 1e-100 to 1e100: beyond, the
+        amplitudes would not fit into double precision.
+
+    Raises
+    ------
+    ParameterError
+        If a or b is not finite and positive, or out of range.
+
+    Examples
+    --------
+    >>> eta_from_damping(4, 0.5)
+    0.03125
+    """
+    for name, value in (("a", a), ("b", b)):
+        within(f"damping coefficient {name}", value, 1e-100, 1e100)
+    return b / a**2
+
+
+def checked_eta(eta: float) -> float:
+    """Return η if it is a positive number that double precision can treat.
+
+    Raises
+    ------
+    ParameterError
+        If η is not finite, or below ``SMALLEST_ETA``.
+    """
+    remedy = "below it use the limit v = sqrt(c/(8 r)), r = sqrt(2 eta)"
+    return at_least("eta = b/a^2", eta, SMALLEST_ETA, remedy)
+
+
+def is_bistable(eta: float) -> bool:
+    """Return whether the cell has two limit cycles: 0 < η < 1/8."""
+    return 0 < eta < ETA_END
+
+
+def threshold_ratio(eta: float) -> float:
+    """Return r(η) = |φ_us|/|φ_s|, the unstable over the stable cycle (right side of Eq. 54, /2).
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², dimensionless, 0 < η ≤ 1/8.
+
+    Returns
+    -------
+    float
+        r, dimensionless, 0 < r ≤ 1; accurate to rounding for every η.
+
+    Raises
+    ------
+    ParameterError
+        If η is not in (0, 1/8].
+
+    Notes
+    -----
+    r² = (1 - s)/(1 + s) with s = √(1 - 8η); written 8η/(1 + s)² it does not cancel.
+
+    Examples
+    --------
+    >>> round(threshold_ratio(0.03125), 12)
+    0.267949192431
+    """
+    if not 0 < eta <= ETA_END:
+        raise ParameterError(
+            "eta = b/a^2", eta, "greater than 0 and at most 1/8", "beyond 1/8 there are no cycles"
+        )
+    return math.sqrt(8.0 * eta) / (1.0 + math.sqrt(1.0 - 8.0 * eta))
+
+
+def eta_from_ratio(r: float) -> float:
+    """Return η at which |φ_us|/|φ_s| = r, the inverse of :func:`threshold_ratio`.
+
+    Parameters
+    ----------
+    r : float
+        Ratio of the cycles, dimensionless, 0 ≤ r ≤ 1.
+
+    Examples
+    --------
+    >>> round(eta_from_ratio(0.5), 12)
+    0.08
+    """
+    return r**2 / (2.0 * (1.0 + r**2) ** 2)
+
+
+def threshold_ratio_slope(eta: float) -> float:
+    """Return dr/dη = 2 r / (8η √(1 - 8η)), for 0 < η < 1/8.
+
+    From r² = (1 - s)/(1 + s), s = √(1 - 8η): dr/ds = -1/(r (1 + s)²) and ds/dη = -4/s.
+
+    Examples
+    --------
+    >>> step = 1e-6
+    >>> difference = threshold_ratio(0.05 + step) - threshold_ratio(0.05 - step)
+    >>> abs(difference / (2 * step) - threshold_ratio_slope(0.05)) < 1e-8
+    True
+    """
+    s = math.sqrt(1.0 - 8.0 * eta)
+    return 4.0 / (threshold_ratio(eta) * s * (1.0 + s) ** 2)

@@ -1,0 +1,1 @@
+"""One file a model: its parameters, checked on construction, and its equation."""

@@ -1,0 +1,264 @@
+"""What a chain is: the contract that every model fulfils, and the register of the models.
+
+A chain is the parameters of one model, checked on construction, and its equation of motion. It
+does not integrate, measure or print; what does so takes any chain.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from enum import StrEnum
+from typing import Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError, real_number, whole_number
+from theory.status import Status
+
+FloatArray = npt.NDArray[np.float64]
+
+CHAINS: dict[str, type[Chain]] = {}
+"""Every model by its name; a subclass of :class:`Chain` enters itself."""
+
+MAX_SITES = 1_000_000
+MAX_COUPLING = 1e6
+
+
+class Ends(Status):
+    """What the end sites of a chain are coupled to."""
+
+    FREE = "free", "One neighbour only: the coupling of site 1 is c(y_1 - y_2)."
+    PERIODIC = "periodic", "The two ends are neighbours of each other, as in (40): a ring."
+    LITERAL = (
+        "literal",
+        "The missing neighbours are zero, as (5) stands: the coupling of site 1 is c(2y_1 - y_2), "
+        "a spring to a wall.",
+    )
+
+
+class Site(NamedTuple):
+    """The two numbers of a site: (y, ẏ) of a model in t, (Im φ, Re φ) of an envelope."""
+
+    y: float
+    w: float
+
+
+Kernel = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
+"""Right-hand side of a site: (site, left neighbour, right neighbour, parameters) → (y', w')."""
+
+
+def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING) -> Any:
+    """Return a dataclass field with the help text and the symbol from which options are made.
+
+    Parameters
+    ----------
+    text : str
+        What it is and its range, for ``--help``.
+    symbol : str
+        As it stands in the equations.
+    default : optional
+        Value if it is not given.
+    """
+    metadata = {"help": text, "symbol": symbol}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+class Chain(ABC):
+    """Parameters and equation of one model of a chain of bistable sites.
+
+    How to write a new chain:
+
+    1. Write a dataclass, ``@dataclass(frozen=True, kw_only=True)``, derived from
+       :class:`SmoothChain` if its right-hand side is smooth, and name the model in the class line:
+       ``class Nagumo(SmoothChain, model="nagumo")``. This enters it into :data:`CHAINS`.
+    2. Declare each parameter by :func:`parameter`; the command line makes its options of them.
+       Parameters are dimensionless. A chain of finite length has ``sites`` and ``ends``.
+    3. Check the parameters in ``__post_init__``: :meth:`_check_number` and :meth:`_check_count`
+       refuse text, NaN, truth values and arrays, and store a plain float or int;
+       :meth:`_check_ends` compares the ends with ``allowed_ends``.
+    4. Give :attr:`stable_amplitude`, the amplitude of the excited state, and
+       :attr:`unstable_amplitude`, the one above which a site counts as reached. Raise
+       ``ParameterError`` where there is none.
+    5. Give :attr:`time_unit`, the time t in which amplitudes change by a factor of order one:
+       waiting times of fronts and thresholds are counted in it.
+    6. If the motion is smooth, :class:`SmoothChain` says the rest. If it is not, register an
+       integration of your own with ``verification.runs.integration.integrate``.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    allowed_ends : tuple of Ends
+        Ends that the model takes; empty if the chain has none.
+    """
+
+    model: ClassVar[str]
+    allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE,)
+
+    def __init_subclass__(cls, model: str | None = None, **options: Any) -> None:
+        """Enter the subclass into :data:`CHAINS` if it names a model."""
+        super().__init_subclass__(**options)
+        if model is not None:
+            cls.model = model
+            CHAINS[model] = cls
+
+    @property
+    @abstractmethod
+    def rest_state(self) -> Site:
+        """(y, w) of a site at rest."""
+
+    @property
+    @abstractmethod
+    def stable_amplitude(self) -> float:
+        """Amplitude of the excited state of a site alone."""
+
+    @property
+    @abstractmethod
+    def unstable_amplitude(self) -> float:
+        """Amplitude above which a site counts as reached."""
+
+    @property
+    def time_unit(self) -> float:
+        """Time t in which amplitudes change by a factor of order one."""
+        return 1.0
+
+    def replace(self, **changes: Any) -> Self:
+        """Return this chain with some parameters changed, checked again.
+
+        Raises
+        ------
+        ParameterError
+            If one is out of range, or the chain has no such parameter.
+
+        Examples
+        --------
+        >>> from theory.chains.vdp import VdpChain
+        >>> VdpChain(a=4, b=0.5, c=0.6).replace(c=0.5).c
+        0.5
+        """
+        names = [each.name for each in dataclasses.fields(self)]  # type: ignore[arg-type]
+        for name in changes:
+            if name not in names:
+                raise ParameterError("parameter", name, f"one of {', '.join(names)}", "rename it")
+        return dataclasses.replace(self, **changes)  # type: ignore[type-var]
+
+    def parameters(self) -> dict[str, float | int | str | None]:
+        """Return the model and its parameters, as JSON can hold them.
+
+        Examples
+        --------
+        >>> from theory.chains.vdp import VdpChain
+        >>> VdpChain(a=4, b=0.5, c=0.6).parameters()
+        {'model': 'vdp', 'a': 4.0, 'b': 0.5, 'c': 0.6, 'eps': 0.01, 'sites': 31, 'ends': 'free'}
+        """
+        found: dict[str, float | int | str | None] = {"model": self.model}
+        for each in dataclasses.fields(self):  # type: ignore[arg-type]
+            value = getattr(self, each.name)
+            found[each.name] = value.value if isinstance(value, StrEnum) else value
+        return found
+
+    def _check_number(
+        self, name: str, quantity: str, low: float, high: float, remedy: str = "give such a number"
+    ) -> None:
+        """Check a real parameter and store it as a float."""
+        checked = real_number(quantity, getattr(self, name), low, high, remedy)
+        object.__setattr__(self, name, checked)
+
+    def _check_count(self, name: str, quantity: str, low: int, high: int) -> None:
+        """Check a whole parameter and store it as an int."""
+        object.__setattr__(self, name, whole_number(quantity, getattr(self, name), low, high))
+
+    def _check_ends(self) -> None:
+        """Check the ends, given as a member or by its word, and store the member."""
+        given: Any = self.ends  # type: ignore[attr-defined]
+        words = [end.value for end in self.allowed_ends]
+        if not isinstance(given, str) or given not in words:
+            raise ParameterError(
+                "ends", given, " or ".join(words), f"the model {self.model} takes such ends"
+            )
+        object.__setattr__(self, "ends", Ends(given))
+
+
+class SmoothChain(Chain):
+    """A chain whose right-hand side is smooth: two numbers a site, coupled to its neighbours.
+
+    How to write one, after the guidelines of :class:`Chain`:
+
+    1. Give :attr:`sites` and :attr:`ends` as parameters.
+    2. Write the right-hand side of one site as a plain function at the top of a file, and return it
+       from :meth:`kernel`::
+
+           def nagumo(site, left, right, p):
+               y, _ = site
+               return y * (1 - y) * (y - p[0]) + p[1] * (left[0] + right[0] - 2 * y), 0.0
+
+       ``site``, ``left`` and ``right`` are pairs (y, w), ``p`` is :meth:`kernel_parameters` as a
+       tuple. It is compiled by numba when it is first integrated, so it may use arithmetic,
+       ``math``, and functions of the same kind compiled by ``numba.njit``. Add the two neighbours
+       first, so that a mirror-symmetric state stays so to the last bit. At a free end the missing
+       neighbour equals the site itself.
+    3. Measure y and w from rest: the rest state is (0, 0), and the amplitude of a site is
+       √(y² + w²).
+    4. Where the kernel's time is not t, say so by :attr:`kernel_rate`; where the motion of a site
+       is an oscillation of period about 2π in that time, by :attr:`oscillates`.
+    5. Where waves run behind a front, give :attr:`trailing_wave_velocity`; where excited sites
+       follow each other with a phase step, :attr:`front_phase_step`.
+
+    Attributes
+    ----------
+    oscillates : bool
+        Whether (y, w) turns clockwise with a period of about 2π of the kernel's time.
+    front_phase_step : int
+        Quarter turns from a site to the next one behind a front.
+    """
+
+    oscillates: ClassVar[bool] = False
+    front_phase_step: ClassVar[int] = 0
+
+    sites: int
+    ends: Ends
+
+    @abstractmethod
+    def kernel(self) -> Kernel:
+        """Return the right-hand side of one site; see the guidelines of the class."""
+
+    @abstractmethod
+    def kernel_parameters(self) -> tuple[float, ...]:
+        """Return the numbers that the kernel takes as ``p``."""
+
+    @property
+    def kernel_rate(self) -> float:
+        """Units of the kernel's time that pass in one unit of t."""
+        return 1.0
+
+    @property
+    def rest_state(self) -> Site:
+        """(0, 0): y and w are measured from rest."""
+        return Site(0.0, 0.0)
+
+    @property
+    def trailing_wave_velocity(self) -> float:
+        """Largest velocity, in sites per unit t, of undamped waves behind a front; 0 for none."""
+        return 0.0
+
+    def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:
+        """Return (y, w) of a site at a distance from rest, turned by so many quarters.
+
+        Parameters
+        ----------
+        displacement : float
+            √(y² + w²), dimensionless; its sign is that of y at no turn.
+        quarter_turns : int
+            Phase in quarters of a turn; the phase grows with time, from y towards -w.
+
+        Examples
+        --------
+        >>> from theory.chains.vdp import VdpChain
+        >>> tuple(VdpChain(a=4, b=0.5, c=0.6).excited_state(2.0, 1))
+        (0.0, -2.0)
+        """
+        y, w = ((1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0))[quarter_turns % 4]
+        return Site(displacement * y + 0.0, displacement * w + 0.0)

@@ -1,0 +1,121 @@
+"""Model I, the chain (Eq. 5): parameters, end conditions, linear waves about steady sliding.
+
+ÿ_n + 2ξẏ_n + y_n + c(2y_n - y_{n+1} - y_{n-1}) = F(ẏ_n - v_d)                        (5)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import MAX_COUPLING, MAX_SITES, Chain, Ends, Site, parameter
+from theory.parameters import ParameterError
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionChain(Chain, model="friction"):
+    """Model I, Eq. (5): friction-excited oscillators; dimensionless, checked once.
+
+    Its motion is smooth only between stick and slip, so it is integrated from event to event. A
+    site counts as reached when it first sticks.
+
+    Attributes
+    ----------
+    c : float
+        Coupling, from 0 to 1e6.
+    v_d, mu_st, mu_d, v0, xi : float
+        As in :class:`theory.cells.friction.FrictionCell`.
+    sites : int
+        Number of oscillators, from 1 to 1 000 000.
+    ends : Ends
+        Free, or literal: (5) as it stands, with the missing neighbours zero.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of range.
+
+    Examples
+    --------
+    >>> FrictionChain(c=0.02).sites, round(FrictionChain(c=2.0).largest_group_velocity, 12)
+    (31, 1.0)
+    """
+
+    allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.LITERAL)
+
+    c: float = parameter("coupling, zero or positive", "c")
+    v_d: float = parameter("velocity of the belt, positive", "v_d", FrictionCell.v_d)
+    mu_st: float = parameter("static friction, above mu_d", "μ_st", FrictionCell.mu_st)
+    mu_d: float = parameter("dynamic friction, not negative", "μ_d", FrictionCell.mu_d)
+    v0: float = parameter("reference velocity of (2), positive", "v_0", FrictionCell.v0)
+    xi: float = parameter("damping ratio, zero or positive", "ξ", FrictionCell.xi)
+    sites: int = parameter("number of sites, from 1", "N", 31)
+    ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
+
+    def __post_init__(self) -> None:
+        remedy = "give a coupling that is zero or positive"
+        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
+        cell = self.cell
+        for name in ("v_d", "mu_st", "mu_d", "v0", "xi"):
+            object.__setattr__(self, name, getattr(cell, name))
+        self._check_count("sites", "number of sites n", 1, MAX_SITES)
+        self._check_ends()
+
+    @classmethod
+    def of(
+        cls, cell: FrictionCell, *, c: float, sites: int = 31, ends: Ends = Ends.FREE
+    ) -> FrictionChain:
+        """Return the chain of this cell.
+
+        Examples
+        --------
+        >>> FrictionChain.of(FrictionCell(v_d=2.0), c=0.02, sites=5).v_d
+        2.0
+        """
+        return cls(
+            c=c,
+            v_d=cell.v_d,
+            mu_st=cell.mu_st,
+            mu_d=cell.mu_d,
+            v0=cell.v0,
+            xi=cell.xi,
+            sites=sites,
+            ends=ends,
+        )
+
+    @cached_property
+    def cell(self) -> FrictionCell:
+        """One oscillator alone."""
+        return FrictionCell(v_d=self.v_d, mu_st=self.mu_st, mu_d=self.mu_d, v0=self.v0, xi=self.xi)
+
+    @property
+    def rest_state(self) -> Site:
+        """Steady sliding, (μ(v_d), 0)."""
+        return Site(self.cell.steady_sliding, 0.0)
+
+    @property
+    def stable_amplitude(self) -> float:
+        """Half the range of y on the stick-slip cycle is not known in closed form.
+
+        Raises
+        ------
+        ParameterError
+            Always; ``verification.cells.friction_cycles`` computes it.
+        """
+        raise ParameterError(
+            "amplitude of the stick-slip cycle", "asked of the chain", "computed from the cycle",
+            "use verification.cells.friction_cycles.cycle_turning_points",
+        )  # fmt: skip
+
+    @property
+    def unstable_amplitude(self) -> float:
+        """v_d: a velocity that reaches that of the belt makes a site stick, and so be reached."""
+        return self.v_d
+
+    @property
+    def largest_group_velocity(self) -> float:
+        """(√(1 + 4c) - 1)/2, of the waves ω² = 1 + 4c sin²(q/2) about steady sliding, undamped."""
+        return 2.0 * self.c / (math.sqrt(1.0 + 4.0 * self.c) + 1.0)

@@ -1,0 +1,1 @@
+"""The piecewise-linear chain (44) in closed form: roots, Σ, kinetic relation, front."""

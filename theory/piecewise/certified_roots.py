@@ -1,0 +1,154 @@
+"""Balls that provably hold one root of (50) each, and a provable count (optional: python-flint)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from theory.parameters import MissingPackageError
+from theory.piecewise.root_count import box_corners, box_of_strips, edge_pieces
+from theory.piecewise.roots import IntArray, RootSet, labelled_roots, strip_bounds
+
+_BITS = 120
+_DEEPEST = 12
+
+
+class CertificationError(ArithmeticError):
+    """A root or a count that ball arithmetic could not confirm at the working precision."""
+
+
+@dataclass(frozen=True)
+class CertifiedRoots:
+    """Roots of one half-plane, each alone in its ball, none left out.
+
+    Attributes
+    ----------
+    roots : RootSet
+        The centres; ``radius`` is the certified one.
+    counted : int
+        Roots in the box of these strips, certified by the winding of L in ball arithmetic.
+    bits : int
+        Working precision.
+    """
+
+    roots: RootSet
+    counted: int
+    bits: int
+
+
+def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> CertifiedRoots:
+    """Enclose the root of each of the consecutive strips ``labels`` and certify their number.
+
+    Interval Newton: if m - L(m)/L_k(B) lies inside the ball B about m, then B holds exactly one
+    root, and it lies in that smaller set. The count is the winding of L along the edge of a box,
+    every piece of which is shown not to pass through zero. v and c are the exact binary numbers.
+
+    Parameters
+    ----------
+    v, c : float
+        Front velocity v̂ and coupling, dimensionless.
+    labels : ndarray of int, shape (n,)
+        Consecutive strip numbers.
+    upper : bool
+        Half-plane.
+
+    Raises
+    ------
+    MissingPackageError
+        If python-flint is not installed.
+    CertificationError
+        If an enclosure or the count fails, or the two disagree.
+    """
+    flint = _flint()
+    before = flint.ctx.prec
+    flint.ctx.prec = _BITS
+    try:
+        found = labelled_roots(v, c, labels, upper)
+        balls = [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
+        alone = _alone(flint, [place for _, place in balls], labels, upper)
+        counted = _certified_count(flint, v, c, labels, upper)
+    finally:
+        flint.ctx.prec = before
+    where = f"at v = {v!r}, c = {c!r}"
+    if counted != labels.size:
+        raise CertificationError(f"{counted} roots counted and {labels.size} enclosed {where}")
+    if not alone:
+        raise CertificationError(f"a root is too near the edge of its strip {where}")
+    radius = np.array([size for size, _ in balls])
+    roots = RootSet(labels=found.labels, k=found.k, residual=found.residual, radius=radius)
+    return CertifiedRoots(roots, counted, _BITS)
+
+
+def _flint() -> Any:
+    try:
+        import flint
+    except ImportError:
+        raise MissingPackageError("python-flint", "certify", "a certified root") from None
+    return flint
+
+
+def _enclose(flint: Any, v: float, c: float, k: complex, radius: float) -> tuple[float, Any]:
+    """Return a radius about ``k`` that provably holds exactly one root, and where that lies.
+
+    The second is a far smaller ball, with a centre that need not be a double.
+    """
+    v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
+    middle = flint.acb(k.real, k.imag)
+    value = flint.acb(0.5) - 2 * i * c_ * (middle / 2).sin() ** 2 - i * v_ * middle
+    trial = radius
+    for _ in range(20):
+        side = flint.arb(0, trial)
+        ball = middle + flint.acb(side, side)
+        slope = -i * (v_ + c_ * ball.sin())
+        if not slope.contains(0):
+            shift = value / slope
+            size = float(abs(shift).upper())
+            if size < trial:  # the image lies inside the square of half-side trial
+                return math.nextafter(size, math.inf), middle - shift
+        trial *= 2.0
+    raise CertificationError(f"no ball about {k} could be certified at v = {v!r}, c = {c!r}")
+
+
+def _certified_count(flint: Any, v: float, c: float, labels: IntArray, upper: bool) -> int:
+    """Return the winding of L about the box of these strips, each piece of edge proved."""
+    v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
+    corners = box_corners(*box_of_strips(v, c, labels, upper))
+
+    def value(k: Any) -> Any:
+        return flint.acb(0.5) - 2 * i * c_ * (k / 2).sin() ** 2 - i * v_ * k
+
+    turn = 0.0
+    for start, end in itertools.pairwise(corners):
+        a, b = edge_pieces(v, c, start, end)
+        pieces = [
+            (flint.acb(p), flint.acb(q), 0) for p, q in zip(a.tolist(), b.tolist(), strict=True)
+        ]
+        while pieces:
+            low, high, depth = pieces.pop()
+            middle = (low + high) / 2
+            centre = value(middle)
+            spread = -i * (v_ + c_ * low.union(high).sin()) * (high - low) / (2 * centre)
+            if abs(spread) < 1:  # L/L(middle) stays in the right half-plane on this piece
+                change = (value(high) / value(low)).arg()
+                turn += float(change.mid())
+            elif depth < _DEEPEST:
+                pieces += [(low, middle, depth + 1), (middle, high, depth + 1)]
+            else:
+                raise CertificationError(f"the edge piece {low} to {high} could not be certified")
+    # The turning of a closed curve is a whole number; the pieces' rounding is far below one half.
+    return round(turn / (2.0 * math.pi))
+
+
+def _alone(flint: Any, places: Sequence[Any], labels: IntArray, upper: bool) -> bool:
+    """Tell whether every root lies in its own strip, so that no two are the same."""
+    bounds = zip(*strip_bounds(labels, upper), strict=True)
+    return all(
+        place.real > round(low / math.pi) * flint.arb.pi()
+        and place.real < round(high / math.pi) * flint.arb.pi()
+        for place, (low, high) in zip(places, bounds, strict=True)
+    )

@@ -1,0 +1,183 @@
+"""Where moving fronts begin: the fold c_fold(η) ≤ c_pin(η), and the same as functions of c.
+
+Static fronts end at c_pin (``theory.piecewise.limits``). Moving ones begin where max_v |Σ(v, c)|
+first reaches 2r. That maximum may lie above |Σ(0⁺, c)|; then c_fold < c_pin, two moving branches
+meet at c_fold, and between the two couplings a resting front stays and a moving one moves
+(hysteresis).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.vdp import eta_from_ratio, threshold_ratio
+from theory.parameters import within
+from theory.piecewise.dispersion import FloatArray
+from theory.piecewise.limits import pinning_coupling, pinning_eta, static_sum
+from theory.piecewise.sums.integral import sums
+
+_SLOWEST = 0.018
+"""At smaller v, |Σ| is within 1e-12 of its limit at v = 0."""
+
+LAST_FOLD = 2.0
+"""From c ≈ 0.9 on no maximum of |Σ| over v exceeds the static limit; none is sought from here."""
+
+_EXCESS = 2e-13
+
+
+@dataclass(frozen=True)
+class Fold:
+    """The onset of moving fronts.
+
+    Attributes
+    ----------
+    value : float
+        c_fold at given η, or η_fold at given c; dimensionless.
+    error : float
+        Bound on its error.
+    velocity : float
+        Velocity at the fold; 0 where the fold is at pinning itself.
+    """
+
+    value: float
+    error: float
+    velocity: float
+
+
+def fold_coupling(eta: float) -> Fold | None:
+    """Return c_fold(η), below which no front of (44) moves steadily.
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², dimensionless, 0 < η ≤ 1/8.
+
+    Returns
+    -------
+    Fold or None
+        ``velocity`` is 0 and c_fold = c_pin where no moving front exists below c_pin to within
+        the error stated. None for η ≥ 2/25, where no front advances.
+
+    Examples
+    --------
+    >>> fold = fold_coupling(0.03125)
+    >>> fold.value < pinning_coupling(0.03125) and fold.error < 1e-11
+    True
+    """
+    return fold_couplings([eta])[0]
+
+
+def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
+    """Return :func:`fold_coupling` for many η at once.
+
+    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: Newton in (ln v, c) from each maximum at c_pin. The
+    least c is the fold; near c = 0.82 two maxima are as high as each other.
+    """
+    etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
+    pins = [pinning_coupling(value) for value in etas]
+    folds = [None if pin is None else Fold(pin, _pinned_error(pin), 0.0) for pin in pins]
+    start = {i: _maxima(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
+    some = [i for i, maxima in start.items() for _ in maxima]
+    if not some:
+        return folds
+    target = np.array([2.0 * threshold_ratio(etas[i]) for i in some])
+    t = np.concatenate(list(start.values()))
+    c = np.array([pins[i] for i in some], dtype=float)
+    height = by_c = error = np.zeros_like(t)
+    for _ in range(12):
+        t = _climb(t, c)
+        height, _, by_c, error = _height(t, c)
+        step = (height - target) / by_c
+        c = c - step
+        if np.all(np.abs(step) < 1e-14 * c):
+            break
+    # The height is stationary in v, so only its own error matters.
+    spread = 2.0 * (np.abs(height - target) + error) / by_c
+    for i, c_, e_, v_ in zip(some, c.tolist(), spread.tolist(), np.exp(t).tolist(), strict=True):
+        least = folds[i]
+        if least is not None and c_ < least.value - e_:
+            folds[i] = Fold(c_, e_, v_)
+    return folds
+
+
+def fold_eta(c: float) -> Fold:
+    """Return η_fold(c), above which no front of (44) moves steadily at this coupling.
+
+    Raises
+    ------
+    ParameterError
+        If the coupling is not from 1e-150 to 1e300.
+
+    Examples
+    --------
+    >>> fold = fold_eta(fold_coupling(0.03125).value)
+    >>> abs(fold.value - 0.03125) < 1e-12
+    True
+    """
+    c = within("coupling c", c, 1e-150, 1e300)
+    maxima = _maxima(c) if 1e-12 <= c < LAST_FOLD else np.empty(0)
+    if maxima.size == 0:
+        return Fold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)
+    t = maxima[:1]
+    height, _, _, error = (float(row[0]) for row in _height(t, np.array([c])))
+    r = 0.5 * height
+    by_r = r * (1.0 - r * r) / (1.0 + r * r) ** 3
+    return Fold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
+
+
+def _pinned_error(pin: float) -> float:
+    """Bound the error of a fold at pinning: its rounding, and maxima too low to be looked for."""
+    rounding = 4e-16 * pin
+    if pin >= LAST_FOLD:
+        return rounding
+    slope = (abs(static_sum(1.001 * pin)) - abs(static_sum(pin))) / (0.001 * pin)
+    return rounding + 2.0 * _EXCESS / slope
+
+
+def _maxima(c: float) -> FloatArray:
+    """Return ln v of the maxima of |Σ(v, c)| above the static limit, the highest first."""
+    fastest = 2.0 * math.sqrt(c) + 1.0
+    wiggle = math.pi / (4.0 * c + 1.0) / 2.0
+    even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, wiggle)
+    v = np.unique(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
+    size = np.abs(sums(v, c, 1e-14).value)
+    still = abs(static_sum(c))
+    # Which is the highest shows at the tops only: the scan meets one of them and passes another by.
+    rises = np.diff(size) > 0
+    crest = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
+    crest = crest[np.abs(size[crest] - still) > _EXCESS]  # the rest is rounding
+    couplings = np.full(crest.shape, c)
+    t = _climb(np.log(v[crest]), couplings)
+    height = _height(t, couplings)[0]
+    order = np.argsort(-height)
+    found: FloatArray = t[order[height[order] > still + _EXCESS]]
+    return found
+
+
+def _climb(t: FloatArray, c: FloatArray) -> FloatArray:
+    """Return ln v of the maximum of |Σ| near t: Newton on its slope, which is exact."""
+    for _ in range(20):
+        slope = _height(t, c)[1]
+        ahead, behind = _height(t + 1e-4, c)[1], _height(t - 1e-4, c)[1]
+        bend = np.minimum((ahead - behind) / 2e-4, -1e-300)
+        step = np.clip(slope / bend, -0.05, 0.05)
+        t = t - step
+        if np.all(np.abs(step) < 1e-9):  # the height is quadratic there: 1e-18
+            break
+    return t
+
+
+def _height(t: FloatArray, c: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return |Σ|, d|Σ|/dt, ∂|Σ|/∂c and the error of |Σ| at v = e^t."""
+    v = np.exp(t)
+    found = sums(v, c, 1e-14, slopes=True)
+    assert found.by_v is not None
+    assert found.by_c is not None
+    size = np.abs(found.value)
+    direction = np.conj(found.value) / size
+    by_t = v * np.real(direction * found.by_v)
+    return size, by_t, np.real(direction * found.by_c), found.error

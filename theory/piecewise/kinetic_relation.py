@@ -1,0 +1,401 @@
+"""The kinetic relation (54) at given coupling and η: every velocity at which a front can travel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from itertools import groupby
+from time import perf_counter
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.vdp import ETA_END, checked_eta, threshold_ratio, threshold_ratio_slope
+from theory.parameters import within
+from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.branch_search import Solutions, all_velocities
+from theory.piecewise.dispersion import FloatArray
+from theory.piecewise.folds import fold_couplings
+from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
+from theory.piecewise.stability import front_stability, stability_limit
+from theory.result import Result
+
+LARGEST_COUPLING = 1e8
+SMALLEST_COUPLING = 1e-8
+_BLOCK = 200
+"""Scenes whose velocities are sought at once; more are no faster and take memory."""
+
+
+class Status(StrEnum):
+    """What (44) does at these parameters."""
+
+    PROPAGATING = "propagating"
+    PINNED = "pinned"
+    NOT_BISTABLE = "not_bistable"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch(Result):
+    """One solution of the kinetic relation.
+
+    Attributes
+    ----------
+    v : float
+        Velocity v̂ in sites per unit εt; negative where the excited state retreats.
+    error : float
+        Bound on the error of v.
+    slope : int
+        Sign of d|Σ|/d|v|: -1 on the branch that a direct run follows.
+    by_coupling, by_eta : float
+        ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
+    admissible : bool or None
+        Whether (47) holds for every ζ; None if it was not decided.
+    fails_at : float or None
+        ζ of the violation nearest 0.
+    stable : bool or None
+        Whether the front is linearly stable (``theory.piecewise.stability``); None if it is not
+        admissible, or if it was not decided or not asked for.
+    multiplier : float or None
+        Largest modulus of a nontrivial multiplier, where one is near or beyond one.
+    """
+
+    v: float
+    error: float
+    slope: int
+    by_coupling: float = field(metadata={"json": "by_c"})
+    by_eta: float
+    admissible: bool | None
+    fails_at: float | None
+    stable: bool | None = None
+    multiplier: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class KineticRelation(Result):
+    """The answer at one (c, η).
+
+    Attributes
+    ----------
+    c, eta : float
+        Coupling and η = b/a², dimensionless.
+    status : Status
+        What happens.
+    reason : str
+        Why, in one sentence, with the nearest threshold.
+    branches : tuple of Branch
+        Ascending in v.
+    c_pin, c_fold : float or None
+        Static fronts exist up to c_pin, moving ones from c_fold; None for η ≥ 2/25.
+    c_retreat : float or None
+        For η > 2/25 the excited state retreats above it.
+    c_pin_error, c_fold_error, c_retreat_error : float or None
+        Bounds on their errors, the rounding of η included; large near η = 2/25.
+    method : str
+        How Σ was evaluated.
+    terms : int
+        Values of Σ computed.
+    seconds : float
+        Wall time.
+    """
+
+    c: float
+    eta: float
+    status: Status
+    reason: str
+    branches: tuple[Branch, ...]
+    c_pin: float | None
+    c_fold: float | None
+    c_retreat: float | None
+    c_pin_error: float | None
+    c_fold_error: float | None
+    c_retreat_error: float | None
+    method: str
+    terms: int
+    seconds: float
+
+    @property
+    def c_stable(self) -> float | None:
+        """Coupling up to which the fastest front is stable; None if no loss of it was found.
+
+        Computed when it is first asked for, in a fraction of a second
+        (`theory.piecewise.stability.stability_limit`).
+        """
+        if self.c_fold is None:
+            return None
+        limit = stability_limit(self.eta)
+        return None if limit is None else limit.c
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a branch, or a single one without a velocity; see `Result.columns`."""
+        rows: tuple[Branch | None, ...] = self.branches or (None,)
+
+        def listed(name: str, kind: type) -> np.ndarray:
+            return np.array([None if row is None else getattr(row, name) for row in rows], kind)
+
+        return {
+            "c": np.full(len(rows), self.c),
+            "eta": np.full(len(rows), self.eta),
+            "status": np.array([self.status.value] * len(rows)),
+            "v": listed("v", float),
+            "error": listed("error", float),
+            "slope": listed("slope", object),
+            "by_c": listed("by_coupling", float),
+            "by_eta": listed("by_eta", float),
+            "admissible": listed("admissible", object),
+            "fails_at": listed("fails_at", float),
+            "stable": listed("stable", object),
+            "multiplier": listed("multiplier", float),
+        }
+
+
+def kinetic_relation(c: float, eta: float) -> KineticRelation:
+    """Return every front velocity at coupling c and η = b/a², and the thresholds (Eq. 54).
+
+    With each velocity comes whether the front is admissible (47), and whether it is stable.
+
+    Parameters
+    ----------
+    c : float
+        Coupling, dimensionless, from 1e-8 to 1e8.
+    eta : float
+        η = b/a², dimensionless, positive. η ≥ 1/8 is an answer, not an error.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+    PrecisionError
+        If the velocities are too many to be told apart (c above some 10⁴ and η near 2/25).
+
+    Examples
+    --------
+    >>> answer = kinetic_relation(0.5, 0.03125)
+    >>> [(round(branch.v, 9), branch.admissible) for branch in answer.branches]
+    [(0.300992351, True)]
+    >>> kinetic_relation(0.2, 0.03125).reason
+    'the front is pinned: steady motion begins at c_fold = 0.433776 (static fronts end at c_pin = \
+0.455301).'
+    """
+    (answer,) = trace_kinetic_relation([c], [eta])
+    return replace(answer, branches=tuple(with_stability(b, c) for b in answer.branches))
+
+
+def with_stability(branch: Branch, c: float) -> Branch:
+    """Return a branch at coupling c with its linear stability, if it is admissible."""
+    if not branch.admissible:
+        return branch
+    found = front_stability(branch.v, c)
+    return replace(branch, stable=found.stable, multiplier=found.multiplier)
+
+
+def trace_kinetic_relation(
+    c: npt.ArrayLike,
+    eta: npt.ArrayLike,
+    admissibility: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> list[KineticRelation]:
+    """Return :func:`kinetic_relation` for arrays of c and η, broadcast together, all at once.
+
+    Parameters
+    ----------
+    c, eta : array_like of float
+        Couplings and η.
+    admissibility : bool
+        Check assumption (47) on every branch.
+    progress : callable, optional
+        Told the fraction done, now and then.
+
+    Returns
+    -------
+    list of KineticRelation
+        In the order of the broadcast arrays, flattened. ``terms`` and ``seconds`` are shares of
+        the whole.
+
+    Raises
+    ------
+    ParameterError
+        If any parameter is out of range.
+    PrecisionError
+        As of :func:`kinetic_relation`, for any pair.
+    """
+    start = perf_counter()
+    c_, eta_ = (
+        array.ravel() for array in np.broadcast_arrays(np.asarray(c, float), np.asarray(eta, float))
+    )
+    for value in c_:
+        checked_coupling(value)
+    thresholds = _thresholds(sorted({checked_eta(value) for value in eta_}))
+    branches: list[list[Branch]] = [[] for _ in c_]
+    terms = 0
+    blocks = [  # a front retreats only beyond 2/25, advances only before
+        (retreating, scenes[begin : begin + _BLOCK])
+        for retreating in (True, False)
+        for scenes in [np.flatnonzero(_can_move(eta_, retreating))]
+        for begin in range(0, scenes.size, _BLOCK)
+    ]
+    for done, (retreating, scenes) in enumerate(blocks):
+        if progress is not None:
+            progress(done / len(blocks))
+        r = np.array([threshold_ratio(value) for value in eta_[scenes]])
+        found = all_velocities(c_[scenes], 2.0 * r, retreating)
+        terms += found.evaluations
+        for scene, branch in _branches(found, c_[scenes], eta_[scenes], retreating, admissibility):
+            branches[scenes[scene]].append(branch)
+            if progress is not None:
+                progress((done + scene / scenes.size) / len(blocks))
+    seconds = (perf_counter() - start) / max(1, c_.size)
+    answers = []
+    for c_here, eta_here, list_ in zip(c_.tolist(), eta_.tolist(), branches, strict=True):
+        limits = thresholds[eta_here]
+        ascending = tuple(sorted(list_, key=lambda branch: branch.v))
+        status, reason = limits.judge(c_here, eta_here, ascending)
+        answers.append(
+            KineticRelation(
+                c=c_here,
+                eta=eta_here,
+                status=status,
+                reason=reason,
+                branches=ascending,
+                c_pin=limits.c_pin,
+                c_fold=limits.c_fold,
+                c_retreat=limits.c_retreat,
+                c_pin_error=limits.c_pin_error,
+                c_fold_error=limits.c_fold_error,
+                c_retreat_error=limits.c_retreat_error,
+                method="integral",
+                terms=math.ceil(terms / c_.size),
+                seconds=seconds,
+            )
+        )
+    return answers
+
+
+def checked_coupling(c: float) -> float:
+    """Return the coupling if it is from 1e-8 to 1e8.
+
+    Raises
+    ------
+    ParameterError
+        If it is not.
+    """
+    remedy = "use the limits of theory.piecewise.limits beyond"
+    return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
+
+
+def _can_move(eta: FloatArray, retreating: bool) -> npt.NDArray[np.bool_]:
+    if retreating:
+        return (eta > ETA_PIN_END) & (eta < ETA_END)
+    return eta < ETA_END
+
+
+def _branches(
+    found: Solutions, c: FloatArray, eta: FloatArray, retreating: bool, admissibility: bool
+) -> Iterator[tuple[int, Branch]]:
+    """Yield (scene, branch) for each solution."""
+    direction = -1.0 if retreating else 1.0
+    numbers = zip(found.scene, found.v, found.error, found.slope, found.by_coupling, strict=True)
+    for scene, group in groupby(numbers, key=lambda row: int(row[0])):
+        c_, eta_ = float(c[scene]), float(eta[scene])
+        r = threshold_ratio(eta_)
+        by_eta = 2.0 * threshold_ratio_slope(eta_)
+        for _, speed, error, slope, by_c in group:
+            v = direction * float(speed)
+            verdict = check_admissible(v, c_, r) if admissibility else None
+            steep = float(slope) if slope else math.inf
+            yield (
+                scene,
+                Branch(
+                    v=v,
+                    error=float(error),
+                    slope=int(np.sign(slope)),
+                    by_coupling=-direction * float(by_c) / steep,
+                    by_eta=direction * by_eta / steep,
+                    admissible=verdict.admissible if verdict else None,
+                    fails_at=verdict.fails_at if verdict else None,
+                ),
+            )
+
+
+@dataclass(frozen=True)
+class _Thresholds:
+    """The couplings that bound the kinds of motion at one η, and their errors."""
+
+    c_pin: float | None = None
+    c_fold: float | None = None
+    c_retreat: float | None = None
+    c_pin_error: float | None = None
+    c_fold_error: float | None = None
+    c_retreat_error: float | None = None
+
+    def judge(self, c: float, eta: float, branches: tuple[Branch, ...]) -> tuple[Status, str]:
+        """Return the status and its reason."""
+        if eta >= ETA_END:
+            return (
+                Status.NOT_BISTABLE,
+                f"eta = {eta:g} is not below 1/8, where the two limit cycles meet: there is no "
+                "front.",
+            )
+        moving = any(branch.admissible is not False for branch in branches)
+        if self.c_pin is None:
+            return self._judge_retreat(c, moving)
+        if c > self.c_pin:
+            if moving:
+                return Status.PROPAGATING, f"c is above c_pin = {self.c_pin:.6g}."
+            return (
+                Status.PROPAGATING,
+                f"c is above c_pin = {self.c_pin:.6g}, where no static front exists, but no "
+                "travelling wave is admissible: simulate it.",
+            )
+        if branches and moving:
+            return (
+                Status.PROPAGATING,
+                f"c is between c_fold = {self.c_fold:.6g} and c_pin = {self.c_pin:.6g}: a moving "
+                "front keeps moving, a resting one stays.",
+            )
+        return (
+            Status.PINNED,
+            f"the front is pinned: steady motion begins at c_fold = {self.c_fold:.6g} (static "
+            f"fronts end at c_pin = {self.c_pin:.6g}).",
+        )
+
+    def _judge_retreat(self, c: float, moving: bool) -> tuple[Status, str]:
+        """Judge η ≥ 2/25, where no front advances."""
+        if self.c_retreat is None:
+            return Status.PINNED, "the front is pinned: at eta = 2/25 static fronts always exist."
+        if c > self.c_retreat:
+            return (
+                Status.PROPAGATING,
+                f"the excited state retreats (v < 0): c is above c_retreat = {self.c_retreat:.6g}.",
+            )
+        if moving:
+            return (
+                Status.PROPAGATING,
+                "a moving front keeps retreating (v < 0), a resting one stays: c is below "
+                f"c_retreat = {self.c_retreat:.6g}.",
+            )
+        return (
+            Status.PINNED,
+            f"the front is pinned: for eta > 2/25 no front advances, and it retreats only above "
+            f"c_retreat = {self.c_retreat:.6g}.",
+        )
+
+
+def _thresholds(etas: list[float]) -> dict[float, _Thresholds]:
+    """Return the thresholds at each η."""
+    bistable = [eta for eta in etas if eta < ETA_END]
+    known = {eta: _Thresholds() for eta in etas}
+    for eta, fold in zip(bistable, fold_couplings(bistable), strict=True):
+        error = pinning_error(eta)
+        if fold is None:
+            known[eta] = _Thresholds(c_retreat=retreat_coupling(eta), c_retreat_error=error)
+            continue
+        at_pinning = fold.velocity == 0.0
+        known[eta] = _Thresholds(
+            c_pin=pinning_coupling(eta),
+            c_fold=fold.value,
+            c_pin_error=error,
+            c_fold_error=error if at_pinning else fold.error,
+        )
+    return known

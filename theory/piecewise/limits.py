@@ -1,0 +1,225 @@
+"""Closed limits of the kinetic relation (54): pinning as v → 0, √c growth as c → ∞, and η → 0."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.vdp import ETA_END, eta_from_ratio, threshold_ratio
+from theory.parameters import positive, within
+
+ETA_PIN_END = 2.0 / 25.0
+"""r = ½. From here on static fronts exist at every coupling, and no c_pin."""
+
+
+def static_sum(c: float) -> complex:
+    """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v.
+
+    As v → 0, sinh a/(cosh a - cos k) → 1 in the periodised integral, which leaves the mean of
+    1/(1 - 4ic sin²(k/2)). With q = √(1 - 4ic) it is written 4ic/(q (1 + q)), which does not cancel
+    at small c.
+
+    Examples
+    --------
+    >>> abs(static_sum(1e-8)) < 1e-7
+    True
+    """
+    q = cmath.sqrt(1.0 - 4j * c)
+    return 4j * c / (q * (1.0 + q))
+
+
+def static_sum_distance(v: float, c: float) -> float:
+    """Return a bound on |Σ(v, c) - Σ(0⁺, c)|, from e^{-1/2v}; exponentially flat in 1/v.
+
+    |1/(2A)| ≤ 1, and sinh a/(cosh a - cos k) - 1 = 2 Σ_{n ≥ 1} e^{-na} cos nk is at most
+    2e/(1 - e), e = e^{-1/2v} ≥ |e^{-a}|.
+    """
+    return -2.0 * math.exp(-0.5 / v) / math.expm1(-0.5 / v)
+
+
+def pinning_coupling(eta: float) -> float | None:
+    """Return c_pin(η): static fronts exist up to there; None if they exist at every coupling.
+
+    |Σ(0⁺, c)| = 2r. With √(1 - 4ic) = cosh θ - i sinh θ and p = cosh θ, 4c = sinh 2θ, this is
+    (1 - 4r²)p² - p + 2r² = 0, whose root above 1 gives c = ½ p √(p² - 1).
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², dimensionless, 0 < η ≤ 1/8.
+
+    Returns
+    -------
+    float or None
+        c_pin, dimensionless; None for η ≥ 2/25 (r ≥ ½).
+
+    Examples
+    --------
+    >>> c = pinning_coupling(0.03125)
+    >>> abs(abs(static_sum(c)) - 2 * threshold_ratio(0.03125)) < 1e-14
+    True
+    >>> pinning_coupling(0.08) is None
+    True
+    """
+    r2, gap = threshold_ratio(eta) ** 2, _ratio_gap(eta)
+    if eta >= ETA_PIN_END or gap <= 0.0:
+        return None
+    # p - 1 written so that neither small r nor r near ½ cancels.
+    root = math.sqrt(1.0 - 8.0 * r2 * gap)
+    excess = (8.0 * r2 - 8.0 * r2 * gap / (1.0 + root)) / (2.0 * gap)
+    return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
+
+
+def _ratio_gap(eta: float) -> float:
+    """Return 1 - 4r² to rounding: 8(2 - 25η)/((1 + s)(3 + 5s)), s = √(1 - 8η).
+
+    Near η = 2/25 the difference 1 - 4r² loses what c_pin ≈ 1/(1 - 4r²)² is made of.
+    """
+    s = math.sqrt(max(1.0 - 8.0 * eta, 0.0))
+    return 8.0 * float(2 - 25 * Fraction(eta)) / ((1.0 + s) * (3.0 + 5.0 * s))
+
+
+def pinning_error(eta: float) -> float | None:
+    """Return how far c_pin(η), or beyond η = 2/25 c_retreat(η), may be off.
+
+    Rounding, and what half a unit in the last place of η changes: a decimal η was rounded to it.
+
+    Examples
+    --------
+    >>> pinning_error(0.03125) < 1e-14 < 1e-3 < pinning_error(0.079999)
+    True
+    """
+    of = pinning_coupling if eta < ETA_PIN_END else retreat_coupling
+    value = of(eta)
+    if value is None:
+        return None
+    beside = [of(math.nextafter(eta, to)) for to in (0.0, ETA_END)]
+    spread = max(0.5 * abs(each - value) for each in beside if each is not None)
+    return spread + 16.0 * float(np.finfo(float).eps) * value
+
+
+def retreat_coupling(eta: float) -> float | None:
+    """Return the coupling above which the excited state retreats; None for η ≤ 2/25.
+
+    Static fronts also end on the other side, where the site behind falls below threshold:
+    |2 + Σ(0⁺, c)| = |1 + 1/√(1 - 4ic)| = 2r, which gives (4r² - 1)p² - p - 2r² = 0 and again
+    c = ½ p √(p² - 1). The paper does not mention it.
+
+    Examples
+    --------
+    >>> c = retreat_coupling(0.11)
+    >>> abs(abs(2 + static_sum(c)) - 2 * threshold_ratio(0.11)) < 1e-14
+    True
+    """
+    r2, gap = threshold_ratio(eta) ** 2, -_ratio_gap(eta)
+    if eta <= ETA_PIN_END or gap <= 0.0:
+        return None
+    p = (1.0 + math.sqrt(1.0 + 8.0 * r2 * gap)) / (2.0 * gap)
+    return 0.5 * p * math.sqrt(max(p * p - 1.0, 0.0))
+
+
+def pinning_eta(c: float) -> float:
+    """Return η_pin(c), the inverse of :func:`pinning_coupling`: static fronts exist above it.
+
+    Raises
+    ------
+    ParameterError
+        If the coupling is not from 1e-150 to 1e300.
+
+    Examples
+    --------
+    >>> abs(pinning_eta(pinning_coupling(0.05)) - 0.05) < 1e-15
+    True
+    """
+    return eta_from_ratio(0.5 * abs(static_sum(within("coupling c", c, 1e-150, 1e300))))
+
+
+def strong_coupling_sum(x: npt.ArrayLike) -> npt.NDArray[np.complex128]:
+    """Return lim Σ(x√c, c) as c → ∞: 1/(q(iq - x)) with q = √(i - x²), Re q > 0.
+
+    With k = κ/√c, (50) becomes -iκ²/2 - ixκ + ½ = 0; above the axis κ = -x + iq.
+    """
+    x_ = np.asarray(x, dtype=complex)
+    q = np.sqrt(1j - x_ * x_)
+    result: npt.NDArray[np.complex128] = 1.0 / (q * (1j * q - x_))
+    return result
+
+
+def strong_coupling_velocity(eta: float) -> float | None:
+    """Return V(η) with v ≈ V √c as c → ∞: |q (x - iq)| = 1/(2r), q = √(i - x²), at x = V.
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², 0 < η ≤ 1/8.
+
+    Returns
+    -------
+    float or None
+        V, dimensionless; None for η ≥ 2/25, where no front travels as c → ∞.
+
+    Examples
+    --------
+    >>> V = strong_coupling_velocity(0.03125)
+    >>> bool(abs(abs(strong_coupling_sum(V)) - 2 * threshold_ratio(0.03125)) < 1e-13)
+    True
+    """
+    target = 2.0 * threshold_ratio(eta)
+    if eta >= ETA_PIN_END or target >= 1.0:
+        return None
+    low, high = 0.0, 1.0
+    while abs(strong_coupling_sum(high)) > target:
+        high *= 2.0
+    while high - low > 4.0 * np.finfo(float).eps * high:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        if abs(strong_coupling_sum(middle)) > target:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def weak_threshold_velocity(c: float, eta: float) -> float:
+    """Return v ≈ √(c/(8r)), the limit η → 0 at fixed c.
+
+    As v → ∞, A² ≈ ¼ - ick²/2 under the real-line integral gives Σ ≈ ic/(4v²). The limits do not
+    commute: for c → ∞ first, V(η) ≈ 1/(2√r), which is √2 times larger.
+
+    Examples
+    --------
+    >>> round(weak_threshold_velocity(0.5, 1e-10), 3)
+    66.479
+    """
+    return math.sqrt(positive("coupling c", c) / (8.0 * threshold_ratio(eta)))
+
+
+def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
+    """Return the velocities at which the front runs with a linear wave, and their widths.
+
+    v = c max_k (1 - cos k)/(k + 2πj), j = 0, 1, …: there two roots of opposite half-planes nearly
+    meet and |Σ| has a peak of half-width about 1/(2(k + 2πj)), narrow when c is large.
+
+    Returns
+    -------
+    velocities, widths : list of float
+        Descending in velocity; at most ``most`` of them.
+    """
+    velocities, widths = [], []
+    for j in range(most):
+        offset = 2.0 * math.pi * j
+        low, high = 2.0, math.pi  # (k + offset) sin k = 1 - cos k at the maximum
+        for _ in range(60):
+            k = 0.5 * (low + high)
+            if (k + offset) * math.sin(k) > 1.0 - math.cos(k):
+                low = k
+            else:
+                high = k
+        velocities.append(c * math.sin(k))
+        widths.append(0.5 / (k + offset))
+    return velocities, widths

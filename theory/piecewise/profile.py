@@ -1,0 +1,287 @@
+"""The shape φ(ζ) of the piecewise-linear front (Eq. 49), scaled by φ_s.
+
+The contour integral behind (49), periodised as in ``theory.piecewise.sums.integral``: with ζ = m +
+f, m whole and 0 ≤ f ≤ 1,
+
+    φ/φ_s = -(1/4π) ∫ (e^{ikm}/A) [1/(1 - e^{-ik}) + e^{-a(1-f)} e^{ik}/(1 - e^{ik-a})] dk
+
+over a period just above the real axis. Points midway between multiples of 2π/N make the pole at
+k = 0 contribute exactly ½, so the trapezoidal rule converges like e^{-s(N - |m|)}, s the root-free
+strip. For one f, all m together are a Fourier transform.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError, count_within, within
+from theory.piecewise.dispersion import ComplexArray, FloatArray, root_free_strip
+from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
+from theory.piecewise.sums.result import PrecisionError
+from theory.result import Result
+
+MOST_POINTS = 1 << 21
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrontProfile(Result):
+    """Values of the front's shape.
+
+    Attributes
+    ----------
+    zeta : ndarray of float, shape (n,)
+        Positions ζ = site - vT, in sites.
+    phi : ndarray of complex, shape (n,)
+        φ(ζ)/φ_s, dimensionless.
+    error : float
+        Bound on the error of every value.
+    points : int
+        Points of the quadrature, or roots.
+    """
+
+    zeta: FloatArray = field(metadata={"axis": "zeta"})
+    phi: ComplexArray = field(metadata={"dims": ("zeta",)})
+    error: float
+    points: int
+
+
+def front_profile(
+    zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e-12
+) -> FrontProfile:
+    """Return φ(ζ)/φ_s of Eq. (49) by the closed integral.
+
+    Parameters
+    ----------
+    zeta : array_like of float, shape (n,)
+        Positions, in sites; finite.
+    v, c : float
+        Front velocity v̂ and coupling, dimensionless.
+    tolerance : float
+        Error wanted, from 1e-14 to 0.1.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+    PrecisionError
+        If more than two million points would be needed (v or c above some 10⁴).
+
+    Examples
+    --------
+    >>> shape = front_profile([-40.0, 40.0], 0.3, 0.5)
+    >>> bool(abs(shape.phi[0] - 1) < 1e-9 and abs(shape.phi[1]) < 1e-9)
+    True
+    """
+    v, c = checked_velocity_and_coupling(v, c)
+    within("tolerance", tolerance, 1e-14, 0.1)
+    position = np.atleast_1d(np.asarray(zeta, dtype=float))
+    if not np.all(np.isfinite(position)):
+        raise ParameterError("position zeta", "nan or infinite", "finite", "give finite positions")
+    if position.size == 0:
+        return FrontProfile(zeta=position, phi=np.empty(0, dtype=complex), error=0.0, points=0)
+    grid = ProfileGrid.make(v, c, float(np.abs(np.floor(position)).max()) + 1.0, tolerance)
+    phi = np.empty(position.shape, dtype=complex)
+    rows = max(1, (1 << 18) // grid.points)
+    for begin in range(0, position.size, rows):
+        some = slice(begin, begin + rows)
+        phi[some] = grid.at(position[some])
+    return FrontProfile(zeta=position, phi=phi, error=grid.error, points=grid.points)
+
+
+@dataclass(frozen=True)
+class ProfileGrid:
+    """The quadrature points for one front, and what of the integrand does not depend on ζ.
+
+    Attributes
+    ----------
+    v, c : float
+        Front velocity v̂ and coupling.
+    k : ndarray of float, shape (N,)
+        2π(j + ½)/N, between -π and π.
+    error : float
+        Bound on the error of values with |m| up to the extent asked for.
+    """
+
+    v: float
+    c: float
+    k: FloatArray
+    inverse_onsite: ComplexArray
+    pole: ComplexArray
+    a: ComplexArray
+    wave: ComplexArray
+    error: float
+
+    @property
+    def points(self) -> int:
+        """Number of points N."""
+        return self.k.size
+
+    @classmethod
+    def make(cls, v: float, c: float, extent: float, tolerance: float) -> ProfileGrid:
+        """Choose N so that values with |m| ≤ ``extent`` err by at most the tolerance.
+
+        The N-point rule adds to the value at m those at m ± N, m ± 2N, … with alternating sign
+        (less their limits 1 and 0), and |φ - limit| ≤ K e^{-σ|ζ|} (:func:`tail_bound`).
+        """
+        sigma_left, K_left = tail_bound(v, c, ahead=False)
+        sigma_right, K_right = tail_bound(v, c, ahead=True)
+        rate, size = min(sigma_left, sigma_right), max(K_left, K_right)
+        needed = extent + 1.0 + math.log(1.0 + 4.0 * size / tolerance) / rate
+        if needed > MOST_POINTS:
+            raise PrecisionError(
+                f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, "
+                f"more than {MOST_POINTS}."
+            )
+        points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
+        # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
+        k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
+        A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+        wave = np.exp(1j * k)
+        a = A / v
+        pole = 0.5 - 0.5j / np.tan(0.5 * k)  # 1/(1 - e^{-ik}) without cancellation
+        truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
+        rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
+        return cls(v, c, k, 1.0 / A, pole, a, wave, truncation + rounding)
+
+    def _bracket(self, rest: FloatArray) -> ComplexArray:
+        """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
+
+        It is the distance and not f that counts: over a small v its rounding would be multiplied.
+        """
+        late: ComplexArray = np.exp(-self.a * rest[:, None]) * self.wave
+        late /= -np.expm1(1j * self.k - self.a)
+        return (self.pole + late) * self.inverse_onsite
+
+    def at(self, zeta: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at ζ, shape (n,)."""
+        m = np.floor(zeta)
+        return self.between(m, (m + 1.0) - zeta)
+
+    def between(self, m: FloatArray, rest: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
+        # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
+        turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points) + 1)
+        phase = np.pi * _wrapped(turns, self.points) / self.points
+        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(rest), axis=1)
+        return 0.5 - total / (2.0 * self.points)
+
+    def on_lattice(self, per_site: int) -> tuple[FloatArray, ComplexArray]:
+        """Return ζ and φ/φ_s at ``per_site`` points a site, for |m| < N/2, by Fourier transform."""
+        points = self.points
+        m = np.arange(points) - points // 2
+        f = np.arange(per_site) / per_site
+        spectrum = np.fft.ifft(self._bracket(1.0 - f), axis=1)
+        turn = np.exp(1j * np.pi * m / points)
+        phi = 0.5 - 0.5 * turn * spectrum[:, m % points]
+        zeta = m[None, :] + f[:, None]
+        return zeta.T.ravel(), phi.T.ravel()
+
+
+def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
+    """Return whole numbers modulo twice the points, from -points to points."""
+    wrapped: npt.NDArray[np.int64] = (odd + points) % (2 * points) - points
+    return wrapped
+
+
+def tail_bound(v: float, c: float, ahead: bool) -> tuple[float, float]:
+    """Return (σ, K) such that |φ/φ_s - limit| ≤ K e^{-σ|ζ|}: limit 0 ahead, 1 behind.
+
+    On Im k = ±σ, (1/4π)∫ dk/(|k||L|) with |L| ≥ Re L ≥ d = ½ ± vσ - c sinh σ everywhere, and
+    |L| ≥ v|x|/2 for |x| ≥ X = (2c (1 + cosh σ))/v.
+    """
+    rate = 0.85 * (_strip_ahead(v, c) if ahead else root_free_strip(v, c))
+    d = 0.5 + (v if ahead else -v) * rate - c * math.sinh(rate)
+    X = max(1.0, 2.0 * c * (1.0 + math.cosh(rate)) / v)
+    K = (2.0 * math.asinh(X / rate) / d + 4.0 / (v * X)) / (4.0 * math.pi)
+    return rate, K
+
+
+def _strip_ahead(v: float, c: float) -> float:
+    """Return a lower bound on s with c sinh s - v s = ½: no root has 0 < Im k < s."""
+    low, high = math.asinh(0.5 / c), 1.0
+    while c * math.sinh(high) - v * high < 0.5:
+        high *= 2.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if c * math.sinh(middle) - v * middle < 0.5:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _smooth_number(least: int) -> int:
+    """Return an even number ≥ least with small prime factors, quick to transform."""
+    best = 1 << (least - 1).bit_length()
+    for odd in (3, 5, 9, 15):
+        candidate = odd
+        while candidate < least:
+            candidate *= 2
+        if candidate % 2 == 0:
+            best = min(best, candidate)
+    return best
+
+
+def profile_slope(
+    zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray, v: float, c: float
+) -> ComplexArray:
+    """Return dφ/dζ (over φ_s) from the advance–delay equation (48) itself.
+
+    v φ' = ½φ - ½θ(-ζ) - (ic/2)[2φ - φ(ζ+1) - φ(ζ-1)].
+
+    Parameters
+    ----------
+    zeta, phi : ndarray, shape (n,)
+        Positions and φ/φ_s there. At ζ = 0 the slope just ahead is returned.
+    neighbours : ndarray of complex, shape (n,)
+        φ(ζ+1) + φ(ζ-1).
+    v, c : float
+        Front velocity v̂ and coupling.
+    """
+    behind = np.where(zeta < 0, 0.5, 0.0)
+    return (0.5 * phi - behind - 0.5j * c * (2.0 * phi - neighbours)) / v
+
+
+def front_profile_by_roots(
+    zeta: npt.ArrayLike, v: float, c: float, count: int = 2000
+) -> FrontProfile:
+    """Return φ(ζ)/φ_s by the series (49) as printed, over the ``count`` nearest roots.
+
+    φ/φ_s = -½ Σ_{M⁺} e^{ikζ}/(kL_k) for ζ > 0 and 1 + ½ Σ_{M⁻} e^{ikζ}/(kL_k) for ζ < 0. The
+    series converges like 1/count near ζ = 0.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> series = front_profile_by_roots([-1.5, 0.5], 0.3, 0.5)
+    >>> integral = front_profile([-1.5, 0.5], 0.3, 0.5)
+    >>> bool(np.all(abs(series.phi - integral.phi) <= series.error + integral.error))
+    True
+    """
+    v, c = checked_velocity_and_coupling(v, c)
+    count = count_within("root count", count, 10, 100_000)
+    position = np.atleast_1d(np.asarray(zeta, dtype=float))
+    phi = np.empty(position.shape, dtype=complex)
+    error = 0.0
+    for upper in (True, False):
+        mine = position >= 0 if upper else position < 0
+        if not mine.any():
+            continue
+        k = nearest_roots(v, c, count, upper).k
+        residue = 1.0 / (-1j * k * (v + c * np.sin(k)))
+        waves = np.exp(1j * np.outer(position[mine], k))
+        total = waves @ residue
+        phi[mine] = -0.5 * total if upper else 1.0 + 0.5 * total
+        # Beyond the last root terms fall at least like 1/k² there, two a period.
+        last = float(np.max(np.abs(residue[-2:]) * np.abs(waves[:, -2:]).max(axis=0)))
+        error = max(error, 2.0 * last * count / 2.0 + 1e-14)
+    return FrontProfile(zeta=position, phi=phi, error=error, points=count)

@@ -1,0 +1,153 @@
+"""How many roots of (50) a box holds, by the argument principle; knows nothing of labels."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from theory.parameters import ParameterError
+from theory.piecewise.dispersion import ComplexArray, FloatArray, dispersion, dispersion_slope
+from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, strip_bounds
+
+_EPS = float(np.finfo(float).eps)
+_DEEPEST = 200
+_MOST_PIECES = 4_000_000
+
+
+def height_above_roots(v: float, c: float, extent: float) -> float:
+    """Return Y such that every root with |Re k| ≤ ``extent`` has |Im k| < Y.
+
+    |c (1 - cos k)| ≥ c (sinh|y| - 1) outgrows |½ - i v k| ≤ ½ + v (extent + |y|) from there on.
+    """
+    height = max(1.0, math.asinh(2.0 * v / c))  # there c cosh y > v: the difference only grows
+    while c * (math.sinh(height) - 1.0) <= 0.5 + v * (extent + height):
+        height += 0.5
+    return height
+
+
+def count_in_box(
+    v: float, c: float, x_low: float, x_high: float, y_low: float, y_high: float
+) -> int:
+    """Return the number of roots in the open box, by the winding of L along its edge.
+
+    Each edge is divided until |Re L| or |Im L| at the middle of a piece exceeds the most that L
+    can change on half of it, rounding included: at most h (|L_k| + h c cosh(Im k)), since
+    |L_kk| ≤ c cosh(Im k). L then stays in a half-plane on the piece and its change of argument
+    there is exact; no sampling density is assumed.
+
+    Parameters
+    ----------
+    v, c : float
+        Front velocity v̂ and coupling, dimensionless.
+    x_low, x_high, y_low, y_high : float
+        The box in the plane of k.
+
+    Raises
+    ------
+    ParameterError
+        If a root lies so near the edge that double precision cannot tell on which side, or the
+        box is empty or so tall that cosh(Im k) overflows.
+
+    Examples
+    --------
+    >>> count_in_box(0.3, 0.5, -np.pi, np.pi, -10.0, 10.0)
+    2
+    """
+    v, c = checked_velocity_and_coupling(v, c)
+    if not (x_low < x_high and y_low < y_high and max(abs(y_low), abs(y_high)) < 600):
+        raise ParameterError(
+            "box of k",
+            (x_low, x_high, y_low, y_high),
+            "of positive size with |Im k| < 600",
+            "order its ends",
+        )
+    corners = box_corners(x_low, x_high, y_low, y_high)
+    turn = sum(_turning(v, c, a, b) for a, b in itertools.pairwise(corners))
+    return round(turn / (2.0 * math.pi))
+
+
+def box_corners(x_low: float, x_high: float, y_low: float, y_high: float) -> list[complex]:
+    """Return the corners of a box, anticlockwise, the first one again at the end."""
+    return [
+        complex(x_low, y_low),
+        complex(x_high, y_low),
+        complex(x_high, y_high),
+        complex(x_low, y_high),
+        complex(x_low, y_low),
+    ]
+
+
+def box_of_strips(
+    v: float, c: float, labels: IntArray, upper: bool
+) -> tuple[float, float, float, float]:
+    """Return a box that holds every root of the consecutive strips ``labels``, and no other."""
+    low, high = strip_bounds(labels, upper)
+    x_low, x_high = float(low.min()), float(high.max())
+    height = height_above_roots(v, c, max(abs(x_low), abs(x_high)))
+    return (x_low, x_high, 0.0, height) if upper else (x_low, x_high, -height, 0.0)
+
+
+def count_in_strips(v: float, c: float, labels: IntArray, upper: bool) -> int:
+    """Return the number of roots in the consecutive strips ``labels`` of one half-plane."""
+    return count_in_box(v, c, *box_of_strips(v, c, labels, upper))
+
+
+def edge_pieces(
+    v: float, c: float, start: complex, end: complex
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the ends of pieces of the edge on each of which L stays in a half-plane.
+
+    Raises
+    ------
+    ParameterError
+        If a root lies on the edge to within rounding.
+    """
+    pieces = max(4, math.ceil(abs(end - start)))
+    a: ComplexArray = start + (end - start) * np.arange(pieces) / pieces
+    b: ComplexArray = start + (end - start) * np.arange(1, pieces + 1) / pieces
+    sure_a, sure_b = [], []
+    for _ in range(_DEEPEST):
+        middle = 0.5 * (a + b)
+        room = _distance_from_axes(middle, v, c)
+        half = 0.5 * np.abs(b - a)
+        bend = c * np.cosh(np.maximum(np.abs(a.imag), np.abs(b.imag)))
+        sure = room > half * (np.abs(dispersion_slope(middle, v, c)) + half * bend)
+        sure_a.append(a[sure])
+        sure_b.append(b[sure])
+        a, middle, b = a[~sure], middle[~sure], b[~sure]
+        if a.size == 0:
+            return np.concatenate(sure_a), np.concatenate(sure_b)
+        if np.any(room[~sure] <= 0.0) or a.size > _MOST_PIECES:
+            break
+        a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
+    raise ParameterError(
+        "box of k",
+        f"an edge through {complex(a[0]):.6g}",
+        "away from every root by more than rounding",
+        "move the edge",
+    )
+
+
+def _turning(v: float, c: float, start: complex, end: complex) -> float:
+    """Return the change of arg L along the straight edge from ``start`` to ``end``."""
+    a, b = edge_pieces(v, c, start, end)
+    return float(np.sum(np.angle(dispersion(b, v, c) / dispersion(a, v, c))))
+
+
+def _distance_from_axes(k: ComplexArray, v: float, c: float) -> FloatArray:
+    """Return max(|Re L|, |Im L|) less rounding: how far L is from leaving a half-plane.
+
+    The parts are taken apart, since Re L can be known well where v|k| or c swamps Im L: on the
+    real axis it is ½ exactly.
+    """
+    L = dispersion(k, v, c)
+    swing = np.abs(np.sin(0.5 * k) ** 2)
+    real = 0.5 + c * np.abs(np.sin(k.real) * np.sinh(k.imag)) + v * np.abs(k.imag)
+    imaginary = 2.0 * c * swing + v * np.abs(k.real)
+    rounding = 16.0 * _EPS
+    room: FloatArray = np.maximum(
+        np.abs(L.real) - rounding * real, np.abs(L.imag) - rounding * imaginary
+    )
+    return room

@@ -1,0 +1,286 @@
+"""All roots of the dispersion relation (52), each with a label that never changes.
+
+The label n names the strip that holds exactly one root (facts 3 and 4 of
+``theory.piecewise.dispersion``): above the axis 2πn - π < Re k < 2πn; below it (0, π) for n = 0,
+(2πn - π, 2πn + π) for n > 0 and (2πn, 2πn + 2π) for n < 0. A set of labels is therefore complete by
+construction, and a root found in its strip needs no further search; ``theory.piecewise.root_count``
+counts them independently.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import SupportsFloat
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError, count_within, positive, within
+from theory.piecewise.dispersion import (
+    ComplexArray,
+    FloatArray,
+    dispersion,
+    dispersion_slope,
+)
+from theory.result import Result
+
+IntArray = npt.NDArray[np.int64]
+
+MOST_ROOTS = 1_000_000
+SMALLEST, LARGEST = 1e-12, 1e12
+_EPS = float(np.finfo(float).eps)
+
+
+class IncompleteRootsError(ArithmeticError):
+    """A strip whose root was not found. The theory says there is one, so this is a defect."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RootSet(Result):
+    """Roots of L(k) = 0 in one half-plane, one a label.
+
+    Attributes
+    ----------
+    labels : ndarray of int, shape (n,)
+        Strip numbers.
+    k : ndarray of complex, shape (n,)
+        Roots, per site.
+    residual : ndarray of float, shape (n,)
+        |L(k)|, dimensionless.
+    radius : ndarray of float, shape (n,)
+        The true root lies within this distance of ``k``, rounding included.
+    """
+
+    labels: IntArray = field(metadata={"axis": "label"})
+    k: ComplexArray = field(metadata={"dims": ("label",)})
+    residual: FloatArray = field(metadata={"dims": ("label",)})
+    radius: FloatArray = field(metadata={"dims": ("label",)})
+
+    def take(self, index: IntArray | npt.NDArray[np.bool_]) -> RootSet:
+        """Return the roots at ``index``, in that order."""
+        return RootSet(
+            labels=self.labels[index],
+            k=self.k[index],
+            residual=self.residual[index],
+            radius=self.radius[index],
+        )
+
+
+def checked_velocity_and_coupling(
+    v: SupportsFloat | str, c: SupportsFloat | str
+) -> tuple[float, float]:
+    """Return (v, c) as floats within the range that the roots are tested on.
+
+    Raises
+    ------
+    ParameterError
+        If either is not from 1e-12 to 1e12.
+    """
+    for name, value in (("velocity v", v), ("coupling c", c)):
+        within(name, value, SMALLEST, LARGEST, "use a limit formula beyond")
+    return float(v), float(c)
+
+
+def strip_bounds(labels: IntArray, upper: bool) -> tuple[FloatArray, FloatArray]:
+    """Return the lower and upper end of Re k for each label, shapes (n,)."""
+    base = 2.0 * np.pi * labels
+    if upper:
+        return base - np.pi, base
+    low = np.where(labels > 0, base - np.pi, base)
+    return low, low + np.where(labels == 0, np.pi, 2.0 * np.pi)
+
+
+def labelled_roots(
+    v: float | FloatArray, c: float | FloatArray, labels: IntArray, upper: bool
+) -> RootSet:
+    """Return the root of (50) in each of the strips ``labels``.
+
+    Parameters
+    ----------
+    v, c : float or ndarray of float, shape (n,)
+        Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12; one pair for all labels
+        or one each.
+    labels : ndarray of int, shape (n,)
+        Strip numbers.
+    upper : bool
+        Above (M⁺ of Eq. 52) or below (M⁻) the real axis.
+
+    Raises
+    ------
+    ParameterError
+        If v or c is out of range.
+    IncompleteRootsError
+        If a root was not found (never seen).
+
+    Examples
+    --------
+    >>> roots = labelled_roots(0.3, 0.5, np.array([-1, 0, 1]), upper=True)
+    >>> bool(np.all(roots.radius < 1e-14))
+    True
+    """
+    if not isinstance(v, np.ndarray) and not isinstance(c, np.ndarray):
+        v, c = checked_velocity_and_coupling(v, c)
+    labels = np.asarray(labels, dtype=np.int64)
+    v, c = np.broadcast_to(v, labels.shape), np.broadcast_to(c, labels.shape)
+    k = np.full(labels.shape, complex(np.nan))
+    missing = np.arange(labels.size)
+    with np.errstate(all="ignore"):
+        for start in _seeds(labels, v, c, upper):
+            if missing.size == 0:
+                break
+            for step_of in (_labelled_step, _plain_step):
+                wanted, v_, c_ = labels[missing], v[missing], c[missing]
+                found = _iterate(step_of, start[missing], wanted, v_, c_, upper)
+                good = _inside(found, wanted, upper)
+                good &= _radius(found, v_, c_) <= 1e-6 * np.abs(found)
+                k[missing[good]] = found[good]
+                missing = missing[~good]
+    if missing.size:
+        raise IncompleteRootsError(
+            f"no root found in strips {labels[missing].tolist()} at v = {v[missing]}, "
+            f"c = {c[missing]}"
+        )
+    for _ in range(2):
+        k -= _plain_step(k, labels, v, c, upper)
+    residual = np.abs(dispersion(k, v, c))
+    return RootSet(labels=labels, k=k, residual=residual, radius=_radius(k, v, c))
+
+
+def nearest_roots(v: float, c: float, count: int, upper: bool) -> RootSet:
+    """Return the ``count`` roots nearest the origin in one half-plane, ascending in |k|.
+
+    Raises
+    ------
+    ParameterError
+        If the count is not from 1 to 1 000 000.
+    """
+    count = count_within("root count", count, 1, MOST_ROOTS)
+    reach = count // 2 + 2
+    while True:
+        roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
+        roots = roots.take(np.argsort(np.abs(roots.k), kind="stable")[:count])
+        farthest = float(np.abs(roots.k[-1]))
+        # A label beyond reach has |Re k| > 2π(reach + 1) - π, so it cannot be nearer than that.
+        if farthest <= 2.0 * np.pi * reach + np.pi:
+            return roots
+        reach = math.ceil(farthest / (2.0 * np.pi)) + 1
+
+
+def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
+    """Return every root with |Re k| ≤ ``extent`` in one half-plane, ascending in |k|.
+
+    Raises
+    ------
+    ParameterError
+        If the extent would hold more than 1 000 000 roots.
+    """
+    extent = positive("extent |Re k|", extent)
+    reach = math.ceil(extent / (2.0 * np.pi)) + 1
+    if 2 * reach + 1 > MOST_ROOTS:
+        raise ParameterError(
+            "extent |Re k|", extent, f"at most {np.pi * MOST_ROOTS:.0f}", "ask less"
+        )
+    roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
+    roots = roots.take(np.abs(roots.k.real) <= extent)
+    return roots.take(np.argsort(np.abs(roots.k), kind="stable"))
+
+
+def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> npt.NDArray[np.bool_]:
+    low, high = strip_bounds(labels, upper)
+    half = k.imag > 0 if upper else k.imag < 0
+    return half & (k.real > low) & (k.real < high)
+
+
+def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:
+    """Return the distance within which Newton–Kantorovich places a root; inf where it does not."""
+    square = np.abs(np.sin(0.5 * k)) ** 2
+    rounding = 4.0 * _EPS * (0.5 + 2.0 * c * square + v * np.abs(k))
+    value = np.abs(dispersion(k, v, c)) + rounding
+    # v + c sin k also cancels, near a branch point of the labels; count that against the slope.
+    slope = np.abs(dispersion_slope(k, v, c)) - 4.0 * _EPS * (v + c * np.abs(np.sin(k)))
+    step = value / slope
+    bend = 2.0 * step * (c * np.cosh(np.abs(k.imag) + 2.0 * step)) / slope
+    return np.where((slope > 0) & (bend < 0.5), 2.0 * step, np.inf)
+
+
+def _argument(
+    k: ComplexArray, labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
+) -> ComplexArray:
+    """Return w with 4 sinh²(w/2) = q - 2, q = 2 cos k on a root, on the sheet of the label.
+
+    q - 2 = (2vk + i)/c. With w from arcsinh nothing cancels for small k and nothing overflows.
+    """
+    z = np.asarray((2.0 * v * k + 1j) / (4.0 * c), dtype=complex)
+    w = 2.0 * np.arcsinh(np.sqrt(z))
+    if upper:
+        return np.asarray(w)
+    # The strips left of the origin span (0, 2π), not (-π, π).
+    shifted: ComplexArray = np.where((labels < 0) & (w.imag < 0), w + 2j * np.pi, w)
+    return shifted
+
+
+def _labelled_step(
+    k: ComplexArray, labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
+) -> ComplexArray:
+    """Return Newton's step on k = ±i w(k) + 2πn, nearly linear for all but the nearest roots."""
+    sign = 1j if upper else -1j
+    z = (2.0 * v * k + 1j) / (4.0 * c)
+    value = k - sign * _argument(k, labels, v, c, upper) - 2.0 * np.pi * labels
+    step: ComplexArray = value / (1.0 - sign * (0.5 * v / c) / (np.sqrt(z) * np.sqrt(1.0 + z)))
+    return step
+
+
+def _plain_step(
+    k: ComplexArray, labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
+) -> ComplexArray:
+    """Return Newton's step on L(k) itself, for roots near the origin where labels meet."""
+    del labels, upper
+    return dispersion(k, v, c) / dispersion_slope(k, v, c)
+
+
+def _iterate(
+    step_of: Callable[..., ComplexArray],
+    k: ComplexArray,
+    labels: IntArray,
+    v: FloatArray,
+    c: FloatArray,
+    upper: bool,
+) -> ComplexArray:
+    """Apply Newton's steps, each root until its own step is down to rounding."""
+    k = k.copy()
+    moving = np.arange(k.size)
+    for _ in range(25):
+        step = step_of(k[moving], labels[moving], v[moving], c[moving], upper)
+        k[moving] -= step
+        moving = moving[np.abs(step) > 1e-13 * np.abs(k[moving])]
+        if moving.size == 0:
+            break
+    return k
+
+
+def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[ComplexArray]:
+    """Yield starting points, the likeliest first; nearly every scene stops after one."""
+    base = 2.0 * np.pi * labels
+    sign = 1j if upper else -1j
+    still = 2.0 * np.arcsinh(np.sqrt(0.25j / c))
+    yield base + sign * still  # the roots at v = 0
+    # Where L_k vanishes on the real axis, two roots part: k = k* ± √(-2 L/L_kk).
+    crest = base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
+    apart = np.sqrt(-2.0 * dispersion(crest + 0j, v, c) / (-1j * c * np.cos(crest)))
+    yield crest + np.where(apart.imag * sign.imag > 0, apart, -apart)
+    k = base - sign * 0.5j * np.pi
+    for _ in range(3):  # the labelled fixed point
+        k = sign * _argument(k, labels, v, c, upper) + base
+    yield k
+    far = (
+        -(v + np.sqrt(np.asarray(v * v - 1j * c, dtype=complex))) / c
+    )  # k² + 2(v/c)k + i/c = 0, the continuum
+    yield far
+    yield 1j / (c * far)
+    yield -0.5j / v + 0.0 * far
+    low, high = strip_bounds(labels, upper)
+    for part in (0.05, 0.25, 0.5, 0.75, 0.95):
+        for height in (0.01, 0.1, 0.5, 1.5, 4.0, 10.0, 20.0):
+            yield low + part * (high - low) + (1j if upper else -1j) * height

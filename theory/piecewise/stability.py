@@ -1,0 +1,450 @@
+"""Linear stability of the fronts of (44), from the zeros of the symbol of their switching times.
+
+Let site n switch at T_n = n/v + d_n with small d_n. The chain responds to a switched site at
+distance k, a time s later, by ½φ_s G_k(s),
+
+    G_k(s) = (-i)^k e^{-s/2 + ics} J_k(cs) = (1/2π) ∫ e^{iκk - A(κ)s} dκ,
+
+so that φ_m, at the moment of its own switching, changes by -½φ_s Σ_k G_k(k/v)(d_{m-k} - d_m), and
+stays on the threshold |φ| = |φ_us| to first order if
+
+    Σ_{k ≥ 1} p_k (d_m - d_{m-k}) = 0,      p_k = ½ Re[e^{-i arg φ(0)} G_k(k/v)].
+
+A disturbance d_m = z^m obeys D(z) = Σ p_k (1 - z^{-k}) = 0. The zero z = 1 is a shift of the front
+in time. The front is linearly stable if every other zero, a *multiplier* per site, has |z| < 1 and
+|φ| passes the threshold at a finite rate, Σ p_k > 0.
+
+With w = 1/z, D = (1 - w) E(w), E(w) = Σ_j q_j w^j, q_j = Σ_{k > j} p_k. Zeros of E inside a circle
+are counted by its winding number, on so many points that a Lipschitz bound excludes a miscount.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
+from theory.parameters import within
+from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.dispersion import FloatArray, onsite
+from theory.piecewise.folds import fold_coupling
+from theory.piecewise.sums.integral import sums
+
+_EPS = float(np.finfo(float).eps)
+_SMALLEST_TERM = 1e-30
+"""e^{-K/2v} of the last term; on the largest circle searched its root remains."""
+_MOST_PRODUCTS = 30_000_000
+"""Terms times points of the mean over κ, at most: about a third of a second."""
+_MOST_POINTS = 1 << 20
+_SCAN = 1.15
+"""Factor between the couplings at which stability is tried."""
+_NARROW = 1e-5
+"""Relative width of the bracket of c_stable at which bisection ends."""
+_FOLD_ERROR = 1e-11
+"""Relative error of a fold, where |Σ| and 2r touch to within 1e-13."""
+_ROOM = 1e-9
+"""A multiplier so near the unit circle is not decided."""
+_CIRCLES = 14
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontStability:
+    """Linear stability of one travelling front.
+
+    Attributes
+    ----------
+    stable : bool or None
+        Whether every disturbance of the switching times decays; None where it was not decided:
+        a multiplier lies on the unit circle to within rounding, or the series is too long
+        (v above some tens).
+    multiplier : float or None
+        Largest modulus of a multiplier per site other than the trivial one; None where all are
+        below ``floor``, or none could be told.
+    angle : float or None
+        Its argument, in radians per site from 0 to π; π is a disturbance that alternates.
+    error : float or None
+        Bound on the error of ``multiplier``.
+    floor : float
+        e^{-1/4v}, below which no multiplier is looked for; the memory of earlier switchings fades
+        like its square.
+    terms : int
+        Terms p_k of the symbol.
+    """
+
+    stable: bool | None
+    multiplier: float | None
+    angle: float | None
+    error: float | None
+    floor: float
+    terms: int
+
+
+def front_stability(v: float, c: float) -> FrontStability:
+    """Return the linear stability of the front of velocity v (a solution of Eq. 54).
+
+    Parameters
+    ----------
+    v, c : float
+        Front velocity v̂ (negative where the excited state retreats) and coupling, dimensionless.
+
+    Returns
+    -------
+    FrontStability
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
+    Notes
+    -----
+    The answer is about small disturbances of the switching times and presupposes (47).
+
+    Examples
+    --------
+    >>> front_stability(0.300992350758521, 0.5).stable
+    True
+    """
+    within("velocity |v|", abs(v), 1e-12, 1e12)
+    within("coupling c", c, 1e-12, 1e12)
+    speed = abs(v)
+    floor = math.exp(-0.25 / speed)
+    terms = _terms(speed)
+    points = _mean_points(terms, speed, c)
+    if terms * points > _MOST_PRODUCTS:
+        return _undecided(floor, terms)
+    p = symbol_coefficients(v, c, terms, points)
+    q = np.cumsum(p[::-1])[::-1].copy()
+    if q[0] <= 0.0:
+        return FrontStability(
+            stable=False, multiplier=None, angle=None, error=None, floor=floor, terms=terms
+        )
+    uncertainty = _uncertainty(speed)
+    inside = _zeros_within(q, 1.0 - _ROOM, uncertainty)
+    outside = _zeros_within(q, 1.0 + _ROOM, uncertainty)
+    stable = None if inside is None or inside != outside else inside == 0
+    nearest = _nearest_zero(q, 1.0 / floor, uncertainty)
+    if nearest is None:
+        return FrontStability(
+            stable=stable, multiplier=None, angle=None, error=None, floor=floor, terms=terms
+        )
+    w, error = nearest
+    modulus = 1.0 / abs(w)
+    return FrontStability(
+        stable=stable,
+        multiplier=modulus,
+        angle=abs(cmath.phase(w)),
+        error=error * modulus**2,
+        floor=floor,
+        terms=terms,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilityLimit:
+    """Where the fastest front of one η first loses stability as c grows.
+
+    Attributes
+    ----------
+    c : float
+        c_stable, dimensionless.
+    error : float
+        Bound on its error.
+    v : float
+        Velocity v̂ there.
+    angle : float
+        Argument of the multiplier that leaves the unit circle, in radians per site; 0 where the
+        branch ends in a fold.
+    """
+
+    c: float
+    error: float
+    v: float
+    angle: float
+
+
+@lru_cache(maxsize=256)
+def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit | None:
+    """Return c_stable(η): the fastest front of (54) is linearly stable from its fold up to there.
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², dimensionless, 0 < η < 2/25.
+    farthest : float
+        Largest coupling looked at. Fronts may regain and lose stability beyond c_stable.
+
+    Returns
+    -------
+    StabilityLimit or None
+        None where stability is not lost below ``farthest``, or only where (47) fails.
+
+    Raises
+    ------
+    ParameterError
+        If η or the largest coupling is out of range.
+
+    Examples
+    --------
+    >>> limit = stability_limit(0.03125)
+    >>> round(limit.c, 6), limit.error < 1e-10
+    (2.405932, True)
+    """
+    within("eta = b/a^2", eta, SMALLEST_ETA, ETA_END)
+    within("largest coupling", farthest, 1e-8, 100.0)
+    fold = fold_coupling(eta)
+    if fold is None or fold.value >= farthest:
+        return None
+    r = threshold_ratio(eta)
+    count = 2 + math.ceil(math.log(farthest / fold.value) / math.log(_SCAN))
+    couplings = np.geomspace(fold.value * (1.0 + 1e-3), farthest, count)
+    before, last = None, None
+    for c in couplings.tolist():
+        here = _Leading.at(c, r)
+        if here is None or here.unstable is None:
+            return None
+        if here.unstable:
+            before, last = (before or here), here
+            break
+        before = here
+    if before is None or last is None or before is last:
+        return None
+    return _crossing(before, last, r)
+
+
+def symbol_coefficients(v: float, c: float, terms: int, points: int | None = None) -> FloatArray:
+    """Return p_1 … p_K of the symbol.
+
+    Parameters
+    ----------
+    v, c : float
+        Velocity v̂, negative where the excited state retreats, and coupling, dimensionless.
+    terms : int
+        K.
+    points : int, optional
+        Points of the mean over κ; so many by default that aliasing is below rounding.
+
+    Returns
+    -------
+    ndarray of float, shape (K,)
+        Dimensionless; accurate to rounding, since G_k(k/v) is the mean of u^k with
+        u = e^{iκ - A(κ)/v} over equispaced κ, up to J_{N-k}(ck/v).
+
+    Examples
+    --------
+    >>> symbol_coefficients(0.3, 0.5, 2).round(6).tolist()
+    [0.024735, 0.003119]
+    """
+    speed = abs(v)
+    count = _mean_points(terms, speed, c) if points is None else points
+    kappa = 2.0 * np.pi * np.arange(count) / count
+    u = np.exp(1j * kappa - onsite(kappa + 0j, c) / speed)
+    at_threshold = -0.5 * complex(sums(np.array([speed]), np.array([c]), 1e-15).value[0])
+    if v < 0:  # 1 - φ advances, and |φ| falls below the threshold where its sites switch
+        at_threshold = 1.0 - at_threshold
+    turn = cmath.exp(-1j * cmath.phase(at_threshold))
+    power = np.ones_like(u)
+    means = np.empty(terms, dtype=complex)
+    for k in range(terms):
+        power *= u
+        means[k] = power.mean()
+    coefficients: FloatArray = 0.5 * np.real(turn * means)
+    return coefficients
+
+
+def _terms(speed: float) -> int:
+    return max(2, math.ceil(-2.0 * speed * math.log(_SMALLEST_TERM)))
+
+
+def _uncertainty(speed: float) -> float:
+    """Bound what rounding of u^k, and the terms left out, change E by where |w| < e^{1/4v}.
+
+    Σ_k k² e^{-k/4v} times half a unit of rounding; the terms left out add e^{-K/4v} = 1e-15.
+    """
+    return _EPS * (1.0 + 4.0 * speed) ** 3
+
+
+def _mean_points(terms: int, speed: float, c: float) -> int:
+    """Return N with |J_{N-k}(ck/v)| ≤ (e ck/2v(N-k))^{N-k} below 1e-20 for every k ≤ K."""
+    return 1 << math.ceil(math.log2(terms + 60.0 + 3.0 * c * terms / speed))
+
+
+def _zeros_within(q: FloatArray, radius: float, uncertainty: float) -> int | None:
+    """Return the number of zeros of E(w) in |w| < radius; None if one is too near the circle.
+
+    The winding number over M points is right if |E| at each of them exceeds what E can change by
+    to the middle between neighbours, half a step times the bound Σ j |q_j| ρ^{j-1} of |E'|.
+    """
+    order = np.arange(q.size)
+    with np.errstate(over="ignore"):
+        scaled = q * radius**order
+        slope = float(np.sum(np.abs(scaled) * order)) / radius
+    points = 1 << math.ceil(math.log2(8 * q.size))
+    while points <= _MOST_POINTS:
+        values = np.fft.fft(scaled, points)
+        least = float(np.abs(values).min()) - uncertainty
+        if least <= 0.0:
+            return None
+        if least > slope * math.pi * radius / points:
+            turns = np.sum(np.angle(np.roll(values, -1) / values)) / (2.0 * np.pi)
+            return abs(round(float(turns)))
+        points *= 4
+    return None
+
+
+def _nearest_zero(q: FloatArray, reach: float, uncertainty: float) -> tuple[complex, float] | None:
+    """Return the zero of E nearest w = 0 within ``reach``, and its error; None if there is none.
+
+    Newton starts from where |E| is least on circles of growing radius. A zero counts as the nearest
+    once the winding number excludes any in a circle a thousandth smaller.
+    """
+    slope = _slope(q)
+    count = 1 << math.ceil(math.log2(4 * q.size))
+    for radius in np.geomspace(0.1, 1.0, _CIRCLES) * reach:
+        values = np.abs(np.fft.ifft(q * radius ** np.arange(q.size), count))[: count // 2 + 1]
+        beside = np.r_[np.inf, values, np.inf]
+        least = np.flatnonzero((values <= beside[:-2]) & (values <= beside[2:]))
+        starts = radius * np.exp(2j * np.pi * least[np.argsort(values[least])[:6]] / count)
+        zeros = _newton(q, slope, starts, reach)
+        if zeros.size == 0:
+            continue
+        w = complex(zeros[np.argmin(np.abs(zeros))])
+        if abs(w) <= 1.5 * radius and _zeros_within(q, 0.999 * abs(w), uncertainty) == 0:
+            value, derivative = (abs(complex(_polynomial(each, w))) for each in (q, slope))
+            return w, 2.0 * (uncertainty + value) / derivative + 4.0 * _EPS * abs(w)
+    return None
+
+
+def _newton(
+    q: FloatArray, slope: FloatArray, starts: npt.NDArray[np.complex128], reach: float
+) -> npt.NDArray[np.complex128]:
+    """Return the zeros within ``reach`` to which Newton's method goes from these points."""
+    w = np.array(starts, dtype=complex)
+    step = np.full(w.shape, np.inf, dtype=complex)
+    for _ in range(40):
+        moving = (np.abs(step) > 4.0 * _EPS * np.abs(w)) & (np.abs(w) < 2.0 * reach)
+        if not moving.any():
+            break
+        here = w[moving]
+        step[moving] = _polynomial(q, here) / _polynomial(slope, here)
+        w[moving] = here - step[moving]
+    zeros: npt.NDArray[np.complex128] = w[(np.abs(w) < reach) & (np.abs(step) < 1e-9 * np.abs(w))]
+    return zeros
+
+
+def _polynomial(
+    coefficients: FloatArray, w: npt.NDArray[np.complex128] | complex
+) -> npt.NDArray[np.complex128]:
+    """Return Σ coefficients_j w^j."""
+    values: npt.NDArray[np.complex128] = np.asarray(
+        np.polynomial.polynomial.polyval(np.asarray(w), coefficients), dtype=complex
+    )
+    return values
+
+
+@dataclass(frozen=True)
+class _Leading:
+    """The fastest front at one coupling: its velocity, its symbol, whether it is unstable."""
+
+    c: float
+    v: float
+    error: float
+    q: FloatArray
+    unstable: bool | None
+
+    @classmethod
+    def at(cls, c: float, r: float) -> _Leading | None:
+        """Return it; None where no front moves or the symbol is too long."""
+        found = all_velocities(np.array([c]), np.array([2.0 * r]))
+        if found.v.size == 0:
+            return None
+        v, error = float(found.v[-1]), float(found.error[-1])
+        terms = _terms(v)
+        points = _mean_points(terms, v, c)
+        if terms * points > _MOST_PRODUCTS:
+            return None
+        p = symbol_coefficients(v, c, terms, points)
+        q = np.cumsum(p[::-1])[::-1].copy()
+        inside = _zeros_within(q, 1.0, _uncertainty(v))
+        return cls(c, v, error, q, None if inside is None else inside > 0)
+
+    def zero_near(self, w: complex) -> complex:
+        """Return the zero of E to which Newton's method goes from w."""
+        zeros = _newton(self.q, _slope(self.q), np.array([w]), 4.0)
+        return complex(zeros[0]) if zeros.size else complex(math.nan)
+
+
+def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit | None:
+    """Return where the leading multiplier passes the unit circle, between two couplings.
+
+    Bisection as long as the winding number decides, then the secant rule on ln |w| of the zero
+    that has come inside, which moves smoothly in so narrow an interval.
+    """
+    while unstable.c > stable.c * (1.0 + _NARROW):
+        middle = _Leading.at(math.sqrt(stable.c * unstable.c), r)
+        if middle is None or middle.unstable is None:
+            break
+        stable, unstable = (stable, middle) if middle.unstable else (middle, unstable)
+    if abs(unstable.v - stable.v) > 100.0 * _NARROW * stable.v:
+        return _end_of_branch(stable, unstable, r)
+    nearest = _nearest_zero(unstable.q, 1.5, _uncertainty(unstable.v))
+    if nearest is None:
+        return None
+    here, w, slope = unstable, nearest[0], math.nan
+    size, step = math.log(abs(w)), 0.5 * (unstable.c - stable.c)
+    low, high = stable.c * (1.0 - _NARROW), unstable.c * (1.0 + _NARROW)
+    for _ in range(20):
+        following = _Leading.at(min(max(here.c - step, low), high), r)
+        if following is None or following.c == here.c:
+            break
+        w = following.zero_near(w)
+        new = math.log(abs(w))
+        slope = (new - size) / (following.c - here.c)
+        here, size = following, new
+        step = size / slope
+        if not abs(step) > 1e-13 * here.c:
+            break
+    derivative = abs(complex(_polynomial(_slope(here.q), w)))
+    shift = _uncertainty(here.v) / derivative + abs(size)
+    error = 2.0 * shift / abs(slope) + 2.0 * here.error + 4.0 * _EPS * here.c
+    if not error < _NARROW * here.c or not check_admissible(here.v, here.c, r).admissible:
+        return None
+    return StabilityLimit(c=here.c, error=error, v=here.v, angle=abs(cmath.phase(w)))
+
+
+def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit | None:
+    """Return the fold in which the fastest branch ends, between two couplings: its multiplier is 1.
+
+    Beyond it the fastest front is one of another branch.
+    """
+    low, high = last.c, beyond.c
+    here = last
+    while high - low > 4.0 * _EPS * high:
+        middle = _Leading.at(0.5 * (low + high), r)
+        if middle is None or not low < middle.c < high:
+            break
+        if abs(middle.v - last.v) < abs(middle.v - beyond.v):
+            low, here = middle.c, middle
+        else:
+            high = middle.c
+    if not check_admissible(here.v, here.c, r).admissible:
+        return None
+    # Beside a fold g = |Σ| - 2r is zero to within its own error in an interval of c of that width.
+    return StabilityLimit(c=low, error=(high - low) + _FOLD_ERROR * low, v=here.v, angle=0.0)
+
+
+def _slope(q: FloatArray) -> FloatArray:
+    """Return the coefficients of E'."""
+    return np.arange(1, q.size) * q[1:]
+
+
+def _undecided(floor: float, terms: int) -> FrontStability:
+    return FrontStability(
+        stable=None, multiplier=None, angle=None, error=None, floor=floor, terms=terms
+    )

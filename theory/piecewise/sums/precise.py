@@ -1,0 +1,130 @@
+"""Σ(v, c) by the periodised integral of ``sums.integral`` to any number of digits."""
+
+from __future__ import annotations
+
+import math
+from time import perf_counter
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+
+from theory.parameters import count_within
+from theory.piecewise.dispersion import root_free_strip
+from theory.piecewise.limits import static_sum_distance
+from theory.piecewise.precise_roots import MOST_DIGITS, exact, precise_roots
+from theory.piecewise.roots import checked_velocity_and_coupling
+from theory.piecewise.sums.graded_contour import departing_labels
+from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
+
+_MOST_POINTS = 200_000
+
+
+def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> KineticSum:
+    """Return Σ(v, c) of Eq. (53) to ``digits`` digits after the point.
+
+    Where v is so small that Σ is its limit (``theory.piecewise.limits.static_sum``) to within that,
+    it is taken, and ``method`` says so.
+
+    Parameters
+    ----------
+    v, c : float or str
+        Front velocity v̂ and coupling, dimensionless; strings are read as decimals.
+    digits : int
+        From 1 to 2000.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+    PrecisionError
+        If more than 200 000 points would be needed.
+
+    Examples
+    --------
+    >>> total = precise_sum_by_integral("0.3", "0.5", digits=30)
+    >>> print(mp.nstr(total.value.real, 25))
+    -0.2887967561902519894582199
+    """
+    start = perf_counter()
+    digits = count_within("digits", digits, 1, MOST_DIGITS)
+    v_, c_ = checked_velocity_and_coupling(v, c)
+    if (distance := static_sum_distance(v_, c_)) < 10.0 ** (-digits - 2):
+        with mp.workdps(digits + 12):
+            q = mp.sqrt(1 - 4j * exact(c))
+            value = 4j * exact(c) / (q * (1 + q))
+        error = distance + mp.mpf(10) ** (-digits - 2)
+        return KineticSum(
+            value=value,
+            error=stated(error),
+            terms=0,
+            method="static limit",
+            seconds=perf_counter() - start,
+            digits=digits,
+        )
+    lost = math.log10(2.0 + c_ / v_) + math.log10(2.0 + v_)
+    strip = 0.9 * root_free_strip(v_, c_)
+    gap = 0.5 - c_ * math.sinh(strip)
+    # The bound of theory.piecewise.sums.integral.equispaced_points: 2M/(e^{Nσ} - 1).
+    peak = 1.0 / (math.tanh(0.5 * (gap - v_ * strip) / v_) * 2.0 * gap)
+    equispaced = 2 * math.ceil((math.log(2.0 * peak) + (digits + 1) * math.log(10.0)) / strip / 2.0)
+    step = math.pi**2 / 2.0 / ((digits + 3) * math.log(10.0)) * 0.8
+    reach = 2 * math.ceil(((digits + 3) * math.log(10.0) + math.log(4.0 + 4.0 * v_)) / step / 2.0)
+    points = min(equispaced // 2, 2 * reach)
+    if points > _MOST_POINTS:
+        raise PrecisionError(f"{digits} digits need {points} points, more than {_MOST_POINTS}.")
+    with mp.workdps(digits + 12 + math.ceil(lost)):
+        if equispaced // 2 <= 2 * reach:
+            value = _equispaced(exact(v), exact(c), equispaced)
+            truncation = 2.0 * peak * mp.exp(-equispaced * strip) * (1 + mp.mpf(10) ** -digits)
+        else:
+            value, coarse = _graded(exact(v), exact(c), mp.mpf(step), reach)
+            value += _correction(exact(v), exact(c), mp.mpf(step))
+            coarse += _correction(exact(v), exact(c), 2 * mp.mpf(step))
+            truncation = 100 * abs(value - coarse) ** 2
+        error = stated(truncation + mp.mpf(10) ** (-digits - 2))
+    return KineticSum(
+        value=value,
+        error=error,
+        terms=points,
+        method="integral",
+        seconds=perf_counter() - start,
+        digits=digits,
+    )
+
+
+def _integrand(X: Any, v: Any, c: Any) -> Any:
+    A = mp.mpf(0.5) - 2j * c * X
+    F = -mp.expm1(-A / v)
+    return F * (2 - F) / ((F * F + 4 * X * (1 - F)) * 2 * A)
+
+
+def _equispaced(v: Any, c: Any, count: int) -> Any:
+    total = mp.mpc(0)
+    for j in range(count // 2 + 1):
+        value = _integrand(mp.sin(mp.pi * j / count) ** 2, v, c)
+        total += value if j in (0, count // 2) else 2 * value
+    return total / count - 1
+
+
+def _correction(v: Any, c: Any, step: Any) -> Any:
+    """Return the effect of the departing roots, as in ``theory.piecewise.sums.graded_contour``."""
+    labels = departing_labels(np.array([float(v)]), np.array([float(c)]))[0]
+    total = mp.mpc(0)
+    for k in precise_roots(v, c, labels, False, mp.mp.dps):
+        residue = 1 / (-1j * k * (v + c * mp.sin(k)))
+        sigma = mp.log(mp.tan(-k / 2)) - 1j * mp.pi / 4
+        total += residue / mp.expm1(-2j * mp.pi * sigma / step)
+    return total
+
+
+def _graded(v: Any, c: Any, step: Any, reach: int) -> tuple[Any, Any]:
+    """Return the sum with the step, and with twice the step."""
+    total = {0: mp.mpc(0), 1: mp.mpc(0)}
+    turn = mp.mpc(0, 1)
+    for j in range(-reach, reach + 1):
+        square = turn * mp.exp(2 * j * step)
+        weight = 1 / mp.cosh(j * step + turn * mp.pi / 4)
+        total[j % 2] += _integrand(square / (1 + square), v, c) * weight
+    scale = step / mp.pi
+    return (total[0] + total[1]) * scale - 1, 2 * total[0] * scale - 1

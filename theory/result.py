@@ -1,0 +1,330 @@
+"""What every result can do: become JSON, a table, a picture, one line in a console.
+
+How to write a new result
+-------------------------
+1. Derive from `Result` and decorate with ``@dataclass(frozen=True, kw_only=True)``. Name the class
+   after what it is (`Front`, `Trajectory`); its fields are the value or values, ``error``,
+   ``status`` (an enum whose members carry their ``sentence``), ``method``, counts, ``seconds``.
+   What does not exist is ``None``, never NaN.
+2. A field's metadata say what the field is where that is not plain from its type. All are optional.
+
+   ``json``
+       Its key in `Result.to_dict`; ``None`` leaves the field out. By default its name.
+   ``dims``
+       Names of the dimensions of an array, as ``("t", "site")``. Fields that have them make the
+       result tabular: `Result.to_pandas` has one row for each index of the first dimension,
+       `Result.to_xarray` has them all.
+   ``axis``
+       Name of the dimension along which this one-dimensional array is the coordinate.
+   ``unit``, ``help``, ``symbol``
+       Words for tables, labels and the command line.
+
+3. Properties that belong in the JSON object as well are named in the class variable ``derived``.
+4. A picture is a function in `fronts.pictures`, entered there under the name of the class; nothing
+   here imports a plotting library.
+5. Where dims do not fit (rows of varying kind), override `Result.columns`.
+
+Examples
+--------
+>>> from dataclasses import dataclass, field
+>>> import numpy as np
+>>> @dataclass(frozen=True, kw_only=True)
+... class Decay(Result):
+...     rate: float
+...     error: float
+...     times: np.ndarray = field(metadata={"axis": "t"})
+...     values: np.ndarray = field(metadata={"dims": ("t",)})
+>>> found = Decay(rate=0.5, error=1e-9, times=np.array([0.0, 1.0]), values=np.array([1.0, 0.6]))
+>>> found
+Decay(rate=0.5, error=1e-09, times=<2 floats>, values=<2 floats>)
+>>> found.to_dict()
+{'rate': 0.5, 'error': 1e-09, 'times': [0.0, 1.0], 'values': [1.0, 0.6]}
+>>> list(found.columns())
+['times', 'values']
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import Field, fields, is_dataclass
+from enum import Enum
+from importlib import import_module
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from theory.parameters import MissingPackageError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+PICTURES = "fronts.pictures"
+"""Module with ``draw(result, axes, **style)``; by name, since what draws stands above theory."""
+
+_LONGEST = 60
+"""Characters of one value in a repr."""
+
+
+class Result:
+    """Base of every result of the toolkit; see the module for how to write one."""
+
+    __slots__ = ()
+
+    derived: ClassVar[tuple[str, ...]] = ()
+    """Properties that `to_dict` lists after the fields."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        # A dataclass writes its own repr, with every number of every array, unless one stands here.
+        if "__repr__" not in cls.__dict__:
+            type.__setattr__(cls, "__repr__", Result.__repr__)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as an object of JSON: numbers, strings, lists, dictionaries, ``None``.
+
+        Returns
+        -------
+        dict
+            Arrays are lists, complex values pairs ``{"re": …, "im": …}``, enums their values; what
+            is not finite is ``None``.
+
+        Raises
+        ------
+        TypeError
+            If a field holds what has no such form.
+        """
+        found: dict[str, Any] = {}
+        for each in _fields(self):
+            key = each.metadata.get("json", each.name)
+            if key is not None:
+                found[key] = plain(getattr(self, each.name))
+        for name in self.derived:
+            found[name] = plain(getattr(self, name))
+        return found
+
+    def plot(self, axes: Axes | None = None, **style: Any) -> Axes:
+        """Draw the result with Matplotlib.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; by default new axes.
+        **style
+            Passed on to the drawing, as in ``color="k"``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        TypeError
+            If there is no picture of such a result.
+        """
+        drawn: Axes = import_module(PICTURES).draw(self, axes, **style)
+        return drawn
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the columns of the result as a table, each a one-dimensional array of one length.
+
+        Returns
+        -------
+        dict of str to ndarray
+            One row for each index of the leading dimension. A field with a second dimension gives
+            one column for each of its indices, named after the coordinate there, or counted from 1.
+
+        Raises
+        ------
+        TypeError
+            If the result is not tabular.
+        """
+        dims = _dimensions(self)
+        leading = next(iter(dims.values()))[0]
+        table: dict[str, np.ndarray] = {}
+        for name, over in dims.items():
+            values = getattr(self, name)
+            if over == (leading,):
+                table[name] = values
+            elif len(over) == 2 and over[0] == leading:
+                labels = _coordinate(self, over[1])
+                count = values.shape[1]
+                names = range(1, count + 1) if labels is None else [f"{x:.12g}" for x in labels]
+                table |= {f"{name}_{label}": values[:, i] for i, label in enumerate(names)}
+        return table
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the result as a data frame of pandas, with the columns of `columns`.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        TypeError
+            If the result is not tabular.
+        MissingPackageError
+            If pandas is not installed.
+        """
+        columns = self.columns()
+        frame: pd.DataFrame = _optional("pandas").DataFrame(columns)
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return the result as a dataset of xarray, with named dimensions and coordinates.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        TypeError
+            If the result is not tabular.
+        MissingPackageError
+            If xarray is not installed.
+        """
+        described = {each.name: each.metadata for each in _fields(self)}
+        try:
+            dims = _dimensions(self)
+        except TypeError:
+            columns = self.columns()  # of its own, or refused in the same words
+            listed: xr.Dataset = _optional("xarray").Dataset(
+                {name: ("row", values) for name, values in columns.items()}
+            )
+            return listed
+        variables, coordinates = {}, {}
+        for name, over in dims.items():
+            axis = described[name].get("axis")
+            if axis is None:
+                variables[name] = (over, getattr(self, name))
+            else:
+                coordinates[axis] = getattr(self, name)
+        data: xr.Dataset = _optional("xarray").Dataset(variables, coordinates)
+        return data
+
+    def __repr__(self) -> str:
+        shown = (f"{each.name}={_short(getattr(self, each.name))}" for each in _fields(self))
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def _repr_html_(self) -> str:
+        """Return a small table for notebooks."""
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(each.name)}</th>"
+            f"<td style='text-align:left'>{html.escape(_in_a_cell(getattr(self, each.name)))}</td>"
+            "</tr>"
+            for each in _fields(self)
+        )
+        return f"<table><caption>{html.escape(type(self).__name__)}</caption>{rows}</table>"
+
+
+def plain(value: object) -> Any:
+    """Return a value in the types of JSON.
+
+    Parameters
+    ----------
+    value : object
+        A number, string, enum, path, array, collection, mapping, result, chain (anything with
+        ``parameters()``) or other dataclass.
+
+    Returns
+    -------
+    object
+        Of ``dict``, ``list``, ``str``, ``int``, ``float`` (finite), ``bool``, ``None``.
+
+    Raises
+    ------
+    TypeError
+        If there is no such form.
+
+    Examples
+    --------
+    >>> plain({"v": 0.5, "late": float("inf"), "phi": 1 + 2j, "counts": (1, 2)})
+    {'v': 0.5, 'late': None, 'phi': {'re': 1.0, 'im': 2.0}, 'counts': [1, 2]}
+    """
+    if isinstance(value, Enum):
+        return plain(value.value)
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, complex):
+        return {"re": plain(value.real), "im": plain(value.imag)}
+    if isinstance(value, PurePath):
+        return str(value)
+    if hasattr(value, "dtype") and hasattr(value, "tolist"):
+        if value.dtype.kind == "c" and getattr(value, "ndim", 0):
+            parts: Any = value
+            return {"re": plain(parts.real.tolist()), "im": plain(parts.imag.tolist())}
+        return plain(value.tolist())
+    for method in ("to_dict", "parameters"):
+        if hasattr(value, method):
+            return plain(getattr(value, method)())
+    if is_dataclass(value) and not isinstance(value, type):
+        return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(plain(key)): plain(each) for key, each in value.items()}
+    if isinstance(value, Collection):
+        return [plain(each) for each in value]
+    raise TypeError(f"a value of type {type(value).__name__} has no form in JSON.")
+
+
+def _fields(result: Result) -> tuple[Field[Any], ...]:
+    return fields(result)  # type: ignore[arg-type]  # every Result is a dataclass
+
+
+def _dimensions(result: Result) -> dict[str, tuple[str, ...]]:
+    """Return, by field, the dimensions of its array."""
+    dims = {}
+    for each in _fields(result):
+        over = each.metadata.get("dims") or each.metadata.get("axis")
+        if over and getattr(result, each.name) is not None:
+            dims[each.name] = (over,) if isinstance(over, str) else tuple(over)
+    if not dims:
+        raise TypeError(f"{type(result).__name__} is not tabular: take to_dict() instead.")
+    return dims
+
+
+def _coordinate(result: Result, axis: str) -> Any:
+    for each in _fields(result):
+        if each.metadata.get("axis") == axis:
+            return getattr(result, each.name)
+    return None
+
+
+def _optional(package: str) -> Any:
+    try:
+        return import_module(package)
+    except ModuleNotFoundError:
+        raise MissingPackageError(package, "tables", "such a table") from None
+
+
+def _short(value: object) -> str:
+    if isinstance(value, Enum):
+        return str(value.value)
+    if isinstance(value, float):
+        return f"{value:.15g}"
+    if hasattr(value, "dtype") and hasattr(value, "shape") and value.shape:
+        kind = {"f": "floats", "c": "complex", "i": "integers", "b": "truths"}.get(
+            value.dtype.kind, "entries"
+        )
+        return f"<{' x '.join(map(str, value.shape))} {kind}>"
+    text = repr(value)
+    if len(text) <= _LONGEST:
+        return text
+    if isinstance(value, str):
+        return text[: _LONGEST - 1] + "…"
+    if isinstance(value, Collection):
+        return f"<{len(value)} in a {type(value).__name__}>"
+    return f"<{type(value).__name__}>"
+
+
+def _in_a_cell(value: object) -> str:
+    sentence = getattr(value, "sentence", None)
+    if isinstance(value, Enum) and isinstance(sentence, str):
+        return f"{value.value}: {sentence}"
+    return value if isinstance(value, str) else _short(value)

@@ -1,0 +1,36 @@
+"""The base of enumerations whose members say in a sentence what they mean."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Self
+
+
+class Status(StrEnum):
+    """A word for JSON and files, and a sentence for people, on one member.
+
+    Members are written as a pair. The word alone finds the member.
+
+    Attributes
+    ----------
+    sentence : str
+        What the member means, and where something can be done, what to do.
+
+    Examples
+    --------
+    >>> class Outcome(Status):
+    ...     DONE = "done", "the run has come to its end."
+    >>> Outcome("done").sentence, f"{Outcome.DONE}"
+    ('the run has come to its end.', 'done')
+    """
+
+    sentence: str
+
+    def __new__(cls, value: str, sentence: str = "") -> Self:
+        """Return a member that carries its sentence."""
+        if not sentence.endswith("."):
+            raise TypeError(f"{cls.__name__} member {value!r} needs a sentence that says it.")
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.sentence = sentence
+        return member

@@ -1,0 +1,401 @@
+"""``breather``: the localised oscillation of a Van der Pol chain, four ways, and side by side."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from theory.averaged.breather import (
+    BreatherStatus,
+    Reading,
+    solve_breather,
+)
+from theory.chains.nucleus import Nucleus, Place, outward_pattern
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from theory.parameters import ParameterError
+from verification.breathers.averaged_run import run_averaged_breather
+from verification.breathers.continuation import Fold
+from verification.breathers.envelope import solve_envelope_breather
+from verification.breathers.floquet import approximate_multipliers
+from verification.breathers.newton import NotConvergedError
+from verification.breathers.orbits import solve_orbit
+from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
+from verification.breathers.run import run_breather
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.result import ThresholdMethod
+
+Real = NDArray[np.float64]
+
+MAX_SITES = {
+    BreatherMethod.CLOSED_FORM: 100_000,
+    BreatherMethod.ENVELOPE: 401,
+    BreatherMethod.ORBIT: 101,
+    BreatherMethod.SIMULATION: 2001,
+}
+"""Longest chain for each method: matrices are dense, and a breather needs a few sites."""
+REST = 14
+"""Most sites at rest beside the nucleus with which a solution for comparison is computed; beyond
+them all amplitudes are small."""
+
+
+@overload
+def breather(
+    chain: VanDerPolChain,
+    *,
+    nucleus: Nucleus = ...,
+    method: Literal["all"],
+    reading: Reading | str = ...,
+    seed: int = ...,
+) -> BreatherComparison: ...
+
+
+@overload
+def breather(
+    chain: VanDerPolChain,
+    *,
+    nucleus: Nucleus = ...,
+    method: Literal["envelope", "closed-form", "orbit", "simulation"] = ...,
+    reading: Reading | str = ...,
+    seed: int = ...,
+) -> Breather: ...
+
+
+def breather(
+    chain: VanDerPolChain,
+    *,
+    nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
+    method: str = "envelope",
+    reading: Reading | str = Reading.NEIGHBOUR,
+    seed: int = 0,
+) -> Breather | BreatherComparison:
+    """Return the breather of a nucleus, and how far it is from a solution of the chain.
+
+    Parameters
+    ----------
+    chain : VdpChain or AveragedChain
+        Needs two cycles (8b < a²) and c > 0. The error of what is found is its distance from the
+        periodic orbit of (8) for a `VdpChain`, from the rotating solution of (43) for an
+        `AveragedChain`.
+    nucleus : Nucleus, optional
+        Which sites oscillate, and with which phase steps; by default one in the middle. Three or
+        more without a pattern are taken as what an in-phase start relaxes to.
+    method : {"envelope", "closed-form", "orbit", "simulation", "all"}, optional
+        ``closed-form``: (29), (37), (30), for one site in the bulk. ``envelope``: (43), solved.
+        ``orbit``: the periodic orbit of (8), by shooting, with Floquet multipliers; not for an
+        `AveragedChain`. ``simulation``: a run from a perturbed start until it repeats itself.
+        ``all``: every method that applies, side by side.
+    reading : Reading, optional
+        Closed form: the site at which (37) is taken.
+    seed : int, optional
+        Simulation: seed of the noise.
+
+    Returns
+    -------
+    Breather
+        `BreatherComparison` for the method ``all``.
+
+    Raises
+    ------
+    ParameterError
+        If c = 0, the cell has no cycle, the nucleus does not fit, or the method does not apply.
+
+    References
+    ----------
+    Marín and Aubry (1996), for continuation of breathers from the anticontinuum limit; Keller
+    (1977), for pseudo-arclength continuation.
+
+    Examples
+    --------
+    >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=11)
+    >>> orbit = breather(chain, method="orbit")
+    >>> orbit.status.value, orbit.stable, round(orbit.frequency, 6)
+    ('exists', True, 1.000985)
+    >>> theory = breather(chain, method="closed-form")
+    >>> abs(theory.outward[0] - orbit.outward[0]) < theory.error < 1e-3
+    True
+    """
+    started = time.perf_counter()
+    nucleus = _with_pattern(nucleus)
+    nucleus.first(chain.sites)
+    _ = chain.stable_amplitude
+    choice = _Choice(Reading(reading), seed)
+    if method != "all":
+        found = _known(method)
+        _check_length(chain, found)
+        return _METHODS[found](chain, nucleus, choice)
+    every = [each for each in BreatherMethod if _applies(each, chain, nucleus)]
+    _check_length(chain, min(every, key=lambda each: MAX_SITES[each]))
+    methods = {str(each): _METHODS[each](chain, nucleus, choice) for each in every}
+    seconds = time.perf_counter() - started
+    return BreatherComparison(chain=chain, nucleus=nucleus, methods=methods, seconds=seconds)
+
+
+class _Choice(NamedTuple):
+    """What single methods take besides chain and nucleus."""
+
+    reading: Reading
+    seed: int
+
+
+def _with_pattern(nucleus: Nucleus) -> Nucleus:
+    """Return the nucleus with a pattern that a breather can have."""
+    in_phase = nucleus.size > 2 and set(nucleus.pattern) <= {"0"}
+    if not in_phase:
+        return nucleus
+    if nucleus.place is Place.EDGE:
+        raise ParameterError(
+            "pattern", repr(nucleus.pattern), "one of a breather at an edge", "name one with + or -"
+        )
+    return Nucleus(nucleus.size, outward_pattern(nucleus.size), nucleus.place)
+
+
+def _known(method: BreatherMethod | str) -> BreatherMethod:
+    words = [each.value for each in BreatherMethod]
+    if method not in words:
+        raise ParameterError("method", method, f"one of {', '.join(words)}, all", "name one")
+    return BreatherMethod(method)
+
+
+def _check_length(chain: VanDerPolChain, method: BreatherMethod) -> None:
+    if chain.sites > MAX_SITES[method]:
+        raise ParameterError(
+            "number of sites n", chain.sites, f"at most {MAX_SITES[method]} for {method}",
+            "take fewer: a breather needs a few sites",
+        )  # fmt: skip
+
+
+def _applies(method: BreatherMethod, chain: VanDerPolChain, nucleus: Nucleus) -> bool:
+    if method is BreatherMethod.CLOSED_FORM:
+        return has_closed_form(nucleus)
+    return method is not BreatherMethod.ORBIT or isinstance(chain, VdpChain)
+
+
+def has_closed_form(nucleus: Nucleus) -> bool:
+    """Return whether (9) is about such a nucleus: it has one centre, far from the ends."""
+    return nucleus.size == 1 and nucleus.place is Place.BULK
+
+
+def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
+    if not has_closed_form(nucleus):
+        raise ParameterError(
+            "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
+            "take the method envelope or orbit",
+        )  # fmt: skip
+    full = _full(chain)
+    found = solve_breather(full, choice.reading)
+    fold = found.fold
+    if found.alpha_0 is None or found.decay is None:
+        return _none(
+            chain, nucleus, BreatherMethod.CLOSED_FORM, found.seconds, (fold.c, fold.error)
+        )
+    odd = replace(full, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
+    multipliers = approximate_multipliers(odd, found)
+    distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
+    amplitudes = found.amplitudes(chain.sites)[distance]
+    trust = _distance(chain, nucleus, amplitudes, found.frequency, found.error * found.alpha_0)
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=BreatherMethod.CLOSED_FORM,
+        status=BreatherStatus.EXISTS,
+        amplitudes=amplitudes,
+        waves=np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex),
+        frequency=found.frequency,
+        stable=multipliers.stable,
+        growth=multipliers.growth,
+        trivial=multipliers.trivial,
+        multipliers=multipliers.values,
+        error=trust.amplitude,
+        frequency_error=trust.frequency,
+        error_unknown=trust.unknown,
+        residual=found.residual,
+        decay=found.decay,
+        fold=fold.c,
+        fold_error=fold.error,
+        seconds=found.seconds,
+    )
+
+
+def _envelope(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
+    found = solve_envelope_breather(chain, nucleus)
+    if found.exponents is None:
+        return _none(chain, nucleus, BreatherMethod.ENVELOPE, found.seconds, _fold(found.fold))
+    frequency = 1.0 + chain.eps * found.omega
+    amplitudes = np.abs(found.phi)
+    if isinstance(chain, AveragedChain):
+        trust = _Distance(found.error, chain.eps * found.error, "")
+    else:
+        trust = _distance(chain, nucleus, amplitudes, frequency, found.error)
+    period = 2.0 * math.pi / frequency
+    fold = _fold(found.fold)
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=BreatherMethod.ENVELOPE,
+        status=BreatherStatus.EXISTS,
+        amplitudes=amplitudes,
+        waves=found.phi,
+        frequency=frequency,
+        stable=found.exponents.stable,
+        growth=found.exponents.growth,
+        trivial=found.exponents.trivial,
+        multipliers=np.exp(chain.eps * period * found.exponents.values),
+        error=trust.amplitude,
+        frequency_error=trust.frequency,
+        error_unknown=trust.unknown,
+        residual=found.residual,
+        fold=fold[0],
+        fold_error=fold[1],
+        seconds=found.seconds,
+    )
+
+
+def _orbit(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
+    if not isinstance(chain, VdpChain):
+        raise ParameterError(
+            "method", "orbit", "envelope, closed-form or simulation for the averaged chain",
+            "take one of them, or the orbit of chain.full()",
+        )  # fmt: skip
+    found = solve_orbit(chain, nucleus)
+    fold = _fold(found.fold)
+    if found.multipliers is None:
+        return _none(chain, nucleus, BreatherMethod.ORBIT, found.seconds, fold)
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=BreatherMethod.ORBIT,
+        status=BreatherStatus.EXISTS,
+        amplitudes=found.amplitudes,
+        waves=found.harmonics,
+        frequency=found.frequency,
+        stable=found.multipliers.stable,
+        growth=found.multipliers.growth,
+        trivial=found.multipliers.trivial,
+        multipliers=found.multipliers.values,
+        error=found.error,
+        frequency_error=found.frequency * found.error / found.period,
+        residual=found.residual,
+        fold=fold[0],
+        fold_error=fold[1],
+        seconds=found.seconds,
+    )
+
+
+def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
+    if isinstance(chain, VdpChain):
+        found = run_breather(chain, nucleus, seed=choice.seed)
+    else:
+        found = run_averaged_breather(chain, nucleus, seed=choice.seed)
+    if found.status is BreatherStatus.ESCAPED:
+        fold = _fold_below(chain, nucleus)
+        nothing = _none(chain, nucleus, BreatherMethod.SIMULATION, found.seconds, fold)
+        status = BreatherStatus.NONE if fold[0] is not None else BreatherStatus.ESCAPED
+        return replace(nothing, status=status, time=found.time)
+    settled = found.status is BreatherStatus.SETTLED
+    known = math.isfinite(found.error)
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=BreatherMethod.SIMULATION,
+        status=found.status,
+        amplitudes=found.amplitudes,
+        waves=found.harmonics,
+        frequency=found.frequency,
+        # A run that settled has forgotten its noise; one that has not settled decides nothing.
+        stable=True if settled else None,
+        error=found.error if known else None,
+        error_unknown="" if known else found.status.sentence,
+        drift=found.drift,
+        time=found.time,
+        seconds=found.seconds,
+    )
+
+
+class _Distance(NamedTuple):
+    """How far amplitudes and frequency are from a solution of the chain, or why unknown."""
+
+    amplitude: float | None
+    frequency: float | None
+    unknown: str
+
+
+def _distance(
+    chain: VanDerPolChain, nucleus: Nucleus, amplitudes: Real, frequency: float, error: float
+) -> _Distance:
+    """Solve the chain itself and compare, its error and that of what is compared added."""
+    short = replace(chain, sites=min(chain.sites, nucleus.size + REST))
+    try:
+        if isinstance(short, VdpChain):
+            orbit = solve_orbit(short, nucleus)
+            own, true = orbit.error, orbit.amplitudes
+            exact = orbit.frequency if true.size else 0.0
+        else:
+            solved = solve_envelope_breather(short, nucleus)
+            own, true = solved.error, np.abs(solved.phi)
+            exact = 1.0 + chain.eps * solved.omega if true.size else 0.0
+    except (ParameterError, NotConvergedError) as refusal:
+        return _Distance(None, None, str(refusal))
+    if not true.size:
+        what = (
+            "(8) has no such orbit" if isinstance(short, VdpChain) else "(43) has no such breather"
+        )
+        return _Distance(None, None, f"{what} at this coupling")
+    ours = amplitudes[nucleus.outward(chain.sites) :]
+    true = true[nucleus.outward(short.sites) :]
+    count = min(true.size, ours.size)
+    gap = float(np.abs(ours[:count] - true[:count]).max())
+    return _Distance(gap + own + error, abs(frequency - exact) + own + error, "")
+
+
+def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:
+    """Return the fold of the chain's own breathers if it is known to be below c.
+
+    A run has no fold of its own. The chain of the orbits is short: a breather needs a few sites.
+    """
+    full = isinstance(chain, VdpChain)
+    method = ThresholdMethod.ORBIT if full else ThresholdMethod.ENVELOPE
+    try:
+        fold = breather_threshold(chain, nucleus, method)
+    except (ParameterError, NotConvergedError):
+        return None, None
+    return (fold.c, fold.error) if chain.c > fold.c + fold.error else (None, None)
+
+
+def _full(chain: VanDerPolChain) -> VdpChain:
+    return chain if isinstance(chain, VdpChain) else chain.full()
+
+
+def _fold(fold: Fold | None) -> tuple[float | None, float | None]:
+    return (None, None) if fold is None else (fold.c, fold.error)
+
+
+def _none(
+    chain: VanDerPolChain,
+    nucleus: Nucleus,
+    method: BreatherMethod,
+    seconds: float,
+    fold: tuple[float | None, float | None],
+) -> Breather:
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=method,
+        status=BreatherStatus.NONE,
+        fold=fold[0],
+        fold_error=fold[1],
+        seconds=seconds,
+    )
+
+
+_METHODS: dict[BreatherMethod, Callable[[VanDerPolChain, Nucleus, _Choice], Breather]] = {
+    BreatherMethod.CLOSED_FORM: _closed_form,
+    BreatherMethod.ENVELOPE: _envelope,
+    BreatherMethod.ORBIT: _orbit,
+    BreatherMethod.SIMULATION: _simulation,
+}

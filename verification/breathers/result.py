@@ -1,0 +1,187 @@
+"""What is found of a breather, by whichever method, of whichever chain that has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from theory.averaged.breather import BreatherStatus
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VanDerPolChain
+from theory.result import Result, plain
+from theory.status import Status
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+class BreatherMethod(Status):
+    """How a breather is found."""
+
+    CLOSED_FORM = "closed-form", "amplitudes of (29) and (37), with the frequency of (30)."
+    ENVELOPE = "envelope", "the averaged chain (43), solved by continuation from small coupling."
+    ORBIT = "orbit", "the periodic orbit of (8), by shooting with variational equations."
+    SIMULATION = "simulation", "the chain run from a perturbed start until it repeats itself."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Breather(Result):
+    """A breather of a chain by one method; all quantities dimensionless.
+
+    Attributes
+    ----------
+    chain : VdpChain or AveragedChain
+        Whose solution it is to be: `error` is the distance from a solution of this chain.
+    nucleus : Nucleus
+        Which sites oscillate, and their phase steps.
+    method : BreatherMethod
+        By what it was found.
+    status : BreatherStatus
+        Whether there is one, or how the run ended.
+    amplitudes : float array, shape (N,)
+        max |y_n| over a period, or |φ_n|; empty if there is no breather.
+    waves : complex array, shape (N,)
+        First harmonic of each site, whose angle is its phase; empty if there is none.
+    frequency : float or None
+        In t; None if there is no breather. Never NaN.
+    stable : bool or None
+        Against every small perturbation; None where the method does not decide it.
+    growth : float or None
+        Largest rate per unit of slow time, trivial one apart.
+    trivial : float or None
+        Distance of the trivial multiplier from 1 (of the trivial exponent from 0 for the method
+        ``envelope``): by it the rates beside it are to be trusted.
+    multipliers : complex array, shape (2N,), or None
+        Floquet multipliers by falling modulus; of the averaged chain e^{ε λ period}.
+    error : float or None
+        Distance of the amplitudes from those of the chain's own breather, that one's error added;
+        None if unknown, and `error_unknown` says why.
+    frequency_error : float or None
+        The same for the frequency.
+    error_unknown : str
+        Why the error is not known; empty if it is.
+    residual : float or None
+        Largest entry of the method's own equations.
+    decay : float or None
+        e^{k_1} of (9), for the method ``closed-form``.
+    fold, fold_error : float or None
+        Largest coupling of the branch and its error, if that was met.
+    time, drift : float or None
+        Time t that was run, and the change of the state left per unit of slow time.
+    seconds : float
+        Wall-clock time.
+    """
+
+    chain: VanDerPolChain
+    nucleus: Nucleus
+    method: BreatherMethod
+    status: BreatherStatus
+    amplitudes: Real = field(default_factory=lambda: np.empty(0), metadata={"dims": ("site",)})
+    waves: Complex = field(default_factory=lambda: np.empty(0, complex), metadata={"json": None})
+    frequency: float | None = None
+    stable: bool | None = None
+    growth: float | None = None
+    trivial: float | None = None
+    multipliers: Complex | None = field(default=None, metadata={"json": None})
+    error: float | None = None
+    frequency_error: float | None = None
+    error_unknown: str = ""
+    residual: float | None = None
+    decay: float | None = None
+    fold: float | None = None
+    fold_error: float | None = None
+    time: float | None = None
+    drift: float | None = None
+    seconds: float
+
+    @property
+    def outward(self) -> Real:
+        """Amplitudes from the centre (the right one of two; at an edge the first site) outwards."""
+        return self.amplitudes[self.nucleus.outward(self.chain.sites) :]
+
+    @property
+    def inward(self) -> Real:
+        """Amplitudes from the centre to the left end; the centre itself only of an odd nucleus."""
+        centre = self.nucleus.outward(self.chain.sites)
+        return self.amplitudes[: centre + self.nucleus.size % 2][::-1]
+
+    @property
+    def phases(self) -> Real:
+        """Phases of the sites against the centre, in units of π; empty if there is no breather."""
+        if not self.waves.size:
+            return np.empty(0)
+        centre = self.waves[self.nucleus.outward(self.chain.sites)]
+        return np.asarray(np.angle(self.waves / centre) / np.pi)
+
+    @property
+    def phase_step(self) -> float | None:
+        """Phase step from the last site of the nucleus to the next, in radians."""
+        last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
+        if not self.waves.size:
+            return None
+        if last + 1 >= self.waves.size:
+            return 0.0
+        return float(np.angle(self.waves[last + 1] / self.waves[last]))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON; ``amplitudes`` there go from the centre outwards."""
+        found = super().to_dict()
+        return found | {
+            "pattern": self.nucleus.pattern,
+            "c": self.chain.c,
+            "amplitudes": plain(self.outward),
+            "left": plain(self.inward),
+            "phases": plain(self.phases),
+            "phase_step": self.phase_step,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class BreatherComparison(Result):
+    """One breather by several methods, each with how far it is from a solution of the chain.
+
+    Attributes
+    ----------
+    chain, nucleus
+        As in `Breather`.
+    methods : mapping of str to Breather
+        By the value of the method.
+    seconds : float
+        Wall-clock time of all.
+    """
+
+    chain: VanDerPolChain
+    nucleus: Nucleus
+    methods: Mapping[str, Breather]
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        of = {"method": "all", "pattern": self.nucleus.pattern, "c": self.chain.c}
+        return of | super().to_dict()
+
+    def __getitem__(self, method: str) -> Breather:
+        """Return what one method found."""
+        return self.methods[method]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a method: status, centre, neighbour, frequency, growth, error, seconds."""
+        rows = list(self.methods.values())
+
+        def site(found: Breather, place: int) -> float:
+            return float(found.outward[place]) if found.outward.size > place else np.nan
+
+        columns: dict[str, list[Any]] = {
+            "method": [str(each.method) for each in rows],
+            "status": [str(each.status) for each in rows],
+            "centre": [site(each, 0) for each in rows],
+            "neighbour": [site(each, 1) for each in rows],
+        }
+        for name in ("frequency", "phase_step", "growth", "error", "frequency_error", "seconds"):
+            values = [getattr(each, name) for each in rows]
+            columns[name] = [np.nan if value is None else value for value in values]
+        return {name: np.asarray(values) for name, values in columns.items()}

@@ -1,0 +1,1 @@
+"""Periodic orbits of one oscillator, found and followed numerically."""

@@ -1,0 +1,62 @@
+"""``cell``: what one oscillator of any chain can do alone."""
+
+from __future__ import annotations
+
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import Chain
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
+from verification.cells.friction import friction_cell
+from verification.cells.result import Cell
+from verification.cells.vdp import averaged_cell, vdp_cell
+
+
+def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
+    """Return rest, cycles and basin of one cell, alone or taken from a chain.
+
+    Parameters
+    ----------
+    of : FrictionCell, FrictionChain, VdpChain or AveragedChain
+        The cell of (5) at c = 0, of (8), or of (43), where both cycles are known in closed form.
+        Coupling, sites and ends of a chain play no role.
+    tolerance : float, optional
+        Local error of the integration, relative to the size of the cycle; from 1e-14 (friction) or
+        1e-13 (Van der Pol) to 1e-6. The errors stated are differences from a hundred times this.
+
+    Returns
+    -------
+    Cell
+        A `BeltCell` for friction, with the belt velocities at which its states begin and end.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of the range where the cycles can be told from round-off, or the cell
+        slips both ways for ever, or it is too stiff.
+
+    References
+    ----------
+    Leine, van Campen, de Kraker and van den Steen (1998), for stick-slip by shooting with a switch;
+    Hénon (1982), for the section of a numerical solution.
+
+    Examples
+    --------
+    >>> found = cell(FrictionCell())
+    >>> found.status.value, round(found.stable.period, 6), found.error < 1e-8
+    ('bistable', 6.353749, True)
+    >>> cell(VdpChain(a=1.0, b=0.2, c=0.0)).status.sentence
+    'rest is stable, and there is no cycle.'
+    """
+    if isinstance(of, FrictionChain):
+        of = of.cell
+    if isinstance(of, FrictionCell):
+        return friction_cell(of, tolerance)
+    if isinstance(of, VdpChain):
+        return vdp_cell(of.a, of.b, of.eps, tolerance)
+    if isinstance(of, AveragedChain):
+        return averaged_cell(of.a, of.b, of.eps)
+    raise ParameterError(
+        "cell", type(of).__name__, "a friction cell, or a chain of cells that have cycles",
+        "give a FrictionCell, FrictionChain, VdpChain or AveragedChain",
+    )  # fmt: skip

@@ -1,0 +1,218 @@
+"""One shooting of each cycle of the friction cell, at one tolerance (``friction``).
+
+The stick-slip cycle passes the point of release, so that what follows a release gives all of it:
+nothing has to be iterated. If the force on returning to ẏ = v_d is beyond -μ_st (it can be, for
+large v_d or small μ_d) the cell slips forwards before it sticks. The unstable cycle slips all the
+time; its largest y is a fixed point of the map from one maximum to the next.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from theory.cells.friction import FrictionCell, friction_slope, stick_phase
+from theory.parameters import ParameterError
+from verification.cells.result import Cycle
+from verification.steppers import friction_cell_phase as phases
+from verification.steppers.friction_series import binomials
+from verification.steppers.taylor import taylor_order
+
+FloatArray = npt.NDArray[np.float64]
+
+_LONGEST = 1e4
+_MOST_TURNS = 100
+ROUND_OFF = 1e-14
+_FINEST = 1e-17
+_SMALL = 1e-3
+"""Relative to v₀: below it the unstable cycle is taken from its expansion at the Hopf velocity."""
+
+
+@lru_cache(maxsize=64)
+def _binomials(order: int) -> FloatArray:
+    return binomials(order)
+
+
+def _phase(
+    cell: FrictionCell,
+    y: float,
+    w: float,
+    released: bool,
+    end: int,
+    tolerance: float,
+    direction: float = -1.0,
+) -> tuple[float, float, float]:
+    """Return τ, y, w at the end of a phase of slip; direction 1 is slip forwards."""
+    flip = -direction
+    numbers = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, flip * cell.v_d, 0.0])
+    # Small cycles are as wide as v_d, large ones as the larger of v_d and μ_st.
+    local = tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
+    local = max(_FINEST, local)
+    order = taylor_order(local)
+    t, y, w = phases.phase(
+        numbers, flip * y, flip * w, released, end, local, order, _binomials(order), _LONGEST
+    )
+    return float(t), flip * float(y), flip * float(w)
+
+
+def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
+    """Return the smallest and the largest y of the stick-slip cycle.
+
+    Beyond the end of the cycle they are those of the slip phase that follows a release.
+
+    Examples
+    --------
+    >>> low, high = cycle_turning_points(FrictionCell())
+    >>> round(low, 6), round(high, 6)
+    (-0.76708, 1.995817)
+    """
+    low, high = (
+        _phase(cell, cell.release, 0.0, True, end, tolerance)[1]
+        for end in (phases.LOWEST, phases.HIGHEST)
+    )
+    return low, high
+
+
+def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
+    """Return the first maximum of ẏ - v_d after release; below 0 if there is none."""
+    t, _, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance)
+    return w if t >= 0.0 or w > 0.0 else -cell.v_d
+
+
+def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
+    """Return the stick-slip cycle its error zero so far; None if the cell does not stick again.
+
+    Raises
+    ------
+    ParameterError
+        If the cell goes on to slip both ways and does not stick (little damping, large v_d).
+    """
+    y, slip, speed, direction, released = cell.release, 0.0, cell.v_d, -1.0, True
+    lows, highs = [], []
+    for _ in range(_MOST_TURNS):
+        t, end, _ = _phase(cell, y, 0.0, released, phases.TOUCH, tolerance, direction)
+        if t < 0.0:
+            return None
+        if direction < 0.0:
+            low, high = (
+                _phase(cell, y, 0.0, released, turn, tolerance)[1]
+                for turn in (phases.LOWEST, phases.HIGHEST)
+            )
+            lows.append(low)
+            highs.append(high)
+        else:
+            fastest = _phase(cell, y, 0.0, released, phases.SLOWEST, tolerance, direction)[2]
+            speed = max(speed, cell.v_d + fastest)
+        y, slip, released = end, slip + t, False
+        stick = stick_phase(cell, y)
+        if stick is not None:
+            time = stick.duration
+            return Cycle(
+                max=max(highs),
+                min=min(lows),
+                period=slip + time,
+                stick_time=time,
+                slip_time=slip,
+                speed=speed,
+                multiplier=0.0,
+                error=0.0,
+            )
+        direction = -direction
+    raise never_sticks(cell)
+
+
+def never_sticks(cell: FrictionCell) -> ParameterError:
+    """Return the refusal of a cell that slips both ways for ever."""
+    return ParameterError(
+        "belt velocity v_d", f"{cell.v_d:g} at damping xi = {cell.xi:g}",
+        "low enough for the cell to stick after it has been released",
+        "take a lower velocity or more damping",
+    )  # fmt: skip
+
+
+def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
+    """Return the unstable cycle; its error is what round-off alone does.
+
+    Raises
+    ------
+    ArithmeticError
+        If it must exist and cannot be found.
+    """
+    if cell.effective_damping <= 0.0 or largest_after_release(cell, tolerance) <= 0.0:
+        return None
+    centre = cell.steady_sliding
+    small = _amplitude_near_hopf(cell)
+    if small < _SMALL * cell.v0:
+        return _expanded(cell, small)
+    fine = max(_FINEST, tolerance * min(1.0, small * small))
+
+    def following(y: float, end: int) -> tuple[float, float, float]:
+        return _phase(cell, y, -cell.v_d, False, end, fine)
+
+    def growth(y: float) -> float:
+        t, top, _ = following(y, phases.HIGHEST)
+        # Continued beyond a touch the phase can leave double precision: it is outside then.
+        return float((top - y) / (y - centre)) if t >= 0.0 and math.isfinite(top) else 1.0
+
+    _, outside = cycle_turning_points(cell, fine)
+    inside = centre + min(0.3 * small, 1e-3 * (outside - centre))
+    if growth(inside) >= 0.0:
+        raise ArithmeticError(f"no unstable cycle found at v_d = {cell.v_d!r}")
+    if growth(outside) <= 0.0:
+        # At the grazing end both cycles are one, to round-off.
+        y = outside
+    else:
+        y = float(brentq(growth, inside, outside, xtol=1e-15, rtol=9e-16))
+    period, _, _ = following(y, phases.HIGHEST)
+    _, low, _ = following(y, phases.LOWEST)
+    _, _, fastest = following(low, phases.FASTEST)
+    step = 1e-5 * (y - centre)
+    ahead, behind = ((following(y + each, phases.HIGHEST)[1] - y) / each for each in (step, -step))
+    # Where the cycle nearly touches, the step is too long for a difference.
+    multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else None
+    # Round-off moves the fixed point by 1/(multiplier - 1) of itself.
+    blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
+    return Cycle(
+        max=y,
+        min=low,
+        period=period,
+        slip_time=period,
+        speed=fastest + cell.v_d,
+        multiplier=multiplier,
+        error=blurred,
+    )
+
+
+def _amplitude_near_hopf(cell: FrictionCell) -> float:
+    """Return √(8δ/F₃) of the unstable cycle, δ the effective damping; inf far from there.
+
+    Averaging ü + u = -δu̇ + F₂u̇²/2 + F₃u̇³/6 over a cycle u̇ = -A sin τ.
+    """
+    third = -friction_slope(cell, cell.v_d) / cell.v0**2
+    return math.sqrt(8.0 * cell.effective_damping / third) if third > 0.0 else math.inf
+
+
+def _expanded(cell: FrictionCell, amplitude: float) -> Cycle:
+    """Return the unstable cycle to second order in its amplitude; its error field is a bound.
+
+    The quadratic term shifts both turning points by F₂A²/3 (mean 1/4, second harmonic 1/12).
+    """
+    second = -friction_slope(cell, cell.v_d) / cell.v0
+    shift = second * amplitude**2 / 3.0
+    centre = cell.steady_sliding + shift
+    period = 2.0 * math.pi
+    growth = math.exp(period * cell.effective_damping)
+    left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.v0**2) + ROUND_OFF
+    return Cycle(
+        max=centre + amplitude,
+        min=centre - amplitude,
+        period=period,
+        slip_time=period,
+        speed=amplitude,
+        multiplier=growth,
+        error=left_out,
+    )

@@ -1,0 +1,149 @@
+"""What is found of one oscillator alone: its cycles, what is stable, the basin of rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from theory.cells.friction import FrictionCell
+from theory.result import Result
+from theory.status import Status
+
+
+class CellStatus(Status):
+    """Which states of a cell are stable."""
+
+    BISTABLE = "bistable", "rest (steady sliding) and the large cycle are both stable."
+    CYCLE = "stick-slip only", "the stick-slip cycle is stable, steady sliding is not."
+    SLIDING = "steady sliding only", "steady sliding is stable, and there is no stick-slip cycle."
+    REST = "rest only", "rest is stable, and there is no cycle."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cycle(Result):
+    """A cycle of one cell; all quantities dimensionless.
+
+    Attributes
+    ----------
+    max, min : float
+        Largest and smallest y.
+    period : float
+        In units of the model's time, τ of (5) or t of (8).
+    stick_time, slip_time : float
+        Durations of stick and of slip; 0 and the period where nothing sticks.
+    speed : float or None
+        Largest ẏ; v_d where the cycle sticks and never slips forwards. None where not measured.
+    multiplier : float or None
+        Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
+        None where differences cannot tell it.
+    averaged : float or None
+        Amplitude as ε → 0 in closed form, for (8).
+    error : float
+        Largest difference of any of these, except speed and multiplier, from a computation at a
+        hundred times the tolerance, and no less than round-off.
+    """
+
+    derived: ClassVar[tuple[str, ...]] = ("amplitude",)
+
+    max: float
+    min: float
+    period: float
+    stick_time: float = 0.0
+    slip_time: float
+    speed: float | None = None
+    multiplier: float | None = None
+    averaged: float | None = None
+    error: float
+
+    @property
+    def amplitude(self) -> float:
+        """Half of max - min."""
+        return 0.5 * (self.max - self.min)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell(Result):
+    """What one cell can do.
+
+    Attributes
+    ----------
+    model : str
+        "friction", "vdp" or "averaged".
+    parameters : dict of str to float
+        Those of the cell.
+    status : CellStatus
+        Which states are stable.
+    rest : float
+        y of the state of rest: steady sliding, or 0.
+    effective_damping : float
+        Linear damping about rest, which is stable where this is positive.
+    stable, unstable : Cycle or None
+        The large cycle and the one that separates the basins, where they exist.
+    seconds : float
+        Run time.
+    """
+
+    derived: ClassVar[tuple[str, ...]] = ("basin", "error")
+
+    model: str
+    parameters: dict[str, Any]
+    status: CellStatus
+    rest: float = field(metadata={"json": "steady_sliding"})
+    effective_damping: float
+    stable: Cycle | None = field(metadata={"json": "stable_cycle"})
+    unstable: Cycle | None = field(metadata={"json": "unstable_cycle"})
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON: the same keys for every model."""
+        found = {"hopf_velocity": None, "cycle_end_velocity": None, **super().to_dict()}
+        if {"a", "b"} <= {*self.parameters}:
+            found["eta"] = self.parameters["b"] / self.parameters["a"] ** 2
+        return found
+
+    @property
+    def basin(self) -> tuple[float, float] | None:
+        """Range of y that ends at rest when started with ẏ = 0.
+
+        None if none does; infinite where all do.
+        """
+        if self.status in (CellStatus.SLIDING, CellStatus.REST):
+            return -math.inf, math.inf
+        if self.unstable is None:
+            return None
+        return self.unstable.min, self.unstable.max
+
+    @property
+    def error(self) -> float:
+        """Largest of the errors; infinite where one is not known."""
+        return max((each.error for each in (self.stable, self.unstable) if each), default=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeltCell(Cell):
+    """What one friction cell can do, and over which velocities of its belt.
+
+    Attributes
+    ----------
+    cell : FrictionCell
+        The same parameters.
+    hopf_velocity : float
+        Belt velocity above which steady sliding is stable; infinite if it never is (ξ = 0), 0 if
+        it always is.
+    cycle_end_velocity : float
+        Belt velocity at which both cycles end by grazing; infinite if they never do (ξ = 0), 0 if
+        there is no cycle at any.
+    cycle_end_error : float
+        Its difference from a computation at a hundred times the tolerance.
+    """
+
+    cell: FrictionCell = field(metadata={"json": None})
+    hopf_velocity: float
+    cycle_end_velocity: float
+    cycle_end_error: float
+
+    @property
+    def error(self) -> float:
+        """Largest of the errors; infinite where one is not known."""
+        return max(self.cycle_end_error, super().error)

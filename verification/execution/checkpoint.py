@@ -1,0 +1,362 @@
+"""Checkpoints: a run of a chain saved so that it goes on later to the same bits.
+
+A checkpoint is an ``.npz`` with the arrays that make up the state, what decides the run (format,
+parameters, code, versions) and a digest of it all. Nothing is allocated by what the file says: the
+run that resumes brings its own arrays, and each array of the file must have their type and shape.
+The digest protects from damage, not from somebody who forges a file with its digest; what such a
+file can do is give wrong numbers, not run code.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import math
+import zipfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+from numpy.lib import format as npy
+
+from theory.parameters import ParameterError, RunError, within
+from verification.execution.digest import digest_of_arrays, digest_of_code
+from verification.execution.files import file_error, sole_writer, writing
+from verification.execution.interruption import Deferred, deferred_interrupts
+from verification.execution.metadata import differences, installed_versions
+from verification.execution.progress import ProgressCallback
+
+FORMAT = 3
+"""Of the file; files of another format are refused."""
+
+SAVE_PERIOD = 5.0
+"""Seconds between two checkpoints."""
+
+SAVE_SHARE = 20.0
+"""Times as long as writing a checkpoint takes, at least, until the next one."""
+
+MAX_NUMBERS = 10**8
+"""Samples times sites that a run may keep: some gigabytes."""
+
+_MAX_HEADER = 1_000_000
+"""Bytes of the entry that describes the run."""
+
+_DEPENDS_ON = ("python", "numpy", "scipy", "numba")
+"""Whose versions may change a bit of a run."""
+
+_WRITTEN = "a checkpoint as this toolkit writes them"
+
+Arrays = Mapping[str, npt.NDArray[Any]]
+
+
+class Resumable(Protocol):
+    """What an integration must have so that it can be resumed."""
+
+    @property
+    def state_arrays(self) -> Arrays:
+        """The arrays that make up its state; filled in place when it is resumed."""
+
+    @property
+    def metadata(self) -> Mapping[str, Any]:
+        """What decides it, as JSON has it, to be held against a checkpoint."""
+
+    @property
+    def time(self) -> float:
+        """Time reached, from 0 to the end."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether it has reached its end."""
+
+    def advance(self, budget: int) -> None:
+        """Step until the end, or until some ``budget`` of sites times steps is spent."""
+
+    def check_state(self) -> None:
+        """Raise ValueError if the arrays, as read from a file, are no state of this run.
+
+        Finite times, and every counter within the arrays that it counts: compiled code does not
+        look.
+        """
+
+
+def check_samples(samples: float, sites: int) -> None:
+    """Refuse more samples than memory has room for.
+
+    Raises
+    ------
+    ParameterError
+        If there are fewer than 2, or samples times sites is above `MAX_NUMBERS`.
+    """
+    within("number of samples", samples, 2, 1_000_000)
+    most = MAX_NUMBERS // sites
+    if samples > most:
+        raise ParameterError(
+            "number of samples", samples, f"at most {most} for {sites} sites", "ask for fewer"
+        )
+
+
+def run_to_end(
+    integrations: Sequence[Resumable],
+    end: float,
+    budget: int,
+    checkpoint: Path | None = None,
+    progress: ProgressCallback | None = None,
+) -> float:
+    """Advance integrations, one after another, to their end; return the seconds of earlier runs.
+
+    Parameters
+    ----------
+    integrations : sequence of Resumable
+        The integrations.
+    end : float
+        Their end time.
+    budget : int
+        Sites times steps between two readings of the clock.
+    checkpoint : Path, optional
+        File into which they are saved every few seconds and when they are interrupted, by the
+        keyboard or by SIGTERM. If it exists, they go on from it, to the same bits.
+    progress : callable, optional
+        See `verification.execution.progress.ProgressCallback`.
+
+    Raises
+    ------
+    ParameterError
+        If the checkpoint is damaged, or of another run, code or version.
+    FileError
+        If the checkpoint cannot be written, or another run writes it.
+    RunError
+        If an integration does not get on.
+    """
+    begin = perf_counter()
+    with sole_writer(checkpoint) if checkpoint else nullcontext():
+        spent = 0.0
+        metadata = _metadata(integrations) if checkpoint else {}  # of the code as it is now
+        if checkpoint is not None and checkpoint.exists():
+            spent = _resumed(checkpoint, integrations, metadata, end)
+
+        def save() -> None:
+            if checkpoint is not None:
+                seconds = max(0.0, spent + perf_counter() - begin)
+                save_checkpoint(checkpoint, _arrays(integrations), metadata, seconds)
+
+        _advance(integrations, end, budget, save if checkpoint else None, progress)
+        save()
+    return spent
+
+
+def _advance(
+    integrations: Sequence[Resumable],
+    end: float,
+    budget: int,
+    save: Callable[[], None] | None,
+    progress: ProgressCallback | None,
+) -> None:
+    """Advance to the end, saving now and then, and when interrupted between two pieces of work.
+
+    An interrupt waits until its piece is done: within one, the arrays are no state of the run.
+    """
+    due = perf_counter() + SAVE_PERIOD
+    with deferred_interrupts() if save is not None else nullcontext(Deferred()) as interrupts:
+        for each in integrations:
+            while not each.finished:
+                before = each.time
+                each.advance(budget)
+                if not (each.finished or each.time >= before):
+                    raise RunError(
+                        f"the run does not get on from time {before:g}: remove its checkpoint, if "
+                        "it was resumed, or begin from another state."
+                    )
+                try:
+                    interrupts.check()
+                    if progress is not None:
+                        progress(sum(one.time for one in integrations) / (len(integrations) * end))
+                except KeyboardInterrupt:
+                    if save is not None:
+                        save()
+                    raise
+                if save is not None and perf_counter() > due:
+                    started = perf_counter()
+                    save()
+                    due = perf_counter() + max(SAVE_PERIOD, SAVE_SHARE * (perf_counter() - started))
+
+
+def _resumed(
+    path: Path, integrations: Sequence[Resumable], metadata: Mapping[str, Any], end: float
+) -> float:
+    """Fill integrations from a checkpoint, and return the seconds spent before."""
+    seconds = load_checkpoint(path, _arrays(integrations), metadata)
+    for each in integrations:
+        try:
+            each.check_state()
+        except ValueError as error:
+            raise _refusal(path, f"a state of this run ({error})") from None
+        if not 0.0 <= each.time <= end:  # a clock of NaN would never come to its end
+            raise _refusal(path, f"of a run whose time is from 0 to {end:g}, not {each.time:g}")
+    return seconds
+
+
+def _arrays(integrations: Iterable[Resumable]) -> dict[str, npt.NDArray[Any]]:
+    return {
+        f"{i}.{name}": array
+        for i, each in enumerate(integrations)
+        for name, array in each.state_arrays.items()
+    }
+
+
+def _metadata(integrations: Sequence[Resumable]) -> dict[str, Any]:
+    modules = {type(each).__module__ for each in integrations}
+    return {
+        "integrations": {str(i): dict(each.metadata) for i, each in enumerate(integrations)},
+        "code": digest_of_code(modules, {"theory", "verification", *map(_package, modules)}),
+    }
+
+
+def _package(module: str) -> str:
+    return module.partition(".")[0]
+
+
+def save_checkpoint(
+    path: Path, arrays: Arrays, metadata: Mapping[str, Any], seconds: float = 0.0
+) -> None:
+    """Write arrays and what decides them, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    arrays : mapping of str to ndarray
+        The state; no objects.
+    metadata : mapping
+        What decides it, as JSON has it; `load_checkpoint` wants the same.
+    seconds : float
+        Run time so far, dimensionless state apart.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written; the older one is then still there.
+    """
+    header = {
+        "format": FORMAT,
+        "metadata": {**_plain(metadata), "versions": _versions()},
+        "seconds": float(seconds),
+        "digest": digest_of_arrays(arrays),
+    }
+    with writing(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as box:
+        # Entries of a fixed date, which does not depend on a clock that may be wrong.
+        box.writestr(zipfile.ZipInfo("header.json"), json.dumps(header))
+        for name, array in arrays.items():
+            with box.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
+                npy.write_array(entry, np.asarray(array, order="C"), allow_pickle=False)
+
+
+def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> float:
+    """Fill arrays in place from a checkpoint, and return the seconds spent before.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    arrays : mapping of str to ndarray
+        As for a new run; each is filled if all fit, else none.
+    metadata : mapping
+        What decides the run that is resumed.
+
+    Raises
+    ------
+    ParameterError
+        If the file is no checkpoint, damaged, or of another run, code or version; it names what
+        differs.
+    FileError
+        If it cannot be read.
+    """
+    try:
+        with path.open("rb") as file, zipfile.ZipFile(file) as box:
+            header = _header(box)
+            _check_header(path, header, metadata)
+            found = {name: _read(box, f"{name}.npy", like) for name, like in arrays.items()}
+    except ParameterError:
+        raise
+    except OSError as error:
+        if error.errno == errno.EINVAL:  # a place beyond the file, given in the file itself
+            raise _refusal(path, _WRITTEN) from None
+        raise file_error(path, error, "read") from None
+    except (ValueError, KeyError, TypeError, EOFError, RecursionError, NotImplementedError,
+            RuntimeError, zipfile.BadZipFile, zipfile.LargeZipFile, OverflowError):  # fmt: skip
+        raise _refusal(path, _WRITTEN) from None
+    if digest_of_arrays(found) != header["digest"]:
+        raise _refusal(path, "as it was written; its content is damaged")
+    for name, array in arrays.items():
+        array[...] = found[name]
+    return float(header["seconds"])
+
+
+def _header(box: zipfile.ZipFile) -> dict[str, Any]:
+    with box.open("header.json") as entry:
+        text = entry.read(_MAX_HEADER)
+    header = json.loads(text)
+    if not isinstance(header, dict) or not isinstance(header["metadata"], dict):
+        raise TypeError("header")
+    seconds = header["seconds"]
+    if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
+        raise TypeError("seconds")
+    if not (math.isfinite(seconds) and seconds >= 0.0 and isinstance(header["digest"], str)):
+        raise ValueError("seconds")
+    return header
+
+
+def _check_header(path: Path, header: Mapping[str, Any], metadata: Mapping[str, Any]) -> None:
+    if header["format"] != FORMAT:
+        raise _refusal(path, f"a checkpoint of format {FORMAT}")
+    here = {**_plain(metadata), "versions": _versions()}
+    if header["metadata"] != here:
+        said = differences(header["metadata"], here)
+        raise _refusal(
+            path, f"of a run with the same parameters, code and versions ({said})",
+            "repeat those, or name another file",
+        )  # fmt: skip
+
+
+def _read(box: zipfile.ZipFile, name: str, like: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Read an array that must have the type and shape of another one."""
+    with box.open(name) as entry:
+        major = npy.read_magic(entry)
+        read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0
+        shape, fortran, dtype = read(entry)
+        if shape != like.shape or dtype != like.dtype or (fortran and like.ndim > 1):
+            raise ValueError("shape")
+        found = np.empty_like(like, order="C", subok=False)
+        _fill(entry, found)
+        if entry.read(1):
+            raise ValueError("length")
+    return found
+
+
+def _fill(entry: Any, array: npt.NDArray[Any]) -> None:
+    view = array.reshape(-1).view(np.uint8).data
+    filled = 0
+    while filled < len(view):
+        count = entry.readinto(view[filled : filled + 2**24])
+        if not count:
+            raise EOFError
+        filled += count
+
+
+def _refusal(
+    path: Path, allowed: str, remedy: str = "remove it, or name another file"
+) -> ParameterError:
+    return ParameterError("checkpoint", path, allowed, remedy)
+
+
+def _plain(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    plain: dict[str, Any] = json.loads(json.dumps(dict(metadata)))
+    return plain
+
+
+def _versions() -> dict[str, str | None]:
+    found = installed_versions(_DEPENDS_ON[1:])
+    return {name: found[name] for name in _DEPENDS_ON}

@@ -1,0 +1,326 @@
+"""Writing files whole or not at all; every file that the toolkit writes is written here.
+
+A plain file is written beside its place, forced to the disk and renamed, so that a reader, a kill
+or a full disk finds the old file or the new one and never a part of one. A symbolic link stays and
+the file it leads to is written; into a FIFO the content is passed on; a folder, a device or a
+socket is refused and left alone.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import os
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, BinaryIO
+
+if sys.platform != "win32":  # there, two writers of one file are not told apart
+    import fcntl
+
+PREFIX = ".writing-"
+"""Beginning of the names of files that are being written; a kill may leave one behind."""
+
+_REMEDIES = {
+    errno.ENOSPC: "free some space, or name a file on another disk",
+    errno.EDQUOT: "free some space, or name a file on another disk",
+    errno.EFBIG: "raise the limit on the size of files (ulimit -f), or name a file elsewhere",
+    errno.EPIPE: "keep its reader open until all is written",
+    errno.EIO: "look after the disk, or name a file on another one",
+    errno.ELOOP: "mend the symbolic link, or name another file",
+    errno.ENOENT: "make the folder first, or name another file",
+}
+
+
+class FileError(OSError):
+    """A file that cannot be used; one sentence: which, why, what to do.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    why : str
+        What is wrong with it.
+    remedy : str
+        What to do instead.
+    number : int, optional
+        Number of the system's error, `errno.EINVAL` where there was none.
+
+    Attributes
+    ----------
+    quantity, value, allowed, remedy
+        As of `theory.parameters.ParameterError`.
+
+    Examples
+    --------
+    >>> print(FileError(Path("/dev/null"), "is a device", "name a file"))
+    the file /dev/null is a device: name a file.
+    """
+
+    def __init__(self, path: Path, why: str, remedy: str, number: int = errno.EINVAL) -> None:
+        super().__init__(number, why, str(path))
+        self.quantity, self.value = "file", str(path)
+        self.allowed, self.remedy = "a file that can be written", remedy
+
+    def __str__(self) -> str:
+        return f"the file {self.filename} {self.strerror}: {self.remedy}."
+
+    def __reduce__(self) -> tuple[type[FileError], tuple[Path, str, str, int]]:
+        number = errno.EINVAL if self.errno is None else self.errno
+        return FileError, (Path(self.value), str(self.strerror), self.remedy, number)
+
+
+def file_error(path: Path, error: OSError, verb: str = "written") -> FileError:
+    """Return the sentence for what the system said of a file that could not be read or written.
+
+    Examples
+    --------
+    >>> print(file_error(Path("run.npz"), OSError(errno.ENOSPC, "No space left on device")))
+    the file run.npz cannot be written: no space left on device: free some space, or name a file \
+on another disk.
+    """
+    if isinstance(error, FileError):
+        return error
+    said = error.strerror or str(error) or type(error).__name__
+    said = f"cannot be {verb}: {said[:1].lower()}{said[1:]}"
+    number = errno.EIO if error.errno is None else error.errno
+    return FileError(path, said, _REMEDIES.get(number, "name another file"), number)
+
+
+def check_writable(path: Path) -> None:
+    """Refuse, before any work, a file that could not be written; nothing is left behind.
+
+    The folder is tried, not asked: permissions say nothing of file systems that refuse.
+
+    Raises
+    ------
+    FileError
+        If it is a folder, a device or a socket, its folder is missing, or it may not be written.
+    """
+    target = _target(path)
+    if target is None:
+        return
+    if target.exists() and not os.access(target, os.W_OK):
+        raise FileError(path, "cannot be written: no permission", "name another file", errno.EACCES)
+    try:
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=PREFIX)
+        os.close(handle)
+        Path(name).unlink()
+    except OSError as error:
+        raise file_error(path, error) from None
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file, whole or not at all.
+
+    Raises
+    ------
+    FileError
+        If that is not possible; what was there before is then still there.
+    """
+    with writing(path) as file:
+        file.write(content)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text in UTF-8 with line ends of one character; otherwise as `write_bytes`."""
+    write_bytes(path, text.encode())
+
+
+def write_json(path: Path, payload: Mapping[str, Any]) -> None:
+    """Write an object of JSON, in which NaN has no place; otherwise as `write_bytes`."""
+    write_text(path, json.dumps(payload, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_by(path: Path, write: Callable[[Path], object]) -> None:
+    """Write a file by a function that takes a path, as ``savefig`` does.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    write : callable
+        Fills the file at the path it is given, which has the same suffix.
+
+    Raises
+    ------
+    FileError
+        If that is not possible; what was there before is then still there.
+    """
+    target = _target(path)
+    if target is None:
+        with tempfile.TemporaryDirectory() as folder:
+            part = Path(folder, path.name)
+            write(part)
+            _pass_on(path, part.read_bytes())
+        return
+    with _replacing(path, target) as part:
+        write(part)
+        with part.open("rb") as file:
+            os.fsync(file.fileno())
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[BinaryIO]:
+    """Open a file for writing that takes its place, whole, when the block ends without an error.
+
+    Raises
+    ------
+    FileError
+        If that is not possible; what was there before is then still there.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with writing(Path(folder, "a")) as file:
+    ...         _ = file.write(b"whole")
+    ...     Path(folder, "a").read_text()
+    'whole'
+    """
+    target = _target(path)
+    if target is None:
+        buffer = io.BytesIO()
+        yield buffer
+        _pass_on(path, buffer.getvalue())
+        return
+    with _replacing(path, target) as part, part.open("wb") as file:
+        yield file
+        file.flush()
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def sole_writer(path: Path) -> Iterator[None]:
+    """Let nobody else write a file for as long as the block lasts.
+
+    The lock is on a file ``<name>.lock`` beside it, since the file itself is replaced when it is
+    written. It ends with the process that holds it, however that ends.
+
+    Raises
+    ------
+    FileError
+        If another run holds the file, or the lock cannot be made.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    target = plain_file(path)
+    lock = target.with_name(target.name + ".lock")
+    handle = _locked(path, lock)
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            lock.unlink()  # while it is still held: who opens it now finds another file there
+        os.close(handle)
+
+
+def plain_file(path: Path) -> Path:
+    """Return the plain file that a path leads to, through symbolic links, existing or not.
+
+    Raises
+    ------
+    FileError
+        If what is there is no plain file, or there is no folder for it.
+    """
+    target = _target(path)
+    if target is None:
+        raise FileError(path, "is a FIFO, from which nothing can be resumed", "name a file")
+    return target
+
+
+def _locked(path: Path, lock: Path) -> int:
+    while True:
+        try:
+            handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+        except OSError as error:
+            raise file_error(lock, error) from None
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with suppress(OSError):
+                if os.path.samestat(os.fstat(handle), os.stat(lock)):
+                    return handle
+        except OSError:
+            os.close(handle)
+            raise FileError(
+                path,
+                "is in use by another run",
+                "wait for that one to end, or name another file",
+                errno.EBUSY,
+            ) from None
+        os.close(handle)  # its holder has just removed it
+
+
+def _target(path: Path) -> Path | None:
+    """Return the plain file that a path leads to, existing or not; None for a FIFO."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        target = Path(os.path.realpath(path))
+        if not target.parent.is_dir():
+            why = f"cannot be written: the folder {target.parent} does not exist"
+            raise FileError(path, why, "make the folder first", errno.ENOENT) from None
+        return target
+    except (OSError, ValueError) as error:
+        said = error if isinstance(error, OSError) else OSError(errno.EINVAL, str(error))
+        raise file_error(path, said) from None
+    if stat.S_ISREG(mode):
+        return Path(os.path.realpath(path))
+    if stat.S_ISFIFO(mode):
+        return None
+    if stat.S_ISDIR(mode):
+        raise FileError(path, "is a folder", "name a file in it", errno.EISDIR)
+    kind = "a socket" if stat.S_ISSOCK(mode) else "a device"
+    raise FileError(path, f"is {kind}", "name a file")
+
+
+@contextmanager
+def _replacing(path: Path, target: Path) -> Iterator[Path]:
+    """Give a neighbour of the same suffix, which takes the name when the block has ended well."""
+    part = None
+    try:
+        mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=PREFIX, suffix=target.suffix)
+        os.close(handle)
+        part = Path(name)
+        yield part
+        part.chmod(mode)
+        part.replace(target)
+        _sync_folder(target.parent)
+    except OSError as error:
+        raise file_error(path, error) from None
+    finally:
+        if part is not None:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+
+
+def _pass_on(path: Path, content: bytes) -> None:
+    try:
+        with path.open("wb") as file:
+            file.write(content)
+    except OSError as error:
+        raise file_error(path, error) from None
+
+
+def _sync_folder(folder: Path) -> None:
+    """Force the new name to the disk, where the system knows how."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

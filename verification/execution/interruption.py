@@ -1,0 +1,89 @@
+"""Interrupts: SIGTERM is treated like one from the keyboard, and work is saved before the end."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+
+class Terminated(KeyboardInterrupt):
+    """The process was asked to end (SIGTERM, or its terminal was closed: SIGHUP)."""
+
+
+ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Signals that ask a process to end; SIGHUP is not on every system."""
+
+
+class Deferred:
+    """Interrupts that wait for a moment in which the state is whole."""
+
+    def __init__(self) -> None:
+        self._number: int | None = None
+
+    def check(self) -> None:
+        """Raise the interrupt that has come since, if there is one.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            `Terminated`, if it was not from the keyboard.
+        """
+        number, self._number = self._number, None
+        if number is not None:
+            raise _interrupt(number)
+
+    def note(self, number: int, _: FrameType | None) -> None:
+        """Serve a signal."""
+        if self._number is not None:  # asked twice: at once, whatever the state is
+            raise _interrupt(number)
+        self._number = number
+
+
+@contextmanager
+def deferred_interrupts() -> Iterator[Deferred]:
+    """Let interrupts within the block wait for `Deferred.check`; a second one does not wait."""
+    deferred = Deferred()
+    usual: dict[int, Any] = dict.fromkeys(ENDING, signal.SIG_DFL)
+    with _handled(usual | {signal.SIGINT: signal.default_int_handler}, deferred.note):
+        yield deferred
+
+
+@contextmanager
+def terminated_as_interrupted() -> Iterator[None]:
+    """Raise `Terminated` where a SIGTERM or SIGHUP would end the process, within the block."""
+    with _handled(dict.fromkeys(ENDING, signal.SIG_DFL), _raise):
+        yield
+
+
+def _raise(number: int, _: FrameType | None) -> None:
+    # A second signal while the first one is being served must not cut the saving short.
+    signal.signal(number, signal.SIG_IGN)
+    raise _interrupt(number)
+
+
+def _interrupt(number: int) -> KeyboardInterrupt:
+    return KeyboardInterrupt() if number == signal.SIGINT else Terminated()
+
+
+@contextmanager
+def _handled(
+    usual: Mapping[int, Any], handler: Callable[[int, FrameType | None], Any]
+) -> Iterator[None]:
+    """Handle the signals that are handled as usual; one that is ignored (nohup) stays ignored.
+
+    Outside of the main thread Python lets no handler be set, and none comes there.
+    """
+    ours: dict[int, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        ours = {number: was for number, was in usual.items() if signal.getsignal(number) is was}
+    for number in ours:
+        signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, was in ours.items():
+            signal.signal(number, was)

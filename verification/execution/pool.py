@@ -1,0 +1,228 @@
+"""Worker processes: one pool for everything that is computed side by side.
+
+No worker outlives the process that began it, however that ends: an interrupt ends the workers at
+once, and a kill is noticed by each of them, in the middle of compiled code where the system has the
+means (Linux), else as soon as it returns to Python.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, nullcontext
+from typing import Any, TypeVar
+
+from theory.parameters import ParameterError, count_within
+
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+
+MAX_WORKERS = 1024
+_PR_SET_PDEATHSIG = 1
+
+
+class WorkerDiedError(RuntimeError):
+    """The process that computed an item ended without an answer."""
+
+    def __init__(self) -> None:
+        super().__init__("the process that computed it ended without an answer: it was killed, "
+                         "or memory ran out.")  # fmt: skip
+
+
+def cores_allowed() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def worker_pool(workers: int | None = None) -> Iterator[Executor]:
+    """Give a pool of processes, none of which outlives this one or an interrupt.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Number of processes; by default one a core that may be used.
+
+    Raises
+    ------
+    ParameterError
+        If the number is not from 1 to `MAX_WORKERS`.
+    """
+    count = worker_count(workers)
+    before = set(multiprocessing.active_children())
+    # 'spawn' on every system: forking a process that runs compiled threads can hang.
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(
+        count, mp_context=context, initializer=_begin_worker, initargs=(os.getpid(),)
+    )
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in set(multiprocessing.active_children()) - before:
+            child.terminate()
+            child.join()
+        raise
+    pool.shutdown()
+
+
+def worker_count(workers: int | None) -> int:
+    """Return how many processes are meant: as many as were given, or one a core.
+
+    Raises
+    ------
+    ParameterError
+        If the number is not from 1 to `MAX_WORKERS`.
+    """
+    return cores_allowed() if workers is None else count_within("workers", workers, 1, MAX_WORKERS)
+
+
+def answers(
+    function: Callable[[Item], Answer],
+    items: Sequence[Item],
+    *,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    begun: Callable[[int], None] | None = None,
+) -> Generator[tuple[int, Answer | Exception], None, None]:
+    """Compute a function of every item; yield what comes as it comes.
+
+    An item whose computation raises does not stop the others, nor does one that kills its worker:
+    the items that are left then run again, each in a process of its own.
+
+    Parameters
+    ----------
+    function : callable
+        Of one item; importable by name where other processes compute it.
+    items : sequence
+        The items.
+    workers : int, optional
+        Processes, by default one a core that may be used, and never more than there are items;
+        1 computes in this process, as does the default where no other process can import the
+        function.
+    executor : Executor, optional
+        Any executor of ``concurrent.futures``, in place of own processes; it is left open.
+    begun : callable, optional
+        Told the index of an item when it is begun or handed over.
+
+    Yields
+    ------
+    tuple of int and object
+        The index of an item with its answer, or with the exception that was raised.
+
+    Raises
+    ------
+    ParameterError
+        If the number of workers is not allowed, or the function cannot be sent to another process.
+
+    Examples
+    --------
+    >>> dict(answers(abs, [-1, 2], workers=1))
+    {0: 1, 1: 2}
+    """
+    count = min(worker_count(workers), len(items))
+    if executor is None and count > 1 and not _sendable(function):
+        if workers is not None:
+            raise ParameterError(
+                "function", function, "importable by its name where other processes compute it",
+                "define it in a module, or give workers=1",
+            )  # fmt: skip
+        count = 1
+    if executor is None and count <= 1:
+        yield from _here(function, items, begun)
+        return
+    died: list[int] = []
+    with worker_pool(count) if executor is None else nullcontext(executor) as pool:
+        for index, answer in _side_by_side(function, items, pool, begun):
+            if isinstance(answer, WorkerDiedError) and executor is None:
+                died.append(index)
+            else:
+                yield index, answer
+    # One dead worker takes the whole pool with it. Only the item that kills its own process again
+    # is at fault.
+    for index in sorted(died):
+        with worker_pool(1) as pool:
+            for _, answer in _side_by_side(function, [items[index]], pool, None):
+                yield index, answer
+
+
+def _here(
+    function: Callable[[Item], Answer],
+    items: Sequence[Item],
+    begun: Callable[[int], None] | None,
+) -> Iterator[tuple[int, Answer | Exception]]:
+    for index, item in enumerate(items):
+        if begun is not None:
+            begun(index)
+        try:
+            answer: Answer | Exception = function(item)
+        except Exception as error:
+            answer = error
+        yield index, answer
+
+
+def _side_by_side(
+    function: Callable[[Item], Answer],
+    items: Sequence[Item],
+    pool: Executor,
+    begun: Callable[[int], None] | None,
+) -> Iterator[tuple[int, Answer | Exception]]:
+    futures: dict[Future[Answer], int] = {}
+    try:
+        for index, item in enumerate(items):
+            if begun is not None:
+                begun(index)
+            try:
+                futures[pool.submit(function, item)] = index
+            except BrokenProcessPool:
+                yield index, WorkerDiedError()
+        for future in as_completed(futures):
+            try:
+                answer: Answer | Exception = future.result()
+            except BrokenProcessPool:
+                answer = WorkerDiedError()
+            except Exception as error:
+                answer = error
+            yield futures[future], answer
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+def _sendable(function: Callable[..., Any]) -> bool:
+    """Return whether another process can find the function by its name."""
+    try:
+        text = pickle.dumps(function)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return False
+    # What was typed into a session is in no file that another process could read.
+    return b"__main__" not in text or hasattr(sys.modules["__main__"], "__file__")
+
+
+def _begin_worker(parent: int) -> None:
+    """Leave interrupts to the parent, and end when it ends, even if it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if sys.platform == "linux":
+        # The kernel ends this process, compiled code or not, with the thread that began it.
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            os._exit(1)
+    began = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if began is not None:
+            began.join()
+            os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()

@@ -1,0 +1,195 @@
+"""Progress of long computations on standard error.
+
+In a terminal a live line (by rich) says what is running, how much of it is done, and how long it
+will take: the first estimate comes with the second report, so that compiling, which is over by the
+first one, does not count. In a file, as under ``nohup``, there is a line a minute; in a pipe
+nothing, since somebody reads it.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import stat
+import sys
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import TYPE_CHECKING, TextIO, TypeAlias
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Live
+    from rich.progress import TaskID
+
+ProgressCallback: TypeAlias = Callable[[float], None]
+"""Called now and then with the fraction done, from 0 to 1."""
+
+PERIOD = 60.0
+"""Seconds between two lines where there is no terminal."""
+
+SETTLING = 1.0
+"""Seconds of work before the time left is estimated."""
+
+
+class Progress:
+    """Progress of one computation, or of several that follow each other.
+
+    Parameters
+    ----------
+    name : str
+        What is running.
+    steps : int, optional
+        Number of steps that are to be named one by one as they end; 0 for a fraction only.
+    stream : file, optional
+        By default standard error.
+
+    Examples
+    --------
+    >>> with Progress("map of 280 points", stream=io.StringIO()) as progress:
+    ...     progress.report(0.5)
+    """
+
+    def __init__(self, name: str, *, steps: int = 0, stream: TextIO | None = None) -> None:
+        self._name, self._steps = name, steps
+        self._stream = stream or sys.stderr or _nowhere()
+        self._live: Live | None = None
+        self._task: TaskID | None = None
+        self._logs = not _is_terminal(self._stream) and _is_file(self._stream)
+        self._remaining = Remaining()
+        self._begin = self._logged = time.monotonic()
+        self._running: dict[str, float] = {}
+        self._lock = threading.Lock()
+        self.finished = 0
+        """Number of steps that have ended."""
+
+    def __enter__(self) -> Progress:
+        if _is_terminal(self._stream):
+            self._live = _live_line(self._stream)
+            self._task = self._live.add_task(self._name, total=1.0, left="")
+            self._live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._live is not None:
+            self._live.stop()
+            self._live = None
+
+    def report(self, fraction: float) -> None:
+        """Show the fraction done; may be called as often as is convenient."""
+        self._remaining.add(fraction)
+        if self._live is not None and self._task is not None:
+            done = min(max(fraction, 0.0), 1.0)
+            self._live.update(self._task, completed=done, left=self._left())
+        elif self._logs and time.monotonic() - self._logged >= PERIOD:
+            self._logged = time.monotonic()
+            self._print(f"{self._name}: {100.0 * fraction:.0f} %{self._left()}")
+
+    def begin(self, step: str) -> None:
+        """Note that a step has begun, or waits for a free process."""
+        with self._lock:
+            self._running[step] = time.monotonic()
+            self._describe()
+
+    def end(self, step: str, said: str) -> None:
+        """Print that a step has ended, and how."""
+        with self._lock:
+            self._running.pop(step, None)
+            self.finished += 1
+            digits = len(str(self._steps))
+            elapsed = time.monotonic() - self._begin
+            self._print(
+                f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {said}"
+            )
+            self._describe()
+        if self._live is not None:
+            self.report(self.finished / max(self._steps, 1))
+
+    def _left(self) -> str:
+        left = self._remaining.seconds
+        return "" if left is None else f", about {left:.0f} s left"
+
+    def _describe(self) -> None:
+        if self._live is None or self._task is None:
+            return
+        first = next(iter(self._running), self._name)
+        others = len(self._running) - 1
+        name = f"{first} and {others} more" if others > 0 else first
+        self._live.update(self._task, description=name, refresh=True)
+
+    def _print(self, line: str) -> None:
+        if self._live is not None:
+            self._live.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        else:
+            print(line, file=self._stream, flush=True)
+
+
+class Remaining:
+    """Estimate of the time left, from the reports after the first one.
+
+    What comes before the first report (starting, compiling, reading what an earlier run did) is
+    not taken for the pace of the work.
+
+    Examples
+    --------
+    >>> clock = iter([100.0, 101.0, 103.0]).__next__
+    >>> left = Remaining(clock)
+    >>> left.add(0.25), left.seconds
+    (None, None)
+    >>> left.add(0.50), left.seconds
+    (None, 2.0)
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._first: tuple[float, float] | None = None
+        self.seconds: float | None = None
+        """Time left; None where nothing can be said yet."""
+
+    def add(self, fraction: float) -> None:
+        """Note the fraction done by now."""
+        if self._first is None:
+            if fraction > 0.0:
+                self._first = self._clock(), fraction
+            return
+        begin, done = self._first
+        spent = self._clock() - begin
+        if fraction > done and spent >= SETTLING:
+            self.seconds = max(0.0, spent * (1.0 - fraction) / (fraction - done))
+
+
+def _live_line(stream: TextIO) -> Live:
+    # Imported here: no command without a terminal needs it.
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(bar_width=20),
+        TextColumn("{task.percentage:.0f} %{task.fields[left]}", markup=False),
+        TimeElapsedColumn(),
+        console=Console(file=stream),
+        transient=True,
+        refresh_per_second=2,
+    )
+
+
+def _nowhere() -> TextIO:
+    """Return a stream for a process whose standard error is closed."""
+    return io.StringIO()
+
+
+def _is_terminal(stream: TextIO) -> bool:
+    return not stream.closed and stream.isatty()
+
+
+def _is_file(stream: TextIO) -> bool:
+    try:
+        return stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+    except (OSError, ValueError):  # closed, or not of the system
+        return False

@@ -1,0 +1,113 @@
+"""The record: any result that is stored to be read later, with what says where it comes from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from theory.parameters import ParameterError
+from verification.execution.digest import digest_of
+from verification.execution.files import file_error, write_json
+from verification.execution.metadata import Metadata
+
+FORMAT = 3
+"""Of the file; files of another format are refused."""
+
+_METADATA = ("command", "parameters", "versions", "code", "machine", "date")
+_OWN = ("kind", "format", "checksum", *_METADATA)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """A stored result.
+
+    How to store a further kind of result:
+
+    1. Make it plain: numbers, words, lists and mappings, no NaN. That is the ``content``; its keys
+       must not be those of the metadata.
+    2. Name its ``kind`` in one word, which is held against the file when it is read.
+    3. Give `Metadata` its command, parameters and `Code.of` the modules it came from.
+    4. `save` it; `load` it again, or be told in one sentence why the file cannot be used. Whether
+       its code is that which is here is said by `verification.execution.metadata.staleness`; what
+       to do then (compute anew, show with a remark, refuse) is for the caller to decide.
+
+    Attributes
+    ----------
+    kind : str
+        What is stored, in one word.
+    content : mapping
+        The result.
+    metadata : Metadata
+        Where it comes from.
+    """
+
+    kind: str
+    content: Mapping[str, Any]
+    metadata: Metadata = field(default_factory=Metadata)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the record as JSON has it, metadata and content side by side.
+
+        Raises
+        ------
+        ValueError
+            If the content has a key of the metadata.
+        """
+        clash = sorted({*self.content} & {*_OWN})
+        if clash:
+            raise ValueError(f"the content has keys of the metadata: {', '.join(clash)}.")
+        written = {"kind": self.kind, "format": FORMAT, **self.metadata.to_dict(), **self.content}
+        body: dict[str, Any] = json.loads(json.dumps(written, allow_nan=False))  # as it is read
+        return body | {"checksum": digest_of(body)}
+
+    def save(self, path: Path) -> None:
+        """Write the record, whole or not at all.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written.
+        """
+        write_json(path, self.to_dict())
+
+    @classmethod
+    def load(cls, path: Path, kind: str) -> Record:
+        """Read a record.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        ParameterError
+            If it is not a record of that kind and format, or not as it was written.
+        """
+        try:
+            body = json.loads(path.read_bytes())
+        except OSError as error:
+            raise file_error(path, error, "read") from None
+        except (ValueError, RecursionError):
+            body = None
+        return cls.from_dict(body, kind, path)
+
+    @classmethod
+    def from_dict(cls, body: object, kind: str, source: object = "given") -> Record:
+        """Return the record that `to_dict` gave; errors as of `load`."""
+        remedy = "remove it, and compute the result again"
+        if not isinstance(body, dict) or "kind" not in body:
+            raise ParameterError("record", source, "a record as this toolkit writes them", remedy)
+        if body["kind"] != kind or body.get("format") != FORMAT:
+            raise ParameterError(
+                "record", source, f"of the kind '{kind}' in format {FORMAT}", remedy
+            )
+        entries = {name: value for name, value in body.items() if name != "checksum"}
+        try:
+            if digest_of(entries) != body.get("checksum"):
+                raise ValueError("checksum")
+            metadata = Metadata.from_dict(entries)
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            raise ParameterError("record", source, "as it was written", remedy) from None
+        content = {name: value for name, value in entries.items() if name not in _OWN}
+        return cls(kind=kind, content=content, metadata=metadata)

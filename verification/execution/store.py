@@ -1,0 +1,256 @@
+"""The store: finished results in one SQLite file, from which an interrupted computation goes on.
+
+A result that was added survives the end of this process at any moment, and all but the last ones
+survive a power cut. The file holds the identity of what is computed (function, parameters, code,
+versions); a file of anything else is refused, or emptied where results are cheap. Each row carries
+a digest of the identity, its key and its result: a damaged row is passed over and computed again.
+That protects from accident, not from somebody who forges rows together with their digests.
+
+One process at a time: SQLite's lock is held for as long as the store is open, and ends with the
+process.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import logging
+import sqlite3
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from theory.parameters import ParameterError
+from verification.execution.digest import digest_of
+from verification.execution.files import FileError, check_writable, file_error, plain_file
+from verification.execution.metadata import differences
+
+FORMAT = 3
+"""Of the file; files of another format are refused."""
+
+_SCHEMA = {
+    "identity": "CREATE TABLE identity (text TEXT NOT NULL)",
+    "results": (
+        "CREATE TABLE results (key TEXT NOT NULL PRIMARY KEY, text TEXT NOT NULL, "
+        "checksum TEXT NOT NULL) WITHOUT ROWID"
+    ),
+}
+_SETTINGS = (
+    "PRAGMA trusted_schema = OFF",
+    "PRAGMA page_size = 1024",
+    "PRAGMA locking_mode = EXCLUSIVE",  # before the first access: no file of shared memory then
+    "PRAGMA journal_mode = WAL",
+    "PRAGMA synchronous = NORMAL",
+    "PRAGMA wal_autocheckpoint = 64",  # pages, so that the journal stays small beside the results
+)
+_FULL = ("disk is full", "disk I/O error")
+
+logger = logging.getLogger(__name__)
+
+
+class Store:
+    """An open store; a context manager that closes it and leaves the file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; made if it does not exist.
+    identity : mapping
+        What is computed, as JSON has it.
+    resume : bool
+        Whether a file that exists is gone on with; without it, one with results in it is refused.
+    replace : bool, optional
+        Empty a file that does not fit instead of refusing it: for results that are cheap, or
+        where the file is the toolkit's own.
+
+    Attributes
+    ----------
+    results : dict of str to object
+        The results found in the file, by key.
+
+    Raises
+    ------
+    ParameterError
+        If the file is not a store, or one of something else, or ``resume`` is false.
+    FileError
+        If it is in use or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> with Store(folder / "a", {"c": 0.5}, resume=False) as store:
+    ...     store.add("7", [0.25])
+    >>> with Store(folder / "a", {"c": 0.5}, resume=True) as store:
+    ...     store.results
+    ...     store.remove()
+    {'7': [0.25]}
+    """
+
+    def __init__(
+        self, path: Path, identity: Mapping[str, Any], *, resume: bool, replace: bool = False
+    ) -> None:
+        self._path = plain_file(path)
+        self._identity = json.loads(json.dumps({"format": FORMAT, **identity}))
+        self._mark = digest_of(self._identity)
+        self.results: dict[str, Any] = {}
+        check_writable(path)
+        try:
+            self._open(resume, replace)
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            self.close()
+            if not replace or _cannot_write(error) or _in_use(error):
+                raise self._sentence(error) from None
+            self._delete()
+            try:
+                self._open(resume, replace)
+            except (sqlite3.Error, UnicodeDecodeError) as again:
+                self.close()
+                raise self._sentence(again) from None
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def add(self, key: str, result: object) -> None:
+        """Add a finished result; it survives the end of this process.
+
+        Raises
+        ------
+        FileError
+            If it cannot be written; what was added before stays.
+        """
+        text = json.dumps(result)
+        row = (key, text, self._checksum(key, text))
+        try:
+            self._connection.execute("INSERT OR REPLACE INTO results VALUES (?, ?, ?)", row)
+        except sqlite3.Error as error:
+            raise self._sentence(error) from None
+
+    def discard(self, key: str) -> None:
+        """Remove a result, if it is there."""
+        try:
+            self._connection.execute("DELETE FROM results WHERE key = ?", (key,))
+        except sqlite3.Error as error:
+            raise self._sentence(error) from None
+
+    def close(self) -> None:
+        """Close the file; the lock ends."""
+        # What cannot be moved from the journal into the file now is moved when it is next opened.
+        with suppress(sqlite3.Error, AttributeError):
+            self._connection.close()
+
+    def remove(self) -> None:
+        """Close the file and delete it: the results are elsewhere."""
+        self._path.unlink(missing_ok=True)  # while the lock is held
+        self.close()
+        self._delete()
+
+    def _delete(self) -> None:
+        for ending in ("", "-wal", "-journal", "-shm"):
+            self._path.with_name(self._path.name + ending).unlink(missing_ok=True)
+
+    def _open(self, resume: bool, replace: bool) -> None:
+        self._connection = sqlite3.connect(
+            self._path, timeout=0.0, isolation_level=None, check_same_thread=False
+        )
+        for setting in _SETTINGS:
+            self._connection.execute(setting)
+        self._connection.execute("BEGIN EXCLUSIVE")
+        tables = dict(self._connection.execute("SELECT name, sql FROM sqlite_master"))
+        tables = {name: sql for name, sql in tables.items() if not name.startswith("sqlite_")}
+        if not tables:
+            self._begin()
+        elif replace and not (resume and self._fits(tables)):
+            for name in tables:
+                if name in _SCHEMA:
+                    self._connection.execute(f"DROP TABLE {name}")
+            self._begin()
+        else:
+            self._check(tables, resume)
+            self._read()
+        self._connection.execute("COMMIT")
+
+    def _begin(self) -> None:
+        for statement in _SCHEMA.values():
+            self._connection.execute(statement)
+        text = json.dumps(self._identity)
+        self._connection.execute("INSERT INTO identity VALUES (?)", (text,))
+
+    def _fits(self, tables: Mapping[str, str]) -> bool:
+        try:
+            self._check(tables, True)
+        except ParameterError:
+            return False
+        return True
+
+    def _check(self, tables: Mapping[str, str], resume: bool) -> None:
+        if tables != _SCHEMA:  # views and triggers of others are never asked
+            raise self._refusal("not one", "a file of finished results")
+        rows = self._connection.execute("SELECT text FROM identity LIMIT 2").fetchall()
+        try:
+            (text,) = rows[0]
+            found = json.loads(text)
+        except (IndexError, ValueError, TypeError, RecursionError):
+            found = None
+        if len(rows) != 1 or not isinstance(found, dict):
+            raise self._refusal("damaged", "a file of finished results")
+        if not resume:
+            raise ParameterError(
+                f"store {self._path}", "left by an interrupted run", "absent where a run begins",
+                "resume it (--resume), or remove it",
+            )  # fmt: skip
+        if found != self._identity:
+            said = differences(found, self._identity)
+            raise self._refusal(
+                "of another run", f"of the same function, parameters, code and versions ({said})"
+            )
+
+    def _read(self) -> None:
+        rows = self._connection.execute("SELECT key, text, checksum FROM results")
+        for key, text, checksum in rows:
+            try:
+                if checksum != self._checksum(key, text):
+                    raise ValueError("checksum")
+                self.results[key] = json.loads(text)
+            except (ValueError, TypeError, RecursionError):
+                logger.warning(
+                    "the result %r in %s is damaged and is computed again", key, self._path
+                )
+
+    def _checksum(self, key: str, text: str) -> str:
+        return digest_of([self._mark, key, text])
+
+    def _refusal(self, value: str, allowed: str) -> ParameterError:
+        remedy = "remove it, or name another file"
+        return ParameterError(f"store {self._path}", value, allowed, remedy)
+
+    def _sentence(self, error: Exception) -> FileError | ParameterError:
+        if _in_use(error):
+            why, remedy = "is in use by another run", "wait for that one to end, or name another"
+            return FileError(self._path, why, remedy, errno.EBUSY)
+        if _cannot_write(error):
+            number = errno.ENOSPC if "full" in str(error) else errno.EIO
+            return file_error(self._path, OSError(number, str(error)))
+        return self._refusal(f"unreadable ({error})", "a file of finished results")
+
+
+def _in_use(error: Exception) -> bool:
+    return "locked" in str(error)
+
+
+def _cannot_write(error: Exception) -> bool:
+    said = str(error)
+    return any(words in said for words in (*_FULL, "readonly", "unable to open"))

@@ -1,0 +1,246 @@
+"""A table of results with named columns: in memory, and as CSV that every reader opens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from verification.execution.digest import digest_of
+from verification.execution.files import write_text
+from verification.execution.metadata import Metadata
+from verification.execution.record import Record
+
+Scalar: TypeAlias = bool | int | float | str
+"""What a cell of a table may hold."""
+
+FORBIDDEN = ',"#\r\n'
+"""Characters that some reader of CSV would take for something else."""
+
+
+class Point(Mapping[str, Scalar]):
+    """A frozen, hashable, picklable mapping of names to numbers (or words).
+
+    Examples
+    --------
+    >>> point = Point(eta=0.03, c=0.6)
+    >>> point["c"], dict(point), point == Point(eta=0.03, c=0.6)
+    (0.6, {'eta': 0.03, 'c': 0.6}, True)
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, Scalar] | None = None, /, **values: Scalar) -> None:
+        merged = {**(items or {}), **values}
+        self._items = {name: plain(value) for name, value in merged.items()}
+
+    def __getitem__(self, name: str) -> Scalar:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self._items.items()))
+
+    def __reduce__(self) -> tuple[type[Point], tuple[dict[str, Scalar]]]:
+        return Point, (dict(self._items),)
+
+    def __repr__(self) -> str:
+        return f"Point({', '.join(f'{name}={value!r}' for name, value in self._items.items())})"
+
+    def number(self, name: str) -> float:
+        """Return a coordinate as a float."""
+        return float(self._items[name])
+
+
+def plain(value: object) -> Scalar:
+    """Return a Python scalar for a Python or numpy one.
+
+    Raises
+    ------
+    TypeError
+        If it is neither a truth value, a number nor a word.
+    """
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, bool | int | float):
+        return value
+    raise TypeError(f"a cell of a table cannot hold {value!r}: give a number or a word.")
+
+
+def grid(**axes: Iterable[Scalar]) -> tuple[Point, ...]:
+    """Return every combination of some coordinates, the last one fastest.
+
+    Examples
+    --------
+    >>> grid(eta=[0.1, 0.2], c=[1, 2])[1]
+    Point(eta=0.1, c=2)
+    """
+    points = [Point()]
+    for name, values in axes.items():
+        axis = list(values)
+        points = [Point(point, **{name: value}) for point in points for value in axis]
+    return tuple(points)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """Results of a sweep, one row a point, in the order of the points.
+
+    Attributes
+    ----------
+    columns : mapping of str to ndarray
+        The coordinates, then the results; all of one length, read-only.
+    metadata : Metadata or None
+        Where the table comes from; None if it was put together by hand.
+    seconds : float
+        Wall time of the session that finished the table.
+    resumed : int
+        Rows that came from an earlier session.
+
+    Examples
+    --------
+    >>> table = table_of([{"c": 1, "label": "front"}, {"c": 2.5, "label": "breather"}])
+    >>> table["c"], table.counts("label")
+    (array([1. , 2.5]), {'breather': 1, 'front': 1})
+    """
+
+    columns: Mapping[str, npt.NDArray[Any]]
+    metadata: Metadata | None = None
+    seconds: float = 0.0
+    resumed: int = 0
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return min((len(column) for column in self.columns.values()), default=0)
+
+    def rows(self) -> Iterator[dict[str, Scalar]]:
+        """Yield each row by name, as Python scalars."""
+        lists = [column.tolist() for column in self.columns.values()]
+        for cells in zip(*lists, strict=True):
+            yield dict(zip(self.columns, cells, strict=True))
+
+    def counts(self, name: str) -> dict[str, int]:
+        """Return how often each word of a column occurs."""
+        words, numbers = np.unique(self.columns[name], return_counts=True)
+        return dict(zip(words.tolist(), numbers.tolist(), strict=True))
+
+    def as_csv(self) -> str:
+        r"""Return the table as CSV; floats have the digits that give back the same float.
+
+        Examples
+        --------
+        >>> table_of([{"c": 0.1, "label": "fixed point"}]).as_csv()
+        'c,label\n0.1,fixed point\n'
+        """
+        lines = [",".join(self.columns)]
+        lines += [",".join(str(cell) for cell in row.values()) for row in self.rows()]
+        return "\n".join(lines) + "\n"
+
+    def save(self, path: Path) -> None:
+        """Write the CSV, whole or not at all, and its record beside it in ``<path>.json``.
+
+        Raises
+        ------
+        FileError
+            If they cannot be written.
+        """
+        text = self.as_csv()
+        about = {
+            "columns": {name: column.dtype.kind for name, column in self.columns.items()},
+            "digest": digest_of(text),
+            "seconds": self.seconds,
+            "resumed": self.resumed,
+        }
+        metadata = self.metadata or Metadata()
+        Record(kind="table", content={"table": about}, metadata=metadata).save(record_path(path))
+        write_text(path, text)
+
+
+def load_table(path: Path) -> Table | None:
+    """Read a table that `Table.save` wrote; None if it is missing or no longer what was written."""
+    try:
+        record = Record.load(record_path(path), "table")
+        text = path.read_bytes().decode()
+        about = record.content["table"]
+        if about["digest"] != digest_of(text):
+            return None
+        reads: dict[str, Callable[[str], Scalar]] = {
+            "f": float,
+            "i": int,
+            "U": str,
+            "b": lambda word: word == "True",
+        }
+        kinds = [reads[kind] for kind in about["columns"].values()]
+        lines = [line.split(",") for line in text.splitlines()[1:]]
+        rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
+        named = [dict(zip(about["columns"], row, strict=True)) for row in rows]
+        return table_of(named, record.metadata, float(about["seconds"]), len(rows))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def record_path(path: Path) -> Path:
+    """Return where the record of a table is written.
+
+    Examples
+    --------
+    >>> record_path(Path("map.csv")).name
+    'map.csv.json'
+    """
+    return path.with_name(path.name + ".json")
+
+
+def table_of(
+    rows: Sequence[Mapping[str, Scalar]],
+    metadata: Metadata | None = None,
+    seconds: float = 0.0,
+    resumed: int = 0,
+) -> Table:
+    """Put rows of the same names into a table.
+
+    Raises
+    ------
+    ValueError
+        If rows differ in their names, or a name or word would be misread in CSV.
+    """
+    names = list(rows[0]) if rows else []
+    for row in rows:
+        if list(row) != names:
+            raise ValueError(f"a row has the columns {list(row)} and another one {names}.")
+    columns = {}
+    for name in names:
+        if not name.isidentifier():
+            raise ValueError(f"the column name {name!r} must be letters, digits and underscores.")
+        column = _column(name, [row[name] for row in rows])
+        column.flags.writeable = False
+        columns[name] = column
+    return Table(columns=columns, metadata=metadata, seconds=seconds, resumed=resumed)
+
+
+def _column(name: str, cells: list[Scalar]) -> npt.NDArray[Any]:
+    words = [cell for cell in cells if isinstance(cell, str)]
+    if words:
+        for word in words:
+            if not word or word != word.strip() or any(sign in word for sign in FORBIDDEN):
+                raise ValueError(f"the word {word!r} in column {name} would be misread in CSV.")
+        if len(words) < len(cells):
+            raise ValueError(f"the column {name} has numbers beside words.")
+        return np.array(cells, dtype=str)
+    if all(isinstance(cell, bool) for cell in cells):
+        return np.array(cells, dtype=np.bool_)
+    if all(isinstance(cell, int) and not isinstance(cell, bool) for cell in cells):
+        return np.array(cells, dtype=np.int64)
+    return np.array([float(cell) for cell in cells])

@@ -1,0 +1,1 @@
+"""Velocities of travelling fronts, measured on running chains."""

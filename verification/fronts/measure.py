@@ -1,0 +1,384 @@
+"""Velocity of a travelling front of any chain, measured on the running chain, with its uncertainty.
+
+A front starts from the first sites of a chain with free ends and is timed at each site; the chain
+is made longer until the velocity has settled, or the front has stopped. The rule is the same for
+all models (``arrival_fit``, ``watch``). What differs is in :class:`Preparation`:
+
+* A smooth chain starts from sites on the stable cycle, with the phase step to which its fronts
+  lock. Behind a front of (8) or (43) phase waves run at velocities up to c, undamped. A front with
+  v̂ > c outruns them: how it began does not matter, and only a number of sites behind it are
+  stepped. A front with v̂ < c is overtaken by what the free end sends after it, and its velocity is
+  another one; then all sites are stepped (``LeftBoundary``). On a chain so long as is allowed, but
+  not long enough for that, the error is at least the difference from the front with a wave behind.
+* The friction chain starts from sites on the stick-slip cycle, and a site is reached when it first
+  sticks. Arrivals come in steps of about one period of the cycle, so that v is a mean over many
+  sites: hence the coarser accuracy.
+* The piecewise-linear chain (44) is infinite, and moved exactly from switching to switching
+  (``verification.piecewise``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import singledispatch
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.friction import check_sliding_stable
+from theory.chains.chain import Chain, Ends, SmoothChain
+from theory.chains.friction import FrictionChain
+from theory.chains.piecewise import PiecewiseChain
+from theory.parameters import ParameterError, count_within, positive, within
+from verification.execution.progress import ProgressCallback
+from verification.fronts.arrival_fit import Settled, Trial, settle
+from verification.fronts.result import Front, LeftBoundary
+from verification.fronts.watch import MARGIN, Watch
+from verification.runs.excite import StartPoint, excite, excite_edge
+from verification.runs.friction_integration import FrictionIntegration
+from verification.runs.integration import Integration
+from verification.runs.smooth_integration import SmoothIntegration
+
+FloatArray = npt.NDArray[np.float64]
+
+OUTRUNS = 1.01
+"""A front faster than the waves behind it times this is not overtaken."""
+
+MAX_EXCITED = 1000
+
+
+def measure_front(
+    chain: Chain,
+    *,
+    accuracy: float | None = None,
+    tolerance: float | None = None,
+    excited: int | None = None,
+    max_sites: int | None = None,
+    stall_time: float | None = None,
+    left_boundary: LeftBoundary = LeftBoundary.FREE,
+    point: StartPoint | float = StartPoint.MAXIMUM,
+    progress: ProgressCallback | None = None,
+) -> Front:
+    """Return the velocity of a front of (8), (43), (44), (5), or a smooth chain of your own.
+
+    Parameters
+    ----------
+    chain : Chain
+        Parameters, with free ends. Its ``sites`` is the length tried first: beyond the excited
+        sites of a smooth chain, at least 32; of a friction chain in all.
+    accuracy : float, optional
+        Relative error of v below which the front counts as steady, from 1e-10 to 0.1; by default
+        1e-3, and 1e-2 for the friction chain. Of (44) the relative spread of the period, 1e-12.
+    tolerance : float, optional
+        Local error of the integrator, by default 1e-8.
+    excited : int, optional
+        Sites excited at the start: by default 24 of a smooth chain (so many are kept behind a
+        front that outruns the waves there), 1 of the friction chain.
+    max_sites : int, optional
+        Length of the longest chain tried before a front is called unsteady: beyond the excited
+        sites 1000, of the friction chain 800 in all. Of (44) the most sites that a front may pass.
+    stall_time : float, optional
+        Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
+        to stand, and twice that before it is called pinned or creeping; by default 60, of the
+        friction chain 3000.
+    left_boundary : LeftBoundary
+        What is to the left of the first site of a smooth chain.
+    point : StartPoint or float
+        Where on the cycle, or at which y, the excited sites of a friction chain start.
+    progress : callable, optional
+        Called now and then with the part of the present chain that has been passed.
+
+    Returns
+    -------
+    Front
+
+    Raises
+    ------
+    ParameterError
+        If the cell has no two cycles, sites start by themselves, or a parameter is out of range.
+
+    References
+    ----------
+    A chain of discrete cells and its fronts: W. Atkinson and N. Cabrera (1965), L. Slepyan (2002).
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> front = measure_front(AveragedChain(a=4, b=0.5, c=0.6))
+    >>> front.status.value, abs(front.v - 0.722566) < 1e-6, front.error < 1e-5
+    ('steady', True, True)
+    """
+    begin = perf_counter()
+    if accuracy is not None:
+        within("accuracy", accuracy, 1e-13, 0.1)
+    if stall_time is not None:
+        positive("stall time", stall_time)
+    if getattr(chain, "c", 1.0) == 0.0:
+        raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
+    request = Request(
+        accuracy=accuracy,
+        tolerance=tolerance,
+        excited=excited,
+        max_sites=max_sites,
+        stall_time=stall_time,
+        left_boundary=LeftBoundary(left_boundary),
+        point=point,
+        progress=progress,
+    )
+    return replace(_measured(chain, request), seconds=perf_counter() - begin)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What is asked of :func:`measure_front`; None for the default of the model."""
+
+    accuracy: float | None
+    tolerance: float | None
+    excited: int | None
+    max_sites: int | None
+    stall_time: float | None
+    left_boundary: LeftBoundary
+    point: StartPoint | float
+    progress: ProgressCallback | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preparation:
+    """What one model has of its own when a front is measured.
+
+    Attributes
+    ----------
+    sized : callable
+        From a length to the chain of that length.
+    begin : callable
+        From a chain and a tolerance to its integration.
+    excited : int
+        Sites excited at the start.
+    sites, max_sites : int
+        Lengths tried first and last.
+    accuracy, tolerance : float
+        As in :func:`measure_front`.
+    stall_time : float
+        In units of t.
+    settling_tolerance : float
+        Change of an amplitude within the stall time below which a front is pinned.
+    method : str
+        Name of the stepper.
+    enough : callable
+        From a length and v (in t) to whether the chain is long enough for another reason.
+    doubt : float, optional
+        Another velocity (in t), from which the error reaches if it is not.
+    """
+
+    sized: Callable[[int], Chain]
+    begin: Callable[[Any, float], Integration]
+    excited: int
+    sites: int
+    max_sites: int
+    accuracy: float
+    tolerance: float
+    stall_time: float
+    settling_tolerance: float
+    method: str
+    enough: Callable[[int, float], bool] = field(default=lambda sites, v: True)
+    doubt: float | None = None
+
+
+@singledispatch
+def _measured(chain: Chain, request: Request) -> Front:
+    """Return the front of a chain; each kind of chain registers its own way."""
+    raise ParameterError(
+        "model", chain.model, "one whose fronts can be measured", "take another chain"
+    )
+
+
+def _settled(preparation: Preparation, progress: ProgressCallback | None) -> Settled:
+    """Measure on longer and longer chains until v is known well enough."""
+    watch = Watch(
+        stall_time=preparation.stall_time,
+        settling_tolerance=preparation.settling_tolerance,
+        first=preparation.excited,
+        progress=progress,
+    )
+
+    def trial(sites: int) -> Trial:
+        longer = preparation.sized(sites)
+        return watch.trial(lambda each: preparation.begin(longer, each), preparation.tolerance)
+
+    return settle(
+        trial,
+        preparation.sites,
+        preparation.max_sites,
+        preparation.accuracy,
+        1.0 / preparation.stall_time,
+        preparation.enough,
+        preparation.doubt,
+    )
+
+
+def _front(
+    preparation: Preparation,
+    found: Settled,
+    boundary: LeftBoundary | None,
+    outruns: bool,
+    earlier_steps: int = 0,
+) -> Front:
+    chain = preparation.sized(found.sites)
+    unit = chain.time_unit
+    return Front(
+        chain=chain,
+        status=found.status,
+        v=None if found.v is None else found.v * unit,
+        error=None if found.error is None else found.error * unit,
+        excited=preparation.excited,
+        left_boundary=boundary,
+        outruns_waves=outruns,
+        arrivals=found.arrivals,
+        method=preparation.method,
+        counts={"steps": found.steps + earlier_steps},
+        seconds=0.0,
+    )
+
+
+@_measured.register
+def _smooth_front(chain: SmoothChain, request: Request) -> Front:
+    waves = chain.trailing_wave_velocity
+    wave = _prepare_smooth(chain, request, LeftBoundary.WAVE)
+    found = _settled(wave, request.progress)
+    outruns = found.v is not None and found.v > OUTRUNS * waves
+    stands = found.v is None or found.v == 0.0
+    if request.left_boundary is LeftBoundary.WAVE or outruns or (stands and waves == 0.0):
+        return _front(wave, found, request.left_boundary, outruns)
+    free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), doubt=found.v)
+    slower = _settled(free, request.progress)
+    return _front(free, slower, request.left_boundary, False, found.steps)
+
+
+def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary) -> Preparation:
+    excited = 24 if request.excited is None else request.excited
+    count_within("excited sites", excited, 4, MAX_EXCITED)
+    max_sites = 1000 if request.max_sites is None else request.max_sites
+    stall = (60.0 if request.stall_time is None else request.stall_time) * chain.time_unit
+    on = boundary is LeftBoundary.WAVE
+    waves = chain.trailing_wave_velocity
+
+    def sized(sites: int) -> SmoothChain:
+        return chain.replace(sites=excited + sites, ends=Ends.FREE)
+
+    def begin(longer: SmoothChain, tolerance: float) -> Integration:
+        # Long enough for every site to be reached just in time.
+        end = (longer.sites + 4) * 2.0 * stall
+        return SmoothIntegration(
+            longer,
+            excite_edge(longer, excited),
+            [0.0, end],
+            tolerance=tolerance,
+            trailing_sites=excited if on else 0,
+            left_boundary_wave=on,
+        )
+
+    def enough(sites: int, v: float) -> bool:
+        """Whether waves from the free end have long overtaken the front.
+
+        The first reach it after v excited/(waves - v) sites; four times that, so that it happens
+        in the first half of those that are not used.
+        """
+        if on or v > OUTRUNS * waves:
+            return True
+        return v < waves and sites >= 4.0 * v * excited / (waves - v)
+
+    return Preparation(
+        sized=sized,
+        begin=begin,
+        excited=excited,
+        sites=max(count_within("number of sites n", chain.sites, 2, max_sites), 32),
+        max_sites=max_sites,
+        accuracy=1e-3 if request.accuracy is None else request.accuracy,
+        tolerance=1e-8 if request.tolerance is None else request.tolerance,
+        stall_time=stall,
+        settling_tolerance=1e-3 * chain.stable_amplitude,
+        method=SmoothIntegration.method,
+        enough=enough,
+    )
+
+
+FRICTION_MAX_SITES = 800
+
+
+def checked_friction_sites(sites: int, excited: int, max_sites: int = FRICTION_MAX_SITES) -> int:
+    """Return the length tried first if it holds the excited sites and a front, and is not too long.
+
+    Raises
+    ------
+    ParameterError
+        If it is out of range, or the number of excited sites is.
+    """
+    count_within("nucleus size", excited, 1, 100)
+    least = excited + 3 * MARGIN
+    remedy = "give such a length: it is doubled until the velocity settles"
+    return count_within("number of sites n", sites, least, max(max_sites, least), remedy)
+
+
+@_measured.register
+def _friction_front(chain: FrictionChain, request: Request) -> Front:
+    excited = 1 if request.excited is None else request.excited
+    max_sites = FRICTION_MAX_SITES if request.max_sites is None else request.max_sites
+    checked_friction_sites(chain.sites, excited, max_sites)
+    tolerance = 1e-8 if request.tolerance is None else request.tolerance
+    within("tolerance", tolerance, 1e-12, 1e-4)
+    accuracy = 1e-2 if request.accuracy is None else request.accuracy
+    within("accuracy", accuracy, 1e-6, 0.1)
+    check_sliding_stable(chain.cell)
+    if chain.ends is not Ends.FREE:
+        raise ParameterError("ends", chain.ends.value, "free for a front", "use free ends")
+
+    def begin(longer: FrictionChain, each: float) -> Integration:
+        sites = range(1, excited + 1)
+        if isinstance(request.point, StartPoint):
+            start = excite(longer, sites, point=request.point)
+        else:
+            start = excite(longer, sites, request.point)
+        return FrictionIntegration(longer, start, tolerance=each)
+
+    preparation = Preparation(
+        sized=lambda sites: chain.replace(sites=sites),
+        begin=begin,
+        excited=excited,
+        sites=chain.sites,
+        max_sites=max_sites,
+        accuracy=accuracy,
+        tolerance=tolerance,
+        stall_time=3000.0 if request.stall_time is None else request.stall_time,
+        settling_tolerance=1e-4,
+        method=FrictionIntegration.method,
+    )
+    return _front(preparation, _settled(preparation, request.progress), None, False)
+
+
+@_measured.register
+def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
+    from verification.piecewise.simulation import simulate_front
+
+    run = simulate_front(
+        chain.c,
+        chain.eta,
+        tolerance=1e-12 if request.accuracy is None else request.accuracy,
+        max_periods=1000 if request.max_sites is None else request.max_sites,
+    )
+    return Front(
+        chain=chain,
+        status=run.status,
+        v=run.v,
+        error=run.error,
+        excited=None,
+        left_boundary=None,
+        outruns_waves=False,
+        arrivals=run.crossing_times,
+        method=run.method,
+        counts={"events": run.events, "grazes": run.grazes, "window": run.window},
+        seconds=run.seconds,
+        detail=run,
+    )

@@ -1,0 +1,38 @@
+"""What became of a front; one enum for every model."""
+
+from __future__ import annotations
+
+from theory.status import Status
+
+
+class FrontStatus(Status):
+    """What became of a front."""
+
+    STEADY = "steady", "The front travels, and its velocity has settled."
+    SETTLING = (
+        "settling",
+        "The front travels, and the spread of its period decays but has not reached the tolerance: "
+        "allow more periods.",
+    )
+    UNSTEADY = (
+        "unsteady",
+        "The front travels, and its velocity has not settled on the longest chain, or in the "
+        "longest run, allowed: allow more.",
+    )
+    SLIDING = (
+        "sliding",
+        "The front travels while sites slide along the threshold, where (44) as printed has no "
+        "solution in the ordinary sense: v depends slightly on how that is resolved.",
+    )
+    PINNED = (
+        "pinned",
+        "The front is at rest: no site was reached for long and the amplitudes have stopped "
+        "changing, or (44) proves that no site can cross the threshold again.",
+    )
+    MARGINAL = "marginal", "The front is at rest within round-off of the threshold."
+    CREEPING = (
+        "creeping",
+        "No site was reached for long, but the amplitudes still change: nothing can be said. Allow "
+        "a longer stall time.",
+    )
+    COLLAPSED = "collapsed", "The excited sites went to rest: there is no front."

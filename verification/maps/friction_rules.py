@@ -1,0 +1,145 @@
+"""The state of a friction chain (5) in which a few sites are excited: front, breather, or rest.
+
+The states are those of Model II (``verification.maps.vdp_rules``), by rules for stick and slip.
+Times are τ; "active" sites are those that stick at some time within a window of length ``WINDOW``,
+which is about six periods of the cycle.
+
+front
+    Every site has stuck at some time, and in each of the ``HOLD`` windows that follow at least
+    half of the sites were active.
+breather
+    Some sites are active, not all have stuck, and from some time to twice that time no new site
+    stuck and no site's amplitude changed by more than ``STEADY`` from one window to the next.
+fixed point
+    Steady sliding: the chain is certain never to stick again, by an energy that can only fall
+    from here on (``FrictionIntegration.going_to_rest``).
+undecided
+    None of these by half of the end time: a state found later would be another one, namely none,
+    if the end time were halved. Also a breather where steady sliding is unstable (v_d at or below
+    the Hopf velocity): the sites around it cannot stay at rest, however long it looks still.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus
+from theory.parameters import within
+from verification.maps.rules import RULES, StateRules
+from verification.maps.state import FoundState, Reason, State
+from verification.runs.excite import StartPoint, excite
+from verification.runs.friction_integration import FrictionIntegration
+
+FloatArray = npt.NDArray[np.float64]
+
+WINDOW = 40.0
+HOLD = 3
+STEADY = 1e-5
+
+
+class FrictionRules(StateRules):
+    """The rules of the module, for (5)."""
+
+    default_end: ClassVar[float] = 20_000.0
+    shortest_end: ClassVar[float] = 8.0 * WINDOW
+    longest_end: ClassVar[float] = 1e7
+    seed: ClassVar[int] = 5
+
+    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
+        """Return a start in steady sliding but for some sites, by default the middle one."""
+        point = options.get("point") or StartPoint.MAXIMUM
+        chosen = sites or Nucleus(1).excited(chain.sites)
+        return excite(chain, chosen, options.get("displacement"), point=point)
+
+    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
+        """Return the start with noise of this size on y and ẏ, which are of order one."""
+        noisy: FloatArray = start + size * np.random.default_rng(seed).standard_normal(start.shape)
+        return noisy
+
+    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
+        """Run until the state has a name."""
+        return find_friction_state(chain, start, end=end, tolerance=tolerance)
+
+
+RULES[FrictionChain] = FrictionRules()
+
+
+def find_friction_state(
+    chain: FrictionChain,
+    start: FloatArray,
+    *,
+    end: float = 20_000.0,
+    tolerance: float = 1e-8,
+) -> FoundState:
+    """Run a chain until its state has a name.
+
+    The time of the result is τ.
+
+    Parameters
+    ----------
+    chain : FrictionChain
+        Parameters.
+    start : ndarray, shape (2, N)
+        y and ẏ.
+    end : float, optional
+        End time τ, at least eight windows; states found in its second half do not count.
+    tolerance : float, optional
+        Local error, absolute, from 1e-12 to 1e-4.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> chain = FrictionChain(c=0.05, sites=7)
+    >>> str(find_friction_state(chain, excite(chain, [4])).state)
+    'front'
+    """
+    begin = perf_counter()
+    within("end time tau", end, 8.0 * WINDOW, 1e7)
+    within("tolerance", tolerance, 1e-12, 1e-4)
+    run = FrictionIntegration(chain, start, tolerance=tolerance)
+    ever = np.zeros(chain.sites, dtype=bool)
+    steady_from, held = 0.0, 0
+    amplitude = run.amplitude
+    state, reason, active = State.UNDECIDED, Reason.END_TIME, 0
+    # Whole windows only: in a part of one fewer sites stick, and less changes.
+    while run.time + WINDOW <= 0.5 * end:
+        run.forget_arrivals()
+        run.advance_to(run.time + WINDOW)
+        sticking = ~np.isnan(run.arrivals)
+        active = int(np.count_nonzero(sticking))
+        fresh = bool(np.any(sticking & ~ever))
+        ever |= sticking
+        before, amplitude = amplitude, run.amplitude
+        if fresh or float(np.max(np.abs(amplitude - before))) > STEADY:
+            steady_from = run.time
+        if run.going_to_rest():
+            state, reason = State.FIXED_POINT, Reason.DECIDED
+            break
+        held = held + 1 if not fresh and ever.all() and 2 * active >= chain.sites else 0
+        if held == HOLD:
+            state, reason = State.FRONT, Reason.DECIDED
+            break
+        if active and not ever.all() and run.time >= 2.0 * steady_from:
+            if chain.cell.effective_damping > 0.0:
+                state, reason = State.BREATHER, Reason.DECIDED
+            else:
+                reason = Reason.UNSTABLE_BACKGROUND
+            break
+    return FoundState(
+        state=state,
+        reason=reason,
+        time=run.time,
+        above=active,
+        reached=int(np.count_nonzero(ever)),
+        steps=run.counts["steps"],
+        seconds=perf_counter() - begin,
+    )

@@ -1,0 +1,164 @@
+"""The state of any smooth chain in which a few sites are excited: front, breather, or rest.
+
+General rules, for chains of which nothing is known but their contract. They name what *lasts*: a
+site that was reached once is not a filled chain. Times are in units of the chain's `time_unit`;
+the amplitudes of a window of length ``WINDOW`` are those at ``SAMPLES`` times in it; "level" is the
+chain's unstable amplitude.
+
+front
+    Every site was above the level all through each of ``HOLD`` windows, one after the other.
+breather
+    From some time to twice that time no site passed the level, the largest and the smallest
+    amplitude of every site in a window changed by at most ``STEADY`` times the level from one
+    window to the next, and some sites, not all, were above it.
+fixed point
+    The largest amplitude fell in each of ``HOLD`` windows, and is below ``SMALL`` times the level.
+    This is a long decay and no proof: an energy that can only fall is known for (5), (8) and (43)
+    (``friction_rules``, ``vdp_rules``) and not for every chain.
+undecided
+    None of these by half of the end time.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import SmoothChain
+from theory.chains.nucleus import Nucleus
+from theory.parameters import within
+from verification.maps.rules import RULES, StateRules
+from verification.maps.state import FoundState, Reason, State
+from verification.runs import smooth_integration  # noqa: F401  (register)
+from verification.runs.excite import add_noise, excite
+from verification.runs.integration import checked_state, integration
+
+FloatArray = npt.NDArray[np.float64]
+
+WINDOW = 5.0
+SAMPLES = 16
+HOLD = 4
+STEADY = 1e-5
+SMALL = 1e-3
+
+
+class SmoothRules(StateRules):
+    """The rules of the module, for a smooth chain of any model."""
+
+    default_end: ClassVar[float] = 2000.0
+    shortest_end: ClassVar[float] = 4.0 * HOLD * WINDOW
+    longest_end: ClassVar[float] = 1e6
+
+    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
+        """Return a start at rest but for some sites, by default the middle one."""
+        return excite(chain, sites or Nucleus(1).excited(chain.sites), options.get("displacement"))
+
+    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
+        """Return the start with noise relative to its largest displacement."""
+        return add_noise(start, size * float(np.abs(start).max()), seed)
+
+    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
+        """Run until the state has a name."""
+        return find_smooth_state(chain, start, end=end, tolerance=tolerance)
+
+
+RULES[SmoothChain] = SmoothRules()
+
+
+class _Window(NamedTuple):
+    """Largest and smallest amplitude of every site in a window."""
+
+    high: FloatArray
+    low: FloatArray
+
+
+def find_smooth_state(
+    chain: SmoothChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
+) -> FoundState:
+    """Run a chain until its state has a name.
+
+    Parameters
+    ----------
+    chain : SmoothChain
+        Parameters.
+    start : array_like, shape (2, N)
+        (y, w) at t = 0.
+    end : float, optional
+        End time in units of the chain's `time_unit`; states found in its second half do not count.
+    tolerance : float, optional
+        Local error relative to the largest value, from 1e-13 to 1e-3.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range, or the chain has no level.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> chain = AveragedChain(a=4, b=0.5, c=0.6, sites=16)
+    >>> found = find_smooth_state(chain, excite(chain, [16], 6.0))
+    >>> found.state.value, found.reached
+    ('front', 16)
+    """
+    begin = perf_counter()
+    within("tolerance", tolerance, 1e-13, 1e-3)
+    level = chain.unstable_amplitude
+    state, elapsed, steps = checked_state(chain, start), 0.0, 0
+    ever = np.hypot(*state) > level
+    windows: list[_Window] = []
+    steady_from = 0.0
+    found = State.UNDECIDED
+    while elapsed + WINDOW <= 0.5 * end and found is State.UNDECIDED:
+        state, window, taken = _through_window(chain, state, tolerance)
+        elapsed, steps = elapsed + WINDOW, steps + taken
+        fresh = (window.high > level) & ~ever
+        ever |= fresh
+        passes = (window.low <= level) & (window.high >= level)
+        changed = not windows or _change(windows[-1], window) > STEADY * level
+        if fresh.any() or passes.any() or changed:
+            steady_from = elapsed
+        windows = [*windows, window][-HOLD:]
+        found = _named(windows, level, elapsed >= 2.0 * steady_from)
+    return FoundState(
+        state=found,
+        reason=Reason.END_TIME if found is State.UNDECIDED else Reason.DECIDED,
+        time=elapsed,
+        above=int(np.count_nonzero(windows[-1].high > level)) if windows else 0,
+        reached=int(np.count_nonzero(ever)),
+        steps=steps,
+        seconds=perf_counter() - begin,
+    )
+
+
+def _through_window(
+    chain: SmoothChain, state: FloatArray, tolerance: float
+) -> tuple[FloatArray, _Window, int]:
+    """Return the state at the end of a window, its amplitudes, and the steps taken."""
+    length = WINDOW * chain.time_unit
+    times = np.linspace(length / SAMPLES, length, SAMPLES)
+    run = integration(chain, state, times, tolerance=tolerance)
+    while not run.finished:
+        run.advance(run.default_budget)
+    amplitude = run.sampled_amplitude
+    window = _Window(amplitude.max(axis=0), amplitude.min(axis=0))
+    return run.samples[-1].copy(), window, run.counts["steps"]
+
+
+def _change(before: _Window, after: _Window) -> float:
+    return max(float(np.abs(new - old).max()) for old, new in zip(before, after, strict=True))
+
+
+def _named(windows: list[_Window], level: float, steady: bool) -> State:
+    """Apply the rules to the last ``HOLD`` windows."""
+    if len(windows) == HOLD:
+        if all((each.low > level).all() for each in windows):
+            return State.FRONT
+        largest = [float(each.high.max()) for each in windows]
+        if largest[-1] < SMALL * level and all(np.diff(largest) < 0.0):
+            return State.FIXED_POINT
+    above = windows[-1].low > level
+    return State.BREATHER if steady and above.any() and not above.all() else State.UNDECIDED

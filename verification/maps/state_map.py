@@ -1,0 +1,396 @@
+"""``state_map``: the state of a chain over a grid of its parameters, and where it changes.
+
+The rules by which a state is named are in ``vdp_rules``, ``friction_rules`` and ``smooth_rules``.
+Each point is run twice, the second time with the start perturbed on all sites by 1e-6: if the
+states differ the point is undecided.
+
+The paper gives η but not (a, b) in Fig. 15, and its displacement of 6 is not scaled by a, so that
+the map depends on them (y → y√a turns (a, b) into (1, η) and 6 into 6√a). So an axis η keeps one of
+the two, named by ``held``.
+
+In Fig. 5, where one excited site goes to rest although fronts exist there, a wider nucleus shows
+it: that is a failure to nucleate and not an absence of fronts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any, ClassVar
+
+import numpy as np
+
+from theory.chains.chain import Chain
+from theory.chains.nucleus import Nucleus
+from theory.parameters import ParameterError, within
+from theory.result import Result
+from verification.execution.pool import worker_count, worker_pool
+from verification.execution.progress import ProgressCallback
+from verification.execution.sweep import Task, sweep
+from verification.execution.table import Point, Scalar, Table, grid
+from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F401  (register)
+from verification.maps.boundary import Bisection, boundary_lines
+from verification.maps.rules import rules_of
+from verification.maps.state import Reason, State
+from verification.runs.excite import StartPoint
+
+HELD = ("a", "b")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateTask:
+    """The state at a point of a map: a task for ``verification.execution.sweep``.
+
+    Attributes
+    ----------
+    chain : Chain
+        What a point does not name; its values of the axes play no role.
+    held : str
+        Which of "a" and "b" is the same for all η, where η is an axis.
+    nucleus : Nucleus or None
+        Excited sites; None for those of the paper's figure: the last site of (8) and (43), the
+        middle one of any other chain.
+    displacement : float or None
+        Of the excited sites at time zero; None for 6 of (8) and (43), for the point of the cycle of
+        (5), for the excited state of any other chain.
+    point : StartPoint
+        Point of the cycle of (5) from which the excited sites start.
+    end : float or None
+        End time, in the unit of `FoundState.time`; states found in its second half do not count.
+    tolerance : float
+        Local error of the runs.
+    perturbation : float
+        Size of the perturbation of the second start, relative to the disturbance; 0 for none.
+    seed : int or None
+        Of the perturbation; None for that of the rules.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of range, or the chain has no rules.
+
+    Examples
+    --------
+    >>> from theory.chains.friction import FrictionChain
+    >>> from theory.chains.vdp import AveragedChain
+    >>> StateTask(chain=AveragedChain(a=4, b=0.5, c=0, sites=16))(Point(eta=0.12, c=0.6))["label"]
+    'fixed point'
+    >>> StateTask(chain=FrictionChain(c=0, sites=7))(Point(c=0.05, v_d=1.25))["label"]
+    'front'
+    """
+
+    chain: Chain
+    held: str = "b"
+    nucleus: Nucleus | None = None
+    displacement: float | None = None
+    point: StartPoint = StartPoint.MAXIMUM
+    end: float | None = None
+    tolerance: float = 1e-8
+    perturbation: float = 1e-6
+    seed: int | None = None
+
+    def __post_init__(self) -> None:
+        rules = rules_of(self.chain)
+        rules.check(self.chain)
+        if self.held not in HELD:
+            raise ParameterError("coefficient held", self.held, "a or b", "name one of them")
+        within("end time", self.end_time, rules.shortest_end, rules.longest_end)
+        within("tolerance", self.tolerance, 1e-13, 1e-3)
+        within("perturbation", self.perturbation, 0.0, 1e-2)
+        if self.displacement is not None:
+            within("displacement", self.displacement, 0.0, 100.0)
+        self.excited()
+
+    @property
+    def end_time(self) -> float:
+        """End time, as given or that of the rules."""
+        return rules_of(self.chain).default_end if self.end is None else self.end
+
+    def excited(self) -> tuple[int, ...] | None:
+        """Return the excited sites, from 1; None for those of the rules."""
+        sites: int = self.chain.sites  # type: ignore[attr-defined]
+        return None if self.nucleus is None else self.nucleus.excited(sites)
+
+    def alone(self) -> StateTask:
+        """Return the same task without the second, perturbed run, as bisection uses it."""
+        return replace(self, perturbation=0.0)
+
+    def at(self, point: Mapping[str, Scalar]) -> Any:
+        """Return the chain at a point, of the same class as ``chain``.
+
+        Raises
+        ------
+        ParameterError
+            If an axis is no parameter of the chain, or its value is out of range.
+        """
+        changes = {name: float(value) for name, value in point.items() if name != "eta"}
+        chain = self.chain.replace(**changes)
+        if "eta" not in point:
+            return chain
+        eta = within("eta = b/a^2", point["eta"], 1e-6, 1e3)
+        if not {"a", "b"} <= {each.name for each in fields(chain)}:  # type: ignore[arg-type]
+            raise ParameterError("axis", "eta", "one for a chain with a and b", "name another")
+        if self.held == "a":
+            return chain.replace(b=eta * chain.a**2)  # type: ignore[attr-defined]
+        return chain.replace(a=math.sqrt(chain.b / eta))  # type: ignore[attr-defined]
+
+    def __call__(self, point: Point) -> dict[str, Scalar]:
+        """Return state, reason, time, active sites, sites reached, and steps."""
+        chain, rules = self.at(point), rules_of(self.chain)
+        options = {"displacement": self.displacement, "point": self.point}
+        starts = [rules.start(chain, self.excited(), **options)]
+        if self.perturbation:
+            seed = rules.seed if self.seed is None else self.seed
+            starts.append(rules.perturbed(starts[0], self.perturbation, seed))
+        found = [
+            rules.find(chain, start, end=self.end_time, tolerance=self.tolerance)
+            for start in starts
+        ]
+        states = {each.state for each in found}
+        reason = next((r.reason for r in found if r.reason is not Reason.DECIDED), Reason.DECIDED)
+        if len(states) > 1:
+            reason = Reason.PERTURBATION
+        decided = reason is Reason.DECIDED
+        row: dict[str, Scalar] = {
+            "label": str(found[0].state if decided else State.UNDECIDED),
+            "why": str(reason),
+            "time": max(each.time for each in found),
+            "above": found[0].above,
+        }
+        if found[0].reached is not None:
+            row["reached"] = found[0].reached
+        return row | {"steps": sum(each.steps for each in found)}
+
+
+def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> tuple[Point, ...]:
+    """Return the points of a map, the first axis slowest, each checked before any is run.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of range.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> task = StateTask(chain=VdpChain(a=4, b=0.5, c=0, sites=16))
+    >>> state_points(task, {"eta": [0.1], "c": [0.2, 0.3]})[1]
+    Point(eta=0.1, c=0.3)
+    """
+    points = grid(**{name: [float(value) for value in each] for name, each in axes.items()})
+    for point in points:
+        task.at(point)
+    return points
+
+
+@dataclass(frozen=True, kw_only=True)
+class Agreement(Result):
+    """Two maps of the same points, compared.
+
+    Attributes
+    ----------
+    same : int
+        Points that have the same state in both, undecided or not.
+    total : int
+        Points.
+    differing : tuple of dict
+        The others: coordinates and the two states.
+    contradicting : int
+        Those of them where both maps have decided.
+    """
+
+    same: int
+    total: int
+    differing: tuple[dict[str, Scalar], ...]
+    contradicting: int
+
+
+def compare(first: Table, second: Table, axes: Sequence[str] = ("eta", "c")) -> Agreement:
+    """Count the points to which two maps give the same state.
+
+    Parameters
+    ----------
+    first, second : Table
+        Maps of the same points.
+    axes : sequence of str, optional
+        Names of the coordinates.
+
+    Raises
+    ------
+    ValueError
+        If the maps are not over the same points.
+    """
+    if not all(np.array_equal(first[name], second[name]) for name in axes):
+        raise ValueError("the two maps are not over the same points.")
+    differing: list[dict[str, Scalar]] = [
+        {**{name: one[name] for name in axes}, "first": one["label"], "second": two["label"]}
+        for one, two in zip(first.rows(), second.rows(), strict=True)
+        if one["label"] != two["label"]
+    ]
+    undecided = str(State.UNDECIDED)
+    contradicting = sum(undecided not in (row["first"], row["second"]) for row in differing)
+    return Agreement(
+        same=len(first) - len(differing),
+        total=len(first),
+        differing=tuple(differing),
+        contradicting=contradicting,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateMap(Result):
+    """The states of a chain over a grid of parameters.
+
+    Attributes
+    ----------
+    task : StateTask
+        What was done at each point.
+    axes : tuple of str
+        Names of the coordinates, the first one slowest.
+    states : Table
+        A row a point: the coordinates, ``label`` (a `State`), ``why`` (a `Reason`), ``time``,
+        ``above``, where it is counted ``reached``, ``steps``.
+    boundary : Table or None
+        A row for each line between neighbours whose states differ; see
+        ``verification.maps.boundary.Bisection``.
+    map_seconds, seconds : float
+        Wall-clock time of the grid, and of everything.
+    """
+
+    derived: ClassVar[tuple[str, ...]] = ("counts", "undecided")
+
+    task: StateTask = field(metadata={"json": None})
+    axes: tuple[str, ...]
+    states: Table = field(metadata={"json": None})
+    boundary: Table | None = field(metadata={"json": None})
+    map_seconds: float
+    seconds: float
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many points are in each state."""
+        return self.states.counts("label")
+
+    @property
+    def undecided(self) -> list[dict[str, Scalar]]:
+        """The points that are undecided, why, and how many sites were active."""
+        return [
+            {name: row[name] for name in (*self.axes, "why", "above")}
+            for row in self.states.rows()
+            if row["label"] == State.UNDECIDED
+        ]
+
+    def agreement(self, other: StateMap) -> Agreement:
+        """Compare with another map of the same points."""
+        return compare(self.states, other.states, self.axes)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the table of states by column."""
+        return dict(self.states.columns)
+
+
+def state_map(
+    what: Chain | StateTask,
+    *,
+    refine: float = 1.0 / 16.0,
+    workers: int | None = None,
+    out: Path | None = None,
+    resume: bool = False,
+    progress: ProgressCallback | None = None,
+    **axes: Sequence[float],
+) -> StateMap:
+    """Name the state of a chain at every point of a grid, and bisect where it changes.
+
+    Parameters
+    ----------
+    what : Chain or StateTask
+        A chain, for the start and the times of the paper's figures; or a task that says more.
+    refine : float, optional
+        Boundaries are bisected to this part of the spacing of the grid; 0 leaves them.
+    workers : int, optional
+        Processes, by default one a core that may be used.
+    out : Path, optional
+        CSV file for the map; the boundaries go beside it, see `boundary_path`.
+    resume : bool, optional
+        Go on from what an interrupted map left beside ``out``.
+    progress : callable, optional
+        See ``verification.execution.progress.ProgressCallback``; for the map, then for its
+        boundaries.
+    **axes : sequence of float
+        Values of parameters of the chain, by name; ``eta`` of one with a and b.
+
+    Returns
+    -------
+    StateMap
+
+    Raises
+    ------
+    ParameterError
+        If the chain has no rules, or an axis or a value does not fit it.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> chain = AveragedChain(a=4, b=0.5, c=0.6, sites=16)
+    >>> found = state_map(chain, eta=[0.03, 0.13], c=[0.1, 0.6], workers=1, refine=0.25)
+    >>> found.counts, len(found.boundary)
+    ({'breather': 1, 'fixed point': 2, 'front': 1}, 3)
+    """
+    begin = perf_counter()
+    task = what if isinstance(what, StateTask) else StateTask(chain=what)
+    within("part of the spacing, refine,", refine, 0.0, 1.0)
+    if not axes:
+        raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
+    points = state_points(task, axes)
+    with _pool(workers, len(points)) as executor:
+        states = _swept(task, points, out, resume, executor, progress)
+        map_seconds = perf_counter() - begin
+        boundary = None
+        if refine > 0.0:
+            lines = boundary_lines(states, tuple(axes))
+            edge = None if out is None else boundary_path(out)
+            bisection = Bisection(task.alone(), refine)
+            boundary = _swept(bisection, lines, edge, resume, executor, progress)
+    return StateMap(
+        task=task,
+        axes=tuple(axes),
+        states=states,
+        boundary=boundary,
+        map_seconds=map_seconds,
+        seconds=perf_counter() - begin,
+    )
+
+
+def boundary_path(out: Path) -> Path:
+    """Return where the boundaries of a map go.
+
+    Examples
+    --------
+    >>> boundary_path(Path("map.csv")).name
+    'map-boundary.csv'
+    """
+    return out.with_name(f"{out.stem}-boundary.csv")
+
+
+def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
+    """Return one pool for both sweeps, so that processes start and load compiled code once."""
+    count = min(worker_count(workers), points)
+    return worker_pool(count) if count > 1 else nullcontext()
+
+
+def _swept(
+    task: Task,
+    points: tuple[Point, ...],
+    out: Path | None,
+    resume: bool,
+    executor: Executor | None,
+    progress: ProgressCallback | None,
+) -> Table:
+    return sweep(
+        task, points, out=out, resume=resume, workers=1, executor=executor, progress=progress
+    )

@@ -1,0 +1,176 @@
+"""The state of a chain (8) or (43) whose last site is displaced: front, breather, or rest.
+
+Four states, by rules. Times are slow times T = εt; "level" is the amplitude of the unstable cycle
+of one cell, √[(8/a)/(1 + √(1 - 8η))].
+
+front
+    The far end, site 1, has been above the level for ``HOLD`` without a break.
+fixed point
+    The chain is certain to go to rest, by a norm or an energy that can only fall from here on:
+    see ``verification.runs.state_run.at_rest_for_ever``.
+breather
+    From some time to twice that time no site's amplitude varied by more than ``STEADY`` times the
+    level within any window of length ``WINDOW``, none passed the level, and at least one site was
+    above it, not the far end.
+undecided
+    None of these by half of the end time: a state found later would be another one, namely none,
+    if the end time were halved.
+"""
+
+from __future__ import annotations
+
+import math
+from time import perf_counter
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Ends
+from theory.chains.vdp import VanDerPolChain, VdpChain
+from theory.parameters import ParameterError, positive, within
+from verification.maps.rules import RULES, StateRules
+from verification.maps.state import FoundState, Reason, State
+from verification.runs.excite import add_noise, excite
+from verification.runs.state_run import Outcome, Rules, run_to_state
+
+FloatArray = npt.NDArray[np.float64]
+
+FIGURE_15 = VdpChain(a=4.0, b=0.5, c=0.0, sites=16)
+"""The chain of Fig. 15 as it is read here; η takes the place of a, of which print says nothing."""
+DISPLACEMENT = 6.0
+"""y of the last site at time zero in Fig. 15."""
+SMALLEST_EPS = 1e-4
+"""Below it (8) takes hours."""
+HOLD = 10.0
+WINDOW = 5.0
+STEADY = 1e-5
+
+
+_STATES = {
+    Outcome.UNDECIDED: State.UNDECIDED,
+    Outcome.FRONT: State.FRONT,
+    Outcome.BREATHER: State.BREATHER,
+    Outcome.FIXED_POINT: State.FIXED_POINT,
+}
+
+
+class VanDerPolRules(StateRules):
+    """The rules of the module, for (8) and (43)."""
+
+    default_end: ClassVar[float] = 2000.0
+    shortest_end: ClassVar[float] = 4.0 * HOLD
+    longest_end: ClassVar[float] = 1e5
+    seed: ClassVar[int] = 15
+
+    def check(self, chain: Any) -> None:
+        """Refuse chains without a far end, and so small an ε that (8) takes hours."""
+        super().check(chain)
+        _check(chain)
+
+    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
+        """Return a start at rest but for some sites, by default the last one displaced by 6."""
+        displacement = options.get("displacement")
+        size = DISPLACEMENT if displacement is None else displacement
+        return excite(chain, sites or (chain.sites,), size)
+
+    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
+        """Return the start with noise relative to its largest displacement."""
+        return add_noise(start, size * float(np.abs(start).max()), seed)
+
+    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
+        """Run until the state has a name."""
+        return find_vdp_state(chain, start, end=end, tolerance=tolerance)
+
+
+RULES[VanDerPolChain] = VanDerPolRules()
+
+
+def find_vdp_state(
+    chain: VanDerPolChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
+) -> FoundState:
+    """Run a chain until its state has a name.
+
+    Parameters
+    ----------
+    chain : VdpChain or AveragedChain
+        Parameters, with free ends.
+    start : array_like, shape (2, N)
+        (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). The far end is the first site,
+        and the last one is where amplitudes of (8) are sampled.
+    end : float, optional
+        End time, slow; states found in its second half do not count.
+    tolerance : float, optional
+        Local error of a step relative to the largest value, from 1e-13 to 1e-3.
+
+    Raises
+    ------
+    ParameterError
+        If the chain is not as said, or ε is so small that (8) takes hours (average it).
+    RunError
+        If the steps became shorter than 1e-9.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> chain = AveragedChain(a=4, b=0.5, c=0.6, sites=16)
+    >>> str(find_vdp_state(chain, excite(chain, [16], 6.0)).state)
+    'front'
+    """
+    begin = perf_counter()
+    positive("end time", end)
+    within("tolerance", tolerance, 1e-13, 1e-3)
+    _check(chain)
+    full = isinstance(chain, VdpChain)
+    level = level_of(chain.a, chain.b)
+    scale = chain.time_unit * chain.kernel_rate
+    rules = Rules(
+        level=level,
+        quiet=positive_damping_square(chain.a, chain.b) if full else level**2,
+        stiffness=chain.eps * chain.c if full else 0.0,
+        hold=HOLD * scale,
+        window=WINDOW * scale,
+        settled=STEADY * (level if math.isfinite(level) else 1.0),
+    )
+    run = run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
+    undecided = run.outcome is Outcome.UNDECIDED
+    return FoundState(
+        state=_STATES[run.outcome],
+        reason=Reason.END_TIME if undecided else Reason.DECIDED,
+        time=run.time / scale,
+        above=run.above,
+        steps=run.steps,
+        seconds=perf_counter() - begin,
+    )
+
+
+def _check(chain: VanDerPolChain) -> None:
+    if chain.ends is not Ends.FREE:
+        raise ParameterError("ends", str(chain.ends), "free", "the far end must be an end")
+    if isinstance(chain, VdpChain):
+        within("small parameter eps", chain.eps, SMALLEST_EPS, 10.0, "take the averaged chain")
+
+
+def level_of(a: float, b: float) -> float:
+    """Return the amplitude of the unstable cycle, infinite for η = b/a² > 1/8.
+
+    Examples
+    --------
+    >>> round(level_of(4, 0.5), 6), level_of(1, 0.2)
+    (1.035276, inf)
+    """
+    root = 1.0 - 8.0 * b / a**2
+    return math.sqrt(8.0 / a / (1.0 + math.sqrt(root))) if root >= 0.0 else math.inf
+
+
+def positive_damping_square(a: float, b: float) -> float:
+    """Return the y² up to which 1 - ay² + by⁴ is positive, infinite for η = b/a² > 1/4.
+
+    Examples
+    --------
+    >>> y2 = positive_damping_square(4, 0.5)
+    >>> abs(1 - 4 * y2 + 0.5 * y2**2) < 1e-15, positive_damping_square(1, 0.3)
+    (True, inf)
+    """
+    root = 1.0 - 4.0 * b / a**2
+    return 2.0 / a / (1.0 + math.sqrt(root)) if root >= 0.0 else math.inf

@@ -1,0 +1,362 @@
+"""Breathers of Model II: the closed form, the averaged chain, true orbits and their thresholds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+
+from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
+from theory.cells.vdp import ETA_END
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
+from verification.breathers.envelope import solve_envelope_breather, staggered_branch
+from verification.breathers.orbits import solve_orbit
+from verification.quantities.quantity import Axis, Check, Claim, NoReferenceError, Quantity
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.result import ThresholdMethod
+
+ETA = Axis("eta", 1e-12, ETA_END, near=(ETA_END,))
+A, C, EPSILON = Axis("a", 1e-6, 1e6), Axis("c", 1e-8, 1e6), Axis("eps", 1e-6, 1.0)
+WEAK = Axis("c", 1e-8, 1e2)
+READING = Axis("reading", 1, 2, whole=True)
+_SITES = 9
+
+
+def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:
+    a = at.get("a", 1.0)
+    eps = at.get("eps", 0.01)
+    return VdpChain(a=a, b=at["eta"] * a * a, c=at["c"], eps=eps, sites=sites)
+
+
+def _reading(at: Mapping[str, float]) -> Reading:
+    return Reading.NEIGHBOUR if at["reading"] < 2 else Reading.TAIL
+
+
+def _fold(at: Mapping[str, float]) -> Claim:
+    found = closed_form_fold(_chain({**at, "c": 1.0}), _reading(at))
+    return Claim(found.c, found.error, extra=found)
+
+
+def _gain(S: Any, a: Any, b: Any) -> Any:
+    return (-b * S * S + 2 * a * S - 8) / 16
+
+
+def _coefficients(at: Mapping[str, float]) -> tuple[Any, Any]:
+    chain = _chain({**at, "c": 1.0})
+    return mp.mpf(chain.a), mp.mpf(chain.b)
+
+
+def _scan(at: Mapping[str, float]) -> tuple[float, float] | None:
+    """Return (S, w) at the first maximum of c, with w as the parameter, on one sheet and the other.
+
+    From (29) and (37) with c removed, a quadratic for S at given w:
+    b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η.
+    """
+    eta = at["eta"]
+    gap = max(1.0 - 8.0 * eta, 1e-16)
+    w = np.geomspace(1e-6 * min(gap, eta * eta), 0.999, 6000)
+    first = eta * (2.0 * w**3 + 1.0 - w)
+    second = -(4.0 * w**2 + 2.0 * (1.0 - w))
+    inside = second**2 - 4.0 * first * (8.0 + 8.0 * w)
+    end = int(np.argmax(inside < 0)) if np.any(inside < 0) else w.size
+    path = []
+    for sign, order in ((1.0, slice(0, end)), (-1.0, slice(end - 1, None, -1))):
+        root = np.sqrt(np.maximum(inside[order], 0.0))
+        path.append(((-second[order] + sign * root) / (2.0 * first[order]), w[order]))
+    S, w = (np.concatenate(each) for each in zip(*path, strict=True))
+    s = S * w
+    with np.errstate(all="ignore"):  # beyond double precision nothing falls
+        c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
+        falls = np.flatnonzero(np.diff(c) < -1e-13 * c[:-1])
+    return (float(S[falls[0]]), float(w[falls[0]])) if falls.size else None
+
+
+def _check_fold(at: Mapping[str, float], claim: Claim) -> Check:
+    """Solve (29), (37) and their tangency by Newton in 60 digits from a plain scan."""
+    a, b = _coefficients(at)
+    with mp.workdps(60):
+        if _reading(at) is Reading.TAIL:
+            m = (a * a - 8 * b) / (16 * b)
+            return Check(float(abs(mp.sqrt(m * (1 + m)) - claim.value)), 0.0, "closed form")
+        start = _scan(at)
+        if start is None or claim.value is None:
+            return Check(math.inf if start is not claim.value else 0.0, 0.0, "whether it exists")
+        S, w = mp.mpf(start[0]) / a, mp.mpf(start[1])
+        try:
+            S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-40)
+        except (ValueError, ZeroDivisionError):
+            raise NoReferenceError("Newton in 60 digits does not converge.") from None
+        return Check(float(abs(_gain(S, a, b) / mp.sqrt(w) - claim.value)), 0.0, "Newton")
+
+
+def _on_branch(S: Any, w: Any, a: Any, b: Any) -> Any:
+    """Return (37) at n = 1 with c of (29), times 2 w/G: zero on the branch."""
+    s = S * w
+    return w * (1 - a * s / 4 + b * s**2 / 8) - _gain(S, a, b) * (1 - w)
+
+
+def _tangency(S: Any, w: Any, a: Any, b: Any) -> tuple[Any, Any]:
+    """Return (37) and ∂(37, ln c)/∂(S, w), scaled: both are zero where c is stationary."""
+    s, G = S * w, _gain(S, a, b)
+    G_S = (a - b * S) / 8
+    shape = 1 - a * s / 4 + b * s**2 / 8
+    bend = -a / 4 + b * s / 4
+    P_S = w * w * bend - G_S * (1 - w)
+    P_w = shape + w * S * bend + G
+    return _on_branch(S, w, a, b) / w, (P_S * (-G / (2 * w)) - P_w * G_S) * S
+
+
+def _breather(at: Mapping[str, float]) -> Claim:
+    found = solve_breather(_chain(at), _reading(at))
+    if found.status is BreatherStatus.NONE:
+        return Claim(None, 0.0, extra=found)
+    assert found.alpha_0 is not None
+    assert found.decay is not None
+    return Claim(np.array([found.alpha_0, found.decay]), found.error, extra=found)
+
+
+def _check_breather(at: Mapping[str, float], claim: Claim) -> Check:
+    """Solve (29) and (37) for S and w by Newton in 60 digits; relative distances.
+
+    Newton is started from the claim: that the branch is the one before the fold is checked by c
+    below c_fold and S above that of the fold.
+    """
+    fold = _check_fold(at, Claim(claim.extra.fold.c, claim.extra.fold.error))
+    top = claim.extra.fold.c
+    if claim.value is None:
+        held = top is None or at["c"] > top - claim.extra.fold.error
+        return Check(fold.distance if held else math.inf, claim.extra.fold.error, fold.by)
+    a, b = _coefficients(at)
+    with mp.workdps(60):
+        c = mp.mpf(at["c"])
+        S, w = mp.mpf(claim.value[0]) ** 2, mp.mpf(claim.value[1]) ** 2
+        tail = _reading(at) is Reading.TAIL
+
+        def both(x: Any, y: Any) -> tuple[Any, Any]:
+            S_, w_ = S * x, w * y
+            second = w_ - (1 - w_) * _gain(S_, a, b) if tail else _on_branch(S_, w_, a, b)
+            return _gain(S_, a, b) / (c * mp.sqrt(w_)) - 1, second / w
+
+        try:
+            x, y = mp.findroot(both, (mp.mpf(1), mp.mpf(1)), tol=1e-40)
+        except (ValueError, ZeroDivisionError):
+            if top is not None and at["c"] > top * (1.0 - 1e-12):
+                return Check(0.0, 0.0, "at the fold to within rounding")
+            raise NoReferenceError("Newton in 60 digits does not converge.") from None
+        off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1))
+        return Check(float(off), 0.0, "Newton in 60 digits")
+
+
+def _envelope(at: Mapping[str, float]) -> Claim:
+    found = solve_envelope_breather(_chain(at, _SITES), Nucleus(1))
+    if found.status is BreatherStatus.NONE:
+        return Claim(None, 0.0, extra=found)
+    return Claim(np.append(found.phi, found.omega), found.error, extra=found)
+
+
+def _check_envelope(at: Mapping[str, float], claim: Claim) -> Check:
+    """Newton in 30 digits on (34) in the rotating frame, written anew for real and imaginary."""
+    if claim.value is None:
+        fold = staggered_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
+        if fold is None:
+            raise NoReferenceError("the staggered reduction has no fold.")
+        # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
+        return Check(0.0 if at["c"] > 0.98 * fold.c else math.inf, 0.0, "staggered reduction")
+    phi = np.asarray(claim.value[:-1])
+    start = [*phi.real, *phi.imag, complex(claim.value[-1]).real]
+    centre = int(np.argmax(np.abs(phi)))
+    with mp.workdps(30):
+        x = mp.matrix([mp.mpf(float(value)) for value in start])
+        for _ in range(3):
+            x = x - mp.lu_solve(_envelope_slope(x, at), _envelope_defect(x, at, centre))
+        off = max(abs(x[i] - mp.mpf(float(start[i]))) for i in range(len(start)))
+        left = max(abs(value) for value in _envelope_defect(x, at, centre))
+        if left > 1e-18:
+            raise NoReferenceError("Newton in 30 digits does not converge.")
+    return Check(float(off), 0.0, "Newton in 30 digits")
+
+
+def _envelope_defect(x: Any, at: Mapping[str, float], centre: int) -> Any:
+    a, b, c = mp.mpf(1), mp.mpf(at["eta"]), mp.mpf(at["c"])
+    n = (len(x) - 1) // 2
+    p = [mp.mpc(x[i], x[n + i]) for i in range(n)]
+    out = mp.matrix(2 * n + 1, 1)
+    for i in range(n):
+        near = [p[j] for j in (i - 1, i + 1) if 0 <= j < n]
+        s = abs(p[i]) ** 2
+        rate = 0.5j * c * (len(near) * p[i] - sum(near)) - p[i] / 2 * (1 - a * s / 4 + b * s**2 / 8)
+        rate -= 1j * x[2 * n] * p[i]
+        out[i], out[n + i] = rate.real, rate.imag
+    out[2 * n] = x[n + centre]
+    return out
+
+
+def _envelope_slope(x: Any, at: Mapping[str, float]) -> Any:
+    """Return the Jacobian by central differences: exact enough for Newton, and sharing nothing."""
+    n = (len(x) - 1) // 2
+    centre = max(range(n), key=lambda i: x[i] ** 2 + x[n + i] ** 2)
+    h = mp.mpf(10) ** -12
+    out = mp.matrix(len(x), len(x))
+    for j in range(len(x)):
+        up, down = x.copy(), x.copy()
+        up[j] += h
+        down[j] -= h
+        column = (_envelope_defect(up, at, centre) - _envelope_defect(down, at, centre)) / (2 * h)
+        for i in range(len(x)):
+            out[i, j] = column[i]
+    return out
+
+
+def _orbit(at: Mapping[str, float]) -> Claim:
+    found = solve_orbit(_chain(at, _SITES), Nucleus(1))
+    if found.status is BreatherStatus.NONE:
+        return Claim(None, 0.0, extra=found)
+    return Claim(np.append(found.state, found.period), found.error, extra=found)
+
+
+def _flow(state: Any, period: float, at: Mapping[str, float]) -> Any:
+    """Return the state and monodromy after a period by DOP853 on (8) and its linearisation."""
+    from scipy.integrate import solve_ivp
+
+    n = len(state) // 2
+    a, b, c, eps = 1.0, at["eta"], at["c"], at["eps"]
+
+    def rate(_: float, x: Any) -> Any:
+        M = x.reshape(2 * n, 2 * n + 1)
+        y, u = M[:n], M[n:]
+        springs = np.zeros_like(y)
+        springs[1:] += y[1:] - y[:-1]
+        springs[:-1] += y[:-1] - y[1:]
+        y0, u0 = y[:, :1], u[:, :1]
+        damp = 1.0 - a * y0**2 + b * y0**4
+        force = -y - eps * (c * springs + u * damp)
+        force[:, 1:] -= eps * u0 * (-2.0 * a * y0 + 4.0 * b * y0**3) * y[:, 1:]
+        return np.concatenate([u, force]).ravel()
+
+    start = np.column_stack([state, np.eye(2 * n)]).ravel()
+    end = solve_ivp(rate, (0.0, period), start, method="DOP853", rtol=1e-13, atol=1e-14)
+    M = end.y[:, -1].reshape(2 * n, 2 * n + 1)
+    return M[:, 0], M[:, 1:]
+
+
+def _check_orbit(at: Mapping[str, float], claim: Claim) -> Check:
+    """Return the next Newton step of shooting with SciPy's DOP853 in place of our integrator."""
+    if claim.value is None:
+        raise NoReferenceError("no orbit to compare with.")
+    state, period = claim.value[:-1], float(claim.value[-1])
+    end, monodromy = _flow(state, period, at)
+    n = len(state) // 2
+    slope = np.zeros((2 * n + 1, 2 * n + 1))
+    slope[:-1, :-1] = monodromy - np.eye(2 * n)
+    slope[:-1, -1] = (_flow(end, 1e-6, at)[0] - _flow(end, -1e-6, at)[0]) / 2e-6
+    slope[-1, _SITES // 2] = 1.0
+    step = np.linalg.solve(slope, np.append(end - state, 0.0))
+    size = float(np.linalg.norm(np.linalg.inv(slope), np.inf))
+    return Check(float(np.abs(step).max()), 2e-12 * size * float(np.abs(state).max()), "DOP853")
+
+
+def _multipliers(at: Mapping[str, float]) -> Claim:
+    found = solve_orbit(_chain(at, _SITES), Nucleus(1))
+    if found.multipliers is None:
+        return Claim(None, 0.0, extra=found)
+    return Claim(found.multipliers.values, found.multipliers.error, extra=found)
+
+
+def _check_multipliers(at: Mapping[str, float], claim: Claim) -> Check:
+    """Compare the sum and the sum of squares of the multipliers: traces of DOP853's monodromy.
+
+    Both are as exact as the matrix, however badly the single multipliers are conditioned.
+    """
+    if claim.value is None:
+        raise NoReferenceError("no orbit to compare with.")
+    orbit = claim.extra
+    _, monodromy = _flow(orbit.state, orbit.period, at)
+    n = len(claim.value)
+    first = abs(complex(np.sum(claim.value)) - np.trace(monodromy))
+    second = abs(complex(np.sum(claim.value**2)) - np.trace(monodromy @ monodromy)) / 2.0
+    rough = 1e-11 * n * float(np.abs(monodromy).max()) + n * orbit.error
+    return Check(max(first, second) / n, rough, "traces of DOP853's monodromy")
+
+
+def _threshold(at: Mapping[str, float]) -> Claim:
+    found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), ThresholdMethod.ENVELOPE)
+    return Claim(found.c, found.error, extra=found)
+
+
+def _check_threshold(at: Mapping[str, float], claim: Claim) -> Check:
+    chain = replace(_chain({**at, "c": 0.1}), sites=claim.extra.sites)
+    fold = staggered_branch(chain, Nucleus(1)).fold
+    if fold is None:
+        raise NoReferenceError("the staggered reduction has no fold.")
+    # What the reduction leaves out is the tail at the free ends, squared in the fold.
+    left_out = float(abs(fold.u[0]) / np.abs(fold.u).max())
+    return Check(abs(fold.c - claim.value), fold.error + left_out, "staggered reduction")
+
+
+QUANTITIES = (
+    Quantity(
+        "closed-form-fold",
+        "the largest coupling of the closed form (29), (37)",
+        (A, ETA, READING),
+        _fold,
+        _check_fold,
+        seconds=0.1,
+        share=0.4,
+        scenes="breather",
+    ),
+    Quantity(
+        "closed-form-breather",
+        "amplitude and decay of the closed form (29), (37)",
+        (A, ETA, C, READING),
+        _breather,
+        _check_breather,
+        seconds=0.1,
+        share=0.4,
+        scenes="breather",
+    ),
+    Quantity(
+        "envelope-breather",
+        "a breather of the averaged chain (34)",
+        (ETA, C),
+        _envelope,
+        _check_envelope,
+        seconds=5.0,
+        share=0.15,
+        scenes="breather",
+    ),
+    Quantity(
+        "orbit",
+        "a true periodic orbit of (8)",
+        (ETA, WEAK, EPSILON),
+        _orbit,
+        _check_orbit,
+        seconds=20.0,
+        share=0.1,
+        scenes="breather",
+    ),
+    Quantity(
+        "multipliers",
+        "Floquet multipliers of a true orbit",
+        (ETA, WEAK, EPSILON),
+        _multipliers,
+        _check_multipliers,
+        seconds=20.0,
+        share=0.1,
+        scenes="breather",
+    ),
+    Quantity(
+        "envelope-threshold",
+        "the coupling at which a breather of (34) ends",
+        (ETA,),
+        _threshold,
+        _check_threshold,
+        seconds=20.0,
+        share=0.1,
+        scenes="breather",
+    ),
+)

@@ -1,0 +1,180 @@
+"""One point of the stability table: compute, hold against another method, name the outcome."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from types import FrameType
+
+import numpy as np
+
+from theory.parameters import ParameterError, RunError
+from theory.piecewise.sums.result import PrecisionError
+from verification.execution.table import Point, Scalar
+from verification.quantities.discover import quantity_named
+from verification.quantities.quantity import Check, Claim, NoReferenceError, Quantity
+
+PATIENCE = 5.0
+"""A value is given up after so many times its limit."""
+
+CHECK_SECONDS = 15.0
+"""A reference is given up after so long."""
+
+
+class Outcome(StrEnum):
+    """What became of one point."""
+
+    RIGHT = "right"
+    """Within the stated error."""
+
+    REFUSED = "refused"
+    """One sentence says why and what to do."""
+
+    UNCHECKED = "unchecked"
+    """A finite value with an error, and no other method to hold it against."""
+
+    EXCEEDED = "exceeded"
+    """Farther from the reference than the stated error."""
+
+    NAN = "nan"
+    CRASH = "crash"
+    SLOW = "slow"
+
+
+BAD = (Outcome.EXCEEDED, Outcome.NAN, Outcome.CRASH, Outcome.SLOW)
+"""Of these there must be none."""
+
+
+class TimeIsUpError(Exception):
+    """A computation that took longer than it was given."""
+
+
+@dataclass(frozen=True)
+class StressTask:
+    """The task of the sweep: a point is a quantity and a number.
+
+    Attributes
+    ----------
+    seed : int
+        Of the points at random.
+    """
+
+    seed: int = 0
+
+    def __call__(self, point: Point) -> Mapping[str, Scalar]:
+        """Return the parameters, the outcome and what it rests on."""
+        quantity = quantity_named(str(point["quantity"]))
+        values = quantity.point(self.seed, int(point["number"]))
+        found = judge(quantity, values)
+        return {
+            "values": " ".join(f"{name}={value!r}" for name, value in values.items()),
+            **found,
+        }
+
+
+def judge(quantity: Quantity, values: Mapping[str, float]) -> dict[str, Scalar]:
+    """Return outcome, stated error, distance, uncertainty of the reference, its name, seconds.
+
+    Times are of the processor, so that what else the machine does has no part in the outcome.
+    """
+    begin = time.process_time()
+
+    def spent() -> float:
+        return time.process_time() - begin
+
+    try:
+        with limited(PATIENCE * quantity.seconds):
+            claim = quantity.compute(values)
+    except TimeIsUpError:
+        return _row(Outcome.SLOW, "given up", seconds=spent())
+    except (ParameterError, PrecisionError, RunError) as error:
+        clear = is_clear(str(error))
+        return _row(Outcome.REFUSED if clear else Outcome.CRASH, str(error), seconds=spent())
+    except Exception as error:
+        return _row(Outcome.CRASH, f"{type(error).__name__}: {error}", seconds=spent())
+    seconds = spent()
+    if not _finite(claim):
+        return _row(Outcome.NAN, f"{claim.value} with error {claim.error}", claim, seconds=seconds)
+    if seconds > quantity.seconds:
+        return _row(Outcome.SLOW, f"limit {quantity.seconds:g} s", claim, seconds=seconds)
+    try:
+        with limited(CHECK_SECONDS):
+            check = quantity.check(values, claim)
+    except (NoReferenceError, ParameterError, PrecisionError, TimeIsUpError) as error:
+        return _row(Outcome.UNCHECKED, str(error) or "reference too slow", claim, seconds=seconds)
+    except Exception as error:  # a defect of the table itself
+        said = f"in the reference: {type(error).__name__}: {error}"
+        return _row(Outcome.CRASH, said, claim, seconds=seconds)
+    held = check.distance <= claim.error + check.uncertainty
+    outcome = Outcome.RIGHT if held else Outcome.EXCEEDED
+    return _row(outcome, claim.note, claim, check, seconds)
+
+
+def is_clear(message: str) -> bool:
+    """Tell whether a refusal is one sentence of at most three hundred letters.
+
+    Examples
+    --------
+    >>> is_clear("eta = 0.2 is too large; take less."), is_clear("")
+    (True, False)
+    """
+    return 20 < len(message) < 300 and message.endswith(".") and "\n" not in message
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise `TimeIsUpError` after so long; only in the main thread of a system with alarms."""
+    here = threading.current_thread() is threading.main_thread()
+    if not here or not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def ring(_: int, __: FrameType | None) -> None:
+        raise TimeIsUpError("the reference takes too long")
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _finite(claim: Claim) -> bool:
+    if not math.isfinite(claim.error) or claim.error < 0:
+        return False
+    if claim.value is None:
+        return True
+    if hasattr(claim.value, "ae"):  # an mpmath number
+        return math.isfinite(abs(complex(claim.value)))
+    return bool(np.all(np.isfinite(claim.value)))
+
+
+def _row(
+    outcome: Outcome,
+    said: str,
+    claim: Claim | None = None,
+    check: Check | None = None,
+    seconds: float = 0.0,
+) -> dict[str, Scalar]:
+    return {
+        "outcome": str(outcome),
+        "stated": claim.error if claim else math.nan,
+        "distance": check.distance if check else math.nan,
+        "uncertainty": check.uncertainty if check else math.nan,
+        "by": _for_csv(check.by) if check else "-",
+        "seconds": seconds,
+        "said": _for_csv(said) or "-",
+    }
+
+
+def _for_csv(said: str) -> str:
+    """Return a text without what a table of commas and quotes would misread."""
+    return " ".join("".join("'" if x == '"' else ";" if x in ",#" else x for x in said).split())

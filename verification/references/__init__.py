@@ -1,0 +1,1 @@
+"""Independent references: other integrators and other formulas, nothing of the engines."""

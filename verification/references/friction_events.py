@@ -1,0 +1,225 @@
+"""A second event-located run of the friction chain (5), through scipy: slow, and independent.
+
+Between events scipy's DOP853 steps (y, w = ẏ - v_d); events are looked for on its dense output at
+several points a step and located with Brent's method. It shares nothing with the compiled stepper
+of ``verification.runs.friction`` but the parameters, and is here to check it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.parameters import positive, within
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+BEGINS, ENDS, REVERSES = 0, 1, 2
+"""Kinds of events."""
+
+_LOOKS = 8
+_TOGETHER = 1e-12
+_LOST = 1e-9
+
+
+@dataclass(frozen=True)
+class EventRun:
+    """What the run has seen.
+
+    Attributes
+    ----------
+    times : ndarray, shape (M,)
+        τ of the samples.
+    y, velocity : ndarray, shape (M, N)
+        State at those times.
+    log : ndarray, shape (K, 3)
+        τ, site (from 1) and kind of every event.
+    evaluations : int
+        Evaluations of the right side.
+    seconds : float
+        Run time.
+    """
+
+    times: FloatArray
+    y: FloatArray
+    velocity: FloatArray
+    log: FloatArray
+    evaluations: int
+    seconds: float
+
+
+def run_events(
+    chain: FrictionChain,
+    start: FloatArray,
+    t_end: float,
+    *,
+    times: FloatArray | None = None,
+    tolerance: float = 1e-13,
+    longest_step: float = 0.05,
+) -> EventRun:
+    """Run (5) from τ = 0 to ``t_end``, every event located.
+
+    Parameters
+    ----------
+    chain : FrictionChain
+        Parameters.
+    start : ndarray, shape (2, N)
+        y and ẏ.
+    t_end : float
+        τ, positive.
+    times : ndarray, optional
+        Where the state is sampled, ascending; by default 201 even times.
+    tolerance : float
+        Relative tolerance of DOP853; the absolute one is a tenth of it.
+    longest_step : float
+        Longest step. The dense output is of order 7: this is what makes it exact enough.
+
+    Raises
+    ------
+    ParameterError
+        If a number is out of range.
+    ArithmeticError
+        If DOP853 fails, or a site starts exactly on an event.
+
+    Examples
+    --------
+    >>> from verification.runs.excite import excite
+    >>> chain = FrictionChain(c=0.0, sites=1)
+    >>> run = run_events(chain, excite(chain, [1]), 12.0)
+    >>> run.log[:, 2].astype(int).tolist()
+    [0, 1, 0, 1]
+    """
+    begin = perf_counter()
+    positive("end time tau", t_end)
+    within("tolerance", tolerance, 2.3e-14, 1e-2)
+    positive("longest step", longest_step)
+    wanted = np.linspace(0.0, t_end, 201) if times is None else np.asarray(times, dtype=float)
+    sites = chain.sites
+    law = _Law(chain)
+    state = np.concatenate([start[0], np.asarray(start[1]) - chain.cell.v_d])
+    modes = law.first_modes(state)
+    samples = np.zeros((wanted.size, 2 * sites))
+    log: list[tuple[float, int, int]] = []
+    t, taken, evaluations = 0.0, 0, 0
+    while t < t_end:
+        solver = DOP853(
+            partial(law.rate, modes), t, state, t_end,
+            rtol=tolerance, atol=0.1 * tolerance, max_step=longest_step,
+        )  # fmt: skip
+        event = None
+        while event is None and solver.status == "running":
+            complaint = solver.step()
+            if complaint is not None:
+                raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}: {complaint}")
+            dense = solver.dense_output()
+            event = _earliest(law, dense, modes, float(solver.t_old), float(solver.t))
+            reached = float(solver.t) if event is None else event
+            while taken < wanted.size and wanted[taken] <= reached:
+                samples[taken] = dense(wanted[taken])
+                taken += 1
+        evaluations += solver.nfev
+        t = reached
+        if event is None:
+            break
+        state, kinds = law.switched(dense(event), dense, event, modes)
+        log += [(event, site + 1, kind) for site, kind in kinds]
+    return EventRun(
+        wanted,
+        samples[:, :sites],
+        samples[:, sites:] + chain.cell.v_d,
+        np.array(log).reshape(-1, 3),
+        evaluations,
+        perf_counter() - begin,
+    )
+
+
+class _Law:
+    """(5) and (6), written out once more."""
+
+    def __init__(self, chain: FrictionChain) -> None:
+        self.cell, self.c, self.sites = chain.cell, chain.c, chain.sites
+        ring = 2.0 * np.eye(self.sites) - np.eye(self.sites, k=1) - np.eye(self.sites, k=-1)
+        if chain.ends is Ends.FREE:
+            ring[0, 0] -= 1.0
+            ring[-1, -1] -= 1.0
+        self.spring = np.eye(self.sites) + chain.c * ring
+
+    def hold(self, z: FloatArray) -> FloatArray:
+        """Return the force that would hold each site on the belt; z may have several columns."""
+        force: FloatArray = self.spring @ z[: self.sites] + 2.0 * self.cell.xi * self.cell.v_d
+        return force
+
+    def rate(self, modes: IntArray, _: float, z: FloatArray) -> FloatArray:
+        """Return the derivative of (y, w); modes: 0 in stick, else the sign of w in slip."""
+        w = z[self.sites :]
+        cell = self.cell
+        mu = cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-modes * w / cell.v0)
+        pull = -modes * mu - 2.0 * cell.xi * w - self.hold(z)
+        return np.concatenate([w + cell.v_d, np.where(modes == 0, 0.0, pull)])
+
+    def first_modes(self, z: FloatArray) -> IntArray:
+        """Return the modes at the start."""
+        w, force = z[self.sites :], self.hold(z)
+        free = np.where(np.abs(force) > self.cell.mu_st, -np.sign(force), 0.0)
+        return np.where(w != 0.0, np.sign(w), free).astype(np.int64)
+
+    def distance(self, z: FloatArray, modes: IntArray) -> FloatArray:
+        """Return what is positive before an event of a site and negative after it."""
+        signs = modes.reshape(-1, *[1] * (z.ndim - 1))
+        stick = self.cell.mu_st - np.abs(self.hold(z))
+        return np.where(signs == 0, stick, signs * z[self.sites :])
+
+    def switched(
+        self, z: FloatArray, dense: Any, t: float, modes: IntArray
+    ) -> tuple[FloatArray, list[tuple[int, int]]]:
+        """Change, in place, the modes of the sites whose event this is; return what happened."""
+        # Events that are simultaneous by symmetry differ by round-off: look a little further.
+        now = self.distance(z, modes)
+        speed = np.abs(self.distance(dense(t - 1e-6), modes) - now) / 1e-6
+        due = np.flatnonzero((np.abs(now) <= _TOGETHER * (1.0 + speed)) & (speed > 0.0))
+        kinds = []
+        force = self.hold(z)
+        for n in due:
+            if modes[n] == 0:
+                modes[n] = -1 if force[n] > 0.0 else 1
+                kinds.append((int(n), ENDS))
+            elif abs(force[n]) <= self.cell.mu_st:
+                modes[n] = 0
+                kinds.append((int(n), BEGINS))
+            else:
+                modes[n] = -modes[n]
+                kinds.append((int(n), REVERSES))
+            z[self.sites + n] = 0.0
+        return z, kinds
+
+
+def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -> float | None:
+    """Return the earliest event in a step; a site that starts at zero has none until it leaves."""
+    looks = np.linspace(low, high, _LOOKS + 1)
+    values = law.distance(dense(looks), modes).T
+    found = []
+    for n in range(modes.size):
+        if np.all(values[:, n] <= 0.0) and values[-1, n] < -_LOST:
+            raise ArithmeticError(f"site {n + 1} starts on an event: start off it")
+        for k in range(_LOOKS):
+            if values[k, n] > 0.0 >= values[k + 1, n]:
+                found.append(_located(law, dense, modes, n, looks[k], looks[k + 1]))
+                break
+    return min(found, default=None)
+
+
+def _located(law: _Law, dense: Any, modes: IntArray, n: int, low: float, high: float) -> float:
+    def value(t: float) -> float:
+        return float(law.distance(dense(t), modes)[n])
+
+    return float(brentq(value, low, high, xtol=1e-15, rtol=9e-16))

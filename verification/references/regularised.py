@@ -1,0 +1,146 @@
+"""The friction chain with regularised friction through scipy: what one would otherwise pick.
+
+F = -μ(v_rel) tanh(v_rel/δ) is smooth and stiff, stick becomes a creep, and the error is of the
+order of δ however small the solver's tolerance is; loose tolerances give garbage without warning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.parameters import positive, within
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Solver(StrEnum):
+    """A solver of ``scipy.integrate.solve_ivp``."""
+
+    LSODA = "LSODA"
+    RADAU = "Radau"
+    BDF = "BDF"
+
+
+@dataclass(frozen=True)
+class RegularisedRun:
+    """What a run of the regularised chain has seen.
+
+    Attributes
+    ----------
+    times : ndarray, shape (M,)
+        τ of the samples.
+    y, velocity : ndarray, shape (M, N)
+        State at those times.
+    finished : bool
+        Whether the solver reached the end.
+    evaluations : int
+        Evaluations of the right side.
+    seconds : float
+        Run time.
+    """
+
+    times: FloatArray
+    y: FloatArray
+    velocity: FloatArray
+    finished: bool
+    evaluations: int
+    seconds: float
+
+
+def run_regularised(
+    chain: FrictionChain,
+    start: FloatArray,
+    t_end: float,
+    *,
+    solver: Solver = Solver.LSODA,
+    delta: float = 1e-4,
+    tolerance: float = 1e-6,
+    samples: int = 201,
+) -> RegularisedRun:
+    """Run the regularised chain from τ = 0 to ``t_end``.
+
+    Parameters
+    ----------
+    chain : FrictionChain
+        Parameters of (5).
+    start : ndarray, shape (2, N)
+        y and ẏ.
+    t_end : float
+        τ, positive.
+    solver : Solver
+        Told the band (LSODA) or the sparsity (Radau, BDF) of the Jacobian.
+    delta : float
+        Width δ of the regularisation, positive.
+    tolerance : float
+        Relative tolerance; the absolute one is a thousandth of it.
+    samples : int
+        States kept, evenly spaced.
+
+    Examples
+    --------
+    >>> from verification.runs.excite import excite
+    >>> chain = FrictionChain(c=0.02, sites=2)
+    >>> run_regularised(chain, excite(chain, [1]), 1.0, delta=1e-2).finished
+    True
+    """
+    from scipy.integrate import solve_ivp
+
+    begin = perf_counter()
+    positive("end time tau", t_end)
+    positive("width delta", delta)
+    within("tolerance", tolerance, 1e-13, 1e-1)
+    cell, c, free = chain.cell, chain.c, chain.ends is Ends.FREE
+    sites = chain.sites
+
+    def right_side(_: float, z: FloatArray) -> FloatArray:
+        y, v = z[0::2], z[1::2]
+        bend = 2.0 * y
+        bend[1:] -= y[:-1]
+        bend[:-1] -= y[1:]
+        if free:
+            bend[0] -= y[0]
+            bend[-1] -= y[-1]
+        slip = v - cell.v_d
+        force = cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-np.abs(slip) / cell.v0)
+        out = np.empty_like(z)
+        out[0::2] = v
+        out[1::2] = -force * np.tanh(slip / delta) - 2.0 * cell.xi * v - y - c * bend
+        return out
+
+    options: dict[str, Any] = {}
+    if Solver(solver) is Solver.LSODA:
+        options = {"lband": 3, "uband": 2}
+    else:
+        options = {"jac_sparsity": _sparsity(sites)}
+    times = np.linspace(0.0, t_end, samples)
+    first = np.empty(2 * sites)
+    first[0::2], first[1::2] = start
+    result = solve_ivp(
+        right_side, (0.0, t_end), first, method=solver.value, t_eval=times, rtol=tolerance,
+        atol=1e-3 * tolerance, **options,
+    )  # fmt: skip
+    y, velocity = (np.full((samples, sites), np.nan) for _ in range(2))
+    y[: result.t.size], velocity[: result.t.size] = result.y[0::2].T, result.y[1::2].T
+    return RegularisedRun(
+        times, y, velocity, bool(result.success), int(result.nfev), perf_counter() - begin
+    )
+
+
+def _sparsity(sites: int) -> Any:
+    from scipy.sparse import lil_matrix
+
+    pattern = lil_matrix((2 * sites, 2 * sites), dtype=int)
+    for n in range(sites):
+        pattern[2 * n, 2 * n + 1] = 1
+        pattern[2 * n + 1, 2 * n + 1] = 1
+        for neighbour in range(max(0, n - 1), min(sites, n + 2)):
+            pattern[2 * n + 1, 2 * neighbour] = 1
+    return pattern.tocsr()

@@ -1,0 +1,264 @@
+"""The friction chain as the paper integrated it: switch model, stick band, trapezoidal rule.
+
+Leine et al.'s switch model replaces |v_rel| = 0 by |v_rel| < band and has three right sides:
+
+    slip         |v_rel| > band             v̇ = F(v_rel) - (2ξv + y + c(…))
+    transition   within, |static| > μ_st    v̇ = ±μ_st - (2ξv + y + c(…))
+    stick        within, else               ẏ = v_d, v̇ = -v_rel
+
+They are integrated by the trapezoidal rule (MATLAB's ode23t, "without numerical damping"), with
+fixed steps or with steps from an estimate of its error; the jumps of the right side are not
+located. So the error is what it is: it is reported against ``verification.runs.friction``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.parameters import ParameterError, positive, within
+from verification.execution.compiled import njit
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+PAPER_BAND = 1e-4
+ODE23T_RELATIVE, ODE23T_ABSOLUTE = 1e-3, 1e-6
+"""MATLAB's default tolerances; the paper names none."""
+
+_ITERATIONS = 50
+_CONVERGED = 1e-13
+_SHORTEST = 1e-12
+
+
+@dataclass(frozen=True)
+class SwitchRun:
+    """What a run of the switch model has seen.
+
+    Attributes
+    ----------
+    times : ndarray, shape (M,)
+        τ of the samples.
+    y, velocity : ndarray, shape (M, N)
+        State at those times, by cubic interpolation within a step.
+    arrivals : ndarray, shape (N,)
+        End of the first step that ended in the stick mode; nan where none did.
+    steps, rejected, unconverged : int
+        Steps taken, steps refused, and steps whose implicit equation did not converge.
+    reached : float
+        τ reached; below the end if the steps became too short or the state overflowed.
+    seconds : float
+        Run time.
+    """
+
+    times: FloatArray
+    y: FloatArray
+    velocity: FloatArray
+    arrivals: FloatArray
+    steps: int
+    rejected: int
+    unconverged: int
+    reached: float
+    seconds: float
+
+
+def run_switch(
+    chain: FrictionChain,
+    start: FloatArray,
+    t_end: float,
+    *,
+    step: float | None = None,
+    relative: float = ODE23T_RELATIVE,
+    absolute: float = ODE23T_ABSOLUTE,
+    band: float = PAPER_BAND,
+    samples: int = 201,
+) -> SwitchRun:
+    """Run the switch model from τ = 0 to ``t_end``.
+
+    Parameters
+    ----------
+    chain : FrictionChain
+        Parameters of (5).
+    start : ndarray, shape (2, N)
+        y and ẏ.
+    t_end : float
+        τ, positive.
+    step : float, optional
+        Fixed step, at most 1/(√(1 + 4c) + 2ξ); by default steps are chosen by the tolerances.
+    relative, absolute : float
+        Tolerances of the adaptive rule.
+    band : float
+        Half-width of the stick band in v_rel, positive.
+    samples : int
+        States kept, evenly spaced.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> from verification.runs.excite import excite
+    >>> chain = FrictionChain(c=0.02, sites=3)
+    >>> run = run_switch(chain, excite(chain, [1]), 20.0, step=0.01)
+    >>> run.steps, bool(run.arrivals[0] < 5)
+    (2000, True)
+    """
+    begin = perf_counter()
+    positive("end time tau", t_end)
+    positive("stick band", band, "give a positive width of the band")
+    within("relative tolerance", relative, 1e-13, 1e-1)
+    positive("absolute tolerance", absolute)
+    within("number of samples", samples, 2, 1_000_000)
+    cell = chain.cell
+    # The implicit equation is solved by iteration, which shrinks errors by half a step times the
+    # fastest rate of the chain; to a half or better, fifty iterations are enough.
+    longest = min(t_end, 1.0 / (math.sqrt(1.0 + 4.0 * chain.c) + 2.0 * cell.xi))
+    if step is not None and not 0.0 < step <= longest:
+        raise ParameterError("step", step, f"positive, at most {longest:.3g}", "give a smaller one")
+    times = np.linspace(0.0, t_end, samples)
+    kept = np.zeros((samples, 2, chain.sites))
+    arrivals = np.full(chain.sites, np.nan)
+    counters = np.zeros(3, dtype=np.int64)
+    fixed = 0.0 if step is None else t_end / math.ceil(t_end / step - 1e-9)
+    reached = _trapezoid(
+        np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c, band]),
+        chain.ends is Ends.FREE,
+        np.array(start, dtype=float),
+        t_end,
+        fixed,
+        relative,
+        absolute,
+        times,
+        kept,
+        arrivals,
+        counters,
+    )
+    return SwitchRun(
+        times, kept[:, 0], kept[:, 1], arrivals, int(counters[0]), int(counters[1]),
+        int(counters[2]), float(reached), perf_counter() - begin,
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _right_side(
+    z: FloatArray, parameters: FloatArray, free: bool, out: FloatArray, sticks: IntArray
+) -> None:
+    """Put the derivative of z, shape (2, N), into out, and whether each site is in stick."""
+    mu_st, mu_d, v0, xi, v_d, c, band = parameters
+    last = z.shape[1] - 1
+    for n in range(last + 1):
+        y, v = z[0, n], z[1, n]
+        bend = 0.0
+        if n > 0:
+            bend += y - z[0, n - 1]
+        elif not free:
+            bend += y
+        if n < last:
+            bend += y - z[0, n + 1]
+        elif not free:
+            bend += y
+        load = 2.0 * xi * v + y + c * bend
+        slip = v - v_d
+        sticks[n] = 0
+        out[0, n] = v
+        if abs(slip) > band:
+            friction = mu_d + (mu_st - mu_d) * math.exp(-abs(slip) / v0)
+            out[1, n] = (-friction if slip > 0.0 else friction) - load
+        elif abs(load) > mu_st:
+            out[1, n] = (mu_st if load > 0.0 else -mu_st) - load
+        else:
+            out[0, n] = v_d
+            out[1, n] = -slip
+            sticks[n] = 1
+
+
+@njit(cache=True)
+def _trapezoid(
+    parameters: FloatArray,
+    free: bool,
+    z: FloatArray,
+    t_end: float,
+    fixed: float,
+    relative: float,
+    absolute: float,
+    times: FloatArray,
+    kept: FloatArray,
+    arrivals: FloatArray,
+    counters: IntArray,
+) -> float:
+    """Integrate; ``fixed`` is the step, 0 for chosen ones; return the time reached."""
+    sites = z.shape[1]
+    now, later, before = np.zeros((2, sites)), np.zeros((2, sites)), np.zeros((2, sites))
+    following = np.zeros((2, sites))
+    sticks = np.zeros(sites, dtype=np.int64)
+    _right_side(z, parameters, free, now, sticks)
+    for n in range(sites):
+        if sticks[n] == 1:
+            arrivals[n] = 0.0
+    t, sampled, past = 0.0, 0, 0.0
+    h = fixed if fixed > 0.0 else 1e-4
+    while t < t_end:
+        h = min(h, t_end - t) if fixed == 0.0 else fixed
+        if h < _SHORTEST and t_end - t > _SHORTEST:
+            return t
+        following[:] = z + h * now
+        change = math.inf
+        for _ in range(_ITERATIONS):
+            _right_side(following, parameters, free, later, sticks)
+            change = 0.0
+            for i in range(2):
+                for n in range(sites):
+                    value = z[i, n] + 0.5 * h * (now[i, n] + later[i, n])
+                    change = max(change, abs(value - following[i, n]))
+                    following[i, n] = value
+            if not change > _CONVERGED:
+                break
+        if not math.isfinite(change):
+            return t
+        if change > _CONVERGED:
+            counters[2] += 1
+        _right_side(following, parameters, free, later, sticks)
+        factor = 1.0
+        if fixed == 0.0:
+            worst = 0.0
+            for i in range(2):
+                for n in range(sites):
+                    third = (later[i, n] - now[i, n]) / h
+                    if past > 0.0:
+                        third = 2.0 * (third - (now[i, n] - before[i, n]) / past) / (h + past)
+                    size = absolute + relative * max(abs(z[i, n]), abs(following[i, n]))
+                    worst = max(worst, abs(third) * h**3 / 12.0 / size)
+            factor = 0.9 * worst ** (-1.0 / 3.0) if worst > 0.0 else 5.0
+            factor = min(5.0, max(0.2, factor))
+            if worst > 1.0:
+                counters[1] += 1
+                h *= min(factor, 0.9)
+                continue
+        # Fixed steps add up to the end but for round-off.
+        last = t + h >= t_end - 0.5 * fixed
+        while sampled < times.size and (times[sampled] <= t + h or last):
+            s = min(1.0, (times[sampled] - t) / h)
+            a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2
+            kept[sampled] = (
+                a * z + b * h * now + (1.0 - a) * following + s * s * (s - 1.0) * h * later
+            )
+            sampled += 1
+        t = t_end if last else t + h
+        counters[0] += 1
+        for n in range(sites):
+            if sticks[n] == 1 and math.isnan(arrivals[n]):
+                arrivals[n] = t
+        z[:] = following
+        before[:] = now
+        now[:] = later
+        past = h
+        h = fixed if fixed > 0.0 else h * factor
+    return t

@@ -1,0 +1,165 @@
+"""Starts of a run: which sites are excited, how far, in which phase, how perturbed.
+
+A start is a state (y, w) of every site, shape (2, N). Excited sites of a smooth chain are displaced
+by the amplitude of its excited state; those of the friction chain start, as in the paper, "close to
+the stick-slip limit cycle" of one cell with ẏ = 0, of which the cycle has two points. Where the
+cell has no stick-slip cycle, beyond its end, the paper does not say; here the point is taken at the
+end of the cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache, singledispatch
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import Chain, SmoothChain
+from theory.chains.friction import FrictionChain
+from theory.parameters import ParameterError, within
+from theory.status import Status
+from verification.runs.integration import as_psi
+
+__all__ = ["StartPoint", "add_noise", "as_psi", "cycle_point", "excite", "excite_edge"]
+
+FloatArray = npt.NDArray[np.float64]
+
+MAX_DISPLACEMENT = 1e3
+
+
+class StartPoint(Status):
+    """Where on the stick-slip cycle of one cell the excited sites start, ẏ = 0."""
+
+    MAXIMUM = "maximum", "Excited sites start at the largest y of the cycle."
+    MINIMUM = "minimum", "Excited sites start at the smallest y of the cycle."
+
+
+def excite(
+    chain: Chain,
+    sites: Sequence[int],
+    displacement: float | None = None,
+    *,
+    quarter_turns: Sequence[int] | None = None,
+    point: StartPoint = StartPoint.MAXIMUM,
+) -> FloatArray:
+    """Return a start with some sites excited and the others at rest.
+
+    Parameters
+    ----------
+    chain : Chain
+        Its sites, its rest state, and its excited state for the default.
+    sites : sequence of int
+        Excited sites, from 1 to N.
+    displacement : float, optional
+        Of a smooth chain √(y² + w²), of the friction chain y itself; by default the excited state
+        of one cell. Dimensionless, from -1000 to 1000.
+    quarter_turns : sequence of int, optional
+        Phase of each excited site of a smooth chain, in quarters of a turn; by default 0, all with
+        w = 0.
+    point : StartPoint, optional
+        Point of the cycle of the friction chain.
+
+    Returns
+    -------
+    ndarray, shape (2, N)
+        (y, w) of every site, dimensionless.
+
+    Raises
+    ------
+    ParameterError
+        If a site is not in the chain, or the displacement is needed and the cell has no cycle.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> excite(VdpChain(a=4, b=0.5, c=0.6, sites=3), [2], 6.0).tolist()
+    [[0.0, 6.0, 0.0], [0.0, 0.0, 0.0]]
+    >>> excite(FrictionChain(c=0.02, sites=3), [2], 2.0)[0].round(6).tolist()
+    [0.541042, 2.0, 0.541042]
+    """
+    count: int = getattr(chain, "sites", 0)
+    if not count:
+        raise ParameterError(
+            "model", chain.model, "a chain of finite length", "measure a front instead"
+        )
+    if not len(sites):
+        raise ParameterError("excited sites", "none", "at least one", "name a site from 1 to n")
+    for site in sites:
+        if not 1 <= site <= count:
+            raise ParameterError(
+                "excited site", site, f"from 1 to {count}", "name a site of the chain"
+            )
+    if displacement is not None:
+        within("displacement", displacement, -MAX_DISPLACEMENT, MAX_DISPLACEMENT)
+    turns = [0] * len(sites) if quarter_turns is None else quarter_turns
+    start = np.empty((2, count))
+    start[:] = np.array(chain.rest_state)[:, None]
+    for site, turn in zip(sites, turns, strict=True):
+        start[:, site - 1] = _excited(chain, displacement, turn, StartPoint(point))
+    return start
+
+
+@singledispatch
+def _excited(
+    chain: Chain, displacement: float | None, turn: int, point: StartPoint
+) -> tuple[float, float]:
+    raise ParameterError("model", chain.model, "one with excited states", "take another chain")
+
+
+@_excited.register
+def _(
+    chain: SmoothChain, displacement: float | None, turn: int, point: StartPoint
+) -> tuple[float, float]:
+    size = chain.stable_amplitude if displacement is None else displacement
+    return chain.excited_state(size, turn)
+
+
+@_excited.register
+def _(
+    chain: FrictionChain, displacement: float | None, turn: int, point: StartPoint
+) -> tuple[float, float]:
+    return (cycle_point(chain.cell, point) if displacement is None else displacement), 0.0
+
+
+def cycle_point(cell: FrictionCell, point: StartPoint) -> float:
+    """Return y of a point of the stick-slip cycle, or of its end where there is none."""
+    low, high = _turning_points(cell)
+    return high if StartPoint(point) is StartPoint.MAXIMUM else low
+
+
+@lru_cache(maxsize=4096)
+def _turning_points(cell: FrictionCell) -> tuple[float, float]:
+    from verification.cells.friction_cycles import cycle_turning_points
+
+    return cycle_turning_points(cell)
+
+
+def excite_edge(chain: SmoothChain, filled: int) -> FloatArray:
+    """Return a start of a front: the first sites excited, with the phase step of its fronts.
+
+    Fronts of (8) and (43) lock to a phase step of -π/2 a site.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> excite_edge(VdpChain(a=4, b=0.5, c=0.6, sites=4), 3).round(6).tolist()
+    [[3.863703, 0.0, -3.863703, 0.0], [0.0, 3.863703, 0.0, 0.0]]
+    """
+    turns = [chain.front_phase_step * n for n in range(filled)]
+    return excite(chain, range(1, filled + 1), quarter_turns=turns)
+
+
+def add_noise(start: FloatArray, size: float, seed: int) -> FloatArray:
+    """Return the start with normal noise of this size on w and y of every site, by a seed.
+
+    Examples
+    --------
+    >>> noisy = add_noise(np.zeros((2, 3)), 1e-6, seed=1)
+    >>> bool(0 < abs(noisy).max() < 1e-5)
+    True
+    """
+    noise = np.random.default_rng(seed).standard_normal((2, start.shape[1]))
+    noisy: FloatArray = start + size * noise[::-1]
+    return noisy

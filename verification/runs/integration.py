@@ -1,0 +1,267 @@
+"""What an integration is: one run of a chain in progress, and the contract of every stepper.
+
+How to write a new integration
+------------------------------
+1. Derive from :class:`Integration` and register a function that makes one for your chain::
+
+       @integration.register
+       def _(chain: MyChain, start, times, **options):
+           return MyIntegration(chain, start, times, **options)
+
+   Options that it does not know it refuses with ``ParameterError``.
+2. Hold the whole state of the run in numpy arrays, made once, changed in place, and listed in
+   ``state_arrays``. Filled from a file, they continue the run to the same bits.
+3. ``advance(budget)`` steps until ``end``, or until about ``budget`` sites times
+   steps are spent, a fraction of a second, so that somebody can watch or interrupt. Where a run is
+   divided must change nothing, to the last bit.
+4. Do not stop early, do not print; raise ``RunError`` with one sentence where the run cannot go on.
+5. Take the samples at ``times`` exactly, with the accuracy of the steps, and arrivals as the first
+   time at which each site is reached, to the accuracy of the run.
+6. ``metadata`` is all that decides the run, as JSON has it. It is held against a checkpoint.
+7. Control the local error by ``tolerance``, so that a hundred times the tolerance gives another
+   run, with an error some hundred times as large: the error of a run is found by comparison.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from functools import singledispatch
+from inspect import signature
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Chain
+from theory.parameters import ParameterError, RunError
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class NotFiniteError(RunError):
+    """The state has left the range of double precision."""
+
+
+class StandstillError(RunError):
+    """Time stands still: no step is short enough."""
+
+
+class Integration(ABC):
+    """One run of a chain at one tolerance, in progress; the contract is that of the module.
+
+    Attributes
+    ----------
+    method : str
+        Name of the stepper, for results.
+    default_tolerance : float
+        Tolerance of a run if none is asked for.
+    default_budget : int
+        Sites times steps between two readings of the clock.
+    chain : Chain
+        Parameters.
+    tolerance : float
+        Local error; what it is relative to, the class says.
+    times : ndarray, shape (M,)
+        Times t of the samples, ascending.
+    end : float
+        Time t of the end, at least the last of ``times``.
+    """
+
+    method: ClassVar[str]
+    default_tolerance: ClassVar[float] = 1e-9
+    default_budget: ClassVar[int] = 2_000_000
+
+    chain: Any
+    tolerance: float
+    times: FloatArray
+    end: float
+
+    @abstractmethod
+    def advance(self, budget: int) -> None:
+        """Step until the end, or until some ``budget`` of sites times steps is spent.
+
+        Raises
+        ------
+        RunError
+            If the run cannot go on.
+        """
+
+    @property
+    @abstractmethod
+    def time(self) -> float:
+        """Time t reached, from 0 to the end."""
+
+    @property
+    @abstractmethod
+    def finished(self) -> bool:
+        """Whether the end is reached and every sample taken."""
+
+    @property
+    @abstractmethod
+    def state(self) -> FloatArray:
+        """(y, w) now, shape (2, N)."""
+
+    @property
+    @abstractmethod
+    def amplitude(self) -> FloatArray:
+        """Amplitude of every site now, shape (N,)."""
+
+    @property
+    @abstractmethod
+    def arrivals(self) -> FloatArray:
+        """Time t at which each site was first reached, shape (N,); nan where it was not."""
+
+    @property
+    @abstractmethod
+    def samples(self) -> FloatArray:
+        """(y, w) at ``times``, shape (M, 2, N)."""
+
+    @property
+    @abstractmethod
+    def sampled_amplitude(self) -> FloatArray:
+        """Amplitude of every site at ``times``, shape (M, N)."""
+
+    @property
+    @abstractmethod
+    def counts(self) -> dict[str, int]:
+        """What was counted: at least ``steps``, and ``site_steps``, sites times steps."""
+
+    @property
+    @abstractmethod
+    def state_arrays(self) -> Mapping[str, npt.NDArray[Any]]:
+        """The arrays that make up the state of the run; filled in place when it is resumed."""
+
+    @property
+    @abstractmethod
+    def metadata(self) -> Mapping[str, Any]:
+        """What decides the run, to be held against a checkpoint."""
+
+    @abstractmethod
+    def check_state(self) -> None:
+        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+
+    @abstractmethod
+    def going_to_rest(self) -> bool:
+        """Whether no further site will be reached, since all go to rest."""
+
+    @property
+    def events(self) -> Mapping[str, int]:
+        """Number of events of each kind; runs that differ in it are not the same motion."""
+        return {}
+
+    @property
+    def log(self) -> FloatArray:
+        """Rows (t, site from 1, kind) of the first events, if they were asked for."""
+        return np.zeros((0, 3))
+
+    def least_error(self) -> float:
+        """Return a bound below which the error is not claimed, whatever the comparison says."""
+        return 0.0
+
+    @classmethod
+    def perturbed(cls, chain: Chain, start: FloatArray, ulps: int) -> FloatArray:
+        """Return a start in which every number is larger by so many units in the last place.
+
+        All sites are moved alike, so that a mirror-symmetric start stays so.
+        """
+        moved: FloatArray = start * (1.0 + ulps * np.finfo(float).eps)
+        return moved
+
+
+@singledispatch
+def integration(
+    chain: Chain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
+) -> Integration:
+    """Return the integration of a chain from a start; see :class:`Integration`.
+
+    Parameters
+    ----------
+    chain : Chain
+        Parameters.
+    start : array_like
+        State at t = 0, as :func:`checked_state` takes it.
+    times : array_like, shape (M,)
+        Times t of the samples, ascending from 0 or later.
+    **options
+        ``tolerance``, ``end`` (by default the last of ``times``), and what the class of the
+        integration takes.
+
+    Raises
+    ------
+    ParameterError
+        If there is no integration for the model, or an option or the start does not fit.
+    """
+    raise ParameterError(
+        "model", getattr(chain, "model", type(chain).__name__), "one with an integration in time",
+        "take another chain, or register an integration for it",
+    )  # fmt: skip
+
+
+def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
+    """Return a start as a state (y, w) of its own, shape (2, N).
+
+    Parameters
+    ----------
+    chain : Chain
+        With ``sites``.
+    start : array_like
+        (y, w), shape (2, N); or Ψ = w + iy, complex, shape (N,).
+
+    Raises
+    ------
+    ParameterError
+        If it has another shape, or a number is not finite.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> checked_state(VdpChain(a=4, b=0.5, c=0.6, sites=2), [1j, 2.0]).tolist()
+    [[1.0, 0.0], [0.0, 2.0]]
+    """
+    sites: int = chain.sites  # type: ignore[attr-defined]
+    try:
+        given = np.asarray(start)
+        kind = given.dtype.kind
+    except (TypeError, ValueError):
+        given, kind = np.zeros(0), "O"
+    state: npt.NDArray[Any] = given
+    if kind == "c" and given.shape == (sites,):
+        state = np.array([given.imag, given.real])
+    if kind not in "iufc" or state.shape != (2, sites) or not np.all(np.isfinite(state)):
+        raise ParameterError(
+            "start", f"an array of shape {given.shape}",
+            f"finite, of shape (2, {sites}), or complex of shape ({sites},)",
+            "give y and w at every site",
+        )  # fmt: skip
+    if kind == "c" and given.shape != (sites,):
+        raise ParameterError("start", "a complex array", "real", "give y and w at every site")
+    return np.array(state, dtype=float, order="C")
+
+
+def check_options(kind: type[Integration], options: Mapping[str, Any]) -> None:
+    """Refuse an option that an integration does not have.
+
+    Raises
+    ------
+    ParameterError
+        If there is one.
+    """
+    known = [name for name in signature(kind).parameters if name not in {"chain", "start", "times"}]
+    for name in options:
+        if name not in known:
+            raise ParameterError(
+                "option", name, f"one of {', '.join(known)}", f"the stepper is: {kind.method}"
+            )
+
+
+def as_psi(state: FloatArray) -> npt.NDArray[np.complex128]:
+    """Return Ψ = ẏ + iy, or φ, of states (…, 2, N).
+
+    Examples
+    --------
+    >>> as_psi(np.array([[1.0], [2.0]]))
+    array([2.+1.j])
+    """
+    psi: npt.NDArray[np.complex128] = state[..., 1, :] + 1j * state[..., 0, :]
+    return psi

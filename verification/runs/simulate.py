@@ -1,0 +1,181 @@
+"""A direct run of any chain, with its error by comparison with runs at other tolerances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Chain
+from theory.parameters import ParameterError, end_time, positive, within
+from verification.execution.checkpoint import check_samples, run_to_end
+from verification.execution.progress import ProgressCallback
+from verification.runs import friction_integration, smooth_integration
+from verification.runs.comparison import (
+    PERTURBATION,
+    arrival_error_from,
+    coarser_tolerances,
+    error_by_sample,
+)
+from verification.runs.integration import Integration, checked_state, integration
+from verification.runs.trajectory import RunStatus, Trajectory
+
+FloatArray = npt.NDArray[np.float64]
+
+__all__ = ["friction_integration", "simulate", "smooth_integration"]
+
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-14, 1e-2
+
+
+def simulate(
+    chain: Chain,
+    start: npt.ArrayLike,
+    t_end: float,
+    *,
+    tolerance: float | None = None,
+    samples: int = 201,
+    times: Sequence[float] | None = None,
+    level: float | None = None,
+    estimate_error: bool = True,
+    checkpoint: Path | None = None,
+    progress: ProgressCallback | None = None,
+    budget: int | None = None,
+    **options: Any,
+) -> Trajectory:
+    """Run a chain from t = 0 to ``t_end``.
+
+    Parameters
+    ----------
+    chain : Chain
+        Of a model that is integrated in time: (8), (43), (5), or a smooth chain of your own.
+    start : array_like
+        (y, w) of every site, shape (2, N), dimensionless (``verification.runs.excite``); or
+        Ψ = ẏ + iy, complex, shape (N,).
+    t_end : float
+        Time t, positive, at most 1e9; slow time is εt.
+    tolerance : float, optional
+        Local error, from 1e-14 to 1e-2: relative to the largest value of the state, by default
+        1e-9; absolute for the friction chain, by default 1e-10.
+    samples : int
+        States sampled, evenly spaced from 0 to ``t_end``; at least 2.
+    times : sequence of float, optional
+        Where states are sampled instead, ascending, the last one at most ``t_end``.
+    level : float, optional
+        Amplitude of an arrival; by default the unstable amplitude of the chain. The friction chain
+        has none: a site is reached when it first sticks.
+    estimate_error : bool
+        Run the chain at two larger tolerances as well, for the error.
+    checkpoint : Path, optional
+        File into which the run is saved every few seconds and when it is interrupted. If it
+        exists, the run goes on from it, to the same bits.
+    progress : callable, optional
+        Called now and then with the fraction done.
+    budget : int, optional
+        Sites times steps between two readings of the clock.
+    **options
+        Of the integration: ``active_window`` (step only the sites that move, by default true),
+        ``trailing_sites``, ``left_boundary_wave`` (``smooth_integration.SmoothIntegration``), or
+        ``logged_events`` (``friction_integration.FrictionIntegration``).
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range, the start does not fit, the model is not integrated in
+        time, or the checkpoint belongs to another run.
+    RunError
+        If the run cannot go on.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> from verification.runs.excite import excite
+    >>> chain = VdpChain(a=4, b=0.5, c=0.6, sites=5)
+    >>> run = simulate(chain, excite(chain, [1]), 50.0, samples=2)
+    >>> run.states.shape, run.error < 1e-5, run.status.value
+    ((2, 2, 5), True, 'resolved')
+    """
+    begin = perf_counter()
+    end_time("end time t", t_end)
+    sampled = _sample_times(chain, t_end, samples, times)
+    if level is not None:
+        options["level"] = positive("level", level)
+    if tolerance is not None:
+        within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
+        options["tolerance"] = tolerance
+    options["end"] = t_end
+    first = integration(chain, start, sampled, **options)
+    runs = [first]
+    if estimate_error:
+        state = checked_state(chain, start)
+        for each, ulps in zip(coarser_tolerances(first.tolerance), (PERTURBATION, 0), strict=True):
+            other = first.perturbed(chain, state, ulps) if ulps else state
+            runs.append(integration(chain, other, sampled, **{**options, "tolerance": each}))
+    budget = first.default_budget if budget is None else budget
+    spent = run_to_end(runs, t_end, budget, checkpoint, progress)
+    return _trajectory(chain, runs, spent - begin)
+
+
+def _sample_times(
+    chain: Chain, t_end: float, samples: int, times: Sequence[float] | None
+) -> FloatArray:
+    sites = getattr(chain, "sites", 1)
+    check_samples(samples if times is None else len(times), sites)
+    if times is None:
+        return np.linspace(0.0, t_end, int(samples))
+    found = np.asarray(times, dtype=float)
+    if not (np.all(np.diff(found) >= 0.0) and found[0] >= 0.0 and found[-1] <= t_end):
+        raise ParameterError(
+            "times of the samples", "not ascending from 0 to the end", "ascending", "sort them"
+        )
+    return found
+
+
+def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Trajectory:
+    """Return the trajectory of the first run, with its error from the others."""
+    first, others = runs[0], runs[1:]
+    error = arrival_error = until = None
+    status = RunStatus.NOT_COMPARED
+    if others:
+        errors = error_by_sample(first.samples, [other.samples for other in others])
+        errors = np.maximum(errors, first.least_error())
+        error = float(errors.max())
+        arrival_error = arrival_error_from(first.arrivals, [other.arrivals for other in others])
+        status, until = _resolution(first, errors)
+        differ = any(dict(other.events) != dict(first.events) for other in others)
+        if status is RunStatus.RESOLVED and differ:
+            status = RunStatus.EVENTS_DIFFER
+    return Trajectory(
+        chain=chain,
+        times=first.times,
+        states=first.samples,
+        amplitude=first.sampled_amplitude,
+        arrivals=first.arrivals,
+        level=getattr(first, "level", chain.unstable_amplitude),
+        error=error,
+        arrival_error=arrival_error,
+        status=status,
+        resolved_until=until,
+        tolerance=first.tolerance,
+        method=first.method,
+        counts={**first.counts, **first.events},
+        event_log=first.log,
+        seconds=perf_counter() + offset,
+    )
+
+
+def _resolution(run: Integration, errors: FloatArray) -> tuple[RunStatus, float]:
+    """Return whether errors stay below the largest distance from rest so far, and until when."""
+    rest = np.array(run.chain.rest_state)[None, :, None]
+    away = np.hypot(*np.moveaxis(run.samples - rest, 1, 0)).max(axis=-1)
+    lost = np.flatnonzero(errors > np.maximum.accumulate(away))
+    if not lost.size:
+        return RunStatus.RESOLVED, float(run.times[-1])
+    return RunStatus.NOT_RESOLVED, float(run.times[max(0, int(lost[0]) - 1)])

@@ -1,0 +1,342 @@
+"""The integration of a smooth chain: compiled DOP853, and for (8) an implicit stage where stiff."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Ends, SmoothChain
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError, at_least
+from verification.execution.digest import digest_of_arrays
+from verification.runs.integration import (
+    Integration,
+    NotFiniteError,
+    StandstillError,
+    as_psi,
+    check_options,
+    checked_state,
+    integration,
+)
+from verification.steppers import smooth
+from verification.steppers.active import FOLLOWING, FREE, RING
+from verification.steppers.stop_code import StopCode
+
+FloatArray = npt.NDArray[np.float64]
+
+STIFF_STEP = 5e-4
+"""Steps of (8) below this are left to the implicit method: the damping rate is then some 1e4."""
+
+SHORTEST_STEP = 1e-13
+"""Kernel time below which a step is given up; a start of 1e3 in (43) needs some 1e-11."""
+
+REVIEW = 6.5
+"""Kernel time after which the step of an oscillation may grow: a little over a period."""
+
+MARGIN, WEAK_COUPLING = 4, 3.0
+"""Sites at rest that are stepped beyond the last moving one, and twice as many at couplings above
+the second number: what the active window changes is below a hundredth of the tolerance."""
+
+_DECAYED = 0.5
+"""Part of the unstable amplitude below which every site goes to rest."""
+
+
+class SmoothIntegration(Integration):
+    """A run of a smooth chain; the tolerance is relative to the largest value of the state.
+
+    Parameters
+    ----------
+    chain : SmoothChain
+        Parameters.
+    start : array_like
+        State at t = 0.
+    times : array_like, shape (M,)
+        Times t of the samples.
+    tolerance : float
+        Local error relative to the largest value.
+    end : float, optional
+        Time t of the end; by default the last of ``times``.
+    level : float, optional
+        Amplitude of an arrival; by default the unstable amplitude of the chain.
+    active_window : bool
+        Step only the sites that move, and some beside them.
+    trailing_sites : int
+        Step only so many sites behind the foremost arrival of a front that runs to larger n, and
+        continue a wave beyond them; 0 for all.
+    left_boundary_wave : bool
+        Beyond the first site a wave goes on for ever, instead of an end.
+    drift : dict of str to float, optional
+        Rates of change of parameters, per unit of t.
+    step : float, optional
+        Equal steps of this length, in kernel time, instead of the tolerance.
+    shortest_step, longest_step : float
+        Steps in kernel time: the run is given up below the first, and none is above the second.
+    watch, memory : optional
+        A stop condition (``steppers.smooth.Watch``) and its numbers.
+    """
+
+    method: ClassVar[str] = "DOP853"
+
+    def __init__(
+        self,
+        chain: SmoothChain,
+        start: npt.ArrayLike,
+        times: npt.ArrayLike,
+        *,
+        tolerance: float = 1e-9,
+        end: float | None = None,
+        level: float | None = None,
+        active_window: bool = True,
+        trailing_sites: int = 0,
+        left_boundary_wave: bool = False,
+        drift: dict[str, float] | None = None,
+        step: float | None = None,
+        shortest_step: float = SHORTEST_STEP,
+        longest_step: float = math.inf,
+        watch: smooth.Watch | None = None,
+        memory: FloatArray | None = None,
+    ) -> None:
+        state = checked_state(chain, start)
+        ring = chain.ends is Ends.PERIODIC
+        if chain.ends not in {Ends.FREE, Ends.PERIODIC}:
+            raise ParameterError("ends", chain.ends.value, "free or periodic", "take such ends")
+        if trailing_sites and ring:
+            raise ParameterError("trailing sites", trailing_sites, "0 on a ring", "take free ends")
+        self.chain, self.tolerance = chain, tolerance
+        self.times = np.asarray(times, dtype=float)
+        self.end = float(self.times[-1]) if end is None else end
+        self.level = chain.unstable_amplitude if level is None else level
+        self.trailing_sites = int(at_least("trailing sites", trailing_sites, 0, "give a number"))
+        self._rate = chain.kernel_rate
+        self._stiff = isinstance(chain, VdpChain) and step is None and watch is None
+        self._start = digest_of_arrays({"start": state})[:16]
+        self._size = float(np.hypot(*state).max())
+        self._left_boundary_wave = left_boundary_wave
+        parameters = np.array(chain.kernel_parameters())
+        self._run = smooth.Run(
+            state,
+            np.zeros(5),
+            np.zeros(7, dtype=np.int64),
+            np.full(chain.sites, np.nan),
+            np.zeros((self.times.size, 2, chain.sites)),
+            np.zeros(1) if memory is None else memory,
+        )
+        self._run.arrivals[np.hypot(*state) >= self.level] = 0.0
+        self._margin = 2 * MARGIN if getattr(chain, "c", math.inf) > WEAK_COUPLING else MARGIN
+        self._rest = self._close_window() if active_window and not ring else -1.0
+        if self._rest < 0.0:
+            self._run.counters[smooth.HI] = chain.sites
+        self._task = smooth.Task(
+            parameters,
+            self._drift(drift or {}),
+            RING if ring else FOLLOWING if left_boundary_wave else FREE,
+            self.end * self._rate,
+            0.0 if step is not None else tolerance,
+            STIFF_STEP if self._stiff else shortest_step,
+            longest_step if step is None else step,
+            REVIEW if chain.oscillates else 0.0,
+            self._rest,
+            self._margin,
+            self.level,
+            self.trailing_sites,
+            self.times * self._rate,
+        )
+        self._watch = watch
+
+    def _drift(self, rates: dict[str, float]) -> FloatArray:
+        """Return the rates of the kernel's parameters, per unit of kernel time."""
+        p = np.array(self.chain.kernel_parameters())
+        found = np.zeros(p.size)
+        for name, rate in rates.items():
+            # The kernel's parameters are affine in each parameter of a chain that may drift.
+            ahead = self.chain.replace(**{name: getattr(self.chain, name) + 1.0})
+            found += rate * (np.array(ahead.kernel_parameters()) - p)
+        return found / self._rate
+
+    def _close_window(self) -> float:
+        """Close the window around what moves; return the amplitude below which a site rests."""
+        rest = self.tolerance * self._size
+        state, counters, sites = self._run.state, self._run.counters, self.chain.sites
+        counters[smooth.HI] = sites
+        moving = np.flatnonzero(np.hypot(*state) > rest)
+        if moving.size:
+            counters[smooth.LO] = max(0, moving[0] - self._margin)
+            counters[smooth.HI] = min(sites, moving[-1] + self._margin + 1)
+            state[:, : counters[smooth.LO]] = 0.0
+            state[:, counters[smooth.HI] :] = 0.0
+        return rest
+
+    @property
+    def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays that make up the state of the run; filled in place when it is resumed."""
+        return dict(self._run._asdict())
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """What decides the run, to be held against a checkpoint."""
+        return {
+            **self.chain.parameters(),
+            "tolerance": self.tolerance,
+            "level": self.level,
+            "left_boundary_wave": self._left_boundary_wave,
+            "trailing_sites": self.trailing_sites,
+            "rest": self._rest,
+            "t_end": self.end,
+            "samples": int(self.times.size),
+            "times": digest_of_arrays({"times": self.times})[:16],
+            "drift": self._task.drift.tolist(),
+            "step": self._task.longest if self._task.tolerance == 0.0 else None,
+            "start": self._start,
+        }
+
+    def check_state(self) -> None:
+        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        counters = self._run.counters
+        first, last, sampled = (int(n) for n in counters[:3])
+        if not np.all(np.isfinite(self._run.clock)):
+            raise ValueError("a clock that is finite")
+        if not (0 <= first <= last <= self.chain.sites and 0 <= sampled <= self.times.size):
+            raise ValueError("counters within the arrays that they count")
+
+    @property
+    def time(self) -> float:
+        """Time t reached, at most the end."""
+        return min(float(self._run.clock[0]) / self._rate, self.end)
+
+    @property
+    def finished(self) -> bool:
+        """Whether every sample has been taken, or the stop condition is met."""
+        sampled = self._run.counters[smooth.SAMPLED] == self.times.size
+        return bool((sampled and self._run.clock[0] >= self._task.end) or self.outcome)
+
+    @property
+    def outcome(self) -> int:
+        """What the stop condition has returned; 0 while it is not met."""
+        return int(self._run.counters[smooth.OUTCOME])
+
+    @property
+    def state(self) -> FloatArray:
+        """(y, w) now, shape (2, N)."""
+        return self._run.state
+
+    @property
+    def amplitude(self) -> FloatArray:
+        """√(y² + w²) of every site now, shape (N,)."""
+        amplitude: FloatArray = np.hypot(*self._run.state)
+        return amplitude
+
+    @property
+    def samples(self) -> FloatArray:
+        """(y, w) at ``times``, shape (M, 2, N)."""
+        return self._run.samples
+
+    @property
+    def sampled_amplitude(self) -> FloatArray:
+        """√(y² + w²) at ``times``, shape (M, N)."""
+        return np.abs(as_psi(self._run.samples))
+
+    @property
+    def arrivals(self) -> FloatArray:
+        """Time t at which each site first passed the level, shape (N,); nan where it did not."""
+        return self._run.arrivals / self._rate
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Explicit steps, sites times these steps, and steps of the implicit method."""
+        counters = self._run.counters
+        return {
+            "steps": int(counters[smooth.STEPS]),
+            "site_steps": int(counters[smooth.SITE_STEPS]),
+            "stiff_steps": int(counters[smooth.STIFF_STEPS]),
+        }
+
+    def going_to_rest(self) -> bool:
+        """Whether no further site will be reached, since all are below half of the level."""
+        return bool(self.amplitude.max() < _DECAYED * self.chain.unstable_amplitude)
+
+    def least_error(self) -> float:
+        """Return the least error of a run through an implicit stage; 0 without one."""
+        if not self.counts["stiff_steps"]:
+            return 0.0
+        from verification.steppers.stiff_stage import least_error
+
+        return least_error(self.tolerance, self._size)
+
+    def advance(self, budget: int) -> None:
+        """Step until the end, or until some ``budget`` of sites times steps is spent.
+
+        Raises
+        ------
+        RunError
+            If the state overflows, or needs steps that are too short.
+        """
+        run, counters = self._run, self._run.counters
+        active = max(1, int(counters[smooth.HI] - counters[smooth.LO]))
+        loop = smooth.loop(self.chain, self._watch)
+        ended = StopCode(loop(self._task, run, max(1, budget // active)))
+        if ended is StopCode.STEP_TOO_SHORT and self._stiff:
+            self._pass_stiff_stage()
+        elif ended is StopCode.STEP_TOO_SHORT:
+            raise StandstillError(
+                f"a displacement of {np.abs(run.state).max():.3g} makes the model "
+                f"{self.chain.model} need steps below {self._task.shortest:g} of its time at "
+                f"t = {self.time:.6g}: start from a smaller one"
+                + (", or run (8), which has a stiff method." if self._has_full() else ".")
+            )
+        elif ended is StopCode.NOT_FINITE:
+            raise NotFiniteError(
+                f"the run overflowed at t = {self.time:.6g}; "
+                "start from a smaller displacement, or lower the coupling."
+            )
+
+    def _has_full(self) -> bool:
+        return hasattr(self.chain, "full")
+
+    def _pass_stiff_stage(self) -> None:
+        """Pass a piece of time by the implicit method; samples and arrivals are taken from it."""
+        from verification.steppers.stiff_stage import solve_stiff_piece
+
+        run, counters, task = self._run, self._run.counters, self._task
+        first, last = int(counters[smooth.LO]), int(counters[smooth.HI])
+        piece = solve_stiff_piece(
+            self.chain,
+            run.state,
+            (first, last),
+            float(run.clock[0]),
+            task.end,
+            self.tolerance,
+            self._rest,
+            self._margin,
+            int(counters[smooth.STIFF_STEPS]),
+        )
+        part, end = slice(piece.first, piece.last), float(piece.times[-1])
+        while (
+            counters[smooth.SAMPLED] < self.times.size
+            and task.times[counters[smooth.SAMPLED]] <= end
+        ):
+            sample = run.samples[counters[smooth.SAMPLED]]
+            sample[:] = run.state
+            sample[:, part] = piece.state(task.times[counters[smooth.SAMPLED]])
+            counters[smooth.SAMPLED] += 1
+        for site, time in piece.passes(self.level).items():
+            if np.isnan(run.arrivals[site]):
+                run.arrivals[site] = time
+        run.state[:, part] = piece.state(end)
+        run.clock[0], run.clock[4] = end, 0.0
+        moving = piece.first + np.flatnonzero(np.hypot(*run.state[:, part]) > self._rest)
+        if moving.size:
+            sites = self.chain.sites
+            counters[smooth.LO] = min(first, max(0, moving[0] - self._margin))
+            counters[smooth.HI] = max(last, min(sites, moving[-1] + self._margin + 1))
+        counters[smooth.STIFF_STEPS] += piece.times.size - 1
+
+
+@integration.register
+def _(
+    chain: SmoothChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
+) -> SmoothIntegration:
+    check_options(SmoothIntegration, options)
+    return SmoothIntegration(chain, start, times, **options)

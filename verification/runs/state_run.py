@@ -1,0 +1,273 @@
+"""A run of a smooth chain that stops as soon as it can name the state of the chain.
+
+The loop is that of every smooth chain (``verification.steppers.smooth``); here is its stop
+condition. All sites are stepped, the ends are free, and times are those of the kernel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import SmoothChain
+from verification.execution.compiled import njit
+from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers.active import FREE
+from verification.steppers.rows import put
+from verification.steppers.runge_kutta import Step
+from verification.steppers.smooth import Condition
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Outcome(IntEnum):
+    """What a run was stopped by."""
+
+    UNDECIDED = 0
+    FRONT = 1
+    BREATHER = 2
+    FIXED_POINT = 3
+
+
+_FRONT, _BREATHER, _FIXED_POINT = (
+    int(Outcome.FRONT),
+    int(Outcome.BREATHER),
+    int(Outcome.FIXED_POINT),
+)
+
+SAMPLES = 16
+"""Samples in each window."""
+
+SHORTEST = 1e-9
+"""A step below this ends the run."""
+
+LONGEST = 1.5
+"""Longest step of an oscillation: less than half a period, so no passage of y = 0 is missed."""
+
+_LEVEL, _QUIET, _STIFFNESS, _HOLD, _WINDOW, _SETTLED, _OSCILLATES = 0, 1, 2, 3, 4, 5, 6
+_ARRIVED, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 11, 12, 13
+"""Places in the memory of the stop condition; from ``_SITES`` on the lowest, then the highest
+amplitude of each site in the present window."""
+
+_BUDGET = 10**9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rules:
+    """What counts as which state; times are those of the kernel.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the unstable cycle; infinite if there is none.
+    quiet : float
+        The chain is certain to go to rest below this value of Σ(y² + w²) + κΣ(y_n - y_{n-1})²
+        (:func:`at_rest_for_ever`); infinite where damping is positive everywhere.
+    stiffness : float
+        κ.
+    hold : float
+        FRONT once the far end, the first site, has been above the level for this long.
+    window, settled : float
+        BREATHER once, in every window of this length from some time to twice that time, each
+        site's amplitude varied by at most ``settled``, without meeting the level, and not the far
+        end but some site was above it. Where sites oscillate, amplitudes are taken where the last
+        site has y = 0 and rises, since within a period they ripple.
+    """
+
+    level: float
+    quiet: float
+    stiffness: float
+    hold: float
+    window: float
+    settled: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateRun:
+    """How a run ended: its outcome, time, sites above the level at the last sample, and steps."""
+
+    outcome: Outcome
+    time: float
+    above: int
+    steps: int
+
+
+@njit(cache=True)
+def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
+    """Return whether the chain is certain to go to rest: its norm or energy is below ``quiet``.
+
+    Envelope: (Σ|φ|²)' = -Σ|φ|²(1 - a|φ|²/4 + b|φ|⁴/8). Where Σ|φ|² is below the square of the
+    unstable cycle, so is every |φ_n|², all terms are negative, and it stays so.
+
+    Full: E = ½Σ(ẏ² + y²) + ½εcΣ(y_n - y_{n+1})² has E' = -εΣẏ²(1 - ay² + by⁴). Where 2E is below
+    the smaller root y² of 1 - ay² + by⁴, so is every y_n², and E cannot grow; the only orbit on
+    which it is constant is rest.
+
+    ``quiet`` is that square or root; ``stiffness`` is 0 and εc.
+    """
+    total = 0.0
+    for value in state:
+        total += value * value
+    for n in range(1, state.size // 2):
+        total += stiffness * (state[n] - state[n - 1]) ** 2
+    return total < quiet
+
+
+def named_state(take_step: Step) -> Condition:
+    """Return the stop condition; its memory is laid out in ``_LEVEL`` and the names after it."""
+
+    @njit(error_model="numpy")
+    def to_section(
+        p: FloatArray, state: FloatArray, h: float, K: FloatArray, out: FloatArray
+    ) -> None:
+        """Put into ``out`` the state where the last site has y = 0, within h after ``state``.
+
+        Shorter steps are taken from the same point (Hénon), by the Illinois rule; y has opposite
+        signs at 0 and h.
+        """
+        last = state.size // 2 - 1
+        low, high = 0.0, h
+        at_low = state[last]
+        take_step(state, p, FREE, FREE, h, K, out)
+        at_high = out[last]
+        for _ in range(30):
+            middle = low - at_low * (high - low) / (at_high - at_low)
+            take_step(state, p, FREE, FREE, middle, K, out)
+            value = out[last]
+            if abs(value) <= 1e-12 or high - low < 1e-14:
+                return
+            if (value < 0.0) == (at_low < 0.0):
+                low, at_low, at_high = middle, value, 0.5 * at_high
+            else:
+                high, at_high, at_low = middle, value, 0.5 * at_low
+
+    @njit(error_model="numpy")
+    def take_sample(sample: FloatArray, memory: FloatArray) -> None:
+        """Note the amplitudes of a sample."""
+        sites = sample.size // 2
+        above = 0
+        for n in range(sites):
+            amplitude = math.hypot(sample[n], sample[sites + n])
+            above += amplitude > memory[_LEVEL]
+            low, high = _SITES + n, _SITES + sites + n
+            if memory[_COUNT] == 0.0:
+                memory[low] = memory[high] = amplitude
+            memory[low] = min(memory[low], amplitude)
+            memory[high] = max(memory[high], amplitude)
+        memory[_ABOVE] = above
+        memory[_COUNT] += 1.0
+        memory[_NEXT] += memory[_WINDOW] / SAMPLES
+
+    @njit(error_model="numpy")
+    def settled(sites: int, memory: FloatArray) -> bool:
+        """Return whether no amplitude changed in the window, and some site is above the level."""
+        if memory[_ABOVE] == 0.0 or memory[_ARRIVED] >= 0.0:
+            return False
+        for n in range(sites):
+            low, high = memory[_SITES + n], memory[_SITES + sites + n]
+            if high - low > memory[_SETTLED] or low <= memory[_LEVEL] <= high:
+                return False
+        return True
+
+    @njit(error_model="numpy")
+    def named(
+        t: float,
+        h: float,
+        before: FloatArray,
+        after: FloatArray,
+        parameters: FloatArray,
+        K: FloatArray,
+        room: FloatArray,
+        memory: FloatArray,
+    ) -> int:
+        sites = after.size // 2
+        oscillates = memory[_OSCILLATES] > 0.0
+        rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0
+        if t >= memory[_NEXT] and (rises or not oscillates):
+            if oscillates:
+                to_section(parameters, before, h, K, room)
+            else:
+                put(before, room)
+            take_sample(room, memory)
+        t += h
+        if math.hypot(after[0], after[sites]) > memory[_LEVEL]:
+            if memory[_ARRIVED] < 0.0:
+                memory[_ARRIVED] = t
+            elif t - memory[_ARRIVED] >= memory[_HOLD]:
+                return _FRONT
+        else:
+            memory[_ARRIVED] = -1.0
+        if t - memory[_BEGIN] >= memory[_WINDOW] and memory[_COUNT] >= SAMPLES // 2:
+            if not settled(sites, memory):
+                memory[_FIRST] = -1.0
+            elif memory[_FIRST] < 0.0:
+                memory[_FIRST] = t
+            elif t >= 2.0 * memory[_FIRST]:
+                return _BREATHER
+            memory[_BEGIN], memory[_COUNT] = t, 0.0
+            memory[_NEXT] = t
+        if at_rest_for_ever(after, memory[_STIFFNESS], memory[_QUIET]):
+            memory[_ABOVE] = 0.0
+            return _FIXED_POINT
+        return 0
+
+    found: Condition = named
+    return found
+
+
+def run_to_state(
+    chain: SmoothChain, start: npt.ArrayLike, rules: Rules, end: float, tolerance: float
+) -> StateRun:
+    """Step until the state of the chain is certain.
+
+    Parameters
+    ----------
+    chain : SmoothChain
+        With free ends.
+    start : array_like
+        State at time zero; the first site is the far end, the last one is displaced.
+    rules : Rules
+        What counts as which state.
+    end : float
+        Kernel time at which the run is given up as UNDECIDED.
+    tolerance : float
+        Local error of a step, relative to the largest value.
+
+    Raises
+    ------
+    RunError
+        If a step becomes too short or a number is not finite.
+    """
+    sites = chain.sites
+    memory = np.zeros(_SITES + 2 * sites)
+    memory[: _OSCILLATES + 1] = (
+        rules.level, rules.quiet, rules.stiffness, rules.hold, rules.window, rules.settled,
+        chain.oscillates,
+    )  # fmt: skip
+    memory[[_ARRIVED, _FIRST]] = -1.0
+    run = SmoothIntegration(
+        chain,
+        start,
+        [end / chain.kernel_rate],
+        tolerance=tolerance,
+        level=math.inf,
+        active_window=False,
+        shortest_step=SHORTEST,
+        longest_step=LONGEST if chain.oscillates else math.inf,
+        watch=named_state,
+        memory=memory,
+    )
+    if at_rest_for_ever(np.ravel(run.state), rules.stiffness, rules.quiet):
+        return StateRun(outcome=Outcome.FIXED_POINT, time=0.0, above=0, steps=0)
+    while not run.finished:
+        run.advance(_BUDGET)
+    return StateRun(
+        outcome=Outcome(run.outcome),
+        time=run.time * chain.kernel_rate,
+        above=int(memory[_ABOVE]),
+        steps=run.counts["steps"],
+    )

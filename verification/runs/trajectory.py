@@ -1,0 +1,179 @@
+"""What a run of a chain has shown: states, amplitudes, arrivals, and how far to trust them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import SmoothChain
+from theory.result import Result, plain
+from theory.status import Status
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class RunStatus(Status):
+    """How far a run can be trusted."""
+
+    RESOLVED = "resolved", "The runs at other tolerances show the same motion, to the error stated."
+    EVENTS_DIFFER = (
+        "events differ",
+        "The runs at other tolerances had another number of events: one is as small as the error, "
+        "or the motion is chaotic.",
+    )
+    NOT_RESOLVED = (
+        "not resolved",
+        "The error is larger than the amplitude: what the run shows after the time up to which it "
+        "is resolved is one of many possible motions. Take a smaller tolerance, or an earlier end.",
+    )
+    NOT_COMPARED = "not compared", "No run at another tolerance was made, so the error is unknown."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trajectory(Result):
+    """A run of a chain.
+
+    Attributes
+    ----------
+    chain : Chain
+        Parameters.
+    times : ndarray, shape (M,)
+        Times t of the samples (τ of the friction chain), dimensionless.
+    states : ndarray, shape (M, 2, N)
+        (y, w) at those times: (y, ẏ) of (8) and (5), with ẏ exactly v_d in stick; (Im φ, Re φ) of
+        (43).
+    amplitude : ndarray, shape (M, N)
+        √(y² + w²), the envelope of y up to a ripple of O(ε) for (8); of the friction chain half of
+        the last maximum minus the last minimum of y, 0 before both.
+    arrivals : ndarray, shape (N,)
+        Time at which each site was first reached: its amplitude passed ``level``, or in the
+        friction chain it first stuck. nan where it was not, ``None`` in JSON.
+    level : float
+        Amplitude that counts as an arrival; of the friction chain the velocity of the belt.
+    error : float or None
+        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances; None
+        without them.
+    arrival_error : float or None
+        The same of ``arrivals``; inf if one run saw an arrival that another did not.
+    status : RunStatus
+        Whether the motion is resolved.
+    resolved_until : float or None
+        Time of the last sample up to which the error is below the amplitude; None if not compared.
+    tolerance : float
+        Local error: relative to the largest value of the state, absolute for the friction chain.
+    method : str
+        The stepper.
+    counts : mapping
+        ``steps``, ``site_steps``, and what else the stepper counts.
+    event_log : ndarray, shape (K, 3)
+        Time, site (from 1) and kind of the first events of a friction chain, if asked for.
+    seconds : float
+        Run time, of all sessions if it was resumed.
+    """
+
+    chain: Any
+    times: FloatArray = field(metadata={"axis": "t"})
+    states: FloatArray = field(metadata={"dims": ("t", "component", "site")})
+    amplitude: FloatArray = field(metadata={"dims": ("t", "site")})
+    arrivals: FloatArray = field(metadata={"dims": ("site",)})
+    level: float
+    error: float | None
+    arrival_error: float | None
+    status: RunStatus
+    resolved_until: float | None
+    tolerance: float
+    method: str
+    counts: Mapping[str, int]
+    event_log: FloatArray
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON: the last state, arrivals, errors and counts, no samples."""
+        smooth = isinstance(self.chain, SmoothChain)
+        width = int(self.width[-1]) if smooth else int(np.count_nonzero(~np.isnan(self.arrivals)))
+        return {
+            "model": self.chain.model,
+            "t_end": float(self.times[-1]),
+            "amplitudes": plain(self.amplitude[-1]),
+            "width": width,
+            "arrivals": plain(self.arrivals),
+            "level": self.level,
+            "error": plain(self.error),
+            "arrival_error": plain(self.arrival_error),
+            "status": self.status.value,
+            "resolved_until": plain(self.resolved_until),
+            "tolerance": self.tolerance,
+            "method": self.method,
+            **plain(self.counts),
+            "mean_active": self.mean_active,
+            "seconds": self.seconds,
+        }
+
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """Return what a file of arrays holds: samples by name, as the model calls them."""
+        if isinstance(self.chain, SmoothChain):
+            states: dict[str, npt.NDArray[Any]] = {"psi": self.psi}
+        else:
+            states = {"y": self.y, "velocity": self.velocity, "envelope": self.amplitude}
+        return {
+            "times": self.times,
+            **states,
+            "amplitude": self.amplitude,
+            "arrivals": self.arrivals,
+            "level": np.array(self.level),
+        }
+
+    @property
+    def y(self) -> FloatArray:
+        """First component of the states, shape (M, N)."""
+        return self.states[:, 0]
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Second component of the states, shape (M, N): ẏ of (8) and (5), Re φ of (43)."""
+        return self.states[:, 1]
+
+    @property
+    def psi(self) -> npt.NDArray[np.complex128]:
+        """Ψ = ẏ + iy of (8), φ of (43), shape (M, N)."""
+        psi: npt.NDArray[np.complex128] = self.states[:, 1] + 1j * self.states[:, 0]
+        return psi
+
+    @property
+    def phase(self) -> FloatArray:
+        """Phase of φ in radians, shape (M, N); for (8) of Ψe^{-it}."""
+        oscillates = getattr(self.chain, "oscillates", False)
+        turn: Any = np.exp(-1j * self.times)[:, None] if oscillates else 1.0
+        phase: FloatArray = np.angle(self.psi * turn)
+        return phase
+
+    @property
+    def width(self) -> npt.NDArray[np.int64]:
+        """Number of sites above the level at each sample, shape (M,)."""
+        width: npt.NDArray[np.int64] = np.count_nonzero(self.amplitude > self.level, axis=1)
+        return width
+
+    @property
+    def stuck(self) -> npt.NDArray[np.bool_]:
+        """Sites of a friction chain that stick at the last sample, shape (N,)."""
+        stuck: npt.NDArray[np.bool_] = np.equal(self.velocity[-1], self.chain.v_d)
+        return stuck
+
+    @property
+    def event_count(self) -> int:
+        """Number of events of a friction chain; 0 of a smooth one."""
+        return sum(self.counts.get(kind, 0) for kind in ("sticks", "releases", "reversals"))
+
+    @property
+    def steps(self) -> int:
+        """Steps of the stepper."""
+        return self.counts["steps"]
+
+    @property
+    def mean_active(self) -> float:
+        """Sites stepped, averaged over the steps."""
+        return self.counts["site_steps"] / max(1, self.steps)

@@ -1,0 +1,80 @@
+"""The active part of a chain, sites lo to hi, and what is beyond its two ends.
+
+Its state is one row (u, v) of length 2m, m = hi - lo: (y, ẏ) for (8), (Re φ, Im φ) for (43). One
+contiguous row is what compiled loops run through fastest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from verification.execution.compiled import njit
+
+FloatArray = npt.NDArray[np.float64]
+
+REST, FREE, RING, FOLLOWING = 0, 1, 2, 3
+"""Beyond an end there is rest; nothing; the other end; or, on the left, a wave that goes on with
+φ = iφ of its neighbour."""
+
+
+@njit(cache=True)
+def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tuple[int, int]:
+    """Return what is beyond the left and the right end.
+
+    Parameters
+    ----------
+    lo, hi, sites : int
+        First active site, last one + 1, all sites.
+    first : int
+        What is beyond the first site of the chain: FREE, FOLLOWING or RING; on a ring all sites
+        are active.
+    following : bool
+        Whether a wave goes on to the left of lo > 0.
+    """
+    if first == RING:
+        return RING, RING
+    left = first if lo == 0 else FOLLOWING if following else REST
+    return left, FREE if hi == sites else REST
+
+
+@njit(cache=True, error_model="numpy")
+def value_beyond(code: int, end: float, far: float, followed: float) -> float:
+    """Return the value beyond an end: of a free end itself, so that its coupling vanishes."""
+    if code == FREE:
+        return end
+    if code == RING:
+        return far
+    if code == FOLLOWING:
+        return followed
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def neighbours_of_ends(
+    u: FloatArray, left: int, right: int, followed: float
+) -> tuple[float, float]:
+    """Return the sums of both neighbours of the first and of the last site, which may be one."""
+    last = u.size - 1
+    before = value_beyond(left, u[0], u[last], followed)
+    beyond = value_beyond(right, u[last], u[0], followed)
+    if last == 0:
+        return before + beyond, before + beyond
+    return before + u[1], u[last - 1] + beyond
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def add_coupling(
+    out: FloatArray, u: FloatArray, factor: float, left: int, right: int, followed: float
+) -> None:
+    """Add factor (2u_n - u_{n-1} - u_{n+1}) to out, both of shape (m,).
+
+    Neighbours are added first, so that a mirror-symmetric state stays so to the last bit.
+    """
+    last = u.size - 1
+    near_first, near_last = neighbours_of_ends(u, left, right, followed)
+    out[0] += factor * (2.0 * u[0] - near_first)
+    if last > 0:
+        out[last] += factor * (2.0 * u[last] - near_last)
+    for n in range(1, last):
+        out[n] += factor * (2.0 * u[n] - (u[n - 1] + u[n + 1]))

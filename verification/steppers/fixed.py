@@ -1,0 +1,53 @@
+"""Equal steps of a smooth chain, all sites: for tests and benchmarks."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.chain import Ends, SmoothChain
+from verification.execution.compiled import njit
+from verification.steppers.active import FREE, RING
+from verification.steppers.kernel import slope_of
+from verification.steppers.rows import put
+from verification.steppers.runge_kutta import STAGES, Step, classical_step, dop853_step
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, order: int) -> None:
+    """Advance a state (y, w), shape (2, N), in place, by steps of length h of the kernel's time.
+
+    Parameters
+    ----------
+    chain : SmoothChain
+        Parameters.
+    state : ndarray, shape (2, N)
+        Overwritten.
+    h, steps
+        Length and number of steps.
+    order : int
+        8 for DOP853, or 4 for the classical step.
+    """
+    make = {8: dop853_step, 4: classical_step}[order]
+    code = RING if chain.ends is Ends.PERIODIC else FREE
+    parameters = np.array(chain.kernel_parameters())
+    x = np.ascontiguousarray(state).ravel()
+    _loop(make(slope_of(chain)))(x, parameters, code, h, steps)
+    state[...] = x.reshape(state.shape)
+
+
+@lru_cache(maxsize=16)
+def _loop(step: Step) -> Any:
+    @njit
+    def run(x: FloatArray, parameters: FloatArray, code: int, h: float, steps: int) -> None:
+        out = np.zeros(x.size)
+        K = np.zeros((STAGES, x.size))
+        for _ in range(steps):
+            step(x, parameters, code, code, h, K, out)
+            put(out, x)
+
+    return run

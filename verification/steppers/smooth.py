@@ -1,0 +1,349 @@
+"""The one loop over steps of a smooth chain, compiled: window, samples, arrivals, stop condition.
+
+Which step is taken depends on the state and on ``clock`` only, so that where a run is divided
+changes nothing. The loop is compiled once; the step of a chain and the stop condition are arguments
+(:func:`loop`), compiled for each. A call of them costs some 30 ns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import types
+
+from theory.chains.chain import SmoothChain
+from verification.execution.compiled import njit
+from verification.steppers.active import end_codes
+from verification.steppers.kernel import slope_of
+from verification.steppers.rows import finite, largest, put
+from verification.steppers.runge_kutta import STAGES, Step, dop853_step, step_error
+from verification.steppers.specialise import pointer, source_mark
+from verification.steppers.stop_code import StopCode
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION = (
+    int(StopCode.REACHED),
+    int(StopCode.STEP_TOO_SHORT),
+    int(StopCode.NOT_FINITE),
+    int(StopCode.BUDGET_SPENT),
+    int(StopCode.CONDITION),
+)
+
+LO, HI, SAMPLED, STEPS, SITE_STEPS, STIFF_STEPS, OUTCOME = 0, 1, 2, 3, 4, 5, 6
+"""Places in ``counters``."""
+
+_FIRST = 0.5
+"""First step at tolerance one; it follows the tolerance, so that two runs never share steps."""
+
+_SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
+_LAZY = 0.25
+_MAX_TRIALS, _MET = 60, 0.01
+
+
+class Task(NamedTuple):
+    """What a loop has to do; it does not change.
+
+    Attributes
+    ----------
+    parameters, drift : ndarray, shape (P,)
+        Parameters of the kernel at time 0, and their rates of change; within a step they are held
+        at the values of its middle.
+    first : int
+        What is beyond the first site (``active``).
+    end : float
+        Kernel time to reach; the last step goes beyond it.
+    tolerance : float
+        Local error relative to the largest value; 0 for equal steps of length ``longest``.
+    shortest, longest : float
+        A step below ``shortest`` ends the call, nothing advanced; none is above ``longest``.
+    review : float
+        A step grows only so often: where the motion oscillates, errors of equal steps cancel over
+        a period.
+    rest : float
+        Sites at the ends are not stepped until one within ``margin`` of them exceeds this
+        amplitude; negative to step all sites always.
+    margin : int
+        Sites at rest that are stepped.
+    level : float
+        Amplitude that counts as an arrival.
+    trailing : int
+        Sites stepped behind the foremost arrival, which must move to larger n; 0 for all.
+    times : ndarray, shape (M,)
+        Kernel times of the samples, ascending.
+    """
+
+    parameters: FloatArray
+    drift: FloatArray
+    first: int
+    end: float
+    tolerance: float
+    shortest: float
+    longest: float
+    review: float
+    rest: float
+    margin: int
+    level: float
+    trailing: int
+    times: FloatArray
+
+
+class Run(NamedTuple):
+    """What a loop changes; all in place.
+
+    Attributes
+    ----------
+    state : ndarray, shape (2, N)
+        (y, w) at ``clock[0]``.
+    clock : ndarray, shape (5,)
+        Time; the next step (0 before the first); the largest error over the tolerance since the
+        last review of the step, and the time of the next review; what the sum of the steps has
+        lost by rounding, which grows like their number where steps are equal.
+    counters : ndarray of int, shape (7,)
+        See ``LO`` and the names after it; the last one is what the stop condition returned.
+    arrivals : ndarray, shape (N,)
+        Time of the first passage of the level upwards; nan before.
+    samples : ndarray, shape (M, 2, N)
+        The state at the times of the samples; filled as they are passed.
+    memory : ndarray, shape (L,)
+        Numbers of the stop condition.
+    """
+
+    state: FloatArray
+    clock: FloatArray
+    counters: IntArray
+    arrivals: FloatArray
+    samples: FloatArray
+    memory: FloatArray
+
+
+Condition = Callable[..., int]
+"""Of (t, h, before, after, parameters, K, room, memory): 0 to go on, else what to end with.
+
+``before`` and ``after`` are the rows (``active``) at t and at t + h; ``K`` and ``room`` may be
+overwritten.
+"""
+
+
+def _never(
+    t: float,
+    h: float,
+    before: FloatArray,
+    after: FloatArray,
+    parameters: FloatArray,
+    K: FloatArray,
+    room: FloatArray,
+    memory: FloatArray,
+) -> int:
+    """Go on."""
+    return 0
+
+
+@njit(cache=True)
+def _widened(
+    x: FloatArray, rest: float, margin: int, lo: int, hi: int, sites: int
+) -> tuple[int, int]:
+    """Return lo and hi moved outwards so that ``margin`` sites at rest lie within either end."""
+    m = hi - lo
+    square = rest * rest
+    new_lo, new_hi = lo, hi
+    for n in range(min(m, margin)):
+        if x[n] ** 2 + x[m + n] ** 2 > square:
+            new_lo = max(0, lo + n - margin)
+            break
+    for n in range(m - 1, max(0, m - margin) - 1, -1):
+        if x[n] ** 2 + x[m + n] ** 2 > square:
+            new_hi = min(sites, lo + n + margin + 1)
+            break
+    return min(lo, new_lo), max(hi, new_hi)
+
+
+@njit(cache=True)
+def _advance(take_step: Step, stop: Condition, task: Task, run: Run, max_steps: int) -> int:
+    """Step until the first step that reaches the end; return a ``StopCode``."""
+    state, clock, counters, arrivals, samples = (
+        run.state, run.clock, run.counters, run.arrivals, run.samples
+    )  # fmt: skip
+    times, trailing, tolerance = task.times, task.trailing, task.tolerance
+    sites = state.shape[1]
+    packed_lo = packed_hi = -1
+    p = task.parameters.copy()
+    drifting = False
+    for rate in task.drift:
+        drifting = drifting or rate != 0.0
+    square, met = task.level * task.level, max(1e-15, _MET * tolerance)
+    ended = REACHED
+    steps = 0
+    while clock[0] < task.end:
+        if steps >= max_steps:
+            ended = BUDGET
+            break
+        lo, hi = counters[LO], counters[HI]
+        if lo != packed_lo or hi != packed_hi:
+            m = hi - lo
+            x, new, inside = np.zeros(2 * m), np.zeros(2 * m), np.zeros(2 * m)
+            K = np.zeros((STAGES, 2 * m))
+            room = np.zeros((3, 2 * m))
+            put(state[0, lo:hi], x[:m])
+            put(state[1, lo:hi], x[m:])
+            packed_lo, packed_hi = lo, hi
+            left, right = end_codes(lo, hi, sites, task.first, trailing > 0)
+        if not finite(x):
+            ended = NOT_FINITE
+            break
+        t = clock[0]
+        size = largest(x)
+        h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
+        h = task.longest if tolerance == 0.0 else min(h, task.longest)
+        while h >= task.shortest:
+            if drifting:
+                for i in range(p.size):
+                    p[i] = task.parameters[i] + task.drift[i] * (t + clock[4] + 0.5 * h)
+            take_step(x, p, left, right, h, K, new)
+            if tolerance == 0.0:
+                break
+            ratio = step_error(K, h, room, size) / tolerance
+            if ratio <= 1.0:
+                clock[2] = max(clock[2], ratio)
+                break
+            h *= max(_SHRINK, _SAFETY * ratio ** (-0.125)) if math.isfinite(ratio) else _SHRINK
+        clock[1] = h
+        if h < task.shortest:
+            clock[1] = 0.0
+            ended = TOO_SHORT
+            break
+        while counters[SAMPLED] < times.size and times[counters[SAMPLED]] <= t + h:
+            part = times[counters[SAMPLED]] - t - clock[4]
+            take_step(x, p, left, right, part, K, inside)
+            sample = samples[counters[SAMPLED]]
+            put(state[0], sample[0])
+            put(state[1], sample[1])
+            put(inside[:m], sample[0, lo:hi])
+            put(inside[m:], sample[1, lo:hi])
+            counters[SAMPLED] += 1
+        foremost = -1
+        for n in range(m):
+            above = new[n] ** 2 + new[m + n] ** 2 - square
+            if above < 0.0 or not math.isnan(arrivals[lo + n]):
+                continue
+            # The Illinois rule: the secant, with the value of an end that stays halved.
+            low, high = 0.0, h
+            below = x[n] ** 2 + x[m + n] ** 2 - square
+            for _ in range(_MAX_TRIALS):
+                part = low + below / (below - above) * (high - low)
+                take_step(x, p, left, right, part, K, inside)
+                value = inside[n] ** 2 + inside[m + n] ** 2 - square
+                if abs(value) <= met * square or high - low <= met * h:
+                    break
+                if value < 0.0:
+                    low, below, above = part, value, 0.5 * above
+                else:
+                    high, above, below = part, value, 0.5 * below
+            arrivals[lo + n] = t + part
+            foremost = lo + n
+        found = stop(t, h, x, new, p, K, inside, run.memory)
+        put(new, x)
+        whole = h + clock[4]
+        clock[0] = t + whole
+        clock[4] = whole - (clock[0] - t)
+        if clock[0] >= clock[3]:
+            clock[3] = clock[0] + task.review
+            if clock[2] < _LAZY:
+                clock[1] = h * min(_GROW, _SAFETY * max(clock[2], 1e-8) ** (-0.125))
+            clock[2] = 0.0
+        steps += 1
+        counters[STEPS] += 1
+        counters[SITE_STEPS] += m
+        if found != 0:
+            counters[OUTCOME] = found
+            ended = CONDITION
+            break
+        wider_lo, wider_hi = lo, hi
+        if task.rest >= 0.0 and (lo > 0 or hi < sites):
+            wider_lo, wider_hi = _widened(x, task.rest, task.margin, lo, hi, sites)
+            if trailing > 0:
+                wider_lo = lo
+        if trailing > 0 and foremost - trailing > lo:
+            wider_lo = foremost - trailing
+        if wider_lo != lo or wider_hi != hi:
+            put(x[:m], state[0, lo:hi])
+            put(x[m:], state[1, lo:hi])
+            counters[LO], counters[HI] = wider_lo, wider_hi
+    if packed_hi > packed_lo and counters[LO] == packed_lo and counters[HI] == packed_hi:
+        put(x[:m], state[0, packed_lo:packed_hi])
+        put(x[m:], state[1, packed_lo:packed_hi])
+    return ended
+
+
+Loop = Callable[[Task, Run, int], int]
+Watch = Callable[[Step], Condition]
+"""From a step, of which it may take some of its own, to a compiled stop condition."""
+
+_ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
+_STEP = types.void(_ROW, _ROW, types.intp, types.intp, types.float64, _TABLE, _ROW)
+_STOP = types.int64(types.float64, types.float64, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW)
+
+
+def _not_given(*_: object) -> Any:
+    """Stand for the step of a chain, or for a condition, until there is one."""
+    raise NotImplementedError
+
+
+step_of_chain: Step = _not_given
+condition: Condition = _not_given
+
+
+def _step(
+    x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
+) -> None:
+    step_of_chain(x, p, left, right, h, K, out)
+
+
+def _stop(
+    t: float,
+    h: float,
+    before: FloatArray,
+    after: FloatArray,
+    parameters: FloatArray,
+    K: FloatArray,
+    room: FloatArray,
+    memory: FloatArray,
+) -> int:
+    return condition(t, h, before, after, parameters, K, room, memory)
+
+
+def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
+    """Return the loop of a chain and a stop condition; from disk, what is compiled already.
+
+    Parameters
+    ----------
+    chain : SmoothChain
+        Only its kernel counts, the number of its parameters, and the phase step of its fronts.
+    watch : callable, optional
+        A function of a module that makes the stop condition; by default the run goes to its end.
+    """
+    kernel = chain.kernel()
+    key = (kernel, len(chain.kernel_parameters()), chain.front_phase_step)
+    if key not in _STEPS:
+        step = dop853_step(slope_of(chain))
+        mark = "-".join([source_mark(kernel), *map(str, key[1:])])
+        _STEPS[key] = step, mark, pointer(_step, _STEP, mark, step_of_chain=step)
+    step, mark, take_step = _STEPS[key]
+    if (key, watch) not in _STOPS:
+        if watch is None:
+            stop = pointer(_never, _STOP, "")
+        else:
+            mark = f"{mark}-{source_mark(watch)}"
+            stop = pointer(_stop, _STOP, mark, condition=watch(step))
+        _STOPS[key, watch] = stop
+    return partial(_advance, take_step, _STOPS[key, watch])
+
+
+_STEPS: dict[Any, tuple[Step, str, Any]] = {}
+_STOPS: dict[Any, Any] = {}

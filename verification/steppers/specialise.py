@@ -1,0 +1,57 @@
+"""Compiled functions as arguments of compiled functions, both of them stored on disk."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+from numba import cfunc
+
+import verification.execution.compiled  # noqa: F401  # it says where compiled code is stored
+
+
+@lru_cache(maxsize=256)
+def source_mark(function: Callable[..., Any]) -> str:
+    """Return a name for a function that changes with the file in which it stands.
+
+    Examples
+    --------
+    >>> source_mark(source_mark.__wrapped__).split(".")[0]
+    'verification'
+    """
+    plain: Any = getattr(function, "py_func", function)
+    code = plain.__code__
+    try:
+        content = Path(code.co_filename).read_bytes()
+    except OSError:  # typed in at a prompt
+        content = code.co_code + repr((code.co_consts, code.co_names)).encode()
+    mark = hashlib.sha256(content).hexdigest()[:12]
+    return f"{plain.__module__}.{plain.__qualname__}.{mark}"
+
+
+def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
+    """Return a compiled function that other compiled functions take as an argument.
+
+    It is stored on disk, and so is what takes it: for numba the type of such an argument is its
+    signature alone. Of arguments or closures that are compiled by ``njit`` it knows only a number
+    that is drawn anew in every process, and so compiles all again.
+
+    Parameters
+    ----------
+    function : callable
+        A plain function of a module.
+    signature
+        Its types, in numba's notation.
+    mark : str
+        What distinguishes it from others of this function; it must say all that ``names`` mean.
+    **names
+        Global names of the function, and what they mean in it.
+    """
+    copy = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
+    copy.__module__ = function.__module__
+    copy.__qualname__ = f"{function.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
+    return cfunc(signature, cache=True)(copy)

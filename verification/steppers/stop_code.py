@@ -1,0 +1,25 @@
+"""How a compiled loop over steps ended."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Self
+
+
+class StopCode(IntEnum):
+    """Why a call of a compiled loop returned; the member says it in a sentence."""
+
+    sentence: str
+
+    def __new__(cls, code: int, sentence: str = "") -> Self:
+        """Make a member of its code and its sentence."""
+        member = int.__new__(cls, code)
+        member._value_ = code
+        member.sentence = sentence
+        return member
+
+    REACHED = 0, "The time asked for is reached."
+    STEP_TOO_SHORT = 1, "The tolerance asks for steps too short to get on, or time stands still."
+    NOT_FINITE = 2, "The state has left the range of double precision."
+    BUDGET_SPENT = 3, "The number of steps allowed is taken; the next call goes on from there."
+    CONDITION = 4, "The stop condition is met, or as many sites are reached as were required."

@@ -1,0 +1,210 @@
+"""Taylor series in time for (8) and (43), compiled; slower than ``runge_kutta``, and apart from it.
+
+Both right sides are polynomials, so the Taylor coefficients of the solution follow one another by
+convolutions (Cauchy products):
+
+    full      s = y², q = s², g = 1 - a s + b q, ẇ = -y - εc(2y - y₋ - y₊) - ε g w, ẏ = w
+    envelope  s = |φ|², q = s², g = 1 - as/4 + bq/8, φ' = (ic/2)(2φ - φ₋ - φ₊) - g φ/2
+
+The step is chosen from the last two coefficients and from nothing else; none is ever rejected.
+The state is a row (u, v) of length 2m (``active``): (y, ẏ), or (Re φ, Im φ). Coefficients of each
+factor are in an array of shape (order + 1, m); all quantities are dimensionless.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from verification.execution.compiled import njit
+from verification.steppers.active import add_coupling, end_codes
+from verification.steppers.rows import finite, largest, put
+
+FloatArray = npt.NDArray[np.float64]
+
+FULL, ENVELOPE = 0, 1
+"""Codes of the two equations."""
+
+
+def taylor_order(tolerance: float) -> int:
+    """Return the order that costs least for a tolerance, found by measurement.
+
+    Examples
+    --------
+    >>> taylor_order(1e-6), taylor_order(1e-12)
+    (11, 18)
+    """
+    return math.ceil(4.0 - 0.5 * math.log(tolerance))
+
+
+Series = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""Coefficients of u, v, s, q, g."""
+
+
+@njit(cache=True)
+def series_room(order: int, m: int) -> Series:
+    """Return room for the coefficients of m sites, each of shape (order + 1, m)."""
+    shape = (order + 1, m)
+    return np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def _square(target: FloatArray, A: FloatArray, k: int) -> None:
+    """Put coefficient k of the square of A into ``target``."""
+    if k % 2 == 0:
+        u = A[k // 2]
+        for n in range(target.size):
+            target[n] = u[n] * u[n]
+    else:
+        target[:] = 0.0
+    for j in range((k + 1) // 2):
+        u = A[j]
+        v = A[k - j]
+        for n in range(target.size):
+            target[n] += 2.0 * u[n] * v[n]
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
+    """Put coefficient k of A B into ``target``."""
+    target[:] = 0.0
+    for j in range(k + 1):
+        u = A[j]
+        v = B[k - j]
+        for n in range(target.size):
+            target[n] += u[n] * v[n]
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def full_coefficients(
+    series: Series, order: int, parameters: FloatArray, left: int, right: int
+) -> None:
+    """Fill the coefficients k = 1 … order from the state, k = 0, for (8).
+
+    Parameters
+    ----------
+    series : tuple of five ndarray, shape (order + 1, m)
+        Of y, ẏ, s, q and g.
+    order : int
+        Highest coefficient.
+    parameters : ndarray, shape (4,)
+        a, b, c, ε.
+    left, right : int
+        What is beyond the ends (``active``).
+    """
+    a, b, c, eps = parameters[0], parameters[1], parameters[2], parameters[3]
+    Y, W, S, Q, G = series
+    for k in range(order):
+        _square(S[k], Y, k)
+        _square(Q[k], S, k)
+        s, q, g = S[k], Q[k], G[k]
+        one = 1.0 if k == 0 else 0.0
+        for n in range(g.size):
+            g[n] = one - a * s[n] + b * q[n]
+        _product(W[k + 1], G, W, k)
+        factor = 1.0 / (k + 1)
+        y, w, next_y, next_w = Y[k], W[k], Y[k + 1], W[k + 1]
+        for n in range(g.size):
+            next_y[n] = factor * w[n]
+            next_w[n] = -factor * (eps * next_w[n] + y[n])
+        add_coupling(next_w, y, -factor * eps * c, left, right, w[0])
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def envelope_coefficients(
+    series: Series, order: int, parameters: FloatArray, left: int, right: int
+) -> None:
+    """Fill the coefficients k = 1 … order from the state, k = 0, for (43) in slow time.
+
+    Parameters as in :func:`full_coefficients`; the series are of Re φ, Im φ, s, q and g.
+    """
+    a, b, c = parameters[0], parameters[1], parameters[2]
+    U, V, S, Q, G = series
+    for k in range(order):
+        _square(S[k], U, k)
+        _square(G[k], V, k)
+        s, q, g = S[k], Q[k], G[k]
+        for n in range(g.size):
+            s[n] += g[n]
+        _square(q, S, k)
+        one = 1.0 if k == 0 else 0.0
+        for n in range(g.size):
+            g[n] = one - 0.25 * a * s[n] + 0.125 * b * q[n]
+        half = 0.5 / (k + 1)
+        u, v, next_u, next_v = U[k], V[k], U[k + 1], V[k + 1]
+        _product(next_u, G, U, k)
+        _product(next_v, G, V, k)
+        for n in range(g.size):
+            next_u[n] *= -half
+            next_v[n] *= -half
+        add_coupling(next_u, v, -half * c, left, right, u[0])
+        add_coupling(next_v, u, half * c, left, right, -v[0])
+
+
+@njit(cache=True)
+def step_length(series: Series, order: int, tolerance: float) -> float:
+    """Return h at which the last two terms are within tolerance times the largest value."""
+    u, v = series[0], series[1]
+    size = tolerance * max(largest(u[0]), largest(v[0]))
+    h = math.inf
+    for k in (order - 1, order):
+        if not (finite(u[k]) and finite(v[k])):
+            return math.nan
+        term = max(largest(u[k]), largest(v[k]))
+        if term > 0.0:
+            h = min(h, (size / term) ** (1.0 / k))
+    return h
+
+
+@njit(cache=True, fastmath={"contract"})
+def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
+    """Put the state a time h after the expansion point into out, shape (2m,) (Horner)."""
+    m = out.size // 2
+    for i in range(2):
+        C = series[0] if i == 0 else series[1]
+        target = out[i * m : (i + 1) * m]
+        put(C[order], target)
+        for k in range(order - 1, -1, -1):
+            row = C[k]
+            for n in range(m):
+                target[n] = target[n] * h + row[n]
+
+
+@njit(cache=True, error_model="numpy")
+def taylor_steps(
+    model: int,
+    state: FloatArray,
+    parameters: FloatArray,
+    first: int,
+    end: float,
+    tolerance: float,
+    order: int,
+) -> int:
+    """Advance a state of shape (2, N) to ``end``, all sites; for tests and benchmarks.
+
+    Returns the number of steps, or -1 if a number is not finite.
+    """
+    sites = state.shape[1]
+    left, right = end_codes(0, sites, sites, first, False)
+    series = series_room(order, sites)
+    x = state.copy().reshape(2 * sites)
+    t, steps = 0.0, 0
+    while t < end:
+        put(x[:sites], series[0][0])
+        put(x[sites:], series[1][0])
+        if model == FULL:
+            full_coefficients(series, order, parameters, left, right)
+        else:
+            envelope_coefficients(series, order, parameters, left, right)
+        h = step_length(series, order, tolerance)
+        if math.isnan(h):
+            return -1
+        h = min(h, end - t)
+        evaluate(series, order, h, x)
+        t = end if h == end - t else t + h
+        steps += 1
+    put(x[:sites], state[0])
+    put(x[sites:], state[1])
+    return steps

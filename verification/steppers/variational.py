@@ -1,0 +1,338 @@
+"""The chain (8) with its variational equations over a given time, by Taylor series.
+
+The right side is a polynomial, so the Taylor coefficients follow from products of series
+(index k, ⋆ the Cauchy product; S = Y⋆Y, Q = S⋆S, G = 1 - aS + bQ, W = V⋆G):
+
+    (k+1) Y_{k+1} = V_k,      (k+1) V_{k+1} = -Y_k - εc(LY)_k - εW_k                          (8)
+
+and for a tangent (δy, δv), with H = -2aY + 4b S⋆Y and P = V⋆H computed once a step,
+
+    (k+1) δv_{k+1} = -δy_k - εc(Lδy)_k - ε(G⋆δv + P⋆δy)_k.                                   (42)
+
+Fixed order and step; the error is measured by repeating with a shorter step. The column for c has
+the extra forcing -ε(LY)_k. Instead of the solution, the base can be any sinusoids
+A_n sin(ωt + θ_n), as the paper uses; and the Jacobian can be the misprinted one of (42), which
+adds -εV⋆δy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from theory.chains.chain import Ends
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError
+from verification.execution.compiled import njit
+from verification.steppers.rows import put
+
+Real = NDArray[np.float64]
+
+ORDER = 20
+"""Order of the Taylor series."""
+STEPS = 24
+"""Steps a period; also the number of samples a flow returns."""
+LARGEST = 1e6
+"""Displacement beyond which a run is refused."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The state after a time, and its derivatives.
+
+    Attributes
+    ----------
+    state : float array, shape (2N,)
+        Displacements, then velocities (Eq. 39).
+    monodromy : float array, shape (2N, 2N)
+        Derivative of ``state`` by the initial state.
+    by_c : float array, shape (2N,)
+        Derivative of ``state`` by c.
+    samples : float array, shape (steps, N)
+        Displacements at the beginning of each step.
+    steps : int
+        Number of steps.
+    """
+
+    state: Real
+    monodromy: Real
+    by_c: Real
+    samples: Real
+    steps: int
+
+
+def integrate_variations(
+    chain: VdpChain, start: Real, duration: float, steps: int = STEPS, order: int = ORDER
+) -> Flow:
+    """Integrate (8) and its variational equations along the solution.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        Any N, both kinds of ends.
+    start : float array, shape (2N,)
+        Initial displacements and velocities.
+    duration : float
+        Time, dimensionless; positive or negative.
+    steps, order : int, optional
+        Number of Taylor steps and their order.
+
+    Raises
+    ------
+    ParameterError
+        If the solution grows beyond `LARGEST` or the series does not converge at this step.
+
+    Examples
+    --------
+    >>> chain = VdpChain(a=2.5, b=0.5, c=0, eps=1e-9, sites=2)
+    >>> flow = integrate_variations(chain, np.array([0.0, 0.0, 1.0, 0.0]), np.pi / 2)
+    >>> flow.state.round(6).tolist()
+    [1.0, 0.0, 0.0, 0.0]
+    """
+    return _integrate(chain, start, duration, steps, order, np.zeros((0, 0)), 0.0, 0.0)
+
+
+def integrate_along_sinusoids(
+    chain: VdpChain,
+    amplitudes: Real,
+    phases: Real,
+    omega: float,
+    *,
+    misprinted: bool = False,
+    steps: int = STEPS,
+    order: int = ORDER,
+) -> Flow:
+    """Integrate the variational equations over 2π/ω along y_n = A_n sin(ωt + θ_n) (Eq. 9).
+
+    Parameters
+    ----------
+    chain : VdpChain
+        Any N, both kinds of ends.
+    amplitudes, phases : float arrays, shape (N,)
+        A_n and θ_n.
+    omega : float
+        Frequency in t.
+    misprinted : bool, optional
+        Use the Jacobian as printed in (42), where 1 - 2ax + 4bx³ stands for -2ax + 4bx³.
+    steps, order : int, optional
+        Number of Taylor steps and their order.
+    """
+    start = np.concatenate([amplitudes * np.sin(phases), omega * amplitudes * np.cos(phases)])
+    base = np.vstack([amplitudes, phases])
+    extra = 1.0 if misprinted else 0.0
+    return _integrate(chain, start, 2.0 * np.pi / omega, steps, order, base, omega, extra)
+
+
+def integrate_chain(
+    chain: VdpChain, start: Real, duration: float, steps: int, order: int = ORDER
+) -> Flow:
+    """Integrate (8) alone: `Flow.monodromy` and `Flow.by_c` are empty.
+
+    Parameters
+    ----------
+    chain : VdpChain
+        Any N, both kinds of ends.
+    start : float array, shape (2N,)
+        Initial displacements and velocities.
+    duration : float
+        Time, dimensionless.
+    steps, order : int
+        Number of Taylor steps in all, and their order.
+
+    Raises
+    ------
+    ParameterError
+        As `integrate_variations`.
+    """
+    return _integrate(
+        chain, start, duration, steps, order, np.zeros((0, 0)), 0.0, 0.0, variations=False
+    )
+
+
+def _integrate(
+    chain: VdpChain,
+    start: Real,
+    duration: float,
+    steps: int,
+    order: int,
+    base: Real,
+    omega: float,
+    extra: float,
+    *,
+    variations: bool = True,
+) -> Flow:
+    sites = chain.sites
+    state = np.array(start, dtype=float)
+    columns = 2 * sites + 1 if variations else 0
+    tangent_y = np.zeros((sites, columns))
+    tangent_v = np.zeros((sites, columns))
+    if variations:
+        tangent_y[:, :sites] = np.eye(sites)
+        tangent_v[:, sites:-1] = np.eye(sites)
+    samples = np.zeros((steps, sites))
+    fine = _run(
+        state[:sites],
+        state[sites:],
+        tangent_y,
+        tangent_v,
+        samples,
+        duration / steps,
+        order,
+        chain.a,
+        chain.b,
+        chain.c,
+        chain.eps,
+        chain.ends is Ends.PERIODIC,
+        base,
+        omega,
+        extra,
+    )
+    if not fine:
+        raise ParameterError(
+            "displacement",
+            "too large",
+            f"below {LARGEST:g} all along the orbit",
+            "take more steps or a start nearer to the cycle",
+        )
+    whole = np.vstack([tangent_y, tangent_v])
+    by_c = whole[:, -1] if variations else np.empty(0)
+    return Flow(state, whole[:, :-1], by_c, samples, steps)
+
+
+@njit(cache=True)
+def _run(
+    y: Real,
+    v: Real,
+    ty: Real,
+    tv: Real,
+    samples: Real,
+    h: float,
+    order: int,
+    a: float,
+    b: float,
+    c: float,
+    eps: float,
+    ring: bool,
+    base: Real,
+    omega: float,
+    extra: float,
+) -> bool:
+    """Advance the state and its tangents in place; False if the solution is out of range.
+
+    Parameters
+    ----------
+    y, v : ndarray, shape (N,)
+        Displacements and velocities.
+    ty, tv : ndarray, shape (N, M)
+        Tangents; the last column, if there is one, is the derivative by c.
+    samples : ndarray, shape (steps, N)
+        Filled with y at the beginning of each step.
+    h, order
+        Step and order of the series.
+    a, b, c, eps, ring
+        The chain.
+    base : ndarray, shape (2, N) or (0, 0)
+        Amplitudes and phases of the sinusoids that replace the solution, if any, of frequency
+        ``omega``.
+    extra : float
+        Added to H: 1 for the Jacobian (42) as printed.
+    """
+    sites, columns = ty.shape
+    forced = base.shape[0] == 2
+    Y = np.zeros((order + 1, sites))
+    V = np.zeros((order + 1, sites))
+    S = np.zeros((order + 1, sites))
+    Q = np.zeros((order + 1, sites))
+    G = np.zeros((order + 1, sites))
+    H = np.zeros((order + 1, sites))
+    P = np.zeros((order + 1, sites))
+    DY = np.zeros((order + 1, sites, columns))
+    DV = np.zeros((order + 1, sites, columns))
+    row = np.zeros(columns)
+    for step in range(samples.shape[0]):
+        put(y, samples[step])
+        put(y, Y[0])
+        put(v, V[0])
+        for n in range(sites):
+            put(ty[n], DY[0, n])
+            put(tv[n], DV[0, n])
+        for k in range(order):
+            for n in range(sites):
+                s = 0.0
+                for j in range(k + 1):
+                    s += Y[j, n] * Y[k - j, n]
+                S[k, n] = s
+                q = 0.0
+                t = 0.0
+                for j in range(k + 1):
+                    q += S[j, n] * S[k - j, n]
+                    t += S[j, n] * Y[k - j, n]
+                Q[k, n] = q
+                G[k, n] = b * q - a * s
+                H[k, n] = 4.0 * b * t - 2.0 * a * Y[k, n]
+                if k == 0:
+                    G[k, n] += 1.0
+                    H[k, n] += extra
+                w = 0.0
+                p = 0.0
+                for j in range(k + 1):
+                    w += V[j, n] * G[k - j, n]
+                    p += V[j, n] * H[k - j, n]
+                P[k, n] = p
+                left, right = n - 1, n + 1
+                if ring:
+                    left = sites - 1 if n == 0 else left
+                    right = 0 if n == sites - 1 else right
+                # Two differences added: the same to the last bit after reflection.
+                spring = 0.0
+                if left >= 0:
+                    spring += Y[k, n] - Y[k, left]
+                if right < sites:
+                    spring += Y[k, n] - Y[k, right]
+                if forced:
+                    angle = omega * step * h + base[1, n] + 0.5 * np.pi * (k + 1)
+                    factor = 1.0
+                    for j in range(k + 1):
+                        factor *= omega / (j + 1)
+                    Y[k + 1, n] = base[0, n] * factor * np.sin(angle)
+                    V[k + 1, n] = base[0, n] * factor * omega * np.cos(angle)
+                else:
+                    Y[k + 1, n] = V[k, n] / (k + 1)
+                    V[k + 1, n] = (-Y[k, n] - eps * c * spring - eps * w) / (k + 1)
+                row[:] = 0.0
+                for j in range(k + 1):
+                    g = G[j, n]
+                    p = P[j, n]
+                    for m in range(columns):
+                        row[m] += g * DV[k - j, n, m] + p * DY[k - j, n, m]
+                if columns > 0:
+                    row[columns - 1] += spring
+                if left >= 0:
+                    for m in range(columns):
+                        row[m] += c * (DY[k, n, m] - DY[k, left, m])
+                if right < sites:
+                    for m in range(columns):
+                        row[m] += c * (DY[k, n, m] - DY[k, right, m])
+                for m in range(columns):
+                    DY[k + 1, n, m] = DV[k, n, m] / (k + 1)
+                    DV[k + 1, n, m] = (-DY[k, n, m] - eps * row[m]) / (k + 1)
+        for n in range(sites):
+            y[n] = _value(Y[:, n], h)
+            v[n] = _value(V[:, n], h)
+            if not abs(y[n]) < LARGEST:
+                return False
+            for m in range(columns):
+                ty[n, m] = _value(DY[:, n, m], h)
+                tv[n, m] = _value(DV[:, n, m], h)
+    return True
+
+
+@njit(cache=True)
+def _value(coefficients: Real, h: float) -> float:
+    """Return the polynomial at h (Horner)."""
+    total = coefficients[-1]
+    for k in range(coefficients.size - 2, -1, -1):
+        total = total * h + coefficients[k]
+    return float(total)

@@ -1,0 +1,1 @@
+"""Couplings at which a nucleus stops being localised (Figs. 4 and 11)."""

@@ -1,0 +1,242 @@
+"""Between which couplings a prepared nucleus escapes while c is held: one seed, or several.
+
+Escape need not be monotone in c, and it depends on the noise and on the time waited. So no single
+coupling is found but a range: below it every run that was made held, above it every run escaped.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field, replace
+
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError, count_within, positive
+from verification.thresholds.preparation import Preparation, hold
+from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
+
+FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0
+"""First coupling tried, and the limits of the search."""
+REACH, PROBES = 0.01, 8
+"""How far beyond the range more runs are made, relative to it, and how many on that way."""
+PAD = 0.5
+"""What is added on each side, relative to the width, where escape is not monotone: isolated
+couplings of escape lie between those that were tried."""
+SEEDS = 3
+"""Seeds that are tried if there is noise, from that of the preparation on."""
+
+
+@dataclass
+class _Runs:
+    """The runs with one seed: c and the slow time of escape, infinite if it held."""
+
+    chain: VanDerPolChain
+    preparation: Preparation
+    duration: float
+    escapes: dict[float, float] = field(default_factory=dict)
+
+    def escape(self, c: float) -> float:
+        """Return the slow time of escape."""
+        if c not in self.escapes:
+            run = hold(self.chain, self.preparation, c, self.duration)
+            self.escapes[c] = run.time if run.escaped else math.inf
+        return self.escapes[c]
+
+    def bracket(self) -> None:
+        """Look for a coupling that holds and one that escapes soon."""
+        c = FIRST
+        while self.escape(c) < math.inf and c > LOWEST:
+            c *= 0.8
+        c = FIRST
+        while not self.soon(c) and c < HIGHEST:
+            c *= 1.25
+        if math.inf not in self.escapes.values() or not any(map(self.soon, list(self.escapes))):
+            raise ParameterError(
+                "nucleus",
+                self.preparation.size,
+                f"one that holds at some c from {LOWEST:g} and escapes at some up to {HIGHEST:g}",
+                "take another size, a smaller perturbation, or change a or b",
+            )
+
+    def soon(self, c: float) -> bool:
+        """Whether it escapes within half the time."""
+        return self.escape(c) <= 0.5 * self.duration
+
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the gaps that hold the ends of the range, each between two runs."""
+        known = sorted(self.escapes)
+        escaped = min(c for c in known if self.escapes[c] < math.inf)
+        held = max(c for c in known if not self.soon(c))
+        below = max((c for c in known if c < escaped), default=escaped)
+        above = min((c for c in known if c > held), default=held)
+        return (below, escaped), (held, above)
+
+    def refine(self, tolerance: float) -> None:
+        """Bisect both gaps."""
+        for place in (0, 1):
+            low, high = self.ends()[place]
+            while high - low > tolerance:
+                self.escape(0.5 * (low + high))
+                low, high = self.ends()[place]
+
+    def monotone(self) -> bool:
+        """Whether all escapes lie above all runs that held."""
+        held = [c for c, time in self.escapes.items() if time == math.inf]
+        return max(held) < self.ends()[0][1]
+
+    def range(self) -> tuple[float, float]:
+        """Return the outer ends of the two gaps."""
+        (low, _), (_, high) = self.ends()
+        return low, high
+
+
+def escape_range(
+    chain: VanDerPolChain,
+    preparation: Preparation,
+    duration: float = 2000.0,
+    tolerance: float = 1e-5,
+    seeds: int = SEEDS,
+) -> RunThreshold:
+    """Bisect for the range of escape, then make runs around it, until it no longer grows.
+
+    Every run below ``low`` of the result held for ``duration``; every run above ``high`` escaped
+    within half of it. Where escape is not monotone, both are moved outwards by `PAD` of the width.
+
+    Parameters
+    ----------
+    chain : VdpChain or AveragedChain
+        a, b and the ends; its c and N are not used.
+    preparation : Preparation
+        The start, with its first seed.
+    duration : float, optional
+        Slow time of a run.
+    tolerance : float, optional
+        Width of the last brackets.
+    seeds : int, optional
+        Number of seeds, from 1 to 100; one is enough without noise.
+
+    Raises
+    ------
+    ParameterError
+        If it holds or escapes at every coupling tried.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import VdpChain
+    >>> found = escape_range(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 500.0, 1e-3)
+    >>> found.low < 0.19079 < found.high, found.monotone
+    (True, True)
+    """
+    started = time.perf_counter()
+    positive("duration", duration)
+    positive("tolerance", tolerance)
+    count_within("number of seeds", seeds, 1, 100)
+    if preparation.perturbation == 0.0:
+        seeds = 1
+    every = [
+        _Runs(chain, replace(preparation, seed=preparation.seed + number), duration)
+        for number in range(seeds)
+    ]
+    for runs in every:
+        runs.bracket()
+        runs.refine(tolerance)
+    middle = sum(sum(runs.range()) for runs in every) / (2 * seeds)
+    spacing = middle * REACH / PROBES
+    seen: set[int] = set()
+    while True:
+        low = min(runs.range()[0] for runs in every)
+        high = max(runs.range()[1] for runs in every)
+        first = max(1, math.ceil((low - REACH * middle) / spacing))
+        last = math.floor((high + REACH * middle) / spacing)
+        fresh = set(range(first, last + 1)) - seen
+        if not fresh:
+            break
+        for runs in every:
+            for number in fresh:
+                runs.escape(number * spacing)
+            runs.refine(tolerance)
+        seen |= fresh
+    monotone = all(runs.monotone() for runs in every)
+    pad = 0.0 if monotone else PAD * (high - low)
+    low, high = low - pad, high + pad
+    return RunThreshold(
+        c=0.5 * (low + high),
+        # It bounds what was run, not longer times or other seeds.
+        error=0.5 * (high - low),
+        method=ThresholdMethod.HOLD,
+        definition=Definition.FIRST,
+        mechanism=Mechanism.HELD,
+        model="averaged",
+        nucleus=preparation.nucleus,
+        sites=preparation.chain(chain, 0.0).sites,
+        low=low,
+        high=high,
+        by_seed={runs.preparation.seed: runs.range() for runs in every},
+        perturbation=preparation.perturbation,
+        final_time=duration,
+        monotone=monotone,
+        runs=sum(len(runs.escapes) for runs in every),
+        seconds=time.perf_counter() - started,
+    )
+
+
+def escape_threshold(
+    chain: VanDerPolChain,
+    preparation: Preparation,
+    low: float = 0.15,
+    high: float = 0.25,
+    duration: float = 2000.0,
+    tolerance: float = 1e-6,
+) -> RunThreshold:
+    """Bisect for the coupling at which the prepared nucleus escapes within a time.
+
+    Runs near a fold pass it ever more slowly, c - c_fold ~ duration⁻², so the bisection is done
+    with ``duration`` and with half of it, and the difference is part of the error.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus escapes at ``low`` or holds at ``high``.
+    """
+    started = time.perf_counter()
+    runs = 0
+
+    def bisect(length: float) -> float:
+        nonlocal runs
+        below, above = low, high
+        for c, required in ((below, False), (above, True)):
+            runs += 1
+            if hold(chain, preparation, c, length).escaped is not required:
+                raise ParameterError(
+                    "bracket",
+                    f"[{low}, {high}]",
+                    "such that the nucleus holds at its lower end and escapes at its upper end",
+                    "widen it",
+                )
+        while above - below > tolerance:
+            runs += 1
+            middle = 0.5 * (below + above)
+            if hold(chain, preparation, middle, length).escaped:
+                above = middle
+            else:
+                below = middle
+        return 0.5 * (below + above)
+
+    short, c = bisect(0.5 * duration), bisect(duration)
+    error = 0.5 * tolerance + abs(short - c)
+    return RunThreshold(
+        c=c,
+        error=error,
+        method=ThresholdMethod.HOLD,
+        definition=Definition.FIRST,
+        mechanism=Mechanism.HELD,
+        model="averaged",
+        nucleus=preparation.nucleus,
+        sites=preparation.chain(chain, c).sites,
+        low=c - 0.5 * tolerance,
+        high=c + 0.5 * tolerance,
+        perturbation=preparation.perturbation,
+        final_time=duration,
+        runs=runs,
+        seconds=time.perf_counter() - started,
+    )

@@ -1,0 +1,94 @@
+"""What nuclei do when prepared as in section 2.2: in phase, near the cycle, at rest around.
+
+Runs are of the averaged chain (43), in slow time, the coupling held. A nucleus *holds* while every
+site outside it stays below the unstable cycle |φ_us|, and *escapes* when one passes.
+A perturbation is seeded noise, the same relative size in both parts of every φ_n.
+
+An escape says that the breather of this size is no longer held, and at which coupling. It does not
+say what comes after: the run ends when the first new site passes, and the nucleus may then stand at
+a larger size, grow by jumps or become a front. ``verification.breathers.outcome`` goes on from
+there, in (8).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
+from theory.chains.vdp import VanDerPolChain, VdpChain
+from verification.runs.envelope_run import EnvelopeRun, run_envelope
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """The start of a run.
+
+    Attributes
+    ----------
+    size : int
+        Excited sites, all in phase.
+    place : Place
+        Middle or edge of the chain.
+    perturbation : float
+        Standard deviation of the noise added to both parts of every φ_n; 0 for none.
+    seed : int
+        Seed of the noise.
+    """
+
+    size: int
+    place: Place = Place.BULK
+    perturbation: float = 0.0
+    seed: int = 0
+
+    @property
+    def nucleus(self) -> Nucleus:
+        """The same sites, all in phase."""
+        return Nucleus(self.size, "0" * (self.size - 1), self.place)
+
+    def chain(self, chain: VanDerPolChain, c: float) -> VanDerPolChain:
+        """Return the chain with `MARGIN` sites around the nucleus."""
+        return replace(chain, sites=sites_for(self.size, MARGIN), c=c)
+
+    def start(self, chain: VanDerPolChain) -> Complex:
+        """Return φ_n at T = 0, shape (N,)."""
+        phi = self.nucleus.envelope(chain)
+        if self.perturbation > 0.0:
+            noise = np.random.default_rng(self.seed).normal(size=(2, chain.sites))
+            phi = phi + self.perturbation * (noise[0] + 1j * noise[1])
+        return phi
+
+    def outside(self, chain: VanDerPolChain) -> NDArray[np.bool_]:
+        """Return which sites are not excited."""
+        first = self.nucleus.first(chain.sites)
+        mask = np.ones(chain.sites, dtype=np.bool_)
+        mask[first : first + self.size] = False
+        return mask
+
+
+def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: float) -> EnvelopeRun:
+    """Run the averaged chain at a coupling until it escapes or the time is over.
+
+    Examples
+    --------
+    >>> hold(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 0.2, 200.0).escaped
+    True
+    """
+    here = preparation.chain(chain, c)
+    return run_envelope(
+        here,
+        preparation.start(here),
+        duration,
+        watched=preparation.outside(here),
+        limit=here.unstable_amplitude,
+    )
+
+
+def phase_steps(run: EnvelopeRun, preparation: Preparation) -> NDArray[np.float64]:
+    """Return the phase steps inside the nucleus in units of π, from -1 to 1."""
+    core = run.phi[~preparation.outside(VdpChain(a=1, b=0.1, c=0, sites=len(run.phi)))]
+    return np.asarray(np.angle(core[1:] / core[:-1]) / np.pi, dtype=float)

@@ -1,0 +1,227 @@
+"""What is found of a threshold: the coupling, by what it is defined, and what happens there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from theory.chains.nucleus import Nucleus
+from theory.result import Result
+from theory.status import Status
+
+
+class ThresholdMethod(Status):
+    """How a threshold is found."""
+
+    ENVELOPE = "envelope", "continuation of the breather of the averaged chain (43), ε → 0."
+    ORBIT = "orbit", "continuation of the periodic orbit of (8)."
+    CLOSED_FORM = "closed-form", "the largest coupling at which (29) and (37) have a solution."
+    SWEEP = (
+        "sweep",
+        "slow growth of the coupling from an in-phase start, extrapolated to rate zero.",
+    )
+    HOLD = "hold", "runs of (43) with the coupling held, over seeds of noise."
+    BISECTION = "bisection", "bisection between runs of the chain that spread and that do not."
+
+
+class Definition(Status):
+    """What a threshold is the threshold of."""
+
+    EXISTENCE = "existence", "up to it the breather exists."
+    STABILITY = "stability", "up to it the breather is stable against every small perturbation."
+    FIRST = "first", "from it on a new site is reached by the final time."
+    SEVERAL = (
+        "several", "from it on three new sites are reached on each side of the nucleus.",
+    )  # fmt: skip
+    WHOLE = "whole", "from it on every site is reached by the final time."
+
+
+class Mechanism(Status):
+    """How a nucleus stops being localised, or a breather stops being stable."""
+
+    FOLD = "fold", "it ends in a fold: it meets its unstable partner and neither exists beyond."
+    SYMMETRY_BREAKING = (
+        "symmetry-breaking",
+        "it loses stability before its fold to a mode that breaks mirror symmetry.",
+    )
+    REAL_EXPONENT = "real exponent", "it loses stability before its fold by a real exponent."
+    COMPLEX_EXPONENTS = (
+        "complex exponents",
+        "it loses stability before its fold by a pair of complex exponents.",
+    )
+    NEVER_STABLE = "never stable", "it is stable at no coupling on its branch."
+    SPREADING = "spreading by the final time", "new sites are reached by the final time."
+    SLOW_SWEEP = (
+        "escape in a slow sweep",
+        "the nucleus escapes while the coupling grows; the limit of rate zero is stated.",
+    )
+    HELD = "escape while c is held", "the nucleus escapes while the coupling is held."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Threshold(Result):
+    """The coupling at which a nucleus stops being localised; dimensionless.
+
+    Attributes
+    ----------
+    c, error : float
+        The coupling, and a bound on its error or half the interval that holds it.
+    method : ThresholdMethod
+        How it was found.
+    definition : Definition
+        What it is the threshold of.
+    mechanism : Mechanism
+        What happens there.
+    model : str
+        Name of the chain's model.
+    nucleus : Nucleus
+        Size, pattern, place.
+    sites : int or None
+        Length of the chain; None where it is infinite.
+    readings : mapping of str to float or None, or None
+        Closed form: the fold for each site at which (37) may be read.
+    delay : Delay or None
+        Sweeps: couplings of escape at each rate, and the law of delay.
+    seconds : float
+        Wall-clock time.
+    """
+
+    c: float = field(metadata={"json": "c_crit", "symbol": "c"})
+    error: float
+    method: ThresholdMethod
+    definition: Definition
+    mechanism: Mechanism
+    model: str
+    nucleus: Nucleus
+    sites: int | None = None
+    readings: Mapping[str, float | None] | None = None
+    delay: Delay | None = None
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        found = {"pattern": self.nucleus.pattern, "place": str(self.nucleus.place)}
+        found |= super().to_dict()
+        if self.delay is not None:
+            law = self.delay.to_dict()
+            found |= {name: law[name] for name in ("rates", "escapes", "delay_exponent")}
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchThreshold(Threshold):
+    """A threshold on a branch of breathers that was followed to its fold.
+
+    Attributes
+    ----------
+    c_stable : float or None
+        Up to where the breather is stable against every small perturbation; None if it never is.
+    error_stable : float
+        Error of ``c_stable``.
+    stability_lost_by : Mechanism
+        At the fold itself, before it, or never held.
+    growth : float
+        Largest rate per unit of slow time, trivial one apart, half way to the fold.
+    growth_mirrored : float or None
+        The same for perturbations that keep the mirror symmetry; None without it.
+    """
+
+    c_stable: float | None = field(metadata={"json": "stable_to"})
+    error_stable: float = field(metadata={"json": "stable_to_error"})
+    stability_lost_by: Mechanism = field(metadata={"json": "lost_by"})
+    growth: float = field(metadata={"json": "growth_half_way"})
+    growth_mirrored: float | None = field(metadata={"json": "growth_half_way_mirrored"})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        unknown = {"stable_to_error": None} if self.c_stable is None else {}
+        return super().to_dict() | unknown
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunThreshold(Threshold):
+    """A threshold between runs of the chain at neighbouring couplings.
+
+    Attributes
+    ----------
+    low, high : float
+        At ``low`` the nucleus stays, at ``high`` it does not.
+    final_time : float
+        How long a run may take: t, τ, or slow time for runs of (43).
+    monotone : bool or None
+        Whether escape or spreading was monotone in c among the couplings tested; None if that was
+        not tested.
+    late : float or None
+        The threshold for twice the final time, where that was tested.
+    fuzzy : tuple of float or None
+        Interval around ``c`` in which runs contradict one sharp threshold: spreading that takes
+        more than the final time, or that is not monotone in c. None if there is none.
+    perturbation : float
+        Size of the noise on the start.
+    by_seed : mapping of int to (float, float)
+        The interval for each seed of the noise.
+    runs : int
+        Runs made.
+    """
+
+    derived: ClassVar[tuple[str, ...]] = ("bracket", "fuzzy_width")
+
+    low: float
+    high: float
+    final_time: float
+    monotone: bool | None = None
+    late: float | None = field(default=None, metadata={"json": "c_crit_at_twice_the_time"})
+    fuzzy: tuple[float, float] | None = None
+    perturbation: float = 0.0
+    by_seed: Mapping[int, tuple[float, float]] = field(
+        default_factory=dict, metadata={"json": "range_by_seed"}
+    )
+    runs: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON."""
+        found = super().to_dict()
+        if self.method is ThresholdMethod.HOLD:
+            found |= {"range": list(self.bracket), "waiting_time": self.final_time}
+        return found
+
+    @property
+    def bracket(self) -> tuple[float, float]:
+        """(low, high)."""
+        return self.low, self.high
+
+    @property
+    def fuzzy_width(self) -> float:
+        """Width of the fuzzy interval; 0 without one."""
+        return 0.0 if self.fuzzy is None else self.fuzzy[1] - self.fuzzy[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delay(Result):
+    """Couplings of escape in slow sweeps, and the law of delay fitted to them.
+
+    Attributes
+    ----------
+    rates : tuple of float
+        dc/dT, falling.
+    escapes : tuple of float
+        c at which the nucleus escaped, for each rate.
+    c_0 : float or None
+        Extrapolation to rate zero by c_0 + K rate^{2/3} + K' rate through the three slowest; None
+        where the escapes do not follow this law.
+    error : float or None
+        How far it is from the extrapolation without K' through the two slowest.
+    exponent : float or None
+        ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest: 2/3 at a fold; None where
+        the escapes do not fall with the rate.
+    seconds : float
+        Wall-clock time.
+    """
+
+    rates: tuple[float, ...]
+    escapes: tuple[float, ...]
+    c_0: float | None
+    error: float | None
+    exponent: float | None = field(metadata={"json": "delay_exponent"})
+    seconds: float

@@ -1,0 +1,161 @@
+"""Slow growth of the coupling until a prepared nucleus escapes, and the law of its delay.
+
+A nucleus that follows a stable breather to its fold escapes late by K rate^{2/3}; the coupling of
+the fold is then the limit of rate zero. A nucleus that leaves the breather earlier, for instance
+because it was perturbed, obeys no such law, and nothing is extrapolated.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError, positive
+from verification.runs.envelope_run import run_envelope
+from verification.thresholds.escape import escape_range
+from verification.thresholds.preparation import Preparation
+from verification.thresholds.result import (
+    Definition,
+    Delay,
+    Mechanism,
+    Threshold,
+    ThresholdMethod,
+)
+
+Real = NDArray[np.float64]
+
+SETTLING = 300.0
+"""Slow time at the starting coupling before a sweep begins."""
+LAW = 0.06
+"""Largest departure of the exponent from 2/3: twice the cube root of the slowest default rate."""
+
+
+def sweep_envelope(
+    chain: VanDerPolChain,
+    preparation: Preparation,
+    rate: float,
+    start: float = 0.15,
+    end: float = 0.6,
+) -> float | None:
+    """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None."""
+    positive("sweep rate", rate)
+    here = preparation.chain(chain, start)
+    watch, limit = preparation.outside(here), here.unstable_amplitude
+    settled = run_envelope(here, preparation.start(here), SETTLING, watched=watch, limit=limit)
+    if settled.escaped:
+        return start
+    run = run_envelope(
+        here, settled.phi, (end - start) / rate, rate=rate, watched=watch, limit=limit
+    )
+    return run.coupling if run.escaped else None
+
+
+def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float = 0.0) -> Delay:
+    """Fit c = c_0 + K rate^{2/3} + K' rate, the delay at a fold, to rates in one ratio.
+
+    There is no extrapolation where the escapes do not fall with the rate, or the exponent is
+    farther than `LAW` from 2/3: the nucleus then does not escape at a fold it follows.
+
+    Parameters
+    ----------
+    rates, escapes : sequence of float
+        At least three, rates falling by a constant factor.
+    seconds : float, optional
+        Time the sweeps took, passed on.
+
+    Examples
+    --------
+    >>> rates = [8e-3, 1e-3, 1.25e-4]
+    >>> delay = fit_delay(rates, [0.2 + 0.5 * rate ** (2 / 3) for rate in rates])
+    >>> round(delay.c_0, 12), round(delay.exponent, 9)
+    (0.2, 0.666666667)
+    >>> print(fit_delay(rates, [0.2 + 5 * rate for rate in rates]).c_0)
+    None
+    """
+    speed = np.asarray(rates, dtype=float)
+    c = np.asarray(escapes, dtype=float)
+    steps = -np.diff(c)
+    exponent = c_0 = error = None
+    if (steps > 0.0).all():
+        exponent = math.log(steps[-2] / steps[-1]) / math.log(speed[-2] / speed[-1])
+    if exponent is not None and abs(exponent - 2.0 / 3.0) <= LAW:
+        c_0, error = _extrapolated(speed, c)
+    return Delay(
+        rates=tuple(rates),
+        escapes=tuple(escapes),
+        c_0=c_0,
+        error=error,
+        exponent=exponent,
+        seconds=seconds,
+    )
+
+
+def _extrapolated(speed: Real, c: Real) -> tuple[float, float]:
+    """Return c at rate zero, and what the next term of the law changes."""
+    # At a fold the delay is K rate^{2/3}; the next term is of first order in the rate.
+    terms = np.column_stack([np.ones_like(speed), speed ** (2.0 / 3.0), speed])
+    c_0 = float(np.linalg.solve(terms[-3:], c[-3:])[0])
+    return c_0, abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
+
+
+def measure_delay(
+    chain: VanDerPolChain,
+    preparation: Preparation,
+    rates: Sequence[float] = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5),
+    start: float = 0.15,
+) -> Delay:
+    """Sweep the averaged chain at several rates and fit the delay.
+
+    Raises
+    ------
+    ParameterError
+        If a sweep does not escape.
+    """
+    started = time.perf_counter()
+    escapes = []
+    for rate in rates:
+        found = sweep_envelope(chain, preparation, rate, start)
+        if found is None:
+            raise ParameterError(
+                "sweep rate", rate, "such that the nucleus escapes", "hold c instead"
+            )
+        escapes.append(found)
+    return fit_delay(rates, escapes, time.perf_counter() - started)
+
+
+def sweep_threshold(chain: VanDerPolChain, preparation: Preparation) -> Threshold:
+    """Find the limit of rate zero of slow sweeps, or where that has none, hold the coupling.
+
+    What does not escape at a fold has no limit of rate zero that these sweeps could show; the
+    threshold is then that of `escape_range`, with the sweeps beside it.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus does not escape, or not hold.
+    """
+    if preparation.perturbation > 0.0:
+        # Noise leaves the breather before its fold; a sweep would not tell where.
+        return escape_range(chain, preparation)
+    delay = measure_delay(chain, preparation)
+    if delay.c_0 is None or delay.error is None:
+        held = escape_range(chain, preparation)
+        return replace(held, delay=delay, seconds=held.seconds + delay.seconds)
+    return Threshold(
+        c=delay.c_0,
+        error=delay.error,
+        method=ThresholdMethod.SWEEP,
+        definition=Definition.EXISTENCE,
+        mechanism=Mechanism.SLOW_SWEEP,
+        model="averaged",
+        nucleus=preparation.nucleus,
+        sites=preparation.chain(chain, 0.0).sites,
+        delay=delay,
+        seconds=delay.seconds,
+    )

@@ -1,0 +1,289 @@
+"""Thresholds by direct runs, of any chain: the coupling from which on a nucleus spreads (Fig. 4).
+
+The number depends on what counts as spreading, on the ends, on the start and on the final time;
+each is an option with a name. The search:
+
+* runs at couplings that grow by a constant factor, until one spreads: the lowest is sought, and at
+  high coupling a small nucleus may go to rest instead;
+* bisection between that coupling and the one before it;
+* the same with twice the final time, from there downwards: spreading can be late;
+* runs at couplings on both sides, to see whether spreading is monotone.
+
+Wherever the last two contradict a single threshold, the interval of couplings in which they do is
+reported as fuzzy.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from theory.cells.friction import check_sliding_stable
+from theory.chains.chain import Chain
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import STEPS, Nucleus, Place
+from theory.parameters import ParameterError, count_within, positive, within
+from verification.runs import friction_integration, smooth_integration  # noqa: F401  (register)
+from verification.runs.comparison import COARSER
+from verification.runs.excite import StartPoint, excite
+from verification.runs.integration import integration
+from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
+
+GROWTH = 1.25
+"""Factor between couplings of the first search."""
+REACH = 0.2
+"""Part of the threshold on either side of it where monotony is tested."""
+SEVERAL = 3
+"""New sites on each side of the nucleus for ``Definition.SEVERAL``."""
+_BUDGET = 20_000
+"""Sites times steps between two looks at what has been reached."""
+
+
+@dataclass(frozen=True)
+class Spreading:
+    """What is excited, and what counts as spreading.
+
+    Attributes
+    ----------
+    size : int
+        Excited sites.
+    place : Place
+        At the edge or in the middle.
+    definition : Definition
+        What counts: ``first``, ``several`` or ``whole``.
+    final_time : float
+        In units of the chain's `time_unit` (τ of (5), slow time of (8) and (43)), from 1 to 1e6.
+    point : StartPoint
+        Point of the cycle of (5) from which the excited sites start.
+    tolerance : float
+        Of the integrator, from 1e-12 to 1e-4.
+    pattern : str
+        Phase steps between the excited sites of a smooth chain, as in `Nucleus`; all in phase if
+        empty.
+    displacement : float or None
+        Of the excited sites; by default the excited state of one cell.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of range.
+    """
+
+    size: int = 1
+    place: Place = Place.EDGE
+    definition: Definition = Definition.FIRST
+    final_time: float = 1000.0
+    point: StartPoint = StartPoint.MAXIMUM
+    tolerance: float = 1e-8
+    pattern: str = ""
+    displacement: float | None = None
+
+    def __post_init__(self) -> None:
+        count_within("nucleus size", self.size, 1, 100_000)
+        within("final time", self.final_time, 1.0, 1e6)
+        within("tolerance", self.tolerance, 1e-12, 1e-4)
+        object.__setattr__(self, "place", Place(self.place))
+        for name, kind in (("definition", Definition), ("point", StartPoint)):
+            object.__setattr__(self, name, kind(getattr(self, name)))
+        if self.definition in (Definition.EXISTENCE, Definition.STABILITY):
+            raise ParameterError(
+                "definition", self.definition.value, "first, several or whole for runs",
+                "take one of them, or a method that follows breathers",
+            )  # fmt: skip
+        _ = self.nucleus
+
+    @property
+    def nucleus(self) -> Nucleus:
+        """The excited sites."""
+        return Nucleus(self.size, self.pattern or "0" * (self.size - 1), self.place)
+
+    def watched(self, sites: int) -> tuple[int, ...]:
+        """Return the sites to be reached, of which ``first`` asks for one and others for all.
+
+        Examples
+        --------
+        >>> Spreading(3, Place.BULK, Definition.SEVERAL).watched(31)
+        (12, 13, 14, 18, 19, 20)
+        """
+        excited = self.nucleus.excited(sites)
+        others = [n for n in range(1, sites + 1) if n not in excited]
+        if self.definition is Definition.SEVERAL:
+            low, high = excited[0] - SEVERAL, excited[-1] + SEVERAL
+            others = [n for n in others if low <= n <= high]
+        if not others:
+            raise ParameterError(
+                "number of sites n", sites, f"more than the nucleus of {self.size}", "add sites"
+            )
+        return tuple(others)
+
+    def start(self, chain: Chain) -> Any:
+        """Return the start, (y, w) of every site."""
+        sites = self.nucleus.excited(_sites(chain))
+        turns = np.cumsum([0.0, *(STEPS[sign] for sign in self.nucleus.pattern)]) / (0.5 * np.pi)
+        return excite(
+            chain,
+            sites,
+            self.displacement,
+            quarter_turns=[round(turn) for turn in turns],
+            point=self.point,
+        )
+
+
+def _sites(chain: Chain) -> int:
+    sites: int = getattr(chain, "sites", 0)
+    if not sites:
+        raise ParameterError("model", chain.model, "a chain of finite length", "take another chain")
+    return sites
+
+
+def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None) -> bool:
+    """Run the chain until the nucleus has spread, has gone to rest, or the final time is over.
+
+    Parameters
+    ----------
+    chain : Chain
+        Parameters, with its coupling; of any model that is integrated in time.
+    spreading : Spreading
+        What is excited and what counts.
+    final_time : float, optional
+        In place of the one in ``spreading``.
+
+    Examples
+    --------
+    >>> [spreads(FrictionChain(c=c), Spreading()) for c in (0.01, 0.011)]
+    [False, True]
+    """
+    watched = np.array(spreading.watched(_sites(chain))) - 1
+    required = 1 if spreading.definition is Definition.FIRST else watched.size
+    end = chain.time_unit * (spreading.final_time if final_time is None else final_time)
+    run = integration(chain, spreading.start(chain), [end], tolerance=spreading.tolerance, end=end)
+
+    def spread() -> bool:
+        return int(np.count_nonzero(run.arrivals[watched] <= end)) >= required
+
+    while not run.finished:
+        run.advance(_BUDGET)
+        if spread():
+            return True
+        if run.going_to_rest():
+            return False
+    return spread()
+
+
+def spreading_threshold(
+    chain: Chain,
+    spreading: Spreading,
+    *,
+    lowest: float = 1e-3,
+    highest: float = 0.5,
+    accuracy: float = 1e-6,
+    tests: int = 12,
+    progress: Callable[[float], None] | None = None,
+) -> RunThreshold:
+    """Find the lowest coupling at which a nucleus spreads.
+
+    Parameters
+    ----------
+    chain : Chain
+        Of any model with a coupling c that is integrated in time; its c is not used.
+    spreading : Spreading
+        What is excited and what counts.
+    lowest, highest : float
+        Couplings between which the first search goes.
+    accuracy : float
+        Width of the bracket, from 1e-12 to 0.1.
+    tests : int
+        Couplings on each side of the threshold where monotony is tested; 0 for no test of it, nor
+        of what a later final time changes.
+    progress : callable, optional
+        Called after each run with the fraction done, as far as it can be foreseen.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus spreads at ``lowest`` already, or nowhere up to ``highest``.
+
+    Examples
+    --------
+    >>> found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-4, tests=0)
+    >>> found.low < 0.01056 < found.high, found.error < 1e-4
+    (True, True)
+    """
+    begin = perf_counter()
+    positive("lowest coupling", lowest)
+    within("highest coupling", highest, 1.01 * lowest, 1e6, "it must be above the lowest")
+    within("accuracy", accuracy, 1e-12, 0.1)
+    count_within("tests of monotony", tests, 0, 10_000)
+    runs = 0
+    expected = 2.0 * tests + math.log(highest / lowest) / math.log(GROWTH)
+
+    def at(c: float, longer: float, coarser: float) -> bool:
+        nonlocal runs
+        runs += 1
+        if progress is not None:
+            progress(runs / (runs + expected))
+        tolerance = min(1e-4, coarser * spreading.tolerance)
+        final = longer * spreading.final_time
+        return spreads(chain.replace(c=c), replace(spreading, tolerance=tolerance), final)
+
+    def first_above(start: float, longer: float, coarser: float) -> tuple[float, float]:
+        low, c = start, start
+        while not at(c, longer, coarser):
+            if c >= highest:
+                raise ParameterError(
+                    "highest coupling",
+                    highest,
+                    "one up to which the nucleus spreads",
+                    "take a wider nucleus, a later final time, or for friction a lower v_d",
+                )
+            low, c = c, min(highest, GROWTH * c)
+        if c == start:
+            if isinstance(chain, FrictionChain):
+                check_sliding_stable(chain.cell)
+            raise ParameterError(
+                "lowest coupling", start, "one at which the nucleus does not spread", "lower it"
+            )
+        high = c
+        while high - low > accuracy and low < 0.5 * (low + high) < high:
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if at(middle, longer, coarser) else (middle, high)
+        return low, high
+
+    low, high = first_above(lowest, 1.0, 1.0)
+    c, error = 0.5 * (low + high), 0.5 * (high - low)
+    if at(low, 1.0, COARSER) or not at(high, 1.0, COARSER):
+        error += abs(c - 0.5 * sum(first_above(lowest, 1.0, COARSER)))
+    late, fuzzy, monotone = c, None, True
+    if tests > 0:
+        if at(low, 2.0, 1.0):
+            late = 0.5 * sum(first_above(lowest, 2.0, 1.0))
+        places = [REACH * c * (k + 1) / tests for k in range(tests)]
+        below = [c - place for place in places if at(c - place, 1.0, 1.0)]
+        above = [c + place for place in places if not at(c + place, 1.0, 1.0)]
+        monotone = not below and not above
+        ends = (min([late, c, *below]), max([c, *above]))
+        if ends[1] - ends[0] > 2.0 * accuracy:
+            fuzzy = ends
+    return RunThreshold(
+        c=c,
+        error=error,
+        method=ThresholdMethod.BISECTION,
+        definition=spreading.definition,
+        mechanism=Mechanism.SPREADING,
+        model=chain.model,
+        nucleus=spreading.nucleus,
+        sites=_sites(chain),
+        low=low,
+        high=high,
+        final_time=spreading.final_time,
+        late=late,
+        fuzzy=fuzzy,
+        monotone=monotone,
+        runs=runs,
+        seconds=perf_counter() - begin,
+    )

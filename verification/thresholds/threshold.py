@@ -1,0 +1,227 @@
+"""``threshold``: the coupling at which a nucleus of any chain stops being localised."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from theory.averaged.breather import Reading, closed_form_fold
+from theory.chains.chain import Chain
+from theory.chains.nucleus import Nucleus, Place, outward_pattern
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from theory.parameters import ParameterError, within
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.escape import escape_range
+from verification.thresholds.preparation import Preparation
+from verification.thresholds.result import (
+    BranchThreshold,
+    Definition,
+    Mechanism,
+    Threshold,
+    ThresholdMethod,
+)
+from verification.thresholds.slow_sweep import sweep_threshold
+from verification.thresholds.spreading import Spreading, spreading_threshold
+
+MAX_NUCLEUS = 41
+"""Widest nucleus whose breather is followed: matrices are dense."""
+_BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
+
+
+def threshold(
+    chain: Chain,
+    nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
+    *,
+    method: ThresholdMethod | str | None = None,
+    definition: Definition | str | None = None,
+    final_time: float = 1000.0,
+    lowest: float = 1e-3,
+    highest: float = 0.5,
+    accuracy: float = 1e-6,
+    tests: int = 12,
+    displacement: float | None = None,
+    perturbation: float = 0.0,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> Threshold:
+    """Find the coupling at which a nucleus stops being localised.
+
+    Parameters
+    ----------
+    chain : Chain
+        Of any model with a coupling c; its c is not used.
+    nucleus : Nucleus, optional
+        Excited sites, their phase steps, and their place.
+    method : ThresholdMethod or str, optional
+        ``envelope`` (by default for an `AveragedChain`) and ``orbit`` (by default for a
+        `VdpChain`): continuation of the breather to its fold. ``closed-form``: fold of (29) with
+        (37). ``sweep`` and ``hold``: runs of (43) from an in-phase start. ``bisection`` (by default
+        for any other chain): runs of the chain itself that spread, or do not.
+    definition : Definition or str, optional
+        ``existence`` (by default) or ``stability`` of the breather; for runs ``first`` (by
+        default), ``several`` or ``whole``.
+    final_time : float, optional
+        Bisection: time by which the nucleus must have spread, in units of the chain's `time_unit`.
+    lowest, highest : float, optional
+        Bisection: couplings between which it searches.
+    accuracy : float, optional
+        Bisection: width of the bracket.
+    tests : int, optional
+        Bisection: couplings on each side at which monotony is tested.
+    displacement : float, optional
+        Bisection: of the excited sites; by default the excited state of one cell.
+    perturbation, seed : float and int, optional
+        Sweep, hold: standard deviation of the noise on the start, up to 0.1, and its first seed.
+    progress : callable, optional
+        Bisection: called with the fraction done.
+
+    Returns
+    -------
+    Threshold
+        `BranchThreshold` by continuation, `RunThreshold` by runs.
+
+    Raises
+    ------
+    ParameterError
+        If the method or the definition is not one for this chain, or nothing is found in range.
+
+    References
+    ----------
+    Keller (1977), for continuation through a fold; Berglund and Gentz (2006), for the delay at a
+    fold that is passed slowly.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> found = threshold(AveragedChain(a=2.5, b=0.5, c=0))
+    >>> round(found.c, 6), found.mechanism.value, found.stability_lost_by.value
+    (0.190788, 'fold', 'symmetry-breaking')
+    >>> from theory.chains.friction import FrictionChain
+    >>> edge = Nucleus(1, place="edge")
+    >>> found = threshold(FrictionChain(c=0), edge, accuracy=1e-4, tests=0)
+    >>> found.low < 0.01056 < found.high
+    True
+    """
+    how = _method(chain, method)
+    what = _definition(how, definition)
+    if how is ThresholdMethod.BISECTION:
+        spreading = Spreading(
+            nucleus.size, nucleus.place, what, final_time, pattern=nucleus.pattern,
+            displacement=displacement,
+        )  # fmt: skip
+        return spreading_threshold(
+            chain, spreading, lowest=lowest, highest=highest, accuracy=accuracy, tests=tests,
+            progress=progress,
+        )  # fmt: skip
+    if not isinstance(chain, VanDerPolChain):
+        raise _refusal(chain, how)
+    _ = chain.stable_amplitude
+    if nucleus.size > MAX_NUCLEUS:
+        raise ParameterError("nucleus", nucleus.size, f"at most {MAX_NUCLEUS} sites", "excite less")
+    if how is ThresholdMethod.CLOSED_FORM:
+        return closed_form_threshold(chain, nucleus)
+    if how in (ThresholdMethod.SWEEP, ThresholdMethod.HOLD):
+        return _by_runs_of_43(chain, nucleus, how, perturbation, seed)
+    found = breather_threshold(chain, _with_pattern(nucleus), how)
+    return found if what is Definition.EXISTENCE else _of_stability(found)
+
+
+def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
+    """Return the fold of (29) with (37) at the neighbour, and those of the other readings.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus is not one site in the bulk: (9) has one centre.
+    """
+    started = time.perf_counter()
+    if nucleus.size != 1 or nucleus.place is not Place.BULK:
+        raise ParameterError(
+            "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
+            "take the method envelope or orbit",
+        )  # fmt: skip
+    folds = {reading: closed_form_fold(chain, reading) for reading in Reading}
+    fold = folds[Reading.NEIGHBOUR]
+    assert fold.c is not None  # only the reading at the centre has none
+    return Threshold(
+        c=fold.c,
+        error=fold.error,
+        method=ThresholdMethod.CLOSED_FORM,
+        definition=Definition.EXISTENCE,
+        mechanism=Mechanism.FOLD,
+        model=chain.model,
+        nucleus=nucleus,
+        readings={reading.value: each.c for reading, each in folds.items()},
+        seconds=time.perf_counter() - started,
+    )
+
+
+def _method(chain: Chain, method: ThresholdMethod | str | None) -> ThresholdMethod:
+    if method is None:
+        if isinstance(chain, VdpChain):
+            return ThresholdMethod.ORBIT
+        if isinstance(chain, AveragedChain):
+            return ThresholdMethod.ENVELOPE
+        return ThresholdMethod.BISECTION
+    words = [each.value for each in ThresholdMethod]
+    if method not in words:
+        raise ParameterError("method", method, f"one of {', '.join(words)}", "name one")
+    return ThresholdMethod(method)
+
+
+def _definition(method: ThresholdMethod, definition: Definition | str | None) -> Definition:
+    runs = method is ThresholdMethod.BISECTION
+    followed = method in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT)
+    allowed = [each for each in Definition if (each in _BREATHERS) is not runs]
+    if not runs and not followed:
+        allowed = [Definition.EXISTENCE, Definition.FIRST]
+    if definition is None:
+        return Definition.FIRST if runs else Definition.EXISTENCE
+    if definition not in [each.value for each in allowed]:
+        words = ", ".join(each.value for each in allowed)
+        raise ParameterError("definition", definition, f"one of {words} for {method}", "name one")
+    return Definition(definition)
+
+
+def _refusal(chain: Chain, method: ThresholdMethod) -> ParameterError:
+    return ParameterError(
+        "method", method.value, f"bisection for the model {chain.model}",
+        "take it, or a chain that has breathers of (8) or (43)",
+    )  # fmt: skip
+
+
+def _with_pattern(nucleus: Nucleus) -> Nucleus:
+    """Return a nucleus of three or more in phase as what it relaxes to."""
+    if nucleus.size < 3 or nucleus.place is Place.EDGE or set(nucleus.pattern) - {"0"}:
+        return nucleus
+    return Nucleus(nucleus.size, outward_pattern(nucleus.size), nucleus.place)
+
+
+def _by_runs_of_43(
+    chain: VanDerPolChain, nucleus: Nucleus, how: ThresholdMethod, noise: float, seed: int
+) -> Threshold:
+    if set(nucleus.pattern) - {"0"}:
+        raise ParameterError(
+            "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
+        )
+    within("perturbation", noise, 0.0, 0.1)
+    preparation = Preparation(nucleus.size, nucleus.place, noise, seed)
+    if how is ThresholdMethod.HOLD:
+        return escape_range(chain, preparation)
+    return sweep_threshold(chain, preparation)
+
+
+def _of_stability(found: BranchThreshold) -> Threshold:
+    if found.c_stable is None:
+        raise ParameterError(
+            "pattern", repr(found.nucleus.pattern), "one that is stable at some coupling",
+            "name another, or ask for its existence",
+        )  # fmt: skip
+    return replace(
+        found,
+        c=found.c_stable,
+        error=found.error_stable,
+        definition=Definition.STABILITY,
+        mechanism=found.stability_lost_by,
+    )

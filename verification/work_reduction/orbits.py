@@ -1,0 +1,78 @@
+"""Omissions in the search for periodic orbits of (8)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+
+from theory.averaged.envelope import coupling_matrix
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
+from verification.breathers.orbits import STIFFEST, Orbit, solve_orbit, steps_for
+from verification.steppers.variational import STEPS, integrate_variations
+from verification.work_reduction.comparison import Comparison
+
+FloatArray = npt.NDArray[np.float64]
+
+_MOST_STEPS = STEPS + math.ceil(STEPS * STIFFEST)
+"""What `steps_for` gives for the steepest cycle that it accepts."""
+
+
+def harmonics_not_solved_for(eps: float = 0.05, sites: int = 3) -> Comparison:
+    """Solve for a state and a period, and for every odd harmonic of every site above rounding."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=eps, sites=sites)
+    orbit = solve_orbit(chain, Nucleus(1))
+    samples = integrate_variations(chain, orbit.state, orbit.period, 256).samples[:, :sites]
+    spectrum = np.fft.rfft(samples, axis=0) / len(samples)
+    highest = int(np.flatnonzero(np.abs(spectrum).max(axis=1) > orbit.error)[-1])
+    odd = np.arange(1, highest + 3, 2)
+    period, rest = _balanced(chain, odd, 2.0 * spectrum[odd].T, orbit)
+    unknowns = 2.0 * sites * odd.size + 1.0
+    bound = orbit.error + rest
+    return Comparison(2.0 * sites + 1.0, unknowns, float(abs(period - orbit.period)), bound)
+
+
+def _balanced(
+    chain: VdpChain, odd: npt.NDArray[np.int64], h: npt.NDArray[np.complex128], orbit: Orbit
+) -> tuple[float, float]:
+    """Return the period by harmonic balance, y = Re Σ h_j e^{ijωt}, and its own error.
+
+    The guess is put off by a hundredth, so that the balance is found and not merely confirmed.
+    """
+    count = 8 * odd.size
+    waves = np.exp(2j * np.pi * np.outer(odd, np.arange(count)) / count)
+    springs = coupling_matrix(chain.sites, chain.ends)
+    middle = chain.sites // 2
+    h = h * np.exp(-1j * np.outer(np.angle(h[middle, 0]) * np.ones(chain.sites), odd))
+
+    def parts(unknown: FloatArray) -> tuple[float, npt.NDArray[np.complex128]]:
+        both = unknown[1:].reshape(2, *h.shape)
+        return float(unknown[0]), both[0] + 1j * both[1]
+
+    def rest(unknown: FloatArray) -> FloatArray:
+        omega, now = parts(unknown)
+        y, v = (now @ waves).real, (1j * omega * odd * now @ waves).real
+        force = springs @ y * chain.c + v * (1.0 - chain.a * y**2 + chain.b * y**4)
+        left = (-((omega * odd) ** 2) * now @ waves).real + y + chain.eps * force
+        balance = 2.0 * left @ waves.conj().T / count
+        return np.concatenate([[now[middle, 0].imag], balance.real.ravel(), balance.imag.ravel()])
+
+    guess = np.concatenate([[1.01 * orbit.frequency], h.real.ravel(), h.imag.ravel()])
+    found = least_squares(rest, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    # What is left of the balance, through the inverse of its slope, and the last harmonic kept.
+    missed = np.linalg.lstsq(np.asarray(found.jac), np.asarray(found.fun), rcond=None)[0]
+    period = 2.0 * np.pi / found.x[0]
+    last = float(np.abs(parts(found.x)[1][:, -1]).max())
+    return period, float(period * (np.abs(missed).max() + last + 8.0 * np.finfo(float).eps))
+
+
+def fewer_steps(eta: float = 0.08, sites: int = 11) -> Comparison:
+    """Take the steps that this cycle needs, and those that would do for every chain."""
+    chain = VdpChain(a=2.5, b=6.25 * eta, c=0.1, sites=sites)
+    few = solve_orbit(chain, Nucleus(1))
+    whole = solve_orbit(chain, Nucleus(1), steps=_MOST_STEPS)
+    changed = max(abs(few.period - whole.period), float(np.abs(few.state - whole.state).max()))
+    return Comparison(steps_for(chain), _MOST_STEPS, changed, few.error + whole.error)

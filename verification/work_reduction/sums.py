@@ -1,0 +1,176 @@
+"""Omissions in the sum (53), the kinetic relation (54) and assumption (47)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import mpmath as mp
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.vdp import threshold_ratio
+from theory.parameters import ParameterError
+from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.folds import fold_couplings
+from theory.piecewise.limits import static_sum
+from theory.piecewise.profile import ProfileGrid
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.integral import equispaced_points, rounding_bound, sums
+from theory.piecewise.sums.series import SeriesScene, sum_by_roots, tail_sum
+from verification.work_reduction.comparison import Comparison, timed
+
+FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+_TAIL_DIGITS = 15
+_EPS = float(np.finfo(float).eps)
+_PIECE = 4096
+_VIOLATION = 1e-11
+"""What ``theory.piecewise.admissibility`` allows a front to violate (47) by, in |φ/φ_s|²."""
+
+
+def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
+    """Sum the roots near the singularities and the tail; sum all one by one until 10^-digits.
+
+    What the cut-off series still lacks is a tail too; it is added before the two are compared.
+    """
+    few = sum_by_roots(v, c, digits)
+    # Far out a term is 1/(v k²), k = 2πν: beyond M on both sides they add up to 1/(2π²vM).
+    most = math.ceil(10.0**digits / (2.0 * math.pi**2 * v))
+    labels = np.arange(-most, most + 1)
+    roots = labelled_roots(v, c, labels, True)
+    slope = -1j * (v + c * np.sin(roots.k))
+    terms = 1.0 / (roots.k * slope)
+    terms[[0, -1]] *= 0.5
+    value = complex(math.fsum(terms.real), math.fsum(terms.imag))
+    relative = 1.0 / np.abs(roots.k) + c * np.cosh(roots.k.imag) / np.abs(slope)
+    rounding = float(np.sum(np.abs(terms) * (relative * roots.radius + 4.0 * _EPS)))
+    with mp.workdps(30):
+        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
+        for label, side in ((-most, -1), (most, 1)):
+            rest, missed = tail_sum(scene, label, side, 3)
+            value += complex(rest)
+            rounding += float(missed)
+    changed = abs(few.value - value)
+    return Comparison(few.terms, labels.size, changed, few.error + rounding)
+
+
+def few_tail_terms(v: float = 0.3, c: float = 0.5, label: int = 9) -> Comparison:
+    """Take the orders of one tail that 15 digits need, and those that 60 need, in ms."""
+    with mp.workdps(2 * _TAIL_DIGITS):
+        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
+        few, spent = timed(lambda: tail_sum(scene, label, 1, 25))
+        many, whole = timed(lambda: tail_sum(scene, label, 1, 80))
+        changed = float(abs(few[0] - many[0]))
+        return Comparison(1e3 * spent, 1e3 * whole, changed, float(few[1] + many[1]))
+
+
+def few_points(c: float = 0.5, tolerance: float = 1e-13) -> Comparison:
+    """Give each of 200 velocities its own number of points, or all that of the hardest."""
+    v = np.geomspace(0.05, 5.0, 200)
+    own = sums(v, np.full(v.size, c), tolerance)
+    most, _ = equispaced_points(v, np.full(v.size, c), tolerance)
+    count = int(most.max())
+    G, points = _integrand(v, c, count)
+    rounding = rounding_bound(np.abs(G).mean(axis=1), v, np.full(v.size, c))
+    changed = np.abs(own.value - (G.mean(axis=1) - 1.0))
+    worst = int(np.argmax(changed / (own.error + rounding)))
+    return Comparison(
+        float(own.points.sum()),
+        float(points * v.size),
+        float(changed[worst]),
+        float((own.error + rounding)[worst]),
+    )
+
+
+def _integrand(v: FloatArray, c: float, count: int) -> tuple[ComplexArray, int]:
+    """Return G of ``sums.integral`` on a period, as it stands there, and half the points.
+
+    The other half is its mirror image and would not be computed by anybody.
+    """
+    k = 2.0 * np.pi * np.arange(count) / count
+    X = np.sin(0.5 * k) ** 2
+    A = 0.5 - 2j * c * X
+    F = -np.expm1(-A / v[:, None])
+    G: ComplexArray = F * (2.0 - F) / (F * F + 4.0 * X * (1.0 - F)) / (2.0 * A)
+    return G, count // 2 + 1
+
+
+def double_precision(v: float = 0.3, c: float = 1000.0) -> Comparison:
+    """Sum the roots to 15 digits in double precision, and all of them in mpmath, in ms."""
+    double, spent = timed(lambda: sum_by_roots(v, c, 15))
+    precise, whole = timed(lambda: sum_by_roots(v, c, 16))
+    changed = float(abs(mp.mpc(double.value) - precise.value))
+    return Comparison(1e3 * spent, 1e3 * whole, changed, double.error + precise.error)
+
+
+def few_values_of_the_shape(
+    c: float = 0.5, eta: float = 0.03125, branch: int = 0, hidden: float = _VIOLATION
+) -> Comparison:
+    """Decide (47) by slopes, and by values so dense that no violation can hide between them.
+
+    Between samples h apart a minimum is missed by at most h² max|g''|/8, g = |φ|² - r²; ``hidden``
+    is the largest that may be missed.
+    """
+    r = threshold_ratio(eta)
+    v = float(all_velocities(np.array([c]), np.array([2.0 * r])).v[branch])
+    verdict = check_admissible(v, c, r)
+    left, right = verdict.proven_beyond
+    grid = ProfileGrid.make(v, c, max(left, right) + 2.0, _VIOLATION)
+    zeta, phi = grid.on_lattice(64)
+    inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 0.05)  # not over the kink at 0
+    bend = float(np.abs(np.diff(np.abs(phi) ** 2, 2))[inside[1:-1]].max()) * 64.0**2
+    pieces = math.ceil(1.0 / math.sqrt(8.0 * hidden / bend) / _PIECE)
+    m = np.arange(-left, right)
+    worst = math.inf
+    for phi in _shape(grid, m, pieces):
+        g = np.abs(phi) ** 2 - r * r
+        worst = min(worst, float(np.min(np.where(m[:, None] < 0, g, -g))))
+    violation = max(0.0, -worst)
+    agreed = verdict.admissible is (violation <= _VIOLATION)
+    changed = (violation if verdict.admissible else 0.0) if agreed else math.inf
+    values = pieces * _PIECE * m.size
+    return Comparison(verdict.points, values, changed, _VIOLATION + grid.error)
+
+
+def _shape(grid: ProfileGrid, m: FloatArray, pieces: int) -> Iterator[ComplexArray]:
+    """Yield φ/φ_s at every site m and a piece of the way to the next, shape (len(m), _PIECE).
+
+    The bracket of ``ProfileGrid`` grows like e^{af}, the same from one piece to the next.
+    """
+    turn = np.exp(1j * np.outer(m, grid.k)) * grid.inverse_onsite / (2.0 * grid.points)
+    late = turn * grid.wave / -np.expm1(1j * grid.k - grid.a)
+    pole = 0.5 - (turn @ grid.pole)[:, None]
+    within = np.exp(np.outer(grid.a, np.arange(_PIECE) / (_PIECE * pieces)))
+    for piece in range(pieces):
+        yield pole - (late * np.exp(-grid.a * (1.0 - piece / pieces))) @ within
+
+
+def few_values_in_a_search(eta: float = 0.03125, above: float = 1e-8) -> Comparison:
+    """Find every velocity a little above c_fold by slopes, and by a scan that parts the nearest.
+
+    Velocities are compared through the cells of the scan in which g changes sign, whose width
+    bounds how far they may be apart; another number of them is infinitely far.
+    """
+    r = threshold_ratio(eta)
+    (fold,) = fold_couplings([eta])
+    if fold is None:
+        raise ParameterError("eta", eta, "below 2/25", "take a fold of fronts that advance")
+    c = fold.value * (1.0 + above)
+    found = all_velocities(np.array([c]), np.array([2.0 * r]))
+    low = 0.5 / math.log1p(2.0 / abs(abs(static_sum(c)) - 2.0 * r))
+    high = 2.0 * c * (1.0 + 2.0 * c) / (2.0 * r)
+    nearest = float(np.min(np.diff(np.log(found.v)), initial=1e-2))
+    t = np.linspace(math.log(low), math.log(high), math.ceil(math.log(high / low) / nearest * 2.5))
+    g = np.concatenate(
+        [np.abs(sums(np.exp(part), c).value) - 2.0 * r for part in np.array_split(t, 16)]
+    )
+    changes = np.flatnonzero(np.diff(np.sign(g)))
+    width = float(t[1] - t[0])
+    if changes.size != found.v.size:
+        return Comparison(found.evaluations, t.size, math.inf, width)
+    middle = 0.5 * (t[changes] + t[changes + 1])
+    changed = float(np.max(np.abs(np.log(found.v) - middle), initial=0.0))
+    return Comparison(found.evaluations, t.size, changed, width)

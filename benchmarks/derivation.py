@@ -24,7 +24,6 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
-
 from benchmarks.work_precision import (
     Answer,
     Effort,
@@ -34,8 +33,8 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
 )
-from derivations.averaging_evidence import damping_mean
-from derivations.periodic_orbit import orbit
+from derivations.averaging.periodic_orbit import orbit
+from derivations.averaging.readings import damping_mean, paper_numbers
 from verification.quantities.problems import Problem, timed
 
 A, B, EPS = timed("derivation")[-1].cell.values()
@@ -43,12 +42,13 @@ A, B, EPS = timed("derivation")[-1].cell.values()
 OURS = """
 import json, sys, time
 import sympy as sp
-from derivations.modulation import ROUTE
-from derivations.oscillator import Oscillator, van_der_pol
+from derivations.algebra.modulation import Force, ROUTE
+from derivations.chain import PAPER
+from derivations.symbols import epsilon
 order = int(sys.argv[1])
-cell = van_der_pol(False)
+motion = PAPER.cell().equation()
 start = time.perf_counter()
-found = ROUTE(cell, order)
+found = ROUTE(Force.read(motion, epsilon), order)
 seconds = time.perf_counter() - start
 name = found.ring.amplitudes[0]
 scale = SCALE  # amplitude of y over the modulus of this amplitude
@@ -56,7 +56,7 @@ r, a, b = sp.Symbol("r", positive=True), *sp.symbols("a b", positive=True)
 here = {name: r / scale, a: sp.Rational("VALUE_A"), b: sp.Rational("VALUE_B")}
 rate = sp.expand((found.first_expr().subs(here).doit() * scale))
 shift = sp.expand(found.second_expr().subs(here).doit() * scale / r / sp.I) if order == 2 else None
-chain = ROUTE(van_der_pol(True), 1)
+chain = ROUTE(Force.read(PAPER.equation(), epsilon), 1)
 driven = chain.ring.amplitudes[chain.ring.reach + 1] in chain.first_expr().free_symbols
 print(json.dumps({"seconds": seconds, "rate": str(rate), "shift": str(shift), "driven": driven}))
 """
@@ -238,7 +238,7 @@ def cycles_error(rate: str) -> float:
     sizes = [float(q) for q in roots if q.is_real and q > 1e-9]
     if len(sizes) != 2:
         return math.inf
-    unit = {"a": A, "b": B, "c": 0.0, "e": 1.0, "w": 1.0}
+    unit = paper_numbers(A, B)
     return max(abs(damping_mean(size**2, unit)) for size in sizes)
 
 
@@ -259,7 +259,7 @@ def outer_amplitude() -> float:
 def measured_shift(eps: float) -> float:
     """Return (frequency - 1)/eps² of the true outer cycle."""
     start = outer_amplitude() * np.sin(2 * np.pi * np.arange(61) / 61)[None, :]
-    _, frequency = orbit(start, 1.0, {"e": eps, "a": A, "b": B, "c": 0.0})
+    _, frequency = orbit(start, 1.0, paper_numbers(A, B, eps=eps))
     return float((frequency - 1) / eps**2)
 
 
@@ -295,5 +295,5 @@ BENCHMARK = WorkPrecision(
         "multiple scales is the paper's route and gives each step of it, in milliseconds more"
     },
     first={name: partial(_first, name) for name in (MULTIPLE, "OSCILATE")},
-    code=("derivations.modulation", "derivations.oscillator"),
+    code=("derivations.algebra.modulation", "derivations.algebra.harmonics"),
 )

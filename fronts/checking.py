@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from theory.parameters import ParameterError, count_within, whole_number
 
 if TYPE_CHECKING:
-    from derivations.derivation import Derivation
-    from derivations.envelope import Envelope
+    from derivations.algebra.steps import Derivation
+    from derivations.cell.envelope import Envelope
     from paper_checks.outcome import Outcome
     from verification.quantities.robustness import Stability
 
@@ -99,7 +99,7 @@ def derive_cell(
     >>> [cycle.stability for cycle in found.cycles]
     ['unstable', 'stable']
     """
-    from derivations.envelope import derive_envelope
+    from derivations.cell.envelope import derive_envelope
 
     envelope = derive_envelope(damping, stiffness, coupling)
     return envelope.with_values({name: str(value) for name, value in (values or {}).items()})

@@ -32,6 +32,7 @@ from verification.maps.vdp_rules import (
     level_of,
     positive_damping_square,
 )
+from verification.references.equations import amplitude_of, as_state, averaged_rate, full_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.state_run import at_rest_for_ever
@@ -43,38 +44,23 @@ FULL, ENVELOPE = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averag
 def _chain_by_scipy(
     task: StateTask, eta: float, c: float, times: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return amplitudes, shape (M, N), at slow times, written anew from (8) and (43)."""
+    """Return amplitudes, shape (M, N), at slow times, by scipy on (8) or (43)."""
     chain = task.at({"eta": eta, "c": c})
-    a, b, n = chain.a, chain.b, chain.sites
-    laplace = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
-    laplace[0, 0] = laplace[-1, -1] = 1.0
-    start = np.zeros(2 * n)
-
-    def envelope(_: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        phi = z[:n] + 1j * z[n:]
-        s = np.abs(phi) ** 2
-        rate = 0.5j * c * (laplace @ phi) - 0.5 * phi * (1 - a * s / 4 + b * s**2 / 8)
-        return np.concatenate([rate.real, rate.imag])
-
-    def full(_: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        y, w = z[:n], z[n:]
-        force = c * (laplace @ y) + w * (1 - a * y**2 + b * y**4)
-        return np.concatenate([w, -y - chain.eps * force])
-
     by_average = isinstance(chain, AveragedChain)
-    start[2 * n - 1 if by_average else n - 1] = DISPLACEMENT
+    start = np.zeros(chain.sites, dtype=complex)
+    start[-1] = 1j * DISPLACEMENT
     clock = times if by_average else times / chain.eps
     run = solve_ivp(
-        envelope if by_average else full,
+        averaged_rate(chain) if by_average else full_rate(chain),
         (0, clock[-1]),
-        start,
+        start if by_average else as_state(start),
         method="DOP853",
         rtol=1e-9,
         atol=1e-11,
         t_eval=clock,
     )
     assert run.success
-    return np.hypot(run.y[:n], run.y[n:]).T
+    return (np.abs(run.y) if by_average else amplitude_of(run.y)).T
 
 
 @pytest.mark.parametrize(

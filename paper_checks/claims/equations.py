@@ -10,7 +10,7 @@ from paper_checks.claims._assumptions import ASSUMED
 from paper_checks.equation_errata import LONG, erratum_of, readable
 
 if TYPE_CHECKING:
-    from derivations.printed import Judgement
+    from derivations.judgement import Judgement
 
 MISPRINTS = frozenset({2, 3, 4, 32, 33, 42})
 """Right after a correction that the derivation proves."""
@@ -34,7 +34,7 @@ _VERDICT_OF = {
 
 @cache
 def _judgements() -> dict[int, Judgement]:
-    from derivations.printed import report
+    from derivations.judgement import report
 
     return {found.printed.number: found for found in report().judgements}
 

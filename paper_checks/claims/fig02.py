@@ -268,8 +268,8 @@ def _subcritical() -> Finding:
 def _friction_law() -> Finding:
     """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
     from derivations import catalogue
-    from derivations.printed import judge
-    from derivations.printed import printed as equation
+    from derivations.judgement import judge
+    from derivations.judgement import printed as equation
     from theory.cells.friction import FrictionCell, friction_coefficient
 
     cell = FrictionCell(v_d=V_D)

@@ -16,7 +16,7 @@ from paper_checks.claims._text import untestable
 def _spring() -> Finding:
     """Compare eigenfrequencies of (1), over ω_n, with those of (5) for c = η_c/k and c = η_c."""
     from derivations import catalogue
-    from derivations.printed import judge, printed
+    from derivations.judgement import judge, printed
 
     generator = np.random.default_rng(4)
     springs = 2.0 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1)
@@ -56,7 +56,7 @@ def _spring() -> Finding:
 def _length() -> Finding:
     """Scale a velocity by ω_n x_0 for x_0 = y_0 and for another length."""
     from derivations import catalogue
-    from derivations.printed import judge, printed
+    from derivations.judgement import judge, printed
 
     generator = np.random.default_rng(5)
     gaps, others = [], []
@@ -151,7 +151,7 @@ def _trapezoid() -> Finding:
 def _parameters() -> Finding:
     """See which of the equations named hold with the parameters (7)."""
     from derivations import catalogue
-    from derivations.printed import judge, printed
+    from derivations.judgement import judge, printed
 
     derivation = catalogue.load("friction")
     five, seven = (judge(printed(number), derivation) for number in (5, 7))

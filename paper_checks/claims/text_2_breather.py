@@ -18,12 +18,12 @@ def _substitution() -> Finding:
     """Put (14) into (10) and into (11) and compare with (15)."""
     import sympy as sp
 
-    from derivations.multiple_scales_symbols import Y
-    from derivations.printed import printed
+    from derivations.judgement import printed
+    from derivations.multiple_scales.symbols import Y
     from derivations.symbols import omega, t, t_hat
 
-    fifteen = printed(15).equation
-    ten, eleven = printed(10).equation, printed(11).equation
+    fifteen = printed(15).expression
+    ten, eleven = printed(10).expression, printed(11).expression
     wave = sp.sin
     has = {
         number: bool(equation.args[0].atoms(wave))
@@ -58,13 +58,13 @@ def _unknowns() -> Finding:
     """Solve (25) at the phases that (9) and (37) give, without (27)."""
     import sympy as sp
 
-    from derivations.printed import printed
+    from derivations.judgement import printed
     from derivations.symbols import c, k_2, omega_1, theta
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
 
-    second = printed(25).equation.args[1].args[0]
+    second = printed(25).expression.args[1].args[0]
     at = second.subs({theta: -sp.pi / 2, k_2: -sp.pi / 2})
     found = sp.solve(at, omega_1)
     exact = found == [c]

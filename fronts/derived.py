@@ -184,7 +184,7 @@ class _Files(argparse.Action):
     ) -> None:
         namespace.out = [*namespace.out, values]
         name = "--out" if option_string == "-o" else option_string
-        namespace.named = {**getattr(namespace, "named", {}), values: name}
+        namespace.named = [*getattr(namespace, "named", ()), (values, name)]
 
 
 def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answer:
@@ -209,7 +209,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     from verification.execution.progress import Progress
 
     checkpoint = getattr(options, "checkpoint", None)
-    _check_files(getattr(options, "named", {}), checkpoint)
+    _check_files(getattr(options, "named", ()), checkpoint)
     saved = nullcontext() if checkpoint is None else resumable_run(checkpoint)
     with saved, Progress(words[0]) as live:
         result, parameters = _computed(options, bound, live.report)
@@ -239,7 +239,7 @@ def _write(
             write_result(path, result, shown)
 
 
-def _check_files(out: Mapping[Path, str], checkpoint: Path | None) -> None:
+def _check_files(out: Sequence[tuple[Path, str]], checkpoint: Path | None) -> None:
     if out:
         from fronts.files import check_files
 
@@ -247,7 +247,7 @@ def _check_files(out: Mapping[Path, str], checkpoint: Path | None) -> None:
     if checkpoint is None:
         return
     check_writable(checkpoint, (".npz",), "--checkpoint")
-    if any(same_file(path, checkpoint) for path in out):
+    if any(same_file(path, checkpoint) for path, _ in out):
         raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two files.")
 
 

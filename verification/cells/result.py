@@ -97,7 +97,8 @@ class Cell(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON: the same keys for every model."""
-        found = {"hopf_velocity": None, "cycle_end_velocity": None, **super().to_dict()}
+        names = ("hopf_velocity", "cycle_end_velocity", "cycle_end_error")
+        found = {**dict.fromkeys(names), **super().to_dict()}
         if {"a", "b"} <= {*self.parameters}:
             found["eta"] = self.parameters["b"] / self.parameters["a"] ** 2
         return found

@@ -572,7 +572,7 @@ def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
                              s.v_tilde_d: 1.3, s.R: size}  # fmt: skip
     lost = _energy_lost(chain.decay, size)
     mean = value(candidate.lhs, point).real - value(candidate.rhs, point).real
-    return abs(lost / (2 * math.pi * small) / mean - 1)
+    return float(abs(lost / (2 * math.pi * small) / mean - 1))
 
 
 def bound(chain: FrictionModel) -> Check:

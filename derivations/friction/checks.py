@@ -177,7 +177,7 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
 
 
 def _argument(own: sp.Basic, point: Point, expected: float) -> bool:
-    return abs(value(own.args[0], point).real - expected) < 1e-12
+    return bool(abs(value(own.args[0], point).real - expected) < 1e-12)
 
 
 def law(candidate: sp.Basic) -> Evidence:
@@ -572,7 +572,7 @@ def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
                              s.v_tilde_d: 1.3, s.R: size}  # fmt: skip
     lost = _energy_lost(chain.decay, size)
     mean = value(candidate.lhs, point).real - value(candidate.rhs, point).real
-    return abs(lost / (2 * math.pi * small) / mean - 1)
+    return float(abs(lost / (2 * math.pi * small) / mean - 1))
 
 
 def bound(chain: FrictionModel) -> Check:

@@ -29,7 +29,7 @@ from derivations.front.sampling import (
     front,
     sites,
 )
-from derivations.symbols import n, t
+from derivations.symbols import epsilon, n, t
 
 _OWN = s.phi(n, t)
 _SPEEDS = (0.5, 1.3, 0.7)
@@ -104,7 +104,7 @@ class ProfileChecks(CellChecks):
             for _ in range(3):
                 at, when, fast = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
                 here = at - fast * when
-                point: dict[Any, Any] = {s.n: at, s.t: when, s.speed: fast, s.zeta: here}
+                point: dict[Any, Any] = {n: at, t: when, s.speed: fast, s.zeta: here}
                 for offset in range(-self.model.reach, self.model.reach + 1):
                     seen = complex(_wave(at + offset - fast * when))
                     point[s.phi(n + offset, t)] = seen
@@ -130,7 +130,7 @@ class ProfileChecks(CellChecks):
     def slow_velocity(self, candidate: sp.Basic) -> Evidence:
         """Compare with the distance covered is the same by both clocks."""
         small, when, moved = 0.2, 3.0, 1.7
-        point = {s.epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
+        point = {epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
         return at_points(lambda: [(point, [0])], "a distance over both times")(candidate)
 
     def profile_equation(self, velocity: sp.Symbol) -> Check:
@@ -171,7 +171,7 @@ class ProfileChecks(CellChecks):
     @cached_property
     def _transforms(self) -> list[tuple[Point, complex, complex]]:
         """Image of the bell, and both sides of (48), at three wavenumbers."""
-        found = []
+        found: list[tuple[Point, complex, complex]] = []
         for sample, fast, number in self._waves():
             image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
             left = _integral(

@@ -336,7 +336,8 @@ def inner_velocity(sample: Sample) -> float:
         high.terminal = low.terminal = True  # type: ignore[attr-defined]
         low.direction = -1.0  # type: ignore[attr-defined]
         run = solve_ivp(slopes, (0, 200), start, events=(high, low), rtol=1e-8, atol=1e-10)
-        return 1 if run.t_events[0].size else -1
+        events = run.t_events or []
+        return 1 if events and events[0].size else -1
 
     below, above = -3.0, 4.0
     sign = misses(below)

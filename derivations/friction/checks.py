@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -543,21 +544,35 @@ def balance(chain: FrictionModel) -> Check:
     return check
 
 
-def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
-    """Energy change of one turn of the cell, all weak forces scaled by 1/1000, against the mean."""
-    small, size = 1e-3, 0.8
-    point: dict[Any, Any] = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_tilde_0: 0.6, s.xi: 0.05,
-                             s.v_tilde_d: 1.3, s.R: size}  # fmt: skip
-    drag = _drag(chain, point)
-    rest = drag(0.0)
+_SMALL = 1e-3
+
+
+@lru_cache(maxsize=8)
+def _energy_lost(decay: Callable[[sp.Expr], sp.Expr], size: float) -> float:
+    """Return what one turn of a cell with weak forces costs, at the numbers of the caller."""
+    static, dynamic, scale, drag, belt = _STATIC, _DYNAMIC, 0.6, 0.05, 1.3
+
+    def total(speed: float) -> float:
+        fallen = float(decay(sp.Float(abs(speed - belt) / scale)))
+        return 2 * drag * speed - dynamic - (static - dynamic) * fallen
+
+    rest = total(0.0)
 
     def rates(_: float, state: Any) -> list[float]:
-        return [state[1], -state[0] - small * (drag(float(state[1])) - rest)]
+        return [state[1], -state[0] - _SMALL * (total(float(state[1])) - rest)]
 
     run = solve_ivp(rates, (0, 2 * math.pi), [0.0, size], rtol=1e-9, atol=1e-11)
-    lost = size**2 / 2 - float(run.y[0, -1] ** 2 + run.y[1, -1] ** 2) / 2
+    return size**2 / 2 - float(run.y[0, -1] ** 2 + run.y[1, -1] ** 2) / 2
+
+
+def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
+    """Energy change of one turn of the cell, all weak forces scaled by 1/1000, against the mean."""
+    small, size = _SMALL, 0.8
+    point: dict[Any, Any] = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_tilde_0: 0.6, s.xi: 0.05,
+                             s.v_tilde_d: 1.3, s.R: size}  # fmt: skip
+    lost = _energy_lost(chain.decay, size)
     mean = value(candidate.lhs, point).real - value(candidate.rhs, point).real
-    return abs(lost / (2 * math.pi * small) / mean - 1)
+    return float(abs(lost / (2 * math.pi * small) / mean - 1))
 
 
 def bound(chain: FrictionModel) -> Check:

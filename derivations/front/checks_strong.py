@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import mpmath as mp
@@ -217,8 +217,17 @@ class StrongChecks(LimitChecks):
         return at_points(points, "a shape differentiated numerically, and the sampled loss",
                          tolerance=1e-7)(candidate)  # fmt: skip
 
-    def _fastest(self, chain: ChainNumbers) -> tuple[float, float, float]:
+    def _fastest(self, sample: Sample) -> tuple[float, float, float]:
         """Wave, largest group velocity and third derivative, by maximisation."""
+        if sample not in self._found:
+            self._found[sample] = self._maximised(sample.chain)
+        return self._found[sample]
+
+    @cached_property
+    def _found(self) -> dict[Sample, tuple[float, float, float]]:
+        return {}
+
+    def _maximised(self, chain: ChainNumbers) -> tuple[float, float, float]:
         square = self._square(chain)
 
         def group(q: float) -> float:
@@ -234,14 +243,14 @@ class StrongChecks(LimitChecks):
 
         def points() -> Iterator[tuple[Point, list[complex]]]:
             for sample in self.samples:
-                yield {**sample.chain.values, s.q: self._fastest(sample.chain)[0]}, [0]
+                yield {**sample.chain.values, s.q: self._fastest(sample)[0]}, [0]
 
         return at_points(points, "the largest group velocity, by maximisation",
                          tolerance=1e-6, floor=1.0)(candidate)  # fmt: skip
 
     def _speeds(self) -> Iterator[tuple[dict[Any, Any], float, float]]:
         for sample in self.samples:
-            _, group, third = self._fastest(sample.chain)
+            _, group, third = self._fastest(sample)
             yield (
                 {**sample.chain.values, s.w_1: group, s.w_3: third, s.w_3_size: -third},
                 group,
@@ -327,7 +336,8 @@ def inner_velocity(sample: Sample) -> float:
         high.terminal = low.terminal = True  # type: ignore[attr-defined]
         low.direction = -1.0  # type: ignore[attr-defined]
         run = solve_ivp(slopes, (0, 200), start, events=(high, low), rtol=1e-8, atol=1e-10)
-        return 1 if run.t_events[0].size else -1
+        events = run.t_events or []
+        return 1 if events and events[0].size else -1
 
     below, above = -3.0, 4.0
     sign = misses(below)
@@ -342,6 +352,7 @@ def inner_velocity(sample: Sample) -> float:
     return (below + above) / 2
 
 
+@lru_cache(maxsize=16)
 def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
     """Return the velocity of a front of the averaged chain, a unit of eps t, from a direct run.
 

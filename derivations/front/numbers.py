@@ -77,7 +77,7 @@ def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) ->
     ArithmeticError
         If the count disagrees.
     """
-    edge = 2 * np.pi * 6 + 0.3
+    edge = 2 * np.pi * 4 + 0.3
     sign = 1.0 if upper else -1.0
     near = _near(lattice, v, edge, sign)
     expected = _winding(lattice, v, edge, sign)
@@ -93,10 +93,10 @@ def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) ->
 
 def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
     """Newton's method from a grid; each root once."""
-    columns, heights = np.linspace(-edge - 1, edge + 1, 400), np.geomspace(0.02, 12, 24)
+    columns, heights = np.linspace(-edge - 1, edge + 1, 160), np.geomspace(0.02, 9, 14)
     k = (columns[:, None] + 1j * sign * heights[None, :]).ravel()
     with np.errstate(all="ignore"):
-        for _ in range(40):
+        for _ in range(25):
             k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
         good = np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * (1 + v * np.abs(k)))
     k = k[good & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
@@ -114,7 +114,7 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
     labels = labels[np.abs(labels) > 2 * reach]
     top = lattice.springs[-1]
     k = 2 * np.pi * labels / reach + 1j * sign * np.log(2 + np.abs(labels)) / reach
-    for _ in range(60):
+    for _ in range(25):
         growing = 0.5j * top * np.exp(-1j * sign * reach * k)
         rest = -(lattice.dispersion(k, v) - growing) / (0.5j * top)
         k = 1j * sign / reach * (np.log(-1j * rest) + 1j * np.pi / 2 - 2j * np.pi * sign * labels)

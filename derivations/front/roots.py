@@ -1,9 +1,9 @@
 """Where the roots of the dispersion relation lie (52): short proofs, for v, c > 0.
 
 No root is real: the real part is that of the decay. None is double: where the slope vanishes, the
-wave number would have to lie on a line between two of the lines Re k = -pi/2 + 2 pi m. Above the real
-axis there is one root in each strip from an odd to the next even multiple of pi, and none from an
-even to the next odd one.
+wavenumber would have to lie between two of the lines Re k = -pi/2 + 2 pi m. Above the real axis
+there is one root in each strip from an odd to the next even multiple of pi, and none from an even
+to the next odd one.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
     from derivations.cell.envelope import Envelope
     from paper_checks.outcome import Outcome
-    from verification.quantities.table import Stability
+    from verification.quantities.robustness import Stability
 
 
 def derivation(of: int | str, *, order: int = 1) -> Derivation:
@@ -178,6 +178,6 @@ def stability(
     ParameterError
         If there is no such quantity, or a number is out of range.
     """
-    from verification.quantities.table import stability as table
+    from verification.quantities.robustness import stability as table
 
     return table(tuple(dict.fromkeys(quantities)), points, seed, workers=workers)

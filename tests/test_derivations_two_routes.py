@@ -24,6 +24,8 @@ from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER
 from derivations.symbols import epsilon, n, t, y
 
+from verification.references.equations import damping
+
 SYMBOLS = sp.symbols("p q c", positive=True)
 
 
@@ -125,7 +127,7 @@ def _integrated_period(a, b, e, size):
     """Return time to y = 0 going up, once the motion has settled on the stable cycle."""
 
     def field(_, x):
-        return [x[1], -x[0] - e * x[1] * (1 - a * x[0] ** 2 + b * x[0] ** 4)]
+        return [x[1], -x[0] - e * x[1] * damping(x[0], a, b)]
 
     def upward(_, x):
         return x[0]

@@ -82,7 +82,7 @@ def _regions() -> Finding:
         figure,
         long_table(
             {
-                "states": states.columns,
+                "states": states.columns(),
                 "boundary": {name: boundary[name] for name in ("c", "v_d", "along", "at")},
                 "Hopf, one cell": {"v_d": hopf},
                 "end of the cycle, one cell": {"v_d": end_of_cycle},

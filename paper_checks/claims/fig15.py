@@ -70,7 +70,7 @@ def _regions() -> Finding:
         figure,
         long_table(
             {
-                "states of (8)": states.columns,
+                "states of (8)": states.columns(),
                 "boundary by (43)": {name: boundary[name] for name in ("eta", "c", "along", "at")},
             }
         ),

@@ -36,7 +36,7 @@ class Cycle(Result):
         Largest ẏ; v_d where the cycle sticks and never slips forwards. None where not measured.
     multiplier : float or None
         Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
-        None where differences cannot tell it.
+        None where differences do not resolve it.
     averaged : float or None
         Amplitude as ε → 0 in closed form, for (8).
     error : float

@@ -1,7 +1,7 @@
-"""What a scene does not need changes no result by more than the bound that its row states.
+"""A truncation or active window changes no result by more than the bound that its row states.
 
-Every test holds the result with the omission against the result without it, in several scenes,
-and keeps the bound itself from being made so wide that it would hold for anything.
+Every test holds the result with the reduction against the result without it, for several
+parameters, and keeps the bound itself from being made so wide that it would hold for anything.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import SeriesScene, tail_sum
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, grid
-from verification.piecewise.chain import PiecewiseChain, Switching
+from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.window import travelling_state, truncation_bound
 from verification.runs.model import Model
 from verification.work_reduction import orbits, process, runs, sums, table
 from verification.work_reduction.comparison import Comparison
-from verification.work_reduction.table import SAVINGS, MeasuredSaving, Saving
+from verification.work_reduction.table import REDUCTIONS, MeasuredReduction, Reduction
 
 ROOT = Path(__file__).parents[1]
 
@@ -134,7 +134,7 @@ def test_steps_left_out_between_crossings_move_them_by_rounding_only(c: float, e
     held(runs.steps_between_crossings(c, eta, 6), 1e-7)
     r = threshold_ratio(eta)
     state = travelling_state(c, 0.4, 96)
-    step = PiecewiseChain(c, r, state).advance(1e3)
+    step = PiecewiseMotion(c, r, state).advance(1e3)
     assert isinstance(step, Switching)
     slot, sites = step.site - state.origin, state.phi.size
     with mp.workdps(40):
@@ -196,10 +196,10 @@ def test_libraries_not_imported_change_nothing() -> None:
     held(process.imports_not_made(times=1), 0.0)
 
 
-def test_every_saving_names_the_test_that_asserts_its_bound() -> None:
+def test_every_row_names_the_test_that_asserts_its_bound() -> None:
     """By name: the test of a row runs the comparison of that row."""
-    for saving in SAVINGS:
-        file, function = saving.test.split("::")
+    for reduction in REDUCTIONS:
+        file, function = reduction.test.split("::")
         tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
         (node,) = (
             one
@@ -207,12 +207,12 @@ def test_every_saving_names_the_test_that_asserts_its_bound() -> None:
             if isinstance(one, ast.FunctionDef) and one.name == function
         )
         called = {one.attr for one in ast.walk(node) if isinstance(one, ast.Attribute)}
-        assert saving.compare.__name__ in called, saving.what
+        assert reduction.compare.__name__ in called, reduction.what
         assert "held" in {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
 
 
 def test_every_kind_of_thing_left_out_has_a_row() -> None:
-    rows = " ".join(saving.what for saving in SAVINGS)
+    rows = " ".join(reduction.what for reduction in REDUCTIONS)
     for kind in (
         "roots", "tail terms", "quadrature points", "digits", "harmonics", "sites", "time steps",
         "events", "saved output", "workers", "imports",
@@ -225,8 +225,8 @@ def test_a_bound_that_is_exceeded_is_said_and_changes_the_exit_code(
 ) -> None:
     for changed, code in ((1e-13, 0), (1e-3, 1)):
         made_up = Comparison(1.0, 3.0, changed, 1e-12)
-        saving = Saving("x", "by y", "z", "u", lambda made_up=made_up: made_up, "t")
-        measured = (MeasuredSaving(saving, saving.compare()),)
-        monkeypatch.setattr(table, "measured_savings", lambda measured=measured: measured)
+        reduction = Reduction("x", "by y", "z", "u", lambda made_up=made_up: made_up, "t")
+        measured = (MeasuredReduction(reduction, reduction.compare()),)
+        monkeypatch.setattr(table, "measured_reductions", lambda measured=measured: measured)
         assert main(["stress", "--savings"]) == code
         assert ("the bound is exceeded" in capsys.readouterr().out) == bool(code)

@@ -1,4 +1,4 @@
-"""The stability table: thousands of points through the sweep engine, counted by quantity."""
+"""Robustness: thousands of points of every computation, counted by what becomes of them."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from theory.parameters import count_within
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, Table
-from verification.quantities.discover import chosen
-from verification.quantities.judging import BAD, Outcome, StressTask
-from verification.quantities.quantity import Quantity
+from verification.quantities.judging import BAD, Outcome, RobustnessTask
+from verification.quantities.quantity import Computation
+from verification.quantities.registry import chosen
 
 POINTS = 1000
 """Of all quantities together, by default."""
 
-FEWEST = 12
-"""Points of a quantity, at least."""
+MIN_POINTS = 12
+"""Points of a computation, at least."""
 
 
-@dataclass(frozen=True)
-class Line:
-    """One quantity of the table.
+@dataclass(frozen=True, kw_only=True)
+class StabilityRow:
+    """One row of the stability table.
 
     Attributes
     ----------
     quantity : str
         Its name.
     points, random : int
-        How many were tried, and how many of them at random; the others are named scenes and
+        How many were tried, and how many of them at random; the others are test problems and
         corners.
     counts : dict
         How many came to each outcome.
@@ -51,13 +51,13 @@ class Line:
     slowest: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Stability:
     """The table and what is wrong with it.
 
     Attributes
     ----------
-    lines : tuple of Line
+    lines : tuple of StabilityRow
         One a quantity.
     bad : tuple of dict
         The points that exceeded their error, gave NaN, crashed or were slow, with all that is
@@ -66,7 +66,7 @@ class Stability:
         Every point.
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[StabilityRow, ...]
     bad: tuple[dict[str, object], ...]
     table: Table
 
@@ -76,26 +76,26 @@ class Stability:
         return {o.value: sum(line.counts[o.value] for line in self.lines) for o in Outcome}
 
 
-def stress_points(names: Sequence[str], points: int) -> tuple[Point, ...]:
+def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
     """Return points for the quantities named (all if none), divided by their shares.
 
     Examples
     --------
-    >>> len(stress_points(["c-pin"], 40))
+    >>> len(points_of(["c-pin"], 40))
     40
     """
     count_within("number of points", points, 1, 1_000_000)
-    quantities = chosen(names)
-    whole = sum(quantity.share for quantity in quantities)
+    computations = chosen(names)
+    whole = sum(computation.share for computation in computations)
     return tuple(
-        Point(quantity=quantity.name, number=number)
-        for quantity in quantities
-        for number in range(_share(quantity, points, whole))
+        Point(quantity=computation.name, number=number)
+        for computation in computations
+        for number in range(_share(computation, points, whole))
     )
 
 
-def _share(quantity: Quantity, points: int, whole: float) -> int:
-    return max(min(FEWEST, points), round(points * quantity.share / whole))
+def _share(computation: Computation, points: int, whole: float) -> int:
+    return max(min(MIN_POINTS, points), round(points * computation.share / whole))
 
 
 def stability(
@@ -115,7 +115,7 @@ def stability(
     names : sequence of str
         Quantities; all if empty.
     points : int
-        In all; every quantity gets its share, half of it named scenes and corners while there are
+        In all; every quantity gets its share, half of it test problems and corners while there are
         any, the rest at random.
     seed : int
         Of the points at random.
@@ -135,31 +135,32 @@ def stability(
     """
     count_within("seed", seed, 0, 2**31 - 1)
     table = sweep(
-        StressTask(seed),
-        stress_points(names, points),
+        RobustnessTask(seed),
+        points_of(names, points),
         out=out,
         resume=resume,
         workers=workers,
         progress=progress,
     )
-    lines = tuple(_line(quantity, table) for quantity in chosen(names))
+    lines = tuple(_line(computation, table) for computation in chosen(names))
     bad = {outcome.value for outcome in BAD}
-    return Stability(lines, tuple(dict(r) for r in table.rows() if r["outcome"] in bad), table)
+    wrong = tuple(dict[str, object](row) for row in table.rows() if row["outcome"] in bad)
+    return Stability(lines=lines, bad=wrong, table=table)
 
 
-def _line(quantity: Quantity, table: Table) -> Line:
-    mine = table["quantity"] == quantity.name
+def _line(computation: Computation, table: Table) -> StabilityRow:
+    mine = table["quantity"] == computation.name
     outcome = table["outcome"][mine]
     counts = {o.value: int(np.count_nonzero(outcome == o.value)) for o in Outcome}
     right = outcome == Outcome.RIGHT.value
     allowed = table["stated"][mine] + table["uncertainty"][mine]
     ratio = table["distance"][mine][right] / np.where(allowed > 0, allowed, math.inf)[right]
     seconds = table["seconds"][mine]
-    return Line(
-        quantity.name,
-        int(mine.sum()),
-        sum(quantity.is_random(int(number)) for number in table["number"][mine]),
-        counts,
-        float(ratio.max(initial=0.0)),
-        float(seconds.max(initial=0.0)),
+    return StabilityRow(
+        quantity=computation.name,
+        points=int(mine.sum()),
+        random=sum(computation.is_random(int(number)) for number in table["number"][mine]),
+        counts=counts,
+        tightest=float(ratio.max(initial=0.0)),
+        slowest=float(seconds.max(initial=0.0)),
     )

@@ -1,12 +1,12 @@
 """The map of states of Fig. 15: where its boundary of fronts lies, and at what cost.
 
 The value is the coupling c above which the start of Fig. 15 sends a front, at one η, by bisection
-of the labels; the error is the distance in c from the true boundary. A bisection claims half of its
-last interval. Ours steps until a label is certain, by (8) or by the averaged chain. A user would
+of the states; the error is the distance in c from the true boundary. A bisection claims half of its
+last interval. Ours steps until a state is certain, by (8) or by the averaged chain. A user would
 hand (8) to scipy's DOP853 until a fixed time and look whether the far end is above the unstable
 cycle; beside the boundary no fixed time is enough.
 
-The boundary of reference is ours at 1e-11, to 1e-5; scipy's, told to go on until the far end is
+The boundary of reference is ours at 1e-11, to 1e-5; scipy's, run until the far end is
 reached or the wait is far beyond the decision, confirms that there is no front at five per cent
 less and one at five per cent more: ``agreement`` is these five per cent. Seconds are processor
 seconds a boundary.
@@ -15,25 +15,27 @@ seconds a boundary.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from time import process_time
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.quantity import Quantity, Tell
-from benchmarks.record import Failure, Record, Target, WorkPoint, stamped
-from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
-from benchmarks.vdp_peers import right_side
+from benchmarks.record import Target, WorkPoint
+from benchmarks.work_precision import (
+    Answer,
+    Effort,
+    Prepared,
+    Report,
+    Setting,
+    Style,
+    WorkPrecision,
+)
 from verification.execution.table import Point
 from verification.maps.state import State
 from verification.maps.state_map import StateTask
 from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
-from verification.quantities.scenes import Scene, timed
-
-if TYPE_CHECKING:
-    from benchmarks.diagram import Style
+from verification.quantities.problems import Problem, timed
+from verification.references.equations import full_rate
 
 FULL, AVERAGED = "label sweep, (8)", "label sweep, averaged"
 PEER = "scipy until a fixed time"
@@ -48,50 +50,39 @@ Sends = Callable[[float], bool]
 """Whether there is a front at this coupling."""
 
 
-def measure(quick: bool, tell: Tell) -> Record:
-    """Measure every method at every scene."""
-    points: list[WorkPoint] = []
-    failures: list[Failure] = []
-    agreement = {}
-    effort = Effort(0.1, 1, 3, 0.2, 20.0) if quick else Effort(1.0, 1, 9, 1.0, 90.0)
-    for scene in timed("map")[: 1 if quick else None]:
-        tell(f"map at the scene {scene.name}: the references")
-        eta, low, high = (scene.values[name] for name in ("eta", "low", "high"))
-        task = StateTask(chain=FIGURE_15, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
-        true, _ = boundary(partial(by_us, task, eta), low, high, STEPS if quick else STEPS + 6)
-        agreement[scene.name] = (high - low) / 2**STEPS if quick else confirmed(eta, true)
-        rows = [each for each in contenders(scene, true) if each.quick or not quick]
-        tell(f"map at the scene {scene.name}: {len(rows)} settings")
-        done, failed = measure_side_by_side("map", scene.name, rows, effort, process_time)
-        points += done
-        failures += failed
-    command = "fronts bench map" + " --quick" * quick
-    return stamped(command, agreement, points, failures, rates(points))
+def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
+    """Return the boundary of reference, how well it is confirmed, and all methods."""
+    eta, low, high = (problem[name] for name in ("eta", "low", "high"))
+    task = StateTask(chain=FIGURE_15, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
+    true, _ = boundary(partial(by_us, task, eta), low, high, STEPS if quick else STEPS + 6)
+    agreement = (high - low) / 2**STEPS if quick else confirmed(eta, true)
+    return Prepared(agreement=agreement, settings=[*_ours(problem, true), *_peers(problem, true)])
 
 
-def contenders(scene: Scene, true: float) -> Iterator[Contender]:
-    """Yield every method at every setting."""
-    eta = scene.values["eta"]
+def _ours(problem: Problem, true: float) -> Iterator[Setting]:
     for method, chain in ((FULL, FIGURE_15), (AVERAGED, FIGURE_15.averaged())):
         for k in (3, 4, 5, 6, 8):
             task = StateTask(chain=chain, tolerance=10.0**-k, perturbation=0.0)
-            yield Contender(
-                method, f"tolerance 1e-{k}",
-                partial(_bisected, scene, partial(by_us, task, eta), chain is FIGURE_15),
-                true, quick=k in (4, 6),
+            sends = partial(by_us, task, problem["eta"])
+            yield Setting(
+                method=method, knob=f"tolerance 1e-{k}", reference=true, quick=k in (4, 6),
+                evaluate=partial(_bisected, problem, sends, chain is FIGURE_15),
             )  # fmt: skip
+
+
+def _peers(problem: Problem, true: float) -> Iterator[Setting]:
     for end, k in ((10.0, 3), (30.0, 3), (30.0, 6), (60.0, 3)):
-        yield Contender(
-            PEER, f"slow time {end:g}, tolerance 1e-{k}",
-            partial(_bisected, scene, partial(by_scipy, eta, end, 10.0**-k), False), true,
-            quick=end < 20.0, peer=True,
+        sends = partial(by_scipy, problem["eta"], end, 10.0**-k)
+        yield Setting(
+            method=PEER, knob=f"slow time {end:g}, tolerance 1e-{k}", reference=true,
+            evaluate=partial(_bisected, problem, sends, False), quick=end < 20.0, peer=True,
         )  # fmt: skip
 
 
-def _bisected(scene: Scene, sends: Sends, claims: bool) -> Answer:
-    """Return the boundary; half of the last interval is a claim only where labels are certain."""
-    found, half = boundary(sends, scene.values["low"], scene.values["high"], STEPS)
-    return Answer(found, half if claims else None)
+def _bisected(problem: Problem, sends: Sends, claims: bool) -> Answer:
+    """Return the boundary; half of the last interval is a claim only where states are certain."""
+    found, half = boundary(sends, problem["low"], problem["high"], STEPS)
+    return Answer(value=found, claimed=half if claims else None)
 
 
 def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, float]:
@@ -116,7 +107,7 @@ def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, 
 
 
 def by_us(task: StateTask, eta: float, c: float) -> bool:
-    """Return whether the label is a front."""
+    """Return whether the state is a front."""
     return task(Point(eta=eta, c=c))["label"] == str(State.FRONT)
 
 
@@ -128,7 +119,7 @@ def by_scipy(eta: float, end: float, tolerance: float, c: float) -> bool:
     start = np.zeros(2 * chain.sites)
     start[chain.sites - 1] = DISPLACEMENT
     run = solve_ivp(
-        right_side(chain), (0.0, end / chain.eps), start, "DOP853", [end / chain.eps],
+        full_rate(chain), (0.0, end / chain.eps), start, "DOP853", [end / chain.eps],
         rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     if not run.success:
@@ -144,19 +135,19 @@ def confirmed(eta: float, c: float) -> float:
     ArithmeticError
         If it does not.
     """
-    if patient(eta, c * (1.0 - MARGIN)) or not patient(eta, c * (1.0 + MARGIN)):
+    if reaches_the_end(eta, c * (1.0 - MARGIN)) or not reaches_the_end(eta, c * (1.0 + MARGIN)):
         raise ArithmeticError(f"scipy does not confirm a boundary of fronts at c = {c:g}")
     return c * MARGIN
 
 
-def patient(eta: float, c: float) -> bool:
+def reaches_the_end(eta: float, c: float) -> bool:
     """Return whether the far end is reached by slow time `LONG`, by scipy's stepper."""
     from scipy.integrate import DOP853
 
     chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
     start = np.zeros(2 * chain.sites)
     start[chain.sites - 1] = DISPLACEMENT
-    solver = DOP853(right_side(chain), 0.0, start, LONG / chain.eps, rtol=1e-6, atol=1e-6)
+    solver = DOP853(full_rate(chain), 0.0, start, LONG / chain.eps, rtol=1e-6, atol=1e-6)
     while solver.status == "running":
         solver.step()
         if math.hypot(solver.y[0], solver.y[chain.sites]) > chain.unstable_amplitude:
@@ -164,7 +155,7 @@ def patient(eta: float, c: float) -> bool:
     return False
 
 
-def rates(points: list[WorkPoint]) -> list[Target]:
+def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Target]:
     """Return boundaries a second of each setting."""
     return [
         Target(
@@ -175,36 +166,29 @@ def rates(points: list[WorkPoint]) -> list[Target]:
     ]  # fmt: skip
 
 
-def style() -> Style:
-    """Return how the diagram is drawn."""
-    from benchmarks.diagram import Style
-
-    return Style(
-        "distance in c from the boundary of fronts (right is better)",
-        "processor seconds a boundary",
-        "Error against run time of the boundary of fronts in the map of Fig. 15, by bisection of "
-        "labels to a thousandth of the interval.",
-        {FULL: ("blue", "o"), AVERAGED: ("green", "^"), PEER: ("vermilion", "s")},
-        0.5,
-        1e-6,
-    )
-
-
 def _first(method: str) -> bool:
-    """Return one label of the first scene."""
-    eta = timed("map")[0].values["eta"]
+    """Return one state of the first test problem."""
+    eta = timed("map")[0]["eta"]
     if method == FULL:
         return by_us(StateTask(chain=FIGURE_15, perturbation=0.0), eta, 0.5)
     return by_scipy(eta, 10.0, 1e-3, 0.5)
 
 
-BENCHMARK = Quantity(
-    "map",
-    "boundary of fronts in the map of Fig. 15",
-    FULL,
-    (1e-3, 0.3),
-    measure,
-    style,
+BENCHMARK = WorkPrecision(
+    name="map",
+    prepare=prepare,
+    targets=targets,
+    effort=Effort(least=1, most=9, once_from=1.0, limit=90.0),
+    quick_effort=Effort(seconds=0.1, least=1, most=3, once_from=0.2, limit=20.0),
+    style=Style(
+        xlabel="distance in c from the boundary of fronts (right is better)",
+        ylabel="processor seconds a boundary",
+        caption="Error against run time of the boundary of fronts in the map of Fig. 15, by "
+        "bisection of states to a thousandth of the interval.",
+        methods={FULL: ("blue", "o"), AVERAGED: ("green", "^"), PEER: ("vermilion", "s")},
+        garbage=0.5,
+        floor=1e-6,
+    ),
     others={AVERAGED: "the averaged chain (43), whose boundary differs by a term of order eps"},
     first={name: partial(_first, name) for name in (FULL, PEER)},
 )

@@ -14,11 +14,10 @@ from fronts.cli import main
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import judging
-from verification.quantities.discover import all_quantities, quantity_named
 from verification.quantities.judging import BAD, Outcome, is_clear, judge
-from verification.quantities.quantity import Axis, Check, Claim, Quantity
-from verification.quantities.scenes import FAMILIES, REFERENCES, scenes_of
-from verification.quantities.table import stability
+from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
+from verification.quantities.registry import computation_named
+from verification.quantities.robustness import stability
 
 QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
 POINTS = {
@@ -74,7 +73,7 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
             {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0},
         ),
         ("run-friction", {**SLIDING, "v_d": 0.11, "v0": 2.9, "mu_st": 4.4, "displacement": 1e-5}),
-        # a companion at a hundred times the tolerance is right by accident
+        # a run at a hundred times the tolerance is right by accident
         (
             "run-friction",
             {
@@ -103,83 +102,88 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 64.0}),
     ],
 )
-def test_dear_quantities_are_right_at_single_points(name: str, values: Mapping[str, float]) -> None:
-    found = judge(quantity_named(name), values)
+def test_costly_computations_are_right_at_single_points(
+    name: str, values: Mapping[str, float]
+) -> None:
+    found = judge(computation_named(name), values)
     assert found["outcome"] == Outcome.RIGHT.value, found
 
 
 def test_an_orbit_too_stiff_to_be_found_is_refused_at_once() -> None:
     stiff = {"eta": 0.005, "c": 1e-6, "eps": 1.0}  # it once took more than 100 s
     for name in ("orbit", "multipliers"):
-        found = judge(quantity_named(name), stiff)
+        found = judge(computation_named(name), stiff)
         assert found["outcome"] == Outcome.REFUSED.value
         assert float(found["seconds"]) < 1.0
 
 
-def _quantity(compute: object, off: float = 0.0, seconds: float = 1.0) -> Quantity:
-    return Quantity(
-        "made-up",
-        "for this test",
-        (Axis("x", 1.0, 2.0),),
-        compute,  # type: ignore[arg-type]
-        lambda at, claim: Check(off, 1e-3, "this test"),
-        seconds,
+def _computation(compute: object, off: float = 0.0, seconds: float = 1.0) -> Computation:
+    return Computation(
+        name="made-up",
+        title="for this test",
+        axes=(Axis(name="x", low=1.0, high=2.0),),
+        compute=compute,  # type: ignore[arg-type]
+        check=lambda at, stated: ReferenceCheck(distance=off, uncertainty=1e-3, method="this test"),
+        seconds=seconds,
     )
 
 
 def _raising(error: Exception) -> object:
-    def compute(at: Mapping[str, float]) -> Claim:
+    def compute(at: Mapping[str, float]) -> StatedValue:
         raise error
 
     return compute
 
 
-def _slow(at: Mapping[str, float]) -> Claim:
+def _slow(at: Mapping[str, float]) -> StatedValue:
     total = 0.0
     for _ in range(10**8):
         total += 1.0
-    return Claim(total, 1.0)
+    return StatedValue(value=total, error=1.0)
 
 
 @pytest.mark.parametrize(
     ("quantity", "outcome"),
     [
-        (_quantity(lambda at: Claim(1.0, 0.1), off=0.05), Outcome.RIGHT),
-        (_quantity(lambda at: Claim(1.0, 0.1), off=0.2), Outcome.EXCEEDED),
-        (_quantity(lambda at: Claim(math.nan, 0.1)), Outcome.NAN),
-        (_quantity(lambda at: Claim(np.array([1.0, math.inf]), 0.1)), Outcome.NAN),
-        (_quantity(lambda at: Claim(1.0, math.inf)), Outcome.NAN),
-        (_quantity(_raising(ParameterError("x", 1, "below 1", "take less"))), Outcome.REFUSED),
-        (_quantity(_raising(PrecisionError("x = 1 is too much; take less."))), Outcome.REFUSED),
-        (_quantity(_raising(PrecisionError("no"))), Outcome.CRASH),
-        (_quantity(_raising(ZeroDivisionError())), Outcome.CRASH),
-        (_quantity(_slow, seconds=0.02), Outcome.SLOW),
+        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.05), Outcome.RIGHT),
+        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.2), Outcome.EXCEEDED),
+        (_computation(lambda at: StatedValue(value=math.nan, error=0.1)), Outcome.NAN),
+        (
+            _computation(lambda at: StatedValue(value=np.array([1.0, math.inf]), error=0.1)),
+            Outcome.NAN,
+        ),
+        (_computation(lambda at: StatedValue(value=1.0, error=math.inf)), Outcome.NAN),
+        (_computation(_raising(ParameterError("x", 1, "below 1", "take less"))), Outcome.REFUSED),
+        (_computation(_raising(PrecisionError("x = 1 is too much; take less."))), Outcome.REFUSED),
+        (_computation(_raising(PrecisionError("no"))), Outcome.CRASH),
+        (_computation(_raising(ZeroDivisionError())), Outcome.CRASH),
+        (_computation(_slow, seconds=0.02), Outcome.SLOW),
     ],
 )
-def test_every_outcome_is_told_from_the_others(quantity: Quantity, outcome: Outcome) -> None:
+def test_every_outcome_differs_from_the_others(quantity: Computation, outcome: Outcome) -> None:
     assert judge(quantity, {"x": 1.0})["outcome"] == outcome.value
 
 
 def test_a_wrong_reference_is_a_crash_of_the_table_and_not_a_success() -> None:
-    def broken(at: Mapping[str, float], claim: Claim) -> Check:
+    def broken(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
         raise ZeroDivisionError
 
-    quantity = replace(_quantity(lambda at: Claim(1.0, 0.1)), check=broken)
+    quantity = replace(_computation(lambda at: StatedValue(value=1.0, error=0.1)), check=broken)
     assert judge(quantity, {"x": 1.0})["outcome"] == Outcome.CRASH.value
 
 
-def test_an_understated_error_is_seen_in_every_quick_quantity(
+def test_an_understated_error_is_seen_in_every_quick_computation(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Move each value by a hundred times its stated error: nearly every point must fail."""
     for name in ("sigma-integral", "c-pin", "eta-pin", "closed-form-fold"):
-        quantity = quantity_named(name)
+        quantity = computation_named(name)
 
-        def moved(at: Mapping[str, float], quantity: Quantity = quantity) -> Claim:
-            claim = quantity.compute(at)
-            if claim.value is None:
-                return claim
-            return replace(claim, value=claim.value + 100.0 * (claim.error + 1e-300))
+        def moved(at: Mapping[str, float], quantity: Computation = quantity) -> StatedValue:
+            stated = quantity.compute(at)
+            if stated.value is None:
+                return stated
+            return replace(stated, value=stated.value + 100.0 * (stated.error + 1e-300))
 
         wrong = replace(quantity, compute=moved)
         found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(16)]
@@ -190,21 +194,12 @@ def test_an_understated_error_is_seen_in_every_quick_quantity(
 
 
 def test_points_are_the_same_again_and_others_with_another_seed() -> None:
-    quantity = quantity_named("sigma-integral")
-    index = 2 * len(quantity.fixed_points()) + 3
+    quantity = computation_named("sigma-integral")
+    index = 2 * len(quantity.fixed_points) + 3
     assert quantity.point(1, index) == quantity.point(1, index) != quantity.point(2, index)
     bad = [quantity.point(0, 20 * i + 19) for i in range(10, 60)]
     odd = [p for p in bad if not all(a.low <= p[a.name] <= a.high for a in quantity.axes)]
     assert len(odd) == len(bad)
-
-
-def test_scenes_of_a_family_name_parameters_of_its_quantities() -> None:
-    for family, scenes in FAMILIES.items():
-        assert len({scene.name for scene in scenes}) == len(scenes)
-        users = [quantity for quantity in all_quantities() if quantity.scenes == family]
-        assert users or any(each.family == family for each in REFERENCES.values()), family
-        for scene in scenes_of(family) if users else ():
-            assert any({axis.name for axis in q.axes} & set(scene) for q in users)
 
 
 def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
@@ -234,6 +229,9 @@ def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture
 
 def test_what_a_reference_is_called_can_be_written_to_a_table() -> None:
     """Text with commas and quotes would be misread in CSV."""
-    known = quantity_named("c-pin")
-    named = replace(known, check=lambda *_: Check(0.0, 0.0, 'scipy, "timed"'))
+    known = computation_named("c-pin")
+    named = replace(
+        known,
+        check=lambda *_: ReferenceCheck(distance=0.0, uncertainty=0.0, method='scipy, "timed"'),
+    )
     assert judge(named, {"eta": 0.03})["by"] == "scipy; 'timed'"

@@ -23,7 +23,6 @@ from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER
 from derivations.symbols import epsilon, n, t, y
-
 from verification.references.equations import damping
 
 SYMBOLS = sp.symbols("p q c", positive=True)

@@ -177,7 +177,7 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
 
 
 def _argument(own: sp.Basic, point: Point, expected: float) -> bool:
-    return abs(value(own.args[0], point).real - expected) < 1e-12
+    return bool(abs(value(own.args[0], point).real - expected) < 1e-12)
 
 
 def law(candidate: sp.Basic) -> Evidence:

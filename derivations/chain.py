@@ -58,6 +58,10 @@ class ChainModel:
         if self.coupling != 0 and not weights:
             raise DerivationInputError("weights", (), "one a neighbour", "give at least (1,)")
 
+    def __hash__(self) -> int:
+        tables = (tuple(self.damping.items()), tuple(self.stiffness.items()))
+        return hash((*tables, self.coupling, self.weights))
+
     @property
     def reach(self) -> int:
         """How many neighbours on either side are coupled to a site."""

@@ -60,8 +60,8 @@ def test_each_states_what_proves_it_and_what_it_affects(findings: dict[int, Find
     ("number", "right", "wrong"),
     [
         (4, r"\xi = \frac{d}{2 \sqrt{k} \sqrt{m}}", r"\omega"),
-        (2, r"\mu = \mu_{d} +", r"\mu_{st} + \left(\mu_{st}"),
-        (42, r"- 2 a x_{1} + 4 b x_{1}^{3}", r"1 - 2 a x"),
+        (2, r"= \mu_{d} +", r"\mu_{st} + \left(\mu_{st}"),
+        (42, r"2 a \epsilon x_{1} x_{5}", r"\epsilon x_{5} -"),
         (3, r"\leq F_{N} \mu_{st}", r"\operatorname{sign}"),
         (33, r"in place of $-", r"\epsilon"),
         (32, "= 0", "Psi"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy as sp
 
 from derivations.algebra.equations import equation
@@ -35,6 +37,7 @@ from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import alpha_0, epsilon, i, k_1, k_2, n, omega, t, y
 
 
+@lru_cache(maxsize=8)
 def derive(model: ChainModel = PAPER, order: int = 1) -> Derivation:
     """Derive Eqs. (31)-(38) and (43) for a chain.
 

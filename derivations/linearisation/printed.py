@@ -130,8 +130,8 @@ EQUATIONS = (
               r"(1 - 2ax_2 + 4bx_2^3) & \ddots & 0 \\ 0 & \ddots & \ddots & \varepsilon c \\ "
               r"\varepsilon c & 0 & \varepsilon c & -1 - 2\varepsilon c - \varepsilon x_{2N}"
               r"(1 - 2ax_N + 4bx_N^3) \end{bmatrix} \\ B_{N \times N} = "
-              r"\begin{bmatrix} -\varepsilon(1 - ax_1^2 + bx_1^4) "
-              r"& 0 & 0 \\ 0 & -\varepsilon(1 - ax_2^2 + bx_2^4) & \\ & & 0 \\ 0 & & "
+              r"\begin{bmatrix} -\varepsilon(1 - ax_1^2 + bx_1^4) & 0 & 0 \\ "
+              r"0 & -\varepsilon(1 - ax_2^2 + bx_2^4) & \\ & & 0 \\ 0 & & "
               r"-\varepsilon(1 - ax_N^2 + bx_N^4) \end{bmatrix}",
         expression=_jacobian(),
         verdict=Verdict.MISPRINT,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy as sp
 
 from derivations.algebra.equations import equation
@@ -56,6 +58,7 @@ from derivations.symbols import (
 )
 
 
+@lru_cache(maxsize=8)
 def derive(model: ChainModel = PAPER, order: int = 1) -> Derivation:
     """Derive Eqs. (8)-(30) for a chain.
 

@@ -17,26 +17,27 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from time import process_time
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.quantity import Quantity, Tell
-from benchmarks.record import Failure, Record, WorkPoint, stamped
-from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
-from benchmarks.vdp_peers import right_side
+from benchmarks.work_precision import (
+    Answer,
+    Effort,
+    Prepared,
+    Report,
+    Setting,
+    Style,
+    WorkPrecision,
+)
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
 from verification.breathers.run import run_breather
-from verification.quantities.scenes import Scene, damping, timed
-
-if TYPE_CHECKING:
-    from benchmarks.diagram import Style
+from verification.quantities.problems import Problem, timed
+from verification.references.equations import full_rate
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -45,49 +46,36 @@ ROOT, LONG = "scipy root over solve_ivp", "scipy, long run"
 _SAMPLES = 256
 
 
-def measure(quick: bool, tell: Tell) -> Record:
-    """Measure every method at every scene."""
-    points: list[WorkPoint] = []
-    failures: list[Failure] = []
-    agreement = {}
-    effort = Effort(0.1, 1, 5, 0.3, 20.0) if quick else Effort(1.0, 3, 21, 2.0, 60.0)
-    for scene in timed("breather")[: 1 if quick else None]:
-        name, chain = scene.name, chain_of(scene)
-        tell(f"breather at the scene {name}: the references")
-        theirs = by_scipy(chain, 1e-11 if quick else 1e-13)
-        ours = by_shooting(chain, 2 * steps_for(chain))
-        agreement[name] = float(np.abs(theirs - ours).max())
-        rows = [each for each in contenders(chain, ours, theirs) if each.quick or not quick]
-        tell(f"breather at the scene {name}: {len(rows)} settings")
-        done, failed = measure_side_by_side("breather", name, rows, effort, process_time)
-        points += done
-        failures += failed
-    command = "fronts bench breather" + " --quick" * quick
-    return stamped(command, agreement, points, failures)
+def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
+    """Return both references and all methods."""
+    chain = problem.vdp_chain()
+    theirs = by_scipy(chain, 1e-11 if quick else 1e-13)
+    ours = by_shooting(chain, 2 * steps_for(chain))
+    apart = float(np.abs(theirs - ours).max())
+    return Prepared(agreement=apart, settings=[*_ours(chain, theirs), *_peers(chain, ours)])
 
 
-def chain_of(scene: Scene) -> VdpChain:
-    """Return the chain of a scene."""
-    a, b, c, eps = damping(scene.values)
-    return VdpChain(a=a, b=b, c=c, eps=eps, sites=int(scene.values["sites"]))
-
-
-def contenders(chain: VdpChain, ours: FloatArray, theirs: FloatArray) -> Iterator[Contender]:
-    """Yield every method at every setting."""
-    yield Contender(ENVELOPE, "as it is", partial(_envelope, chain, theirs), 0.0)
+def _ours(chain: VdpChain, true: FloatArray) -> Iterator[Setting]:
+    averaged = partial(_envelope, chain)
+    yield Setting(method=ENVELOPE, knob="as it is", evaluate=averaged, reference=true)
     for steps in sorted({6, 8, 12, 16, 24, steps_for(chain)}):
-        yield Contender(SHOOTING, f"{steps} steps", partial(_shooting, chain, theirs, steps), 0.0)
+        found = partial(_shooting, chain, steps)
+        yield Setting(method=SHOOTING, knob=f"{steps} steps", evaluate=found, reference=true)
     for k in (2, 4, 6, 8):
-        yield Contender(RUN, f"drift 1e-{k}", partial(_run, chain, theirs, 10.0**-k), 0.0)
+        found = partial(_run, chain, 10.0**-k)
+        yield Setting(method=RUN, knob=f"drift 1e-{k}", evaluate=found, reference=true)
+
+
+def _peers(chain: VdpChain, true: FloatArray) -> Iterator[Setting]:
     for k in (4, 6, 8, 10):
-        yield Contender(
-            ROOT, f"tolerance 1e-{k}", partial(_root, chain, ours, 10.0**-k), 0.0,
-            quick=k < 9, peer=True,
+        yield Setting(
+            method=ROOT, knob=f"tolerance 1e-{k}", reference=true, quick=k < 9, peer=True,
+            evaluate=partial(_root, chain, 10.0**-k),
         )  # fmt: skip
     for end, k in ((20.0, 4), (40.0, 6), (80.0, 8)):
-        yield Contender(
-            LONG, f"slow time {end:g}, tolerance 1e-{k}",
-            partial(_long, chain, ours, end, 10.0**-k), 0.0, quick=k < 5, peer=True,
+        yield Setting(
+            method=LONG, knob=f"slow time {end:g}, tolerance 1e-{k}", reference=true, quick=k < 5,
+            peer=True, evaluate=partial(_long, chain, end, 10.0**-k),
         )  # fmt: skip
 
 
@@ -108,7 +96,7 @@ def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
     from scipy.integrate import solve_ivp
     from scipy.optimize import root
 
-    rate = right_side(chain)
+    rate = full_rate(chain)
     centre = Nucleus(1).centre(chain.sites)
 
     def flow(u: FloatArray, times: FloatArray | None = None) -> FloatArray:
@@ -150,39 +138,32 @@ def _peaks(y: FloatArray) -> FloatArray:
     return np.abs(derivative(0))
 
 
-def _answer(found: FloatArray, true: FloatArray, claimed: float | None) -> Answer:
-    error = float(np.abs(found - true).max())
-    if not math.isfinite(error):
-        raise ArithmeticError("the result is not finite")
-    return Answer(error, claimed)
-
-
-def _envelope(chain: VdpChain, true: FloatArray) -> Answer:
+def _envelope(chain: VdpChain) -> Answer:
     found = solve_envelope_breather(chain, Nucleus(1))
-    return _answer(np.append(np.abs(found.phi), 1.0 + chain.eps * found.omega), true, None)
+    return Answer(value=np.append(np.abs(found.phi), 1.0 + chain.eps * found.omega))
 
 
-def _shooting(chain: VdpChain, true: FloatArray, steps: int) -> Answer:
+def _shooting(chain: VdpChain, steps: int) -> Answer:
     orbit = solve_orbit(chain, Nucleus(1), steps=steps)
-    return _answer(np.append(orbit.amplitudes, orbit.frequency), true, orbit.error)
+    return Answer(value=np.append(orbit.amplitudes, orbit.frequency), claimed=orbit.error)
 
 
-def _run(chain: VdpChain, true: FloatArray, tolerance: float) -> Answer:
+def _run(chain: VdpChain, tolerance: float) -> Answer:
     run = run_breather(chain, Nucleus(1), tolerance=tolerance)
     if run.status is not BreatherStatus.SETTLED:
         raise ArithmeticError(f"the run is {run.status.value}")
-    return _answer(np.append(run.amplitudes, run.frequency), true, run.error)
+    return Answer(value=np.append(run.amplitudes, run.frequency), claimed=run.error)
 
 
-def _root(chain: VdpChain, true: FloatArray, tolerance: float) -> Answer:
-    return _answer(by_scipy(chain, tolerance), true, None)
+def _root(chain: VdpChain, tolerance: float) -> Answer:
+    return Answer(value=by_scipy(chain, tolerance))
 
 
-def _long(chain: VdpChain, true: FloatArray, end: float, tolerance: float) -> Answer:
+def _long(chain: VdpChain, end: float, tolerance: float) -> Answer:
     """Wait until slow time ``end``, then take the last period between two rising zeros."""
     from scipy.integrate import solve_ivp
 
-    rate = right_side(chain)
+    rate = full_rate(chain)
     centre = Nucleus(1).centre(chain.sites)
 
     start = np.zeros(2 * chain.sites)
@@ -200,7 +181,7 @@ def _long(chain: VdpChain, true: FloatArray, end: float, tolerance: float) -> An
     zeros = run.t_events[0]
     period = float(zeros[1] - zeros[0])
     y = run.y[: chain.sites, run.t <= period]
-    return _answer(np.append(np.abs(y).max(axis=1), 2.0 * math.pi / period), true, None)
+    return Answer(value=np.append(np.abs(y).max(axis=1), 2.0 * math.pi / period))
 
 
 @dataclass(frozen=True)
@@ -214,40 +195,32 @@ class _Rising:
         return float(x[self.site])
 
 
-def style() -> Style:
-    """Return how the diagram is drawn."""
-    from benchmarks.diagram import Style
+def _first(method: str) -> object:
+    """Return a breather of the first test problem, compared with nothing."""
+    chain = timed("breather")[0].vdp_chain()
+    return by_scipy(chain, 1e-6) if method == ROOT else by_shooting(chain, steps_for(chain))
 
-    return Style(
-        "largest error (right is better)",
-        "processor seconds a breather",
-        "Error against run time of a breather of (8), seven sites. The averaged chain is solved "
-        "exactly, and errs by a term of order ε.",
-        {
+
+BENCHMARK = WorkPrecision(
+    name="breather",
+    prepare=prepare,
+    effort=Effort(most=21),
+    quick_effort=Effort(seconds=0.1, least=1, most=5, once_from=0.3, limit=20.0),
+    style=Style(
+        xlabel="largest error (right is better)",
+        ylabel="processor seconds a breather",
+        caption="Error against run time of a breather of (8), seven sites. The averaged chain is "
+        "solved exactly, and errs by a term of order ε.",
+        methods={
             ENVELOPE: ("green", "^"),
             SHOOTING: ("blue", "o"),
             RUN: ("sky", "v"),
             ROOT: ("vermilion", "s"),
             LONG: ("orange", "X"),
         },
-        1.0,
-        1e-15,
-    )
-
-
-def _first(method: str) -> object:
-    """Return a breather of the first scene, compared with nothing."""
-    chain = chain_of(timed("breather")[0])
-    return by_scipy(chain, 1e-6) if method == ROOT else by_shooting(chain, steps_for(chain))
-
-
-BENCHMARK = Quantity(
-    "breather",
-    "breather of the chain (8)",
-    SHOOTING,
-    (1e-8, 1e-3),
-    measure,
-    style,
+        garbage=1.0,
+        floor=1e-15,
+    ),
     others={ENVELOPE: "the averaged chain (43), whose breather differs by a term of order eps"},
     first={name: partial(_first, name) for name in (SHOOTING, ROOT)},
 )

@@ -15,10 +15,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from benchmarks.quantity import Quantity
 from benchmarks.record import Record, WorkPoint, read_record
+from benchmarks.registry import quantity_of
+from benchmarks.work_precision import WorkPrecision
 from verification.execution.files import write_json
 from verification.execution.metadata import staleness
+from verification.quantities.quantity import Quantity
 
 NO_REASON = "no reason is given: the default is to be changed"
 
@@ -47,7 +49,7 @@ class Beaten:
 
 @dataclass(frozen=True)
 class Choice:
-    """The default method of one quantity at one scene.
+    """The default method of one quantity at one test problem.
 
     Attributes
     ----------
@@ -83,28 +85,28 @@ class Choice:
         return not self.beaten and bool(self.fastest)
 
 
-def choices(quantity: Quantity, record: Record) -> list[Choice]:
-    """Return one choice a scene.
+def choices(benchmark: WorkPrecision, quantity: Quantity, record: Record) -> list[Choice]:
+    """Return one choice a test problem.
 
     Raises
     ------
     ValueError
-        If the record does not hold the default method at a scene.
+        If the record does not hold the default method at a test problem.
     """
-    rows = []
+    rows, default = [], quantity.default
     stale = staleness(record.code)
-    apart = {*quantity.variants, *quantity.others}
+    apart = {*benchmark.variants, *benchmark.others}
     for scene in dict.fromkeys(point.scene for point in record.points):
         here = [point for point in record.points if point.scene == scene]
-        if not any(point.method == quantity.default for point in here):
-            raise ValueError(f"{quantity.name}: no point of {quantity.default} at {scene}")
+        if not any(point.method == default for point in here):
+            raise ValueError(f"{benchmark.name}: no point of {default} at {scene}")
         fastest, beaten = [], []
-        low, high = quantity.useful
+        low, high = quantity.useful or (0.0, 0.0)
         for error in decades(max(low, record.agreement[scene]), high):
             best = fastest_within((point for point in here if point.method not in apart), error)
             if not best:
                 continue
-            own = best.pop(quantity.default, math.inf)
+            own = best.pop(default, math.inf)
             rival = min(best, key=lambda name: best[name], default=None)
             if rival is None or own <= NOISE * best[rival]:
                 fastest.append(error)
@@ -113,9 +115,9 @@ def choices(quantity: Quantity, record: Record) -> list[Choice]:
                 beaten.append(Beaten(error, rival, factor))
         rows.append(
             Choice(
-                quantity.name, scene, quantity.default, record.date, tuple(fastest), tuple(beaten),
-                {each.by: quantity.reasons.get(each.by, NO_REASON) for each in beaten},
-                {name: what for name, what in quantity.others.items()
+                benchmark.name, scene, default, record.date, tuple(fastest), tuple(beaten),
+                {each.by: benchmark.reasons.get(each.by, NO_REASON) for each in beaten},
+                {name: what for name, what in benchmark.others.items()
                  if any(point.method == name for point in here)},
                 stale,
             )
@@ -144,16 +146,18 @@ def fastest_within(points: Iterable[WorkPoint], error: float) -> dict[str, float
     return best
 
 
-def stored_choices(quantities: Sequence[Quantity], folder: Path) -> tuple[list[Choice], list[str]]:
+def stored_choices(
+    benchmarks: Sequence[WorkPrecision], folder: Path
+) -> tuple[list[Choice], list[str]]:
     """Return the choices from the records of a folder, and the names of those without a record."""
     rows: list[Choice] = []
     missing = []
-    for quantity in quantities:
-        path = folder / f"{quantity.name}.json"
+    for benchmark in benchmarks:
+        path = folder / f"{benchmark.name}.json"
         if path.is_file():
-            rows += choices(quantity, read_record(path))
+            rows += choices(benchmark, quantity_of(benchmark), read_record(path))
         else:
-            missing.append(quantity.name)
+            missing.append(benchmark.name)
     return rows, missing
 
 
@@ -174,7 +178,7 @@ def write_choices(rows: Sequence[Choice], path: Path) -> None:
 
 
 def as_text(rows: Sequence[Choice]) -> str:
-    """Return the table as text: one line a scene, and one for each method that beats the default.
+    """Return the table as text: one line a problem, and one for each method that beats the default.
 
     Examples
     --------

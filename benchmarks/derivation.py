@@ -17,36 +17,39 @@ import contextlib
 import io
 import json
 import math
-import statistics
 import subprocess
 import sys
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from benchmarks.quantity import Quantity, Tell
-from derivations.averaging_evidence import damping_mean
-from derivations.periodic_orbit import orbit
-from verification.quantities.scenes import damping, timed
+from benchmarks.work_precision import (
+    Answer,
+    Effort,
+    Prepared,
+    Report,
+    Setting,
+    Style,
+    WorkPrecision,
+)
+from derivations.averaging.periodic_orbit import orbit
+from derivations.averaging.readings import damping_mean, paper_numbers
+from verification.quantities.problems import Problem, timed
 
-if TYPE_CHECKING:
-    from benchmarks.diagram import Style
-    from benchmarks.record import Record
-
-FIRST, SECOND = timed("derivation")
-A, B, _, EPS = damping({"c": 0.0, **SECOND.values})
+A, B, EPS = timed("derivation")[-1].cell.values()
 
 OURS = """
 import json, sys, time
 import sympy as sp
-from derivations.modulation import ROUTE
-from derivations.oscillator import Oscillator, van_der_pol
+from derivations.algebra.modulation import Force, ROUTE
+from derivations.chain import PAPER
+from derivations.symbols import epsilon
 order = int(sys.argv[1])
-cell = van_der_pol(False)
+motion = PAPER.cell().equation()
 start = time.perf_counter()
-found = ROUTE(cell, order)
+found = ROUTE(Force.read(motion, epsilon), order)
 seconds = time.perf_counter() - start
 name = found.ring.amplitudes[0]
 scale = SCALE  # amplitude of y over the modulus of this amplitude
@@ -54,7 +57,7 @@ r, a, b = sp.Symbol("r", positive=True), *sp.symbols("a b", positive=True)
 here = {name: r / scale, a: sp.Rational("VALUE_A"), b: sp.Rational("VALUE_B")}
 rate = sp.expand((found.first_expr().subs(here).doit() * scale))
 shift = sp.expand(found.second_expr().subs(here).doit() * scale / r / sp.I) if order == 2 else None
-chain = ROUTE(van_der_pol(True), 1)
+chain = ROUTE(Force.read(PAPER.equation(), epsilon), 1)
 driven = chain.ring.amplitudes[chain.ring.reach + 1] in chain.first_expr().free_symbols
 print(json.dumps({"seconds": seconds, "rate": str(rate), "shift": str(shift), "driven": driven}))
 """
@@ -133,43 +136,32 @@ CONTENDERS = {
     "asymptotics": (ASYMPTOTICS, "asymptotics", 1),
 }
 """Program, package, and repetitions (the peers take too long for more than one)."""
-SCENES = {scene.name: int(scene.values["order"]) for scene in (FIRST, SECOND)}
-QUANTITY = "derivation"
 
 
-def measure(quick: bool, tell: Tell) -> Record:
-    """Measure every contender at both orders, in processes of their own."""
-    from benchmarks.record import Failure, WorkPoint, stamped
+def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
+    """Return how well the reference is known, and every contender in a process of its own."""
+    order = int(problem["order"])
+    settings = [
+        Setting(
+            method=name, knob="as it is", reference=0.0,
+            evaluate=partial(_derived, name, order, 15.0 if quick else 60.0, 1 if quick else None),
+        )
+        for name in CONTENDERS
+    ]  # fmt: skip
+    return Prepared(agreement=reference_apart(order), settings=settings)
 
-    points: list[WorkPoint] = []
-    failures: list[Failure] = []
-    for scene, order in SCENES.items():
-        for name in CONTENDERS:
-            tell(f"derivation by {name}, order {order}")
-            try:
-                runs = answers(name, order, 15.0 if quick else 60.0, 1 if quick else None)
-                error = judged(runs[0], order)
-            except Exception as reason:  # whatever a peer raises is its result
-                text = f"{type(reason).__name__}: {reason}"[:160]
-                failures.append(Failure(QUANTITY, scene, name, "as it is", text))
-                continue
-            if not runs[0]["driven"]:
-                text = "a drive at the linear frequency does not enter the equation"
-                failures.append(Failure(QUANTITY, scene, name, "resonance", text))
-            seconds = [run["seconds"] for run in runs]
-            points.append(
-                WorkPoint(
-                    QUANTITY, scene, name, "as it is", error, None, seconds[0],
-                    statistics.median(seconds), len(seconds),
-                )
-            )  # fmt: skip
-    command = "fronts bench derivation" + " --quick" * quick
-    return stamped(command, {scene: reference_apart(order) for scene, order in SCENES.items()},
-                   points, failures)  # fmt: skip
+
+def _derived(name: str, order: int, limit: float, repeats: int | None) -> Answer:
+    runs = answers(name, order, limit, repeats)
+    undriven = "" if runs[0]["driven"] else (
+        "resonance: a drive at the linear frequency does not enter the equation"
+    )  # fmt: skip
+    seconds = tuple(run["seconds"] for run in runs)
+    return Answer(value=judged(runs[0], order), seconds=seconds, defect=undriven)
 
 
 def program_of(name: str) -> str:
-    """Return a contender's program with the numbers of the scene."""
+    """Return a contender's program with the numbers of the test problem."""
     return CONTENDERS[name][0].replace("VALUE_A", repr(A)).replace("VALUE_B", repr(B))
 
 
@@ -247,7 +239,7 @@ def cycles_error(rate: str) -> float:
     sizes = [float(q) for q in roots if q.is_real and q > 1e-9]
     if len(sizes) != 2:
         return math.inf
-    unit = {"a": A, "b": B, "c": 0.0, "e": 1.0, "w": 1.0}
+    unit = paper_numbers(A, B)
     return max(abs(damping_mean(size**2, unit)) for size in sizes)
 
 
@@ -268,28 +260,8 @@ def outer_amplitude() -> float:
 def measured_shift(eps: float) -> float:
     """Return (frequency - 1)/eps² of the true outer cycle."""
     start = outer_amplitude() * np.sin(2 * np.pi * np.arange(61) / 61)[None, :]
-    _, frequency = orbit(start, 1.0, {"e": eps, "a": A, "b": B, "c": 0.0})
+    _, frequency = orbit(start, 1.0, paper_numbers(A, B, eps=eps))
     return float((frequency - 1) / eps**2)
-
-
-def style() -> Style:
-    """Return how the diagram is drawn."""
-    from benchmarks.diagram import Style
-
-    return Style(
-        "error of the result (right is better)",
-        "seconds, imports apart",
-        "Error against run time of the modulation equations of one cell. The second order is "
-        "compared with an orbit at ε = 0.001, which limits the error that can be seen.",
-        {
-            MULTIPLE: ("blue", "o"),
-            AVERAGING: ("sky", "s"),
-            "OSCILATE": ("vermilion", "v"),
-            "asymptotics": ("orange", "D"),
-        },
-        1e-3,
-        1e-16,
-    )
 
 
 def _first(name: str) -> None:
@@ -299,17 +271,30 @@ def _first(name: str) -> None:
         exec(program_of(name), {})
 
 
-BENCHMARK = Quantity(
-    QUANTITY,
-    "modulation equations of one cell",
-    MULTIPLE,
-    (1e-16, 1e-3),
-    measure,
-    style,
+BENCHMARK = WorkPrecision(
+    name="derivation",
+    prepare=prepare,
+    effort=Effort(limit=600.0),
+    quick_effort=Effort(limit=600.0),
+    quick_problems=2,
+    style=Style(
+        xlabel="error of the result (right is better)",
+        ylabel="seconds, imports apart",
+        caption="Error against run time of the modulation equations of one cell. The second order "
+        "is compared with an orbit at ε = 0.001, which limits the error that can be seen.",
+        methods={
+            MULTIPLE: ("blue", "o"),
+            AVERAGING: ("sky", "s"),
+            "OSCILATE": ("vermilion", "v"),
+            "asymptotics": ("orange", "D"),
+        },
+        garbage=1e-3,
+        floor=1e-16,
+    ),
     reasons={
         AVERAGING: "the same equation to the last term by another route, kept to check it; "
         "multiple scales is the paper's route and gives each step of it, in milliseconds more"
     },
     first={name: partial(_first, name) for name in (MULTIPLE, "OSCILATE")},
-    code=("derivations.modulation", "derivations.oscillator"),
+    code=("derivations.algebra.modulation", "derivations.algebra.harmonics"),
 )

@@ -1,11 +1,10 @@
-"""Error against run time, a panel a scene, a line a method; the numbers beside it as CSV."""
+"""Error against run time, a panel a test problem, a line a method; the numbers beside it as CSV."""
 
 from __future__ import annotations
 
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,38 +17,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from benchmarks.work_precision import Style
     from paper_checks.report.data_table import Column
 
-_FLOOR = 1e-17
 _PALE = 0.35
 _SHORT = 24
 """Characters of a label of which two fit side by side."""
 _STRIP = 0.02
 """Half the width of the strip for errors too small to draw, as a part of the axis."""
-
-
-@dataclass(frozen=True)
-class Style:
-    """How a diagram is drawn.
-
-    Attributes
-    ----------
-    xlabel, ylabel, caption : str
-        Texts.
-    methods : mapping of str to (str, str)
-        Colour and marker of each method.
-    garbage : float
-        Error beyond which a result is no answer.
-    floor : float
-        Errors below, and those of zero, are drawn there, in a strip that says so.
-    """
-
-    xlabel: str
-    ylabel: str
-    caption: str
-    methods: Mapping[str, tuple[str, str]]
-    garbage: float
-    floor: float = _FLOOR
 
 
 def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> None:

@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING
 from benchmarks.record import FirstCall
 
 if TYPE_CHECKING:
-    from benchmarks.quantity import Quantity, Tell
+    from benchmarks.work_precision import Report, WorkPrecision
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 240.0
 """Seconds that one process may take."""
 
 
-def first_calls(quantity: Quantity, tell: Tell) -> tuple[FirstCall, ...]:
+def first_calls(benchmark: WorkPrecision, report: Report) -> tuple[FirstCall, ...]:
     """Return the first calls of the default and of each peer; a failure says why."""
     done = []
-    for method in quantity.first:
-        tell(f"{quantity.name}: first call of {method}")
-        done.append(first_call(quantity.module, method))
+    for method in benchmark.first:
+        report(f"{benchmark.name}: first call of {method}")
+        done.append(first_call(benchmark.module, method))
     return tuple(done)
 
 

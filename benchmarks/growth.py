@@ -1,6 +1,6 @@
 """How time and memory grow: with sites, digits, 1/v, points of a map and workers.
 
-Each line of work is run at growing sizes; the exponent is the slope of log time against log size
+Each kind of work is run at growing sizes; the exponent is the slope of log time against log size
 over the larger half, where the cost that does not grow matters least. It stands beside the exponent
 that the method should have. Memory is the peak of what Python and NumPy allocated in this
 process; tracing slows many small numbers down, so that it is measured where the work takes less
@@ -18,9 +18,9 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from benchmarks.growth_work import Line, lines
-from benchmarks.quantity import Tell
+from benchmarks.growth_work import Work, works
 from benchmarks.record import PACKAGES
+from benchmarks.work_precision import Report
 from verification.execution.files import write_json
 from verification.execution.metadata import Code, Metadata, installed_versions
 
@@ -32,12 +32,12 @@ TRACED = 1.5
 
 @dataclass(frozen=True)
 class Growth:
-    """What one line of work cost.
+    """What one kind of work cost.
 
     Attributes
     ----------
     name, size_name, why : str
-        As of the line.
+        As of the work.
     remark : str
         Why the fitted exponent is not the expected one; empty where it is.
     sizes, seconds, megabytes : tuple of float
@@ -63,55 +63,55 @@ class Growth:
     remark: str = ""
 
 
-def measure(quick: bool, tell: Tell) -> list[Growth]:
-    """Measure every line of work."""
+def measure(quick: bool, report: Report) -> list[Growth]:
+    """Measure every kind of work."""
     done = []
-    for line in lines():
-        tell(f"growth: {line.name}")
-        sizes = line.quick if quick else line.full
-        line.work(sizes[0])  # compiled and imported before anything is timed
-        costs = [cost(line, size) for size in sizes]
+    for work in works():
+        report(f"growth: {work.name}")
+        sizes = work.quick if quick else work.full
+        work.work(sizes[0])  # compiled and imported before anything is timed
+        costs = [cost(work, size) for size in sizes]
         half = slice(min(len(sizes) // 2, len(sizes) - 2), None)
         seconds, memory = ([row[i] for row in costs] for i in (0, 1))
         done.append(
             Growth(
-                line.name, line.size_name, line.why, tuple(map(float, sizes)), tuple(seconds),
+                work.name, work.size_name, work.why, tuple(map(float, sizes)), tuple(seconds),
                 tuple(memory), slope(sizes[half], seconds[half]), slope(sizes[half], memory[half]),
-                line.expected, line.wall, remark_on(line, slope(sizes[half], seconds[half])),
+                work.expected, work.wall, remark_on(work, slope(sizes[half], seconds[half])),
             )
         )  # fmt: skip
     return done
 
 
-def remark_on(line: Line, fitted: float) -> str:
+def remark_on(work: Work, fitted: float) -> str:
     """Return why the fitted exponent is another one than expected; empty where it is not.
 
     Examples
     --------
-    >>> line = Line("w", "sites", abs, (1,), (1,), 2.0, "why", remark="too few sites")
-    >>> remark_on(line, 2.1), remark_on(line, 1.2)
+    >>> work = Work("w", "sites", abs, (1,), (1,), 2.0, "why", remark="too few sites")
+    >>> remark_on(work, 2.1), remark_on(work, 1.2)
     ('', 'too few sites')
     """
-    if line.expected is None or abs(fitted - line.expected) <= CLOSE:
+    if work.expected is None or abs(fitted - work.expected) <= CLOSE:
         return ""
-    return line.remark or "not explained"
+    return work.remark or "not explained"
 
 
-def cost(line: Line, size: float) -> tuple[float, float]:
+def cost(work: Work, size: float) -> tuple[float, float]:
     """Return the least time in seconds and the peak memory in megabytes."""
-    clock = perf_counter if line.wall else process_time
+    clock = perf_counter if work.wall else process_time
     best = math.inf
-    for turn in range(line.repeats):
+    for turn in range(work.repeats):
         begin = clock()
-        line.work(size)
+        work.work(size)
         best = min(best, clock() - begin)
         if best > 2.0 and turn == 0:
             break
-    if line.wall or best > TRACED:
+    if work.wall or best > TRACED:
         return best, math.nan
     tracemalloc.start()
     try:
-        line.work(size)
+        work.work(size)
         return best, tracemalloc.get_traced_memory()[1] / 1e6
     finally:
         tracemalloc.stop()

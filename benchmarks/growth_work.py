@@ -1,4 +1,4 @@
-"""The lines of work whose cost is measured as they grow, with the exponents they should have."""
+"""The kinds of work whose cost is measured as they grow, with the exponents they should have."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-Work = Callable[[float], object]
-
 
 @dataclass(frozen=True)
-class Line:
-    """One line of work.
+class Work:
+    """One kind of work.
 
     Attributes
     ----------
@@ -37,7 +35,7 @@ class Line:
 
     name: str
     size_name: str
-    work: Work
+    work: Callable[[float], object]
     quick: tuple[float, ...]
     full: tuple[float, ...]
     expected: float | None
@@ -47,62 +45,62 @@ class Line:
     remark: str = ""
 
 
-def lines() -> list[Line]:
-    """Return every line of work."""
+def works() -> list[Work]:
+    """Return every kind of work."""
     return [
-        Line(
+        Work(
             "front of (43), moving window", "sites", front, (10, 100, 1000, 3000),
             (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000), 1.0,
             "the time to cross is N, the window is constant",
         ),
-        Line(
+        Work(
             "front of (8), moving window", "sites", full_front, (10, 100, 300),
             (10, 30, 100, 300, 1000, 3000, 10_000), 1.0,
             "the time to cross is N, the window is constant",
         ),
-        Line(
+        Work(
             "front of (43), all sites", "sites", whole_front, (50, 100, 200),
             (50, 100, 200, 400, 800, 1600), 2.0, "the time to cross is N, and so are the sites",
         ),
-        Line(
+        Work(
             "front of (5)", "sites", friction_front, (20, 40, 80), (20, 40, 80, 160, 320, 640), 3.0,
             "the time to cross is N and all sites behind go on switching: N² events, each ends a "
             "step, and each step is of all sites",
             remark="on few sites what a step costs whatever its length counts beside the sites",
         ),
-        Line(
+        Work(
             "sum by the series", "digits", series, (15, 30, 60), (15, 30, 60, 120, 250), 3.0,
             "as many roots as digits, and Taylor products of as many terms: two powers, and the "
             "length of the numbers",
             remark="numbers of a few hundred digits are a few machine words long: what an "
             "operation costs hardly grows yet",
         ),
-        Line(
+        Work(
             "sum by the integral, many digits", "digits", integral, (15, 30, 60),
             (15, 30, 60, 120, 250, 500), 2.0,
             "as many points as digits, each an exponential of so many digits",
             remark="as above; the exponent still rises with the digits",
         ),
-        Line(
+        Work(
             "sum by the integral, double", "1/v", slow_sum, (1, 10, 100, 1000, 10_000),
             (1, 1e2, 1e4, 1e6, 1e8), 0.0, "the strip of analyticity stays open as v falls", 20,
         ),
-        Line(
+        Work(
             "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
             "|Σ| turns in 1/v and every turn is looked at",
             remark="the overhead of arrays rules; there is no farther to go, since below v = 1/54 "
             "|Σ| is flat to rounding",
         ),
-        Line(
+        Work(
             "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
             (16, 64, 256, 1024, 4096), 1.0, "a point knows nothing of the others",
         ),
-        Line(
+        Work(
             "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
             "half the points a worker", 1, True,
             "a point takes a millisecond, and to start workers and hand points over costs more",
         ),
-        Line(
+        Work(
             "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
             "half the points a worker", 1, True,
             "each worker takes a second to start, and the cores share their memory",
@@ -130,14 +128,10 @@ def _front(sites: int, behind: int, full: bool = False) -> object:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
     filled = min(24, sites // 2)
     return simulate(
-        chain if full else chain.averaged(),
-        excite_edge(chain, filled),
-        sites / 0.72 / chain.eps,
-        tolerance=1e-6 if full else 1e-9,
-        trailing_sites=min(behind, filled),
-        estimate_error=False,
-        samples=2,
-    )
+        chain if full else chain.averaged(), excite_edge(chain, filled), sites / 0.72 / chain.eps,
+        tolerance=1e-6 if full else 1e-9, trailing_sites=min(behind, filled),
+        estimate_error=False, samples=2,
+    )  # fmt: skip
 
 
 def friction_front(sites: float) -> object:

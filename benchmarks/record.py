@@ -28,7 +28,8 @@ class WorkPoint:
     Attributes
     ----------
     quantity, scene, method, knob : str
-        What was computed, where, how, and the setting that trades error for time.
+        What was computed, at which test problem, how, and the setting that trades error for time.
+        (``scene`` is the key of the stored format.)
     error : float
         Distance from the reference.
     claimed : float or None
@@ -148,7 +149,7 @@ class Record:
     machine, versions : mapping
         Where it ran and with what (`verification.execution.metadata`).
     agreement : mapping of str to float
-        For each scene, the distance between the two references that share no code.
+        For each test problem, the distance between the two references that share no code.
     points, failures, targets
         The measurements.
     first_calls : tuple of FirstCall
@@ -176,18 +177,14 @@ def stamped(
     points: Sequence[WorkPoint],
     failures: Sequence[Failure],
     targets: Sequence[Target] = (),
+    first_calls: Sequence[FirstCall] = (),
+    code: Mapping[str, object] | None = None,
 ) -> Record:
     """Return the record of a run that has just ended here."""
     return Record(
-        command,
-        now(),
-        this_machine(),
-        installed_versions(PACKAGES),
-        agreement,
-        tuple(points),
-        tuple(failures),
-        tuple(targets),
-    )
+        command, now(), this_machine(), installed_versions(PACKAGES), agreement, tuple(points),
+        tuple(failures), tuple(targets), tuple(first_calls), code,
+    )  # fmt: skip
 
 
 def as_payload(record: Record) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Labelled roots of Eq. (50) beside the root finders a user has: which are found, and how exactly.
 
-Wanted are the roots of the labels -20 … 20 above the axis; the error is the largest of them. A
+Required are the roots of the labels -20 … 20 above the axis; the error is the largest of them. A
 method that leaves some out is a failure, and the failure says how many. The reference is mpmath's
 ``findroot`` (secants) at 40 digits, started at our roots; the number of roots is certain
 from the winding of L, which knows nothing of labels. ``agreement`` is how far our roots at 50
@@ -14,26 +14,28 @@ import contextlib
 import logging
 from collections.abc import Iterator, Sequence
 from functools import partial
-from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 
-from benchmarks.quantity import Quantity, Tell
-from benchmarks.record import Failure, Record, WorkPoint, stamped
-from benchmarks.runner import Answer, Contender, Effort, measure_side_by_side
+from benchmarks.work_precision import (
+    Answer,
+    Effort,
+    Prepared,
+    Report,
+    Setting,
+    Style,
+    WorkPrecision,
+)
 from theory.piecewise.certified_roots import certify_roots
 from theory.piecewise.precise_roots import precise_roots
 from theory.piecewise.root_count import box_of_strips, count_in_strips
 from theory.piecewise.roots import labelled_roots
-from verification.quantities.scenes import timed
+from verification.quantities.problems import Problem
+from verification.references.piecewise import dispersion, dispersion_slope
 
-if TYPE_CHECKING:
-    from benchmarks.diagram import Style
-
-REACH = 20
-LABELS = np.arange(-REACH, REACH + 1)
+LABELS = np.arange(-20, 21)
 DOUBLE, PRECISE, CERTIFIED = "labelled roots", "labelled roots, many digits", "certified roots"
 CONTOUR, NEWTON, FINDROOT = "cxroots", "scipy newton from guesses", "mpmath findroot from guesses"
 _DIGITS = 40
@@ -45,22 +47,15 @@ class MissedRootsError(ArithmeticError):
     """A method that left roots out."""
 
 
-def measure(quick: bool, tell: Tell) -> Record:
-    """Measure every method at every scene."""
-    points: list[WorkPoint] = []
-    failures: list[Failure] = []
-    agreement = {}
-    effort = Effort(0.1, 1, 9, 0.5, 10.0) if quick else Effort(1.0, 3, 51, 2.0, 60.0)
-    for scene in timed("roots")[: 2 if quick else None]:
-        name = scene.name
-        tell(f"roots at the scene {name}")
-        true, agreement[name] = reference(scene.v, scene.c)
-        rows = [each for each in contenders(scene.v, scene.c, true) if each.quick or not quick]
-        done, failed = measure_side_by_side("roots", name, rows, effort, process_time)
-        points += done
-        failures += failed
-    command = "fronts bench roots" + " --quick" * quick
-    return stamped(command, agreement, points, failures)
+def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
+    """Return the roots by mpmath, how far ours at 50 digits are from them, and all methods."""
+    v, c = problem.v, problem.c
+    true, apart = reference(v, c)
+    settings = [
+        Setting(method=method, knob=knob, evaluate=evaluate, reference=true, quick=short, peer=peer)
+        for method, knob, evaluate, short, peer in _methods(v, c)
+    ]
+    return Prepared(agreement=apart, settings=settings)
 
 
 def reference(v: float, c: float) -> tuple[list[Any], float]:
@@ -75,7 +70,7 @@ def reference(v: float, c: float) -> tuple[list[Any], float]:
     with mp.workdps(_DIGITS):
         found = [
             mp.findroot(
-                partial(dispersion, v, c), (k, k * (1 + 1e-9)), solver="secant",
+                _exact_dispersion(v, c), (k, k * (1 + 1e-9)), solver="secant",
                 tol=mp.mpf(10) ** (5 - _DIGITS), verify=False,
             )
             for k in map(mp.mpc, start.tolist())
@@ -86,62 +81,53 @@ def reference(v: float, c: float) -> tuple[list[Any], float]:
         return found, float(max(abs(a - b) for a, b in zip(found, ours, strict=True)))
 
 
-def dispersion(v: float, c: float, k: Any) -> Any:
-    """Return L(k) of Eq. (50) in the numbers of mpmath."""
-    return mp.mpf(0.5) - 1j * mp.mpf(c) * (1 - mp.cos(k)) - 1j * mp.mpf(v) * k
+def _exact_dispersion(v: float, c: float) -> Any:
+    return partial(dispersion, mp.mpf(v), mp.mpf(c))
 
 
-def contenders(v: float, c: float, true: Sequence[Any]) -> Iterator[Contender]:
-    """Yield every method at every setting."""
-    yield Contender(DOUBLE, "as it is", partial(_double, v, c, true), 0)
+def _methods(v: float, c: float) -> Iterator[tuple[str, str, Any, bool, bool]]:
+    """Yield method, setting, how to evaluate it, whether it is quick, whether it is a peer."""
+    yield DOUBLE, "as it is", partial(_double, v, c), True, False
     for digits in (20, 30, 35):
-        yield Contender(PRECISE, f"{digits} digits", partial(_precise, v, c, true, digits), 0)
-    yield Contender(CERTIFIED, "120 bits", partial(_certified, v, c, true), 0)
-    for name, options in (
-        ("M=2", {"M": 2}),
-        ("romb, M=3", {"int_method": "romb", "M": 3}),
-        ("defaults", {}),
-    ):
-        yield Contender(
-            CONTOUR, name, partial(_contour, v, c, true, options), 0, quick=name == "M=2", peer=True
-        )
+        yield PRECISE, f"{digits} digits", partial(_precise, v, c, digits), True, False
+    yield CERTIFIED, "120 bits", partial(_certified, v, c), True, False
+    contours: tuple[tuple[str, dict[str, Any]], ...] = (
+        ("M=2", {"M": 2}), ("romb, M=3", {"int_method": "romb", "M": 3}), ("defaults", {}),
+    )  # fmt: skip
+    for name, options in contours:
+        yield CONTOUR, name, partial(_contour, v, c, options), name == "M=2", True
     for across, up in ((41, 1), (82, 4), (410, 10)):
-        yield Contender(
-            NEWTON, f"{across * up} guesses", partial(_newton, v, c, true, across, up), 0, peer=True
-        )
+        yield NEWTON, f"{across * up} guesses", partial(_newton, v, c, across, up), True, True
     for across, up in ((41, 1), (82, 4)):
-        yield Contender(
-            FINDROOT, f"{across * up} guesses", partial(_findroot, v, c, true, across, up), 0,
-            quick=up == 1, peer=True,
-        )  # fmt: skip
+        found = partial(_findroot, v, c, across, up)
+        yield FINDROOT, f"{across * up} guesses", found, up == 1, True
 
 
-def _double(v: float, c: float, true: Sequence[Any]) -> Answer:
+def _double(v: float, c: float) -> Answer:
     found = labelled_roots(v, c, LABELS, upper=True)
-    return Answer(_largest(found.k.tolist(), true), float(found.radius.max()))
+    return Answer(value=found.k.tolist(), claimed=float(found.radius.max()))
 
 
-def _precise(v: float, c: float, true: Sequence[Any], digits: int) -> Answer:
-    found = precise_roots(v, c, LABELS, True, digits)
-    return Answer(_largest(found, true), None)
+def _precise(v: float, c: float, digits: int) -> Answer:
+    return Answer(value=precise_roots(v, c, LABELS, True, digits))
 
 
-def _certified(v: float, c: float, true: Sequence[Any]) -> Answer:
+def _certified(v: float, c: float) -> Answer:
     found = certify_roots(v, c, LABELS, upper=True).roots
-    return Answer(_largest(found.k.tolist(), true), float(found.radius.max()))
+    return Answer(value=found.k.tolist(), claimed=float(found.radius.max()))
 
 
-def _contour(v: float, c: float, true: Sequence[Any], options: dict[str, Any]) -> Answer:
+def _contour(v: float, c: float, options: dict[str, Any]) -> Answer:
     from cxroots import Rectangle
 
     logging.getLogger("cxroots").setLevel(logging.ERROR)
     left, right, low, high = box_of_strips(v, c, LABELS, upper=True)
     found = Rectangle((left, right), (low, high)).roots(
-        lambda k: 0.5 - 1j * c * (1.0 - np.cos(k)) - 1j * v * k,
-        lambda k: -1j * (v + c * np.sin(k)),
+        lambda k: dispersion(v, c, k, np.cos),
+        lambda k: dispersion_slope(v, c, k, np.sin),
         **options,
     )
-    return Answer(_largest(list(found.roots), true), None)
+    return Answer(value=list(found.roots))
 
 
 def _guesses(v: float, c: float, across: int, up: int) -> Any:
@@ -152,31 +138,29 @@ def _guesses(v: float, c: float, across: int, up: int) -> Any:
     return (x[None, :] + 1j * y[:, None]).ravel()
 
 
-def _newton(v: float, c: float, true: Sequence[Any], across: int, up: int) -> Answer:
+def _newton(v: float, c: float, across: int, up: int) -> Answer:
     from scipy.optimize import newton
 
     found: Any = newton(
-        lambda k: 0.5 - 1j * c * (1.0 - np.cos(k)) - 1j * v * k,
+        lambda k: dispersion(v, c, k, np.cos),
         _guesses(v, c, across, up),
-        fprime=lambda k: -1j * (v + c * np.sin(k)),
+        fprime=lambda k: dispersion_slope(v, c, k, np.sin),
         tol=1e-14,
         maxiter=100,
         full_output=True,
     )
-    return Answer(_largest(found[0][found[1]].tolist(), true), None)
+    return Answer(value=found[0][found[1]].tolist())
 
 
-def _findroot(v: float, c: float, true: Sequence[Any], across: int, up: int) -> Answer:
+def _findroot(v: float, c: float, across: int, up: int) -> Answer:
     found = []
     for guess in _guesses(v, c, across, up).tolist():
-        try:
-            found.append(mp.findroot(partial(dispersion, v, c), mp.mpc(guess)))
-        except (ValueError, ZeroDivisionError, OverflowError):
-            continue
-    return Answer(_largest(found, true), None)
+        with contextlib.suppress(ValueError, ZeroDivisionError, OverflowError):
+            found.append(mp.findroot(_exact_dispersion(v, c), mp.mpc(guess)))
+    return Answer(value=found)
 
 
-def _largest(found: Sequence[Any], true: Sequence[Any]) -> float:
+def largest_error(found: Sequence[Any], true: Sequence[Any]) -> float:
     """Return the largest distance of a true root from the nearest one found.
 
     Raises
@@ -199,16 +183,18 @@ def _largest(found: Sequence[Any], true: Sequence[Any]) -> float:
     return largest
 
 
-def style() -> Style:
-    """Return how the diagram is drawn."""
-    from benchmarks.diagram import Style
-
-    return Style(
-        "largest error of 41 roots (right is better)",
-        "processor seconds",
-        "Error against run time of 41 consecutive roots of (50). Methods that leave roots out are "
-        "failures and not drawn.",
-        {
+BENCHMARK = WorkPrecision(
+    name="roots",
+    prepare=prepare,
+    error=largest_error,
+    quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.5, limit=10.0),
+    quick_problems=2,
+    style=Style(
+        xlabel="largest error of 41 roots (right is better)",
+        ylabel="processor seconds",
+        caption="Error against run time of 41 consecutive roots of (50). Methods that leave roots "
+        "out are failures and not drawn.",
+        methods={
             DOUBLE: ("blue", "o"),
             PRECISE: ("sky", "P"),
             CERTIFIED: ("green", "D"),
@@ -216,28 +202,12 @@ def style() -> Style:
             NEWTON: ("orange", "v"),
             FINDROOT: ("vermilion", "s"),
         },
-        1.0,
-        1e-40,
-    )
-
-
-def _found(method: str) -> object:
-    """Return the roots of the ordinary scene, compared with nothing."""
-    labelled = labelled_roots(0.3, 0.5, LABELS, upper=True)
-    if method == DOUBLE:
-        return labelled
-    peer = _newton if method == NEWTON else _findroot
-    with contextlib.suppress(MissedRootsError):  # what it misses is said elsewhere
-        peer(0.3, 0.5, labelled.k.tolist(), 41, 1)
-    return None
-
-
-BENCHMARK = Quantity(
-    "roots",
-    "41 roots of Eq. (50), none left out",
-    DOUBLE,
-    (1e-12, 1e-2),
-    measure,
-    style,
-    first={name: partial(_found, name) for name in (DOUBLE, NEWTON, FINDROOT)},
+        garbage=1.0,
+        floor=1e-40,
+    ),
+    first={
+        DOUBLE: partial(_double, 0.3, 0.5),
+        NEWTON: partial(_newton, 0.3, 0.5, 41, 1),
+        FINDROOT: partial(_findroot, 0.3, 0.5, 41, 1),
+    },
 )

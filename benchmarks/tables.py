@@ -1,4 +1,4 @@
-"""A record as plain text: the machine, points by scene, failures by name, targets with verdicts."""
+"""A record as plain text: points by test problem, failures by name, targets with verdicts."""
 
 from __future__ import annotations
 
@@ -67,5 +67,5 @@ def _targets(run: Record) -> Iterator[str]:
     yield "promised speeds, and what else was timed"
     for each in run.targets:
         measured = "-" if each.measured is None else f"{each.measured:.3g}"
-        wanted = "" if each.limit is None else f"{each.relation} {each.limit:g}, "
-        yield f"  {each.verdict:12} {each.claim}: {measured} {each.unit} ({wanted}{each.detail})"
+        required = "" if each.limit is None else f"{each.relation} {each.limit:g}, "
+        yield f"  {each.verdict:12} {each.claim}: {measured} {each.unit} ({required}{each.detail})"

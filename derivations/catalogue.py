@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib
-import sys
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from derivations.errors import DerivationInputError
+from derivations.algebra.errors import DerivationInputError
 
 if TYPE_CHECKING:
-    from derivations.derivation import Derivation
+    from derivations.algebra.steps import Derivation
 
 LISTING = {
-    "friction": ("friction", "model I: scales, steady sliding and its stability", "1-7"),
-    "multiple-scales": ("multiple_scales", "the central particle by multiple scales", "8-30"),
-    "averaging": ("averaging", "the averaged chain and what decays along it", "31-38"),
-    "linearisation": ("linearisation", "the Jacobian, for a ring and for free ends", "39-42"),
-    "piecewise-front": ("piecewise_front", "the front, its roots and its speed", "43-54"),
-    "second-order": ("second_order", "the next order, by both routes", ""),
-}
+    "friction": ("friction.steps", "model I: scales, steady sliding and its stability", "1-7"),
+    "multiple-scales": (
+        "multiple_scales.steps", "the central particle by multiple scales", "8-30"
+    ),
+    "averaging": (
+        "averaging.steps", "the averaged chain and what decays along it", "31-38, 43"
+    ),
+    "linearisation": ("linearisation.steps", "the Jacobian, for a ring and for free ends", "39-42"),
+    "piecewise-front": ("front.steps", "the front, its roots and its speed", "44-54"),
+    "second-order": ("averaging.second_order", "the next order, by both routes", ""),
+}  # fmt: skip
 """Name, module, what it derives, equation numbers."""
 
 NUMBERED = tuple(name for name, row in LISTING.items() if row[2])
@@ -29,9 +30,12 @@ NUMBERED = tuple(name for name, row in LISTING.items() if row[2])
 WITH_ORDER = ("multiple-scales", "averaging")
 """Those that can be carried to second order."""
 
+WITH_MODEL = tuple(name for name in LISTING if name != "friction")
+"""Those that follow from any chain of self-excited oscillators."""
 
-def load(name: str, order: int = 1) -> Derivation:
-    """Build a derivation; nothing is checked yet.
+
+def load(name: str, order: int = 1, model: Any = None) -> Derivation:
+    """Build a derivation; nothing is computed or checked yet.
 
     Parameters
     ----------
@@ -39,11 +43,13 @@ def load(name: str, order: int = 1) -> Derivation:
         A name of `LISTING`.
     order : {1, 2}
         Power of eps, for multiple scales and averaging.
+    model : ChainModel or None
+        The chain to derive from; None for that of Eq. (8).
 
     Raises
     ------
     DerivationInputError
-        If there is no such derivation or order.
+        If there is no such derivation or order, or it does not start from a chain.
     """
     if name not in LISTING:
         raise DerivationInputError(
@@ -51,16 +57,49 @@ def load(name: str, order: int = 1) -> Derivation:
         )
     if order not in (1, 2):
         raise DerivationInputError("order", order, "1 or 2", "choose one of the two")
-    module = importlib.import_module(f"derivations.{LISTING[name][0]}")
-    if name in WITH_ORDER:
-        ordered: Derivation = module.derive(order)
-        return ordered
-    if order == 2 and name != "second-order":
+    if order == 2 and name not in (*WITH_ORDER, "second-order"):
         raise DerivationInputError(
             "order", order, f"1 for '{name}'", "leave it out: this derivation has one order"
         )
-    made: Derivation = module.derive()
+    if model is not None and name not in WITH_MODEL:
+        raise DerivationInputError(
+            "model",
+            "another chain",
+            f"left out for '{name}'",
+            f"choose one of {', '.join(WITH_MODEL)}",
+        )
+    module = importlib.import_module(f"derivations.{LISTING[name][0]}")
+    given = () if model is None else (model,)
+    ordered = {"order": order} if name in WITH_ORDER else {}
+    made: Derivation = module.derive(*given, **ordered)
     return made
+
+
+def everything(model: Any = None) -> tuple[Derivation, ...]:
+    """Return all derivations that carry equation numbers, with the second order.
+
+    Parameters
+    ----------
+    model : ChainModel or None
+        The chain of those that start from one.
+    """
+    made = [load(name, model=model if name in WITH_MODEL else None) for name in NUMBERED]
+    return (*made, load("second-order", model=model))
+
+
+def numbers_of(name: str) -> tuple[int, ...]:
+    """Return the equation numbers that a derivation contains.
+
+    Examples
+    --------
+    >>> numbers_of("averaging")[-2:]
+    (38, 43)
+    """
+    found: list[int] = []
+    for stretch in LISTING[name][2].split(", ") if LISTING[name][2] else ():
+        low, _, high = stretch.partition("-")
+        found += range(int(low), int(high or low) + 1)
+    return tuple(found)
 
 
 def owner(number: int) -> str:
@@ -76,34 +115,7 @@ def owner(number: int) -> str:
     >>> owner(34)
     'averaging'
     """
-    for name, (_, _, numbers) in LISTING.items():
-        if numbers:
-            low, high = map(int, numbers.split("-"))
-            if low <= number <= high:
-                return name
+    for name in LISTING:
+        if number in numbers_of(name):
+            return name
     raise DerivationInputError("equation", number, "from 1 to 54", "choose one of these numbers")
-
-
-def main(name: str, arguments: Sequence[str] | None = None) -> int:
-    """Print one derivation: what ``python -m derivations.<module>`` does.
-
-    Returns
-    -------
-    int
-        0 if every check passed, 1 if one failed.
-    """
-    import json
-
-    from derivations import rendering
-
-    parser = argparse.ArgumentParser(prog=f"python -m derivations.{LISTING[name][0]}")
-    parser.add_argument("--order", type=int, default=1, choices=(1, 2))
-    parser.add_argument("--format", default="text", choices=rendering.FORMATS)
-    parsed = parser.parse_args(arguments)
-    derivation = load(name, parsed.order)
-    if parsed.format == "json":
-        data = rendering.records(derivation)
-        sys.stdout.write(json.dumps(data) + "\n")
-        return 0 if data["complete"] else 1
-    sys.stdout.write(rendering.shown(derivation, parsed.format) + "\n")
-    return 0 if all(evidence.holds for _, evidence in derivation.examined()) else 1

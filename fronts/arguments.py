@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from fronts.answer import UsageError
 from verification.execution import files
 
-MOST_POINTS = 100_000
-_MOST_EXCITED = 1_000_000
+MAX_POINTS = 100_000
+MAX_EXCITED = 1_000_000
 
 
 class BadText(argparse.ArgumentTypeError):
@@ -95,9 +95,9 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
             text, "low:high:count with low below high", "let it rise, as in 0.3:3:200, or give one"
             " number"
         )  # fmt: skip
-    if not 2 <= count <= MOST_POINTS:
+    if not 2 <= count <= MAX_POINTS:
         raise BadText(
-            text, f"low:high:count with a count from 2 to {MOST_POINTS}", "give such a count"
+            text, f"low:high:count with a count from 2 to {MAX_POINTS}", "give such a count"
         )
     return low, high, count
 
@@ -113,7 +113,7 @@ def site_list(text: str) -> tuple[int, ...]:
     try:
         if ":" in text:
             first, last = (int(part) for part in text.split(":"))
-            if last - first < _MOST_EXCITED:
+            if last - first < MAX_EXCITED:
                 return tuple(range(first, last + 1))
         else:
             return tuple(int(part) for part in text.split(","))
@@ -121,7 +121,7 @@ def site_list(text: str) -> tuple[int, ...]:
         pass
     raise BadText(
         text,
-        f"a site, a list as in 14,15,16 or a range of at most {_MOST_EXCITED} as in 14:16",
+        f"a site, a list as in 14,15,16 or a range of at most {MAX_EXCITED} as in 14:16",
         "give one of these",
     )
 
@@ -132,78 +132,9 @@ def decimal(text: str) -> str:
     return text
 
 
-def add_eta_options(
-    parser: argparse.ArgumentParser, kind: Callable[[str], float | tuple[float, float, int]]
-) -> None:
-    """Declare ``--eta``, and ``--a`` with ``--b`` in its place; ``kind`` reads ``--eta``."""
-    parser.add_argument("--eta", type=kind, help="b/a^2; two limit cycles exist below 1/8")
-    parser.add_argument("--a", type=real, help="damping coefficient a, with --b, for --eta")
-    parser.add_argument("--b", type=real, help="damping coefficient b, with --a, for --eta")
-
-
-def eta_of(options: argparse.Namespace) -> Any:
-    """Return η as given, or from a and b.
-
-    Raises
-    ------
-    UsageError
-        If it is given twice or not at all.
-    """
-    given = (options.a is not None, options.b is not None)
-    if options.eta is not None:
-        if any(given):
-            raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
-        return options.eta
-    if not all(given):
-        raise UsageError("give --eta, or both --a and --b.")
-    from theory.cells.vdp import eta_from_damping
-
-    return eta_from_damping(options.a, options.b)
-
-
 def given(value: Any, default: Any) -> Any:
     """Return an option as it was given, or the default of the model that was named."""
     return default if value is None else value
-
-
-def refuse(options: argparse.Namespace, names: Iterable[str], model: str) -> None:
-    """Refuse options that belong to other models than the one that was named.
-
-    Raises
-    ------
-    UsageError
-        If one was given.
-    """
-    for name in names:
-        if getattr(options, name) is not None:
-            flag = name.replace("_", "-")
-            raise UsageError(
-                f"--{flag} has no meaning for the model {model}: leave it out.",
-                quantity=f"--{flag}",
-                value=getattr(options, name),
-                allowed=f"absent for the model {model}",
-                remedy="leave it out",
-            )
-
-
-def refuse_other_methods(options: argparse.Namespace, owners: Mapping[str, str]) -> None:
-    """Refuse options of another ``--method`` than the one that was named; by option, its method.
-
-    Raises
-    ------
-    UsageError
-        If one was given, or a seed is negative.
-    """
-    for name, method in owners.items():
-        if getattr(options, name) is not None and options.method != method:
-            raise UsageError(
-                f"--{name} is for --method {method}: leave it out.",
-                quantity=f"--{name}",
-                value=getattr(options, name),
-                allowed=f"absent without --method {method}",
-                remedy="leave it out",
-            )
-    check_seed(getattr(options, "seed", None))
 
 
 def check_seed(seed: int | None) -> None:

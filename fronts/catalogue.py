@@ -268,8 +268,8 @@ COMMANDS: dict[str, Command] = {
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume""",
         notes="""The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
-unless --a or another --b is given. OUT.json has parameters and versions of the table OUT.csv,
-OUT-boundary.csv the boundaries.""",
+unless --a or another --b is given. Beside a table OUT.csv stand
+OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the boundaries.""",
         calls={
             "vdp": _VDP_MAP,
             "averaged": _VDP_MAP,

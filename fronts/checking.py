@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from theory.parameters import ParameterError, count_within, whole_number
 
 if TYPE_CHECKING:
-    from derivations.derivation import Derivation
-    from derivations.envelope import Envelope
+    from derivations.algebra.steps import Derivation
+    from derivations.cell.envelope import Envelope
     from paper_checks.outcome import Outcome
-    from verification.quantities.table import Stability
+    from verification.quantities.robustness import Stability
 
 
 def derivation(of: int | str, *, order: int = 1) -> Derivation:
@@ -99,7 +99,7 @@ def derive_cell(
     >>> [cycle.stability for cycle in found.cycles]
     ['unstable', 'stable']
     """
-    from derivations.envelope import derive_envelope
+    from derivations.cell.envelope import derive_envelope
 
     envelope = derive_envelope(damping, stiffness, coupling)
     return envelope.with_values({name: str(value) for name, value in (values or {}).items()})
@@ -177,6 +177,6 @@ def stability(
     ParameterError
         If there is no such quantity, or a number is out of range.
     """
-    from verification.quantities.table import stability as table
+    from verification.quantities.robustness import stability as table
 
     return table(tuple(dict.fromkeys(quantities)), points, seed, workers=workers)

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 Range = tuple[float, float, int]
 
+MAX_LINES = 40
+"""Lines of an answer that are shown beside a file that has it."""
+
 _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
 
@@ -163,10 +166,25 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("files")
     group.add_argument(
         "-o", "--out", "--picture",
-        dest="out", type=Path, action="append", default=[], metavar="FILE",
+        dest="out", type=Path, action=_Files, default=[], metavar="FILE",
         help="write the result to a file ending in .csv, .json, .npz, .png, .svg or .pdf; repeat "
         "it for several. Each holds the command, the parameters and the versions",
     )  # fmt: skip
+
+
+class _Files(argparse.Action):
+    """Collect files, and the option by which each was named, for what is said of it."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        namespace.out = [*namespace.out, values]
+        name = "--out" if option_string == "-o" else option_string
+        namespace.named = [*getattr(namespace, "named", ()), (values, name)]
 
 
 def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answer:
@@ -191,7 +209,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     from verification.execution.progress import Progress
 
     checkpoint = getattr(options, "checkpoint", None)
-    _check_files(options.out, checkpoint)
+    _check_files(getattr(options, "named", ()), checkpoint)
     saved = nullcontext() if checkpoint is None else resumable_run(checkpoint)
     with saved, Progress(words[0]) as live:
         result, parameters = _computed(options, bound, live.report)
@@ -202,6 +220,9 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         payload |= located(bound.call.also)(result)
         text += in_words_also(payload)
     if options.out:
+        lines = text.splitlines()
+        if len(lines) > MAX_LINES:  # the file has them all
+            text = "\n".join([*lines[:3], "…", *lines[-2:]])
         text += f"\nwritten to {' and '.join(str(path) for path in options.out)}"
     return Answer(payload, text, int(getattr(result, "needs_attention", False)))
 
@@ -218,7 +239,7 @@ def _write(
             write_result(path, result, shown)
 
 
-def _check_files(out: Sequence[Path], checkpoint: Path | None) -> None:
+def _check_files(out: Sequence[tuple[Path, str]], checkpoint: Path | None) -> None:
     if out:
         from fronts.files import check_files
 
@@ -226,7 +247,7 @@ def _check_files(out: Sequence[Path], checkpoint: Path | None) -> None:
     if checkpoint is None:
         return
     check_writable(checkpoint, (".npz",), "--checkpoint")
-    if any(same_file(path, checkpoint) for path in out):
+    if any(same_file(path, checkpoint) for path, _ in out):
         raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two files.")
 
 
@@ -239,7 +260,7 @@ def _computed(
     takes = {each.name for each in described(function)}
     nucleus = bound.nucleus.given(options)
     if any(hasattr(options, f"nucleus.{name}") for name in nucleus):
-        arguments["nucleus"] = nucleus_of(nucleus, bound.model)
+        arguments["nucleus"] = nucleus_of(nucleus)
         parameters["nucleus"] = arguments["nucleus"]
     _refuse_other_methods(bound, arguments, options)
     further = {"progress": progress} if "progress" in takes else {}
@@ -268,7 +289,7 @@ def _computed(
     if bound.call.start:
         started = bound.start.given(options)
         arguments["start"] = located(bound.call.start)(made, **started)
-        parameters |= {**bound.start.defaults(), **started}
+        parameters["start"] = {**bound.start.defaults(), **started}
     return function(made, **arguments, **further), parameters
 
 
@@ -282,7 +303,7 @@ def _grid(
     axes: dict[str, list[float]] = {}
     if "eta" in bound.call.grid:
         if {"a", "b"} <= {*fields}:
-            raise UsageError("--a and --b are not both held while eta varies: give one of them.")
+            raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
         chosen["held"] = "a" if "a" in fields else "b"
         fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
     for name, default in bound.call.grid.items():
@@ -383,24 +404,12 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
     return {**fields, "a": 1.0, "b": checked_eta(eta)}
 
 
-def nucleus_of(given: Mapping[str, Any], model: str) -> Any:
-    """Return the nucleus that the options describe: by default one site in the bulk.
-
-    Without a pattern the sites are in phase, or, of a Van der Pol chain, as an in-phase start
-    relaxes.
-    """
-    from theory.chains.nucleus import Nucleus, Place, outward_pattern
+def nucleus_of(given: Mapping[str, Any]) -> Any:
+    """Return the nucleus that the options describe: its sites in phase if there is no pattern."""
+    from theory.chains.nucleus import Nucleus, Place
 
     size, place = given.get("size", 1), Place(given.get("place", Place.BULK))
-    pattern = given.get("pattern")
-    if pattern is None and size > 1:
-        if model not in ("vdp", "averaged"):
-            pattern = "0" * (size - 1)
-        elif place is Place.EDGE:
-            raise UsageError("an edge nucleus of 2 or more sites needs a --pattern.")
-        else:
-            pattern = outward_pattern(size)
-    return Nucleus(size=size, pattern=pattern or "", place=place)
+    return Nucleus(size=size, pattern=given.get("pattern", "0" * max(size - 1, 0)), place=place)
 
 
 def located(where: str) -> Callable[..., Any]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from io import StringIO
 from pathlib import Path
@@ -51,8 +51,13 @@ class Provenance:
         }
 
 
-def check_files(paths: Iterable[Path], formats: tuple[str, ...] = FORMATS) -> None:
+def check_files(paths: Sequence[tuple[Path, str]]) -> None:
     """Refuse, before any work, files that cannot be written or are named twice.
+
+    Parameters
+    ----------
+    paths : sequence of (Path, str)
+        The files, each with the option by which it was named.
 
     Raises
     ------
@@ -60,8 +65,8 @@ def check_files(paths: Iterable[Path], formats: tuple[str, ...] = FORMATS) -> No
         If there is one.
     """
     seen: dict[Path, Path] = {}
-    for path in paths:
-        check_writable(path, formats)
+    for path, option in paths:
+        check_writable(path, FORMATS, option)
         if path.resolve() in seen:
             raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
         seen[path.resolve()] = path

@@ -167,7 +167,7 @@ def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
         axes.plot(
             result.arrivals[reached], reached + 1, "o", ms=2.0, color=VERMILION, label="reached"
         )
-        axes.legend(loc="upper left", framealpha=0.8)
+        axes.legend(loc="upper left", frameon=True, facecolor="white", framealpha=0.8)
     time = "time τ" if result.chain.model == "friction" else "time t"
     axes.set(xlabel=time, ylabel="site n")
     axes.figure.colorbar(image, ax=axes, label="amplitude")

@@ -45,8 +45,8 @@ class Logistic:
         self.clock += 1
 
     def check_state(self) -> None:
-        if not np.isfinite(self.clock[0]):
-            raise ValueError("a clock that is finite")
+        if not np.all(np.isfinite(self.state)):
+            raise ValueError("a state that is finite")
 
 
 def main(path: str) -> None:

@@ -21,8 +21,6 @@ from typing import Any
 
 import pytest
 
-from verification.execution.files import PREFIX
-
 _WRITE = ctypes.CFUNCTYPE(
     ctypes.c_ssize_t, ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int64,
     use_errno=True,
@@ -103,7 +101,7 @@ def _python_on(disk: Disk, patch: pytest.MonkeyPatch) -> None:
             return done + super().write(view[half:])
 
     def opened(path: Path, mode: str = "r", *args: Any, **options: Any) -> Any:
-        if path.name.startswith(PREFIX) and "w" in mode:
+        if disk.folder in path.parents and "w" in mode:
             return Written(path, "w")
         return usual_open(path, mode, *args, **options)
 

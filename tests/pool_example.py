@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 
 from verification.execution.pool import answers
 
@@ -14,6 +15,7 @@ def inverse(item: int) -> float:
 def deadly(item: int) -> int:
     if item == 3:
         os._exit(9)
+    time.sleep(0.1)
     return item * item
 
 

@@ -1,6 +1,7 @@
 """The benchmarks measure what they say: turns, medians, failures by name, honest errors."""
 
 import dataclasses
+import importlib
 import itertools
 import json
 import math
@@ -11,37 +12,29 @@ from csv import DictReader
 import numpy
 import pytest
 
-from benchmarks import (
-    choice,
-    first_call,
-    friction,
-    front,
-    growth,
-    multipliers,
-    piecewise_suite,
-    piecewise_targets,
-    roots,
-    tables,
-)
-from benchmarks.diagram import Style, draw, worth_choosing
-from benchmarks.discover import all_quantities, chosen
+from benchmarks import choice, first_call, friction, front, growth, multipliers, roots, tables
+from benchmarks import sum as sum_benchmark
+from benchmarks.diagram import draw, worth_choosing
 from benchmarks.growth_diagram import draw_growth
-from benchmarks.piecewise_sum import contenders, references
-from benchmarks.quantity import RESULTS, Quantity
 from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
-from benchmarks.runner import (
+from benchmarks.registry import all_benchmarks, chosen, quantity_of
+from benchmarks.work_precision import (
+    RESULTS,
     Answer,
-    Contender,
     Effort,
+    Setting,
+    Style,
     TooSlowError,
+    WorkPrecision,
+    distance,
     measure_side_by_side,
     time_limit,
 )
 from fronts.cli import main
 from fronts.commands import bench
-from theory.averaged.envelope import envelope_rate
 from verification.execution.metadata import staleness
-from verification.quantities.scenes import REFERENCES, scene_named, timed
+from verification.quantities.problems import timed
+from verification.quantities.quantity import Quantity
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
@@ -49,9 +42,9 @@ from verification.runs.simulate import simulate
 def _fake(method, log, value=1.0, claimed=0.5, **options):
     def evaluate():
         log.append(method)
-        return Answer(value, claimed)
+        return Answer(value=value, claimed=claimed)
 
-    return Contender(method, "knob", evaluate, 1.25, **options)
+    return Setting(method=method, knob="knob", evaluate=evaluate, reference=1.25, **options)
 
 
 def test_methods_take_turns_and_the_first_call_is_apart():
@@ -61,7 +54,7 @@ def test_methods_take_turns_and_the_first_call_is_apart():
         "sum",
         "fake",
         [_fake("a", log), _fake("b", log, batch=4)],
-        Effort(seconds=0.0, fewest=3, most=3),
+        Effort(seconds=0.0, least=3, most=3),
         clock=lambda: float(next(ticks)),
     )
     assert log == ["a", "b"] * 4
@@ -78,7 +71,11 @@ def test_the_median_ignores_one_slow_call():
     # start and end of the first call, then of three repeats lasting 1, 100 and 1
     clock = iter([0.0, 1.0, 0.0, 1.0, 0.0, 100.0, 0.0, 1.0])
     (point,), _ = measure_side_by_side(
-        "sum", "fake", [_fake("a", [])], Effort(0.0, 3, 3), clock=lambda: next(clock)
+        "sum",
+        "fake",
+        [_fake("a", [])],
+        Effort(seconds=0.0, least=3, most=3),
+        clock=lambda: next(clock),
     )
     assert point.seconds == 1.0
 
@@ -88,7 +85,10 @@ def test_a_failure_is_listed_by_name_and_does_not_stop_the_others():
         raise ArithmeticError("no root\nfound")
 
     points, failures = measure_side_by_side(
-        "sum", "fake", [Contender("x", "k", broken, 0.0), _fake("a", [])], Effort(0.0, 1, 1)
+        "sum",
+        "fake",
+        [Setting(method="x", knob="k", evaluate=broken, reference=0.0), _fake("a", [])],
+        Effort(seconds=0.0, least=1, most=1),
     )
     assert [p.method for p in points] == ["a"]
     assert [(f.method, f.reason) for f in failures] == [("x", "ArithmeticError: no root found")]
@@ -102,7 +102,7 @@ def test_a_call_that_takes_too_long_is_given_up():
 
 def test_an_error_beyond_the_claim_is_seen():
     (point,), _ = measure_side_by_side(
-        "sum", "fake", [_fake("a", [], claimed=0.1)], Effort(0.0, 1, 1)
+        "sum", "fake", [_fake("a", [], claimed=0.1)], Effort(seconds=0.0, least=1, most=1)
     )
     assert not point.honest
 
@@ -133,7 +133,7 @@ def test_a_ratio_is_taken_at_equal_error_and_is_the_least_favourable():
         point("scipy.integrate.quad", 1e-6, 2.0),  # 200 times, by our slower one
         point("scipy.integrate.quad", 1e-12, 1.0),  # beyond ours: no comparison
     ]
-    rows = piecewise_targets.ratio_targets(points, "s")
+    rows = sum_benchmark.ratio_targets(points, "s")
     assert rows[0].measured == pytest.approx(200.0)
     assert rows[0].verdict == "met"
 
@@ -150,7 +150,14 @@ def test_a_diagram_shows_errors_of_zero_in_a_strip_and_labels_powers_of_ten(tmp_
     def point(error, seconds):
         return WorkPoint("map", "s", "ours", "k", error, None, seconds, seconds, 3)
 
-    style = Style("x", "y", "c", {"ours": ("blue", "o")}, 1.0, 1e-3)
+    style = Style(
+        xlabel="x",
+        ylabel="y",
+        caption="c",
+        methods={"ours": ("blue", "o")},
+        garbage=1.0,
+        floor=1e-3,
+    )
     for name, least, shown in (("zero", 0.0, "no error seen"), ("small", 1e-9, "below 0.001")):
         draw(name, [point(4.1e-2, 1.0), point(least, 2.0), point(4.2e-2, 3.0)], style, tmp_path)
         svg = (tmp_path / f"{name}.svg").read_text()
@@ -186,13 +193,29 @@ def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     assert "not met" in text
 
 
-@pytest.mark.parametrize("name", piecewise_suite.BENCHMARK.scenes)
-def test_the_error_of_every_quick_method_is_within_its_claim(name):
-    scene = scene_named(name)
-    known = references(scene.v, scene.c)
-    assert known.apart < 1e-55  # 60 digits asked of both, by methods that share no code
-    ours = [each for each in contenders(scene, known) if each.quick and not each.peer]
-    points, failures = measure_side_by_side("sum", name, ours, Effort(0.0, 1, 1))
+def test_an_array_is_compared_by_its_largest_difference_and_must_be_finite():
+    assert distance(numpy.array([1.0, 2.0j]), numpy.array([1.0, 3.0j])) == 1.0
+    with pytest.raises(ArithmeticError, match="not finite"):
+        distance(numpy.array([1.0, math.nan]), numpy.array([1.0, 1.0]))
+
+
+def test_seconds_of_processes_are_taken_as_they_are_and_a_defect_is_listed():
+    def evaluate():
+        return Answer(value=1.0, seconds=(3.0, 1.0, 2.0), defect="it lacks a drive")
+
+    setting = Setting(method="m", knob="k", evaluate=evaluate, reference=1.0)
+    (point,), (failure,) = measure_side_by_side("q", "p", [setting], Effort())
+    assert (point.first_seconds, point.seconds, point.repeats) == (3.0, 2.0, 3)
+    assert failure.reason == "it lacks a drive"
+
+
+@pytest.mark.parametrize("problem", timed("sum"), ids=lambda problem: problem.name)
+def test_the_error_of_every_quick_method_is_within_its_claim(problem):
+    prepared = sum_benchmark.prepare(problem, True, lambda _: None)
+    assert prepared.agreement < 1e-55  # 60 digits asked of both, by methods that share no code
+    ours = [each for each in prepared.settings if each.quick and not each.peer]
+    effort = Effort(seconds=0.0, least=1, most=1)
+    points, failures = measure_side_by_side("sum", problem.name, ours, effort)
     assert [point for point in points if not point.honest] == []
     # The plain quadrature says that it cannot do small v; nothing else may fail.
     assert {failure.method for failure in failures} <= {"quadrature in pieces"}
@@ -201,7 +224,7 @@ def test_the_error_of_every_quick_method_is_within_its_claim(name):
 
 def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
     def point(method, error, seconds):
-        return WorkPoint("q", "s", method, "k", error, None, seconds, seconds, 1)
+        return WorkPoint("q", "ordinary", method, "k", error, None, seconds, seconds, 1)
 
     found = friction.targets(
         [
@@ -210,7 +233,9 @@ def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
             point("scipy LSODA", 0.5, 0.0001),  # garbage, however fast
             point("scipy LSODA", 1e-1, 0.2),
             point("scipy BDF", 1e-3, 0.3),  # only the slower of ours is as exact
-        ]
+        ],
+        True,
+        lambda _: None,
     )[0]
     assert found.measured == pytest.approx(30.0)
     assert found.verdict == "not met"
@@ -218,18 +243,18 @@ def test_friction_targets_compare_at_equal_error_and_leave_garbage_out():
 
 
 def test_every_friction_method_gives_its_largest_error():
-    scene = timed("friction")[0]
-    chain, end = friction.chain_of(scene), scene.values["t"]
+    problem = timed("friction")[0]
+    chain, end = friction.chain_of(problem), problem["t"]
     start = excite(chain, [1])
     true = simulate(chain, start, end, samples=friction.SAMPLES).y
-    rows = friction.contenders(chain, start, true, end, quick=True)
     seen = {}
-    for row in rows:
-        if not row.peer:
-            answer = row.evaluate()
-            seen.setdefault(row.method, []).append(answer.value)
-            assert (answer.claimed is not None) == (row.method == friction.STATED)
-            assert answer.claimed is None or answer.value <= answer.claimed
+    for name, _, evaluate in friction.methods(chain, start, end, few=True):
+        if not name.startswith("scipy"):
+            answer = evaluate()
+            error = distance(answer.value, true)
+            seen.setdefault(name, []).append(error)
+            assert (answer.claimed is not None) == (name == friction.STATED)
+            assert answer.claimed is None or error <= answer.claimed
     assert set(seen) == {friction.EXACT, friction.STATED, friction.FIXED, friction.ADAPTIVE}
     # Finer settings are more exact, in every family.
     for errors in seen.values():
@@ -241,64 +266,75 @@ NEW = ("velocity", "roots", "breather", "multipliers", "front", "map")
 
 
 def test_every_quantity_of_the_plan_is_discovered_once():
-    names = [quantity.name for quantity in all_quantities()]
+    names = [benchmark.name for benchmark in all_benchmarks()]
     assert names == sorted({"sum", *NEW, "chain", "friction", "derivation"})
+    # A quantity of the registry with useful errors is timed, and no other.
+    registered = importlib.import_module("verification.quantities.registry").all_quantities()
+    assert names == sorted(each.name for each in registered if each.useful)
 
 
-@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
-def test_a_quantity_draws_its_default_and_has_useful_errors(quantity):
-    style = quantity.style()
-    assert quantity.default in style.methods
+@pytest.mark.parametrize("benchmark", all_benchmarks(), ids=lambda benchmark: benchmark.name)
+def test_a_quantity_draws_its_default_and_has_useful_errors(benchmark):
+    style = benchmark.style
+    assert quantity_of(benchmark).default in style.methods
     assert len(set(style.methods.values())) == len(style.methods)  # told apart
-    assert 0 < quantity.useful[0] < quantity.useful[1] <= style.garbage or (
-        quantity.name == "derivation"
-    )
-    assert quantity.scenes == tuple(scene.name for scene in timed(quantity.name))
+    low, high = quantity_of(benchmark).useful
+    assert 0 < low < high <= style.garbage or benchmark.name == "derivation"
     # Whatever is said about methods is said of methods that there are.
-    spoken_of = {*quantity.variants, *quantity.others, *quantity.reasons, *quantity.first}
+    spoken_of = {*benchmark.variants, *benchmark.others, *benchmark.reasons, *benchmark.first}
     assert spoken_of <= set(style.methods)
-    assert quantity.default in quantity.first
-    assert len(quantity.first) > 1  # a peer beside it
+    assert quantity_of(benchmark).default in benchmark.first
+    assert len(benchmark.first) > 1  # a peer beside it
 
 
-@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
-def test_the_stored_record_of_every_quantity_is_complete(quantity):
-    record = read_record(RESULTS / f"{quantity.name}.json")
+@pytest.mark.parametrize("benchmark", all_benchmarks(), ids=lambda benchmark: benchmark.name)
+def test_the_stored_record_of_every_quantity_is_complete(benchmark):
+    record = read_record(RESULTS / f"{benchmark.name}.json")
     assert record.machine["processor"]
     assert record.versions["numpy"]
     for suffix in ("svg", "png"):
-        assert (RESULTS / f"{quantity.name}.{suffix}").is_file()
+        assert (RESULTS / f"{benchmark.name}.{suffix}").is_file()
     if staleness(record.code):
-        return  # it says so; scenes and methods may have changed since
+        return  # it says so; problems and methods may have changed since
     assert record.first_calls
-    assert all(apart <= REFERENCES[quantity.name].accuracy for apart in record.agreement.values())
+    accuracy = quantity_of(benchmark).accuracy
+    assert all(apart <= accuracy for apart in record.agreement.values())
     seen = {point.method for point in record.points}
     failed = {failure.method for failure in record.failures}
-    assert set(record.agreement) == set(quantity.scenes)
-    assert {point.scene for point in record.points} == set(quantity.scenes)
-    assert set(quantity.style().methods) <= seen | failed  # whoever is drawn was tried
-    assert seen <= set(quantity.style().methods)  # and whoever was measured is drawn
-    with (RESULTS / f"{quantity.name}.csv").open(encoding="utf-8") as file:
+    assert set(record.agreement) == _problems(benchmark)
+    assert {point.scene for point in record.points} == _problems(benchmark)
+    assert set(benchmark.style.methods) <= seen | failed  # whoever is drawn was tried
+    assert seen <= set(benchmark.style.methods)  # and whoever was measured is drawn
+    with (RESULTS / f"{benchmark.name}.csv").open(encoding="utf-8") as file:
         rows = [(row["method"], row["setting"], float(row["error"])) for row in DictReader(file)]
     assert rows == [(point.method, point.knob, point.error) for point in record.points]
 
 
-@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
-def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(quantity):
+@pytest.mark.parametrize("benchmark", all_benchmarks(), ids=lambda benchmark: benchmark.name)
+def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(benchmark):
     stored = json.loads((RESULTS / "defaults.json").read_text())["choices"]
-    mine = [row for row in stored if row["quantity"] == quantity.name]
-    record = read_record(RESULTS / f"{quantity.name}.json")
-    found = choice.choices(quantity, record)
+    mine = [row for row in stored if row["quantity"] == benchmark.name]
+    record = read_record(RESULTS / f"{benchmark.name}.json")
+    found = choice.choices(benchmark, quantity_of(benchmark), record)
     assert mine == json.loads(json.dumps(choice.as_payload(found)))
-    assert all(row["default"] == quantity.default for row in mine)
+    assert all(row["default"] == quantity_of(benchmark).default for row in mine)
     assert all(row["reasons"].keys() == {each["by"] for each in row["beaten"]} for row in mine)
     assert all(choice.NO_REASON not in row["reasons"].values() for row in mine)
     if not staleness(record.code):
-        assert {row["scene"] for row in mine} == set(quantity.scenes)
+        assert {row["scene"] for row in mine} == _problems(benchmark)
 
 
-def _quantity(low, high):
-    return Quantity("q", "", "ours", (low, high), None, None)
+def _problems(benchmark):
+    return {problem.name for problem in quantity_of(benchmark).timed_problems}
+
+
+def _choices(record, **options):
+    quantity = Quantity(
+        name="q", title="", equation="(1)", problems="sum", reference="r", accuracy=0.1,
+        default="ours", useful=(1e-6, 1e-1),
+    )  # fmt: skip
+    benchmark = WorkPrecision(name="q", prepare=None, style=None, **options)
+    return choice.choices(benchmark, quantity, record)
 
 
 def _record(*points):
@@ -311,7 +347,7 @@ def test_a_default_is_judged_at_each_decade_of_error():
         ("ours", 5e-3, 1.0), ("ours", 5e-5, 2.0), ("peer", 5e-2, 0.1), ("peer", 5e-4, 1.0),
         ("exact", 1e-9, 9.0),
     )  # fmt: skip
-    (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
+    (row,) = _choices(record)
     # At 0.1 the peer takes 0.1 s; at 1e-3 it takes 1 s and ours 2 s; below 1e-5 ours has nothing.
     assert row.fastest == (1e-2, 1e-4)
     assert [(b.error, b.by, b.factor) for b in row.beaten] == [
@@ -326,30 +362,26 @@ def test_a_default_is_judged_at_each_decade_of_error():
 
 def test_a_default_that_is_never_beaten_is_the_lower_envelope():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.95))  # within the noise of a tenth
-    (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
+    (row,) = _choices(record)
     assert row.lower_envelope
 
 
 def test_errors_that_the_reference_cannot_tell_are_not_compared():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
     blurred = dataclasses.replace(record, agreement={"s": 1e-3})
-    (row,) = choice.choices(_quantity(1e-6, 1e-1), blurred)
+    (row,) = _choices(blurred)
     assert [each.error for each in row.beaten] == [1e-1, 1e-2, 1e-3]
 
 
 def test_a_variant_of_the_default_is_no_rival():
     record = _record(("ours", 1e-9, 1.0), ("ours, in a batch", 1e-9, 0.1))
-    quantity = Quantity("q", "", "ours", (1e-6, 1e-1), None, None, ("ours, in a batch",))
-    assert choice.choices(quantity, record)[0].lower_envelope
+    assert _choices(record, variants=("ours, in a batch",))[0].lower_envelope
 
 
 def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
     record = _record(("ours", 1e-9, 1.0), ("one root", 1e-9, 0.1), ("peer", 1e-2, 0.5))
-    told = {"one root": "one root in an interval", "absent": "not in the record"}
-    quantity = Quantity(
-        "q", "", "ours", (1e-6, 1e-1), None, None, others=told, reasons={"peer": "it is inexact"}
-    )  # fmt: skip
-    (row,) = choice.choices(quantity, record)
+    others = {"one root": "one root in an interval", "absent": "not in the record"}
+    (row,) = _choices(record, others=others, reasons={"peer": "it is inexact"})
     assert {each.by for each in row.beaten} == {"peer"}
     assert row.reasons == {"peer": "it is inexact"}
     assert row.others == {"one root": "one root in an interval"}
@@ -361,7 +393,7 @@ def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
 
 def test_a_rival_without_a_reason_is_said_to_have_none():
     record = _record(("ours", 1e-9, 1.0), ("peer", 1e-9, 0.1))
-    (row,) = choice.choices(_quantity(1e-6, 1e-1), record)
+    (row,) = _choices(record)
     assert row.reasons == {"peer": choice.NO_REASON}
 
 
@@ -391,7 +423,7 @@ def test_the_first_call_is_cold_then_loaded_and_a_failure_says_why(tmp_path, mon
 
 def test_a_record_without_the_default_method_is_refused():
     with pytest.raises(ValueError, match="no point of ours"):
-        choice.choices(_quantity(1e-6, 1e-1), _record(("peer", 1e-9, 1.0)))
+        _choices(_record(("peer", 1e-9, 1.0)))
 
 
 def test_the_fit_of_growth_finds_a_power_and_sees_the_larger_half():
@@ -401,8 +433,8 @@ def test_the_fit_of_growth_finds_a_power_and_sees_the_larger_half():
 
 def test_growth_is_measured_at_every_size(monkeypatch):
     seen = []
-    line = growth.Line("w", "sites", seen.append, (1, 2, 4), (8,), 1.0, "why", 2)
-    monkeypatch.setattr(growth, "lines", lambda: [line])
+    work = growth.Work("w", "sites", seen.append, (1, 2, 4), (8,), 1.0, "why", 2)
+    monkeypatch.setattr(growth, "works", lambda: [work])
     (row,) = growth.measure(True, lambda _: None)
     assert row.sizes == (1.0, 2.0, 4.0)
     assert seen.count(4) == 3  # twice for the time, once for the memory
@@ -421,8 +453,10 @@ def test_the_stored_growth_covers_what_was_promised():
 def test_a_quick_run_gives_a_small_error_and_a_record(name, capsys, tmp_path):
     assert main(["bench", name, "--quick", "--json", "--out", str(tmp_path)]) == 0
     (record,) = json.loads(capsys.readouterr().out)["records"].values()
-    (quantity,) = chosen([name])
-    ours = [point for point in record["points"] if point["method"] == quantity.default]
+    (benchmark,) = chosen([name])
+    ours = [
+        point for point in record["points"] if point["method"] == quantity_of(benchmark).default
+    ]
     assert min(point["error"] for point in ours) < 1e-11  # what the default is good for
     written = read_record(tmp_path / f"{name}.json")
     assert [point.error for point in written.points] == [p["error"] for p in record["points"]]
@@ -434,23 +468,11 @@ def test_a_quick_run_gives_a_small_error_and_a_record(name, capsys, tmp_path):
 
 def test_missed_roots_are_counted_and_not_passed_over():
     true = [1 + 1j, 2 + 1j, 3 + 1j]
-    assert roots._largest([1 + 1j, 2 + 1j, complex("nan"), 3 + 1.0001j], true) == pytest.approx(
-        1e-4
-    )
+    assert roots.largest_error(
+        [1 + 1j, 2 + 1j, complex("nan"), 3 + 1.0001j], true
+    ) == pytest.approx(1e-4)
     with pytest.raises(roots.MissedRootsError, match="2 of 3"):
-        roots._largest([1 + 1j, complex("nan")], true)
-
-
-def test_the_reduced_chain_of_the_front_is_the_averaged_chain():
-    # The staggered rate, written out for scipy, against the complex right side of (43).
-    random = numpy.random.default_rng(3)
-    chain = front.chain_of(timed("front")[0], 9)
-    r = random.normal(size=9)
-    turn = (-1j) ** numpy.arange(9)
-    phi = turn * r
-    # In the frame e^{icT}; the end sites lack a neighbour and are left out.
-    rate = (envelope_rate(phi, chain) - 1j * chain.c * phi) / turn
-    assert abs(rate[1:-1] - front.staggered_rate(chain)(0.0, r)[1:-1]).max() < 1e-14
+        roots.largest_error([1 + 1j, complex("nan")], true)
 
 
 def test_a_smooth_average_of_the_intervals_ignores_a_ripple():
@@ -461,17 +483,17 @@ def test_a_smooth_average_of_the_intervals_ignores_a_ripple():
 
 def test_multipliers_are_paired_before_they_are_compared():
     one = numpy.array([1.0, 0.5 + 0.5j, 0.5 - 0.5j])
-    assert multipliers.apart(one[[2, 0, 1]] + 1e-7, one) == pytest.approx(1e-7)
+    assert multipliers.largest_distance(one[[2, 0, 1]] + 1e-7, one) == pytest.approx(1e-7)
 
 
 def test_bench_lists_every_quantity(capsys):
     assert main(["bench", "--list", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["quantities"]
-    assert [row["name"] for row in rows] == [quantity.name for quantity in all_quantities()]
+    assert [row["name"] for row in rows] == [benchmark.name for benchmark in all_benchmarks()]
     assert all(row["default"] in row["methods"] for row in rows)
     assert main(["bench", "--list"]) == 0
     text = capsys.readouterr().out
-    assert all(quantity.name in text for quantity in all_quantities())
+    assert all(benchmark.name in text for benchmark in all_benchmarks())
     assert "growth" in text
     assert main(["bench", "--list", "roots"]) == 0
     assert len(capsys.readouterr().out.strip().splitlines()) == 2  # no growth, which was not named
@@ -481,7 +503,7 @@ def test_bench_judges_the_defaults(capsys):
     assert main(["bench", "--defaults", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["missing"] == []
-    assert {row["quantity"] for row in found["choices"]} == {q.name for q in all_quantities()}
+    assert {row["quantity"] for row in found["choices"]} == {each.name for each in all_benchmarks()}
     assert main(["bench", "roots", "--defaults"]) == 0
     assert "labelled roots" in capsys.readouterr().out
 
@@ -492,7 +514,7 @@ def test_bench_judges_the_defaults(capsys):
         (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
         (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "make it first")),
         (["bench", "--list", "--defaults"], ("--list and --defaults",)),
-        (["bench", "--quik"], ("--quik", "--help")),
+        (["bench", "--quik"], ("--quik", "leave it out")),
         (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
         (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
         (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),

@@ -22,6 +22,13 @@ from verification.breathers.envelope import (
 )
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.orbits import orbit_branch, solve_orbit
+from verification.references.equations import (
+    averaged_damping,
+    damping,
+    full_rate,
+    linearised_rate,
+    pull,
+)
 from verification.steppers.variational import integrate_chain, integrate_variations
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
@@ -29,20 +36,10 @@ SEED = 20261121
 
 
 def flow(chain: VdpChain, state: np.ndarray, time: float, tolerance: float = 1e-12) -> np.ndarray:
-    """(8) written out for scipy."""
-    shape, n = state.shape, chain.sites
-
-    def rate(_: float, flat: np.ndarray) -> np.ndarray:
-        x = flat.reshape(shape)
-        y, v = x[:n], x[n:]
-        pull = 2 * y - np.roll(y, 1, 0) - np.roll(y, -1, 0)
-        if chain.ends is Ends.FREE:
-            pull[0], pull[-1] = y[0] - y[1], y[-1] - y[-2]
-        damping = v * (1 - chain.a * y**2 + chain.b * y**4)
-        return np.concatenate([v, -y - chain.eps * (chain.c * pull + damping)]).ravel()
-
+    """Return the state, or several in columns, after a time by scipy's DOP853."""
+    rate = full_rate(chain)
     run = solve_ivp(rate, (0, time), state.ravel(), "DOP853", rtol=tolerance, atol=1e-13)
-    return run.y[:, -1].reshape(shape)
+    return run.y[:, -1].reshape(state.shape)
 
 
 def differences(chain: VdpChain, state: np.ndarray, time: float) -> np.ndarray:
@@ -110,8 +107,7 @@ def test_harmonic_balance_finds_the_same_orbit() -> None:
         h = parts[0] + 1j * parts[1]
         y, v = (h @ waves).imag, (1j * omega * h * odd @ waves).imag
         acceleration = -((omega * odd) ** 2 * h @ waves).imag
-        pull = np.array([y[0] - y[1], 2 * y[1] - y[0] - y[2], y[2] - y[1]])
-        left = acceleration + y + chain.eps * (chain.c * pull + v * (1 - 2.5 * y**2 + 0.5 * y**4))
+        left = acceleration + y + chain.eps * (chain.c * pull(y) + v * damping(y, 2.5, 0.5))
         balance = 2 * (left @ waves.conj().T) / 64
         return np.concatenate([[h[1, 0].imag], balance.real.ravel(), balance.imag.ravel()])
 
@@ -143,7 +139,7 @@ def test_multipliers_multiply_to_the_determinant_that_damping_demands() -> None:
     """Liouville: Π μ = exp(-ε ∮ Σ (1 - a y² + b y⁴) dt), from samples of the orbit."""
     orbit = solve_orbit(CHAIN, Nucleus(1))
     y = integrate_chain(CHAIN, orbit.state, orbit.period, 128).samples
-    mean = (1 - CHAIN.a * y**2 + CHAIN.b * y**4).mean(axis=0).sum()
+    mean = damping(y, CHAIN.a, CHAIN.b).mean(axis=0).sum()
     assert orbit.multipliers is not None
     product = np.prod(orbit.multipliers.values)
     assert abs(product - math.exp(-CHAIN.eps * orbit.period * mean)) < 1e-9
@@ -155,7 +151,7 @@ def test_energy_is_balanced_over_a_period() -> None:
     v = np.fft.irfft(
         np.fft.rfft(y, axis=0) * (2j * np.pi / orbit.period * np.arange(129))[:, None], axis=0
     )
-    loss = (v**2 * (1 - CHAIN.a * y**2 + CHAIN.b * y**4)).sum(axis=1).mean()
+    loss = (v**2 * damping(y, CHAIN.a, CHAIN.b)).sum(axis=1).mean()
     # Single sites gain up to 1: the balance is between sites.
     assert abs(loss) < 1e-9
 
@@ -197,7 +193,7 @@ def test_the_averaged_breather_is_a_root_for_a_general_solver() -> None:
     def rest(r: np.ndarray) -> np.ndarray:
         left = np.concatenate([[-r[1]], r[:-1]])
         right = np.append(r[1:], 0.0)
-        return 0.075 * (left - right) - 0.5 * r * (1 - 0.625 * r**2 + 0.0625 * r**4)
+        return 0.075 * (left - right) - 0.5 * r * averaged_damping(r, 2.5, 0.5)
 
     r = fsolve(rest, 2.8 * 0.15 ** np.arange(9), xtol=1e-14)
     found = solve_envelope_breather(replace(CHAIN, sites=17), Nucleus(1))
@@ -283,17 +279,11 @@ def test_multipliers_along_sinusoids_are_those_of_scipy() -> None:
     away = np.abs(np.arange(5) - 2)
     size = breather.amplitudes(5)[away]
 
-    def rate(t: float, flat: np.ndarray) -> np.ndarray:
-        x = flat.reshape(10, 10)
+    def sinusoids(t: float) -> tuple[np.ndarray, np.ndarray]:
         angle = breather.frequency * t - 0.5 * np.pi * away
-        y, v = size * np.sin(angle), breather.frequency * size * np.cos(angle)
-        pull = 2 * x[:5] - np.roll(x[:5], 1, 0) - np.roll(x[:5], -1, 0)
-        slope = v * (-2 * chain.a * y + 4 * chain.b * y**3)
-        g = 1 - chain.a * y**2 + chain.b * y**4
-        force = -x[:5] - chain.eps * (chain.c * pull + slope[:, None] * x[:5] + g[:, None] * x[5:])
-        return np.concatenate([x[5:], force]).ravel()
+        return size * np.sin(angle), breather.frequency * size * np.cos(angle)
 
-    period = 2 * np.pi / breather.frequency
+    rate, period = linearised_rate(chain, sinusoids), 2 * np.pi / breather.frequency
     run = solve_ivp(rate, (0, period), np.eye(10).ravel(), "DOP853", rtol=1e-12, atol=1e-13)
     theirs = np.linalg.eigvals(run.y[:, -1].reshape(10, 10))
     assert np.abs(np.sort(np.abs(ours.values)) - np.sort(np.abs(theirs))).max() < 1e-9
@@ -311,15 +301,7 @@ def test_beyond_the_fold_there_is_no_orbit_and_the_fold_is_named() -> None:
 def test_amplitudes_are_where_the_velocities_vanish() -> None:
     chain = replace(CHAIN, c=0.1, eps=0.1)
     orbit = solve_orbit(chain, Nucleus(3, "+-"))
-    n = chain.sites
-    coupling = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
-    coupling[0, 0] = coupling[-1, -1] = 1
-
-    def rate(_: float, x: np.ndarray) -> np.ndarray:
-        y, v = x[:n], x[n:]
-        damping = v * (1 - chain.a * y**2 + chain.b * y**4)
-        return np.concatenate([v, -y - chain.eps * (chain.c * coupling @ y + damping)])
-
+    n, rate = chain.sites, full_rate(chain)
     turns = [lambda _, x, site=site: x[n + site] for site in range(n)]
     run = solve_ivp(
         rate, (0, orbit.period), orbit.state, "DOP853", events=turns, rtol=1e-13, atol=1e-15

@@ -21,6 +21,7 @@ from theory.averaged.envelope import (
 from theory.chains.chain import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from verification.references.equations import damping, pull
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.17, sites=8)
 SEED = 20261121
@@ -39,10 +40,7 @@ def test_the_envelope_is_the_average_of_the_chain(ends: Ends) -> None:
     angle = 2 * np.pi * np.arange(64) / 64
     psi = phi[:, None] * np.exp(1j * angle)
     y, v = psi.imag, psi.real
-    pull = 2 * y - np.roll(y, 1, 0) - np.roll(y, -1, 0)
-    if ends is Ends.FREE:
-        pull[0], pull[-1] = y[0] - y[1], y[-1] - y[-2]
-    force = -(chain.c * pull + v * (1 - chain.a * y**2 + chain.b * y**4))
+    force = -(chain.c * pull(y, ends) + v * damping(y, chain.a, chain.b))
     # Ψ' = ÿ + iẏ = iΨ + ε·force; 64 instants average harmonics up to 6 exactly.
     averaged = (force * np.exp(-1j * angle)).mean(axis=1)
     assert np.abs(envelope_rate(phi, chain) - averaged).max() < 1e-13

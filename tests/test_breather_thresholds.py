@@ -81,7 +81,7 @@ def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
 def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
     for method in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT):
         found = breather_threshold(CHAIN, Nucleus(1), method)
-        assert found.mechanism is Mechanism.SYMMETRY_BREAKING
+        assert found.stability_lost_by is Mechanism.SYMMETRY_BREAKING
         assert found.c_stable is not None
         assert 1e-5 < found.c - found.c_stable < 3e-5
 
@@ -115,7 +115,7 @@ def test_no_pattern_of_three_or_five_is_stable() -> None:
     for size in (3, 5):
         for pattern in right_angle_patterns(size):
             found = breather_threshold(CHAIN, Nucleus(size, pattern))
-            assert found.mechanism is Mechanism.NEVER_STABLE
+            assert found.stability_lost_by is Mechanism.NEVER_STABLE
             assert found.growth > 1e-4
 
 

@@ -137,6 +137,16 @@ def test_a_forged_checkpoint_is_one_sentence_and_fills_nothing(name: str, path: 
     assert digest_of_arrays(found) == digest_of_arrays(blank())
 
 
+def test_an_array_of_another_file_is_noticed(path: Path) -> None:
+    """Its own checksum fits; that of the whole does not."""
+    found = entries(path) | {"counters.npy": npy_bytes(np.arange(1, 5))}
+    with zipfile.ZipFile(path, "w") as box:
+        for name, content in found.items():
+            box.writestr(name, content)
+    with pytest.raises(ParameterError, match="as it was written"):
+        load_checkpoint(path, blank(), METADATA)
+
+
 def test_what_differs_is_named(path: Path) -> None:
     with pytest.raises(ParameterError, match=r"c: 0\.5 there, 0\.6 here"):
         load_checkpoint(path, blank(), METADATA | {"c": 0.6})
@@ -183,6 +193,11 @@ def test_a_clock_that_is_none_or_stands_still_does_not_run_for_ever(tmp_path: Pa
         forge(path, lambda e, _, forged=forged: e.update({"0.clock.npy": forged}))
         with pytest.raises(ParameterError, match="checkpoint"):
             run_to_end([Logistic()], 3.0, 1, path)
+    run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz")
+    infinite = npy_bytes(np.full(7, np.inf))
+    forge(tmp_path / "other.npz", lambda e, _: e.update({"0.state.npy": infinite}))
+    with pytest.raises(ParameterError, match="a state that is finite"):
+        run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz")
     broken = Logistic()
     broken.clock[0] = np.nan
     with pytest.raises(RunError, match="does not get on"):
@@ -236,9 +251,29 @@ def test_a_signal_within_a_piece_of_work_waits_for_its_end(tmp_path: Path) -> No
         assert opened["0.clock"] == 2.0
 
 
+@pytest.mark.parametrize(("period", "saved"), [(-1.0, 2.0), (1e6, None)])
+def test_a_run_is_saved_every_few_seconds_and_not_more_often(
+    period: float, saved: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "SAVE_PERIOD", period)
+    monkeypatch.setattr(checkpoint, "SAVE_SHARE", 0.0)
+    path = tmp_path / "run.npz"
+
+    def broken(fraction: float) -> None:
+        if fraction == 1.0:
+            raise ZeroDivisionError  # as sudden as a kill: nothing is saved on its account
+
+    with pytest.raises(ZeroDivisionError):
+        run_to_end([Logistic()], 3.0, 1, path, broken)
+    assert path.exists() is (saved is not None)
+    if saved is not None:
+        with np.load(path) as opened:
+            assert opened["0.clock"] == saved
+
+
 def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run.npz"
     run_to_end([Logistic()], 3.0, 1, path)
-    monkeypatch.setattr(checkpoint, "digest_of_code", lambda *_: "other")
+    monkeypatch.setattr(checkpoint, "code_of_objects", lambda _: ((), "other"))
     with pytest.raises(ParameterError, match=r"same parameters, code and versions .*code"):
         run_to_end([Logistic()], 3.0, 1, path)

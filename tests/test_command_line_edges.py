@@ -13,7 +13,6 @@ from fronts.arguments import with_values_joined
 from fronts.cli import main
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise.admissibility import check_admissible
-from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
 
 
@@ -215,7 +214,8 @@ def test_the_progress_of_a_curve_rises_to_its_end():
     assert told[0] == 0.0
     assert told == sorted(told)
     assert 0.5 <= told[-1] <= 1.0  # two blocks of scenes
-    assert {answer.branches for answer in many} == {kinetic_relation(0.5, 0.03125).branches}
+    (alone,) = trace_kinetic_relation([0.5], [0.03125])
+    assert {answer.branches for answer in many} == {alone.branches}
 
 
 def _stopped(capsys: pytest.CaptureFixture[str], line: str) -> str:

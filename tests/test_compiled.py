@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+ROOT = Path(__file__).parents[1]
+
 SCRIPT = """
 import sys
 sys.path.insert(0, {folder!r})
@@ -94,3 +96,62 @@ def test_a_full_disk_does_not_end_a_computation_that_is_compiled(tmp_path: Path)
         env=environment, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
+
+
+FACTORY = """
+import math
+import sys
+from functools import lru_cache
+from verification.execution.compiled import njit
+
+@lru_cache
+def scaled(factor):
+    @njit
+    def inner(x):  # long enough not to be put into its caller
+        total = 0.0
+        for n in range(int(x), int(x) + 40):
+            a, b = math.sin(n * x), math.exp(-n * x)
+            c = math.atan2(a, b) + math.sqrt(1.0 + a * a) + math.log1p(b)
+            d = math.cosh(a) * math.tan(b) - c**3 if n % 3 else math.sinh(b) * math.erf(c)
+            total += a * b - c * d + math.hypot(a, d) * math.tanh(c) + math.gamma(1.0 + b)
+            if total > 1e9:
+                total = total % 7.0 + math.lgamma(2.0 + c) * math.acos(b / (1.0 + b))
+        return factor * x + 0.0 * total
+    return inner
+
+def outer_of(factor):
+    inner = scaled(factor)
+    source = "def outer_{0}(x):\\n    return inner(x)\\n".format(factor)
+    space = {"inner": inner}
+    exec(compile(source, __file__, "exec"), space)
+    function = space[f"outer_{factor}"]
+    function.__module__ = "factory"
+    return njit(cache=True)(function)
+
+if __name__ == "__main__":
+    print(*(outer_of(int(word))(1.0) for word in sys.argv[1:]))
+"""
+
+
+def test_code_that_other_processes_have_compiled_is_not_mixed_up(tmp_path: Path) -> None:
+    """Two functions of one name from one factory, each compiled first by a process of its own.
+
+    With numba's own names the third process answers 2 twice, or 3 twice.
+    """
+    script = tmp_path / "factory.py"
+    script.write_text(FACTORY)
+
+    def printed(*factors: str) -> str:
+        return subprocess.run(
+            [sys.executable, str(script), *factors],
+            cwd=ROOT,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.strip()
+
+    assert printed("2") == "2.0"
+    assert printed("3") == "3.0"
+    assert printed("2", "3") == "2.0 3.0"
+    assert printed("3", "2") == "3.0 2.0"

@@ -9,14 +9,16 @@ import random
 import pytest
 import sympy as sp
 
-from derivations import catalogue, printed
-from derivations.evidence import parts_of, value
+from derivations import catalogue
+from derivations import judgement as printed
+from derivations.algebra.equations import parts_of
+from derivations.algebra.evidence import value
 
 
 @pytest.mark.parametrize("number", [35, 36, 37, 40, 53])
 def test_each_part_of_the_print_is_the_derived_one(number):
-    derived = catalogue.load(catalogue.owner(number)).numbered(number).equation
-    given = printed.printed(number).equation
+    derived = catalogue.load(catalogue.owner(number)).numbered(number).result
+    given = printed.printed(number).expression
     pairs = list(zip(parts_of(given), parts_of(derived), strict=True))
     for ours, theirs in pairs:
         for one, other in zip(ours.args, theirs.args, strict=True):
@@ -33,6 +35,6 @@ def test_each_part_of_the_print_is_the_derived_one(number):
 
 
 def test_the_phase_step_of_37_is_minus_a_quarter_turn():
-    last = printed.printed(37).equation.args[1]
+    last = printed.printed(37).expression.args[1]
     assert sp.sin(last.rhs) == -1
     assert sp.cos(last.rhs) == 0

@@ -5,11 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from derivations import averaging_readings, printed
-from derivations.breather_correction import breather
-from derivations.modulation import by_averaging, by_multiple_scales
-from derivations.oscillator import van_der_pol
-from derivations.periodic_orbit import harmonic, orbit
+from derivations import judgement
+from derivations.algebra.modulation import Force, by_averaging, by_multiple_scales
+from derivations.averaging import readings
+from derivations.averaging.breather_correction import breather
+from derivations.averaging.periodic_orbit import harmonic, orbit
+from derivations.averaging.readings import paper_numbers
+from derivations.chain import PAPER
+from derivations.symbols import epsilon
 from theory.averaged.breather import Reading, solve_breather
 from theory.averaged.envelope import envelope_rate
 from theory.chains.chain import Ends
@@ -26,7 +29,7 @@ def true_orbits():
     start = np.array([2.8, 0.3, 0.03, 0.003, 0.0, 0.0])[:, None] * np.sin(wave)
     found = {}
     for e in (0.01, 0.005):
-        y, _ = orbit(start, 1 + e * CELL["c"], {**CELL, "e": e})
+        y, _ = orbit(start, 1 + e * CELL["c"], paper_numbers(*CELL.values(), e))
         turned = 2j * harmonic(y, 1) * 1j ** np.arange(sites)
         found[e] = abs(turned), np.angle(turned)
     return found
@@ -35,7 +38,7 @@ def true_orbits():
 @pytest.mark.parametrize("route", [by_multiple_scales, by_averaging])
 @pytest.mark.parametrize("site", [1, 2])
 def test_sizes_and_phases_of_the_sites_approach_the_true_orbit(true_orbits, route, site):
-    found = breather(route(van_der_pol(True), 2), CELL)
+    found = breather(route(Force.read(PAPER.equation(), epsilon), 2), CELL)
     errors = {"size": [], "corrected size": [], "phase": [], "corrected phase": []}
     for e, (size, phase) in true_orbits.items():
         errors["size"].append(abs(size[site] - found.amplitudes[site]))
@@ -53,7 +56,7 @@ def test_sizes_and_phases_of_the_sites_approach_the_true_orbit(true_orbits, rout
 
 
 def test_the_chain_that_judges_the_readings_is_a_steady_breather_of_the_averaged_chain():
-    r = averaging_readings._averaged_breather()
+    r = readings.averaged_breather()
     steps = np.arange(-len(r) + 1, len(r))
     phi = (-1j) ** abs(steps) * r[abs(steps)]
     chain = VdpChain(**CELL, sites=len(phi), ends=Ends.FREE)
@@ -64,9 +67,9 @@ def test_the_chain_that_judges_the_readings_is_a_steady_breather_of_the_averaged
 
 
 def test_each_reading_of_37_is_judged_by_the_neighbour_that_theory_finds_with_it():
-    exact = averaging_readings._averaged_breather()[1]
+    exact = readings.averaged_breather()[1]
     centre, first, tail = (reading.check(reading.equation) for reading in
-                           printed.printed(37).readings)  # fmt: skip
+                           judgement.printed(37).readings)  # fmt: skip
     assert "no solution" in centre.statement
     assert solve_breather(VdpChain(**CELL), Reading.CENTRE).alpha_0 is None
     for found, place in ((first, Reading.NEIGHBOUR), (tail, Reading.TAIL)):
@@ -83,7 +86,7 @@ def test_three_sites_of_a_geometric_sequence_are_what_is_tried(monkeypatch):
         site = math.log(0.3 / math.sqrt(square)) / 0.2
         return abs(site - round(site)) + (0.0 if 0.9 < site < 3.1 else site)
 
-    monkeypatch.setattr(averaging_readings, "damping_mean", damping)
-    assert averaging_readings.at_every_site(None).holds
+    monkeypatch.setattr(readings, "damping_mean", damping)
+    assert readings.at_every_site(None).holds
     monkeypatch.undo()
-    assert not averaging_readings.at_every_site(None).holds
+    assert not readings.at_every_site(None).holds

@@ -2,10 +2,11 @@
 
 import json
 import os
-import re
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import pytest
 
@@ -104,8 +105,11 @@ def test_a_new_cell(capsys):
         ("cell", "--damping", "1", "--value", "a=1"),
         ("cell", "--damping", "a", "--value", "a=1", "--value", "a=2"),
         ("cell", "--damping", "a", "--value", "a=y"),
-        ("cell", "--damping", "1", "--order", "2"),
-        ("averaging", "--damping", "1"),
+        ("cell", "--damping", "1", "--order", "3"),
+        ("multiple-scales", "--coupling", "0"),
+        ("averaging", "--weights", "0, 1"),
+        ("multiple-scales", "--damping", "sin(y)"),
+        ("friction", "--damping", "1"),
         ("friction", "--out", "/nowhere/at/all.txt"),
     ],
 )
@@ -127,13 +131,54 @@ def test_out_writes_a_whole_file(capsys, tmp_path):
     assert list(tmp_path.iterdir()) == [target]
 
 
-@pytest.mark.parametrize("name", catalogue.LISTING)
-def test_each_derivation_is_a_script(name):
-    module = f"derivations.{catalogue.LISTING[name][0]}"
-    done = subprocess.run(
-        [sys.executable, "-m", module, "--format", "json"], capture_output=True, text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False, timeout=60,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["complete"]
-    assert not re.search("warning", done.stderr, re.IGNORECASE)
+def test_all_in_json_says_how_each_equation_came_about(capsys):
+    entries = json.loads(run(capsys, "all", "--json")[1])["equations"]
+    for entry in entries:
+        assert {"verdict", "kind", "operation", "from", "check", "corrected", "note"} <= set(entry)
+        assert entry["kind"] in {"model", "definition", "ansatz", "derived"}
+        assert entry["operation"]
+        assert bool(entry["from"]) == (entry["kind"] == "derived") or entry["number"] == 27
+    by_number = {entry["number"]: entry for entry in entries}
+    assert by_number[11]["from"] == [10, 9]
+    assert by_number[34]["from"] == [33]
+
+
+def test_another_chain_on_the_command_line(capsys):
+    code, out, _ = run(capsys, "multiple-scales", "--damping", "1 - a*y**2 + b*y**6",
+                       "--stiffness", "g*y**3", "--value", "a=3", "--json")  # fmt: skip
+    data = json.loads(out)
+    assert code == 0
+    assert data["complete"]
+    by_number = {step["number"]: step for step in data["steps"] if step["number"]}
+    assert sorted(by_number) == list(range(8, 31))
+    assert "g" in by_number[30]["expression"]
+    assert "a" not in by_number[29]["expression"].replace("alpha_0", "").replace("Eq", "")
+    code, out, _ = run(capsys, "averaging", "--weights", "1, w", "--equation", "34", "--json")
+    assert code == 0
+    assert "varphi(n - 2, t)" in json.loads(out)["steps"][0]["expression"]
+
+
+def test_a_cell_to_second_order(capsys):
+    code, out, _ = run(capsys, "cell", "--damping", "y**2 - 1", "--no-front", "--order", "2",
+                       "--json")  # fmt: skip
+    data = json.loads(out)
+    assert code == 0
+    (shift,) = [step for step in data["steps"] if step["name"] == "frequency of its cycles"]
+    # Van der Pol: the frequency falls by eps²/16.
+    assert shift["expression"] == "Equality(omega, 1 - epsilon**2/16, evaluate=False)"
+
+
+def test_the_graph_is_an_svg(capsys, tmp_path):
+    target = tmp_path / "equations.svg"
+    code, _, _ = run(capsys, "--graph", "--out", str(target))
+    assert code == 0
+    root = ET.fromstring(target.read_text(encoding="utf-8"))
+    assert root.tag.endswith("svg")
+    data = json.loads(run(capsys, "averaging", "--graph", "--json")[1])
+    assert data["sources"]["34"] == ["33"]
+    assert data["kinds"]["8"] == "model"
+
+
+def test_the_page_of_verdicts_is_what_the_code_finds(capsys):
+    written = Path(__file__).parents[1] / "docs" / "derivations.md"
+    assert run(capsys, "all", "--format", "markdown")[1] == written.read_text(encoding="utf-8")

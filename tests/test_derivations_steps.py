@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from derivations import front_limits
-from derivations.averaging_readings import _averaged_breather
-from derivations.errors import DerivationInputError
-from derivations.evidence import equals, value
-from derivations.front_numbers import profile
-from derivations.polynomial_text import DEEPEST, read_polynomial
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.evidence import equals, value
+from derivations.averaging.readings import averaged_breather
+from derivations.cell.polynomial_text import DEEPEST, read_polynomial
+from derivations.front.numbers import Lattice, profile
 from derivations.symbols import a, b, damping_factor
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
@@ -59,17 +58,11 @@ def test_a_complex_number_of_mpmath_keeps_its_sign() -> None:
 def test_the_profile_by_history_is_that_of_the_integral_at_strong_coupling(zeta: float) -> None:
     v, c = 2.5, 6.0
     exact = front_profile([zeta], v, c, 1e-12)
-    assert abs(profile(zeta, v, c) - exact.phi[0]) < 1e-9
+    assert abs(profile(Lattice(0.5, (c,)), zeta, v) - exact.phi[0]) < 1e-9
 
 
 def test_the_sampled_breather_is_that_of_the_averaged_chain() -> None:
-    found = abs(_averaged_breather())
+    found = abs(averaged_breather())
     chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=23)
     exact = abs(solve_envelope_breather(chain, Nucleus(1)).phi)[11:]
     np.testing.assert_allclose(found[:8], exact[:8], rtol=1e-8, atol=1e-12)
-
-
-def test_both_half_planes_and_the_residue_at_zero_add_to_zero() -> None:
-    first = front_limits.steps()[0]
-    evidence = first.check(first.equation)
-    assert evidence.holds, evidence.statement

@@ -1,6 +1,7 @@
 """The sum over a set of roots, as a symbol."""
 
-from derivations.front_symbols import L_k, M_plus, SumOver, c, k, v
+from derivations.algebra.sums import SumOver
+from derivations.front.symbols import L_k, M_plus, c, k, v
 
 
 def test_the_variable_is_bound_and_the_set_is_free() -> None:

@@ -9,17 +9,42 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from derivations.breather_correction import breather
-from derivations.modulation import (
+from derivations.algebra.equations import equation
+from derivations.algebra.modulation import (
+    Force,
     by_averaging,
     by_multiple_scales,
-    in_scales_amplitude,
+    fundamental_shift,
     same_polynomial,
 )
-from derivations.oscillator import Oscillator, van_der_pol
-from derivations.periodic_orbit import harmonic, orbit
+from derivations.algebra.modulation import in_scales_amplitude as carried
+from derivations.averaging.breather_correction import breather
+from derivations.averaging.periodic_orbit import harmonic, orbit
+from derivations.averaging.readings import paper_numbers
+from derivations.chain import PAPER
+from derivations.symbols import epsilon, n, t, y
+from verification.references.equations import damping
 
 SYMBOLS = sp.symbols("p q c", positive=True)
+
+
+def van_der_pol(coupled):
+    return Force.read(PAPER.equation() if coupled else PAPER.cell().equation(), epsilon)
+
+
+def Oscillator(damping, stiffness=None, coupling=0, weights=(1,)):
+    own = y(n, t)
+    force = own.diff(t) * sum(q * own**k for k, q in damping.items())
+    force += sum(q * own**k for k, q in (stiffness or {}).items())
+    for j, weight in enumerate(weights, start=1):
+        force += coupling * weight * (2 * own - y(n - j, t) - y(n + j, t))
+    return Force.read(equation(own.diff(t, 2) + own + epsilon * force), epsilon)
+
+
+def in_scales_amplitude(averaged):
+    return carried(averaged, fundamental_shift(averaged))
+
+
 P, Q, C = SYMBOLS
 CELLS = {
     "cell": van_der_pol(False),
@@ -27,6 +52,7 @@ CELLS = {
     "detuned": Oscillator({0: sp.Integer(-1), 2: P}, {3: Q}),
     "detuned chain": Oscillator({0: P, 2: sp.Integer(-1)}, {2: Q, 3: sp.Integer(1)}, C),
     "asymmetric": Oscillator({0: sp.Integer(1)}, {1: P, 2: Q, 4: sp.Integer(1)}),
+    "second neighbours": Oscillator({0: P, 2: sp.Integer(-1)}, {3: Q}, C, (1, sp.Rational(1, 3))),
     "degree eight": Oscillator({0: P, 4: -Q, 8: sp.Integer(1)}),
 }
 
@@ -100,7 +126,7 @@ def _integrated_period(a, b, e, size):
     """Return time to y = 0 going up, once the motion has settled on the stable cycle."""
 
     def field(_, x):
-        return [x[1], -x[0] - e * x[1] * (1 - a * x[0] ** 2 + b * x[0] ** 4)]
+        return [x[1], -x[0] - e * x[1] * damping(x[0], a, b)]
 
     def upward(_, x):
         return x[0]
@@ -130,7 +156,7 @@ def test_the_breather_of_the_full_chain_approaches_the_prediction_with_the_predi
     errors = {"frequency 1": [], "frequency 2": [], "amplitude 0": [], "amplitude 1": []}
     for e in (0.01, 0.005):
         start = found.amplitudes[:sites, None] * np.sin(phase - np.pi / 2 * steps[:, None])
-        y, w = orbit(start, 1 + e * 0.1, {**given, "e": e})
+        y, w = orbit(start, 1 + e * 0.1, paper_numbers(2.5, 0.5, 0.1, e))
         size = 2 * abs(harmonic(y, 1))
         errors["frequency 1"].append(abs(w - 1 - e * 0.1))
         errors["frequency 2"].append(abs(w - 1 - e * 0.1 - e * e * found.omega_2))

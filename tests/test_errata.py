@@ -8,9 +8,13 @@ from xml.etree import ElementTree
 
 import pytest
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
-from derivations import printed as printed_module
-from derivations.printed import Judgement, report
+from derivations import judgement as printed_module
+from derivations.algebra.evidence import value
+from derivations.averaging.symbols import phi
+from derivations.judgement import Judgement, report
+from derivations.symbols import a, b, c, epsilon, n, omega, t
 from paper_checks.claim import Fault, Finding, Verdict
 from paper_checks.claims import equations
 from paper_checks.claims._equation_errata import correction, readable
@@ -56,8 +60,8 @@ def test_each_states_what_proves_it_and_what_it_affects(findings: dict[int, Find
     ("number", "right", "wrong"),
     [
         (4, r"\xi = \frac{d}{2 \sqrt{k} \sqrt{m}}", r"\omega"),
-        (2, r"\mu = \mu_{d} +", r"\mu_{st} + \left(\mu_{st}"),
-        (42, r"- 2 a x_{1} + 4 b x_{1}^{3}", r"1 - 2 a x"),
+        (2, r"= \mu_{d} +", r"\mu_{st} + \left(\mu_{st}"),
+        (42, r"2 a \epsilon x_{1} x_{5}", r"\epsilon x_{5} -"),
         (3, r"\leq F_{N} \mu_{st}", r"\operatorname{sign}"),
         (33, r"in place of $-", r"\epsilon"),
         (32, "= 0", "Psi"),
@@ -75,21 +79,19 @@ def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(
     judgements: dict[int, Judgement],
 ) -> None:
     found = judgements[33]
-    printed, derived = found.printed.equation, found.step.equation
-    missing = sp.expand(derived.args[0] - printed.args[0])
-    generator = iter([0.3 + 0.4j, 1.7, 0.9, 0.2, 1.1, 0.05, 0.6 - 0.2j, 0.1 + 0.1j])
-    symbols = sorted(missing.free_symbols, key=str)
-    values = {symbol: next(generator) for symbol in symbols}
-    number = complex(missing.subs(values).evalf())
-    phi = complex(values[next(s for s in symbols if "varphi" in str(s))])
-    rest = {str(symbol): values[symbol] for symbol in symbols}
-    fast = sp.exp(-2j * rest["omega"] * rest["t"])
+    printed, derived = found.printed.expression, found.step.result
+    own, fast_time = 0.3 + 0.4j, 0.6
+    rest = {a: 1.7, epsilon: 0.2, omega: 1.1, t: fast_time}
+    missing = derived.args[0] - printed.args[0]
+    names = dict.fromkeys(missing.atoms(AppliedUndef, sp.Derivative), 0.4 + 0.1j)
+    number = value(missing, {**names, **rest, b: 0.9, c: 0.3, phi(n, t): own})
+    fast = sp.exp(-2j * rest[omega] * fast_time)
     # By hand: ε (φ + φ* e)/2 times a times twice (φ*)² e over 4ω².
-    size = next(rest[name] for name in ("epsilon", "varepsilon") if name in rest)
-    bar = phi.conjugate()
+    bar = own.conjugate()
     by_hand = complex(
-        size * (phi + bar * fast) / 2 * rest["a"] * 2 * bar**2 * fast / (4 * rest["omega"] ** 2)
-    )
+        rest[epsilon] * (own + bar * fast) / 2 * rest[a] * 2 * bar**2 * fast
+        / (4 * rest[omega] ** 2)
+    )  # fmt: skip
     assert abs(number - by_hand) < 1e-12
 
 
@@ -98,7 +100,13 @@ def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
 ) -> None:
     found = judgements[4]
     passing = printed_module.Judgement(
-        found.printed, found.step, found.corrected, found.on_derived, found.on_derived, ()
+        found.printed,
+        found.step,
+        found.corrected,
+        found.on_derived,
+        found.on_derived,
+        (),
+        True,
     )
     monkeypatch.setattr(equations, "judgements", lambda: {**judgements, 4: passing})
     finding = equations.CLAIMS[3].judge()

@@ -22,8 +22,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from verification.runs.vdp import run_vdp
-from verification.runs.vdp_start import displaced
 
 from paper_checks.claim import Claim, Finding, Verdict
 from paper_checks.discover import Entry
@@ -35,6 +33,8 @@ from verification.execution.checkpoint import run_to_end
 from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import SweepError, sweep
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
@@ -54,10 +54,9 @@ def simulated(folder: Path) -> bytes:
 def integrated(folder: Path) -> bytes:
     """Run the Van der Pol chain itself, with the two runs that its error comes from."""
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=3)
-    start = displaced(chain, [1])
-    file = folder / "run.npz"
-    found = run_vdp(chain, start, 30.0, samples=3, checkpoint=file, budget=3000)
-    return found.psi.tobytes() + found.arrivals.tobytes() + np.array(found.error).tobytes()
+    start, file = excite(chain, [1]), folder / "run.npz"
+    found = simulate(chain, start, 30.0, samples=3, checkpoint=file, budget=3000)
+    return found.states.tobytes() + found.arrivals.tobytes() + np.array(found.error).tobytes()
 
 
 def swept(folder: Path) -> bytes:

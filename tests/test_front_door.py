@@ -177,6 +177,52 @@ def test_a_missing_extra_is_named(monkeypatch, results):
         results["curve"].to_pandas()
 
 
+def test_certified_roots_name_the_extra_that_they_need(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "flint", None)
+    assert main(shlex.split("roots --v 0.3 --c 0.5 --count 4 --certify")) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("\n") == 1
+    assert "excitation-fronts[certify]" in shown.err
+
+
+def test_a_run_and_a_front_are_results_too(tmp_path):
+    import matplotlib.pyplot as plt
+
+    pytest.importorskip("xarray")
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.6, sites=9)
+    run = fr.simulate(chain, fr.excite(chain, [1]), 500.0, samples=5)
+    data = run.to_xarray()
+    assert data["states"].dims == ("t", "component", "site")
+    assert np.array_equal(data["t"], run.times)
+    assert len(run.to_pandas()) == 5
+    front = fr.measure_front(chain)
+    for result in (run, front):
+        json.dumps(result.to_dict(), allow_nan=False)
+        assert len(repr(result)) < 1200
+        assert result.plot().get_xlabel()
+        assert "<table>" in result._repr_html_()
+    plt.close("all")
+    out = tmp_path / "run.npz"
+    line = "simulate averaged --n 9 --a 4 --b 0.5 --c 0.6 --excite 1 --t-end 500 --samples 5 -o"
+    assert main([*line.split(), str(out)]) == 0
+    with np.load(out) as kept:
+        assert np.array_equal(kept["psi"], run.psi)
+        provenance = json.loads(str(kept["provenance"]))
+    assert provenance["parameters"]["sites"] == 9
+    assert provenance["parameters"]["start"]["sites"] == [1]
+
+
+def test_velocities_of_the_averaged_chain_come_from_the_shell_as_a_curve(capsys):
+    line = "front averaged --c 0.6:1:2 --a 4 --b 0.5 --json"
+    assert main(line.split()) == 0
+    points = json.loads(capsys.readouterr().out)["points"]
+    for point in points:
+        alone = fr.measure_front(fr.AveragedChain(a=4, b=0.5, c=point["c"], sites=32))
+        assert point["v"] == alone.v
+        assert point["status"] == "steady"
+
+
 def test_a_curve_has_what_its_points_have(results):
     for point in results["curve"].points:
         alone = fr.kinetic_relation(c=point.c, eta=point.eta)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.mutation.__main__ import chosen
 from benchmarks.mutation.explained import Explained, matches, read_explained, stale_entries
 from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import mutants_of
@@ -163,3 +164,8 @@ def test_tests_are_found_by_what_they_import(file: str) -> None:
     assert file in files_with_tests(ROOT)
     assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= closure(ROOT, file)
     assert not any(name.startswith("derivations") for name in closure(ROOT, file))
+
+
+def test_a_package_is_changed_with_the_packages_inside_it() -> None:
+    found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0, "")}
+    assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found

@@ -16,6 +16,7 @@ from verification.breathers.outcome import (
     evolution,
     follow_nucleus,
 )
+from verification.references.equations import full_rate
 
 A, B, EPS = 2.5, 0.5, 0.01
 NAN = float("nan")
@@ -31,14 +32,13 @@ def joined_by_scipy(c: float, sites: int, slow_time: float) -> np.ndarray:
         np.sqrt((A / B) * (1 + side * np.sqrt(1 - 8 * B / A**2))) for side in (1, -1)
     )
     half = sites // 2 + 1
+    free = full_rate(chain(c, half))
 
-    def rate(_: float, x: np.ndarray) -> np.ndarray:
+    def rate(t: float, x: np.ndarray) -> np.ndarray:
         # Mirror symmetry by folding: site 0 is the middle, with its neighbour on both sides.
-        y, v = x[:half], x[half:]
-        left = np.concatenate([[y[1]], y[:-1]])
-        right = np.concatenate([y[1:], [y[-1]]])
-        force = -y - EPS * c * (2 * y - left - right) - EPS * v * (1 - A * y**2 + B * y**4)
-        return np.concatenate([v, force])
+        out = free(t, x)
+        out[half] -= EPS * c * (x[0] - x[1])
+        return out
 
     state = np.zeros(2 * half)
     state[0] = amplitude

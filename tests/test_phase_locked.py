@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from verification.breathers.nucleus import Nucleus, outward_pattern
 
 from verification.breathers import phase_locked
-from verification.breathers.nucleus import Nucleus, outward_pattern
 from verification.breathers.phase_locked import MARGIN, follow, follow_to, locked_breathers
 
 A, B = 2.5, 0.5
@@ -43,8 +43,9 @@ def test_the_jacobian_is_the_slope_of_the_residual() -> None:
 
 @pytest.mark.parametrize("size", [1, 3])
 def test_folds_are_those_of_the_continuation_of_the_averaged_chain(size: int) -> None:
-    from theory.chains.vdp import VdpChain
     from verification.thresholds.breather import breather_threshold
+
+    from theory.chains.vdp import VdpChain
 
     other = breather_threshold(VdpChain(A, B, 0.0, 0.01), Nucleus(size, outward_pattern(size)))
     ends = [follow(found, A, B).c_end for found in locked_breathers(size, A, B)]

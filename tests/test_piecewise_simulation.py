@@ -26,6 +26,7 @@ from verification.piecewise.window import (
     truncation_bound,
     widened,
 )
+from verification.references.equations import piecewise_rate
 
 # (c, eta): from just above depinning through the ordinary to the fast and the large-c island
 STEADY = [(0.47, 0.03125), (0.5, 0.03125), (0.7, 0.03125), (1.0, 0.03125), (2.2, 0.03125)]
@@ -88,15 +89,6 @@ def test_over_random_scenes_a_steady_claim_is_never_wrong():
     assert steady >= 10, seed
 
 
-def right_hand_side(c, r, on):
-    def slope(_, phi):
-        padded = np.concatenate(([1.0], phi, [0.0]))
-        coupling = 0.5j * c * (2 * phi - padded[:-2] - padded[2:])
-        return coupling - phi / 2 + on / 2
-
-    return slope
-
-
 def crossings_by_runge_kutta(c, r, phi, count, longest_step):
     """Integrate a chain with fixed ends, stopping at the first site that leaves its side."""
     on = np.abs(phi) > r
@@ -111,9 +103,10 @@ def crossings_by_runge_kutta(c, r, phi, count, longest_step):
             return float(np.min((side * (np.abs(y) - r))[keep]))
 
         leaves.terminal, leaves.direction = True, -1
+        end = time + longest_step if latest is not None else 1e3
         result = solve_ivp(
-            right_hand_side(c, r, on), (time, time + longest_step if latest is not None else 1e3),
-            phi, method="DOP853", rtol=1e-12, atol=1e-14, events=leaves, max_step=longest_step,
+            piecewise_rate(c, on, 1.0, 0.0), (time, end), phi, method="DOP853",
+            rtol=1e-12, atol=1e-14, events=leaves, max_step=longest_step,
         )  # fmt: skip
         time, phi = float(result.t[-1]), result.y[:, -1]
         if result.status == 1:

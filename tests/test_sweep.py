@@ -254,8 +254,8 @@ def test_a_finished_sweep_is_not_computed_again_unless_its_file_was_changed(
     again = sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)
     assert len(_computed(log)) == len(POINTS)
     assert again.as_csv() == first.as_csv() == whole.decode()
-    assert {name: column.dtype for name, column in again.columns.items()} == {
-        name: column.dtype for name, column in first.columns.items()
+    assert {name: column.dtype for name, column in again.columns().items()} == {
+        name: column.dtype for name, column in first.columns().items()
     }
     out.write_bytes(whole.replace(b"small", b"large", 1))
     sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)

@@ -20,8 +20,9 @@ from theory.piecewise.root_count import (
     height_above_roots,
 )
 from theory.piecewise.roots import labelled_roots, nearest_roots, roots_within, strip_bounds
-from verification.quantities.scenes import SCENES, Scene
+from verification.quantities.problems import PROBLEMS, Problem
 
+SUM = PROBLEMS["sum"]
 LABELS = np.arange(-12, 13)
 HALF_PLANES = [pytest.param(True, id="above"), pytest.param(False, id="below")]
 # Where labels meet or seeds collide: the first two resonances of c = 100 and of c = 10, v just
@@ -89,10 +90,10 @@ def test_the_printed_slope_51_is_the_derivative_on_the_roots() -> None:
 
 
 @pytest.mark.parametrize("upper", HALF_PLANES)
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_the_labels_of_every_scene_are_complete(scene: Scene, upper: bool) -> None:
-    roots = labelled_roots(scene.v, scene.c, LABELS, upper)
-    assert count_in_strips(scene.v, scene.c, LABELS, upper) == LABELS.size
+@pytest.mark.parametrize("problem", SUM, ids=lambda problem: problem.name)
+def test_the_labels_of_every_problem_are_complete(problem: Problem, upper: bool) -> None:
+    roots = labelled_roots(problem.v, problem.c, LABELS, upper)
+    assert count_in_strips(problem.v, problem.c, LABELS, upper) == LABELS.size
     assert np.unique(roots.k).size == LABELS.size
 
 
@@ -173,7 +174,7 @@ def test_no_root_lies_above_the_height_the_count_uses() -> None:
 def test_the_radius_bounds_the_distance_to_the_true_root(upper: bool) -> None:
     seed = 5
     rng = np.random.default_rng(seed)
-    places = [(s.v, s.c) for s in SCENES] + MEETINGS
+    places = [(p.v, p.c) for p in SUM] + MEETINGS
     places += [(log_uniform(rng, 1e-9, 1e9), log_uniform(rng, 1e-9, 1e9)) for _ in range(20)]
     for v, c in places:
         roots = labelled_roots(v, c, np.array([-7, -1, 0, 1, 6]), upper)
@@ -234,10 +235,10 @@ def test_as_v_vanishes_each_root_goes_to_the_closed_form_of_its_strip() -> None:
 
 @pytest.mark.parametrize("upper", HALF_PLANES)
 def test_the_nearest_roots_are_the_nearest_of_a_much_larger_set(upper: bool) -> None:
-    for scene in SCENES:
+    for problem in SUM:
         count = 31
-        found = nearest_roots(scene.v, scene.c, count, upper)
-        every = labelled_roots(scene.v, scene.c, np.arange(-400, 401), upper)
+        found = nearest_roots(problem.v, problem.c, count, upper)
+        every = labelled_roots(problem.v, problem.c, np.arange(-400, 401), upper)
         size = np.sort(np.abs(every.k))[:count]
         assert np.all(np.diff(np.abs(found.k)) >= 0)
         # the same numbers, from vectors of another length
@@ -311,11 +312,11 @@ def test_an_edge_through_a_root_is_refused() -> None:
 
 def test_no_root_is_real_since_re_l_is_one_half_there() -> None:
     x = np.linspace(-50, 50, 10_001) + 0j
-    for scene in SCENES:
+    for problem in SUM:
         # the real part is the constant ½ with nothing added to it, hence exact
-        assert np.all(dispersion(x, scene.v, scene.c).real == 0.5)
+        assert np.all(dispersion(x, problem.v, problem.c).real == 0.5)
         for upper in (True, False):
-            k = nearest_roots(scene.v, scene.c, 40, upper)
+            k = nearest_roots(problem.v, problem.c, 40, upper)
             assert np.all(np.abs(k.k.imag) > k.radius)
 
 
@@ -361,9 +362,9 @@ def test_no_root_crosses_the_lines_between_strips() -> None:
                 assert abs(imaginary[0]) > 0
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_the_root_free_strip_is_free_of_roots(scene: Scene) -> None:
-    v, c = scene.v, scene.c
+@pytest.mark.parametrize("problem", SUM, ids=lambda problem: problem.name)
+def test_the_root_free_strip_is_free_of_roots(problem: Problem) -> None:
+    v, c = problem.v, problem.c
     s = root_free_strip(v, c)
     for upper in (True, False):
         k = nearest_roots(v, c, 400, upper).k

@@ -20,7 +20,7 @@ from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 from theory.piecewise.sums.series import sum_by_roots
-from verification.quantities.scenes import SCENES, Scene, scene_named, scenes_tagged
+from verification.quantities.problems import PROBLEMS, Problem, problems_tagged
 
 # Where a method is at its limits: roots that cross or touch the graded contour, the first
 # resonance of c = 100, and the corners of the (v, c) plane.
@@ -32,10 +32,10 @@ HARD = [
     (0.5, 300.0),
     (1e-9, 1e9),
 ]
-EVERY = sorted({*HARD, *((scene.v, scene.c) for scene in SCENES)})
+EVERY = sorted({*HARD, *((problem.v, problem.c) for problem in PROBLEMS["sum"])})
 
 
-def random_scenes(seed: int, count: int, decades: float) -> list[tuple[float, float]]:
+def random_points(seed: int, count: int, decades: float) -> list[tuple[float, float]]:
     rng = np.random.default_rng(seed)
     v, c = np.exp(rng.uniform(-1, 1, (2, count)) * decades * math.log(10))
     return list(zip(v.tolist(), c.tolist(), strict=True))
@@ -80,7 +80,7 @@ def test_the_printed_value_is_the_plain_sum_over_roots_found_by_newton() -> None
     assert abs(np.sum(terms) - sum_by_integral(v, c).value) < 2 / (v * 2 * np.pi * 12000)
 
 
-@pytest.mark.parametrize(("v", "c"), random_scenes(11, 8, 0.6))
+@pytest.mark.parametrize(("v", "c"), random_points(11, 8, 0.6))
 def test_the_four_evaluations_agree_at_random(v: float, c: float) -> None:
     found = [
         sum_by_integral(v, c),
@@ -102,7 +102,7 @@ CORNERS = [(1e-12, 1e12), (1e-11, 1e10), (0.0099, 50.0), (0.0101, 50.0), (1e12, 
 """Corners of the range, and both sides of where the contour needs no poles."""
 
 
-@pytest.mark.parametrize(("v", "c"), [*EVERY, *CORNERS, *random_scenes(12, 16, 6.0)])
+@pytest.mark.parametrize(("v", "c"), [*EVERY, *CORNERS, *random_points(12, 16, 6.0)])
 def test_integral_and_series_agree_over_twelve_decades(v: float, c: float) -> None:
     try:
         series = sum_by_roots(v, c)
@@ -142,9 +142,9 @@ def test_no_error_bound_is_exceeded(
 
 
 def test_no_error_bound_of_the_array_is_exceeded_at_any_tolerance() -> None:
-    scenes = [*HARD, *random_scenes(13, 14, 4.0)]
-    exact = [precise_sum_by_integral(v, c, 22) for v, c in scenes]
-    v, c = np.array(scenes).T
+    points = [*HARD, *random_points(13, 14, 4.0)]
+    exact = [precise_sum_by_integral(v, c, 22) for v, c in points]
+    v, c = np.array(points).T
     for tolerance in (1e-3, 1e-8, 1e-12, 1e-15):
         found = sums(v, c, tolerance)
         off = np.array(
@@ -174,7 +174,7 @@ GRADED = [
 ]
 
 
-def scenes_for_the_contour() -> list[tuple[float, float]]:
+def points_for_the_contour() -> list[tuple[float, float]]:
     rng = np.random.default_rng(14)
     v, c = 10 ** rng.uniform(-3, 6, (2, 60))
     v[:20] = c[:20] * 10 ** rng.uniform(-1.5, 0.8, 20)
@@ -186,13 +186,13 @@ def exact_sums_for_the_contour() -> list[KineticSum]:
     # the series shares no code, but has too many roots to sum one by one at large c/v
     return [
         sum_by_roots(v, c, 25) if c < 100 * v else precise_sum_by_integral(v, c, 25)
-        for v, c in scenes_for_the_contour()
+        for v, c in points_for_the_contour()
     ]
 
 
 @pytest.mark.parametrize("each", ["together", "alone"])
 def test_the_error_bound_of_the_graded_contour_holds_at_every_tolerance(each: str) -> None:
-    v, c = np.array(scenes_for_the_contour()).T
+    v, c = np.array(points_for_the_contour()).T
     exact = exact_sums_for_the_contour()
     groups = np.arange(v.size)[None] if each == "together" else np.arange(v.size)[:, None]
     for tolerance in 10.0 ** -np.arange(1, 16):
@@ -251,11 +251,11 @@ def test_both_half_planes_together_give_minus_two(v: float, c: float) -> None:
     assert abs(quick + 2) < 1e-11  # double precision, sums of at most a few hundred terms
 
 
-@pytest.mark.parametrize("scene", scenes_tagged("ordinary"), ids=lambda scene: scene.name)
-def test_sixty_roots_are_enough_for_twelve_digits(scene: Scene) -> None:
-    found = sum_by_roots(scene.v, scene.c, 12)
+@pytest.mark.parametrize("problem", problems_tagged("ordinary"), ids=lambda problem: problem.name)
+def test_sixty_roots_are_enough_for_twelve_digits(problem: Problem) -> None:
+    found = sum_by_roots(problem.v, problem.c, 12)
     assert found.terms <= 60
-    exact = precise_sum_by_integral(scene.v, scene.c, 20)
+    exact = precise_sum_by_integral(problem.v, problem.c, 20)
     assert distance(found, exact) < 1e-12
 
 
@@ -352,14 +352,6 @@ def test_bad_digits_and_tolerances_are_refused() -> None:
         for method in (sum_by_integral, sum_by_bessel, sum_by_quadrature):
             with pytest.raises(ParameterError, match="tolerance"):
                 method(0.3, 0.5, tolerance)
-
-
-def test_scenes_have_distinct_names_and_can_be_found() -> None:
-    names = [scene.name for scene in SCENES]
-    assert len(set(names)) == len(names)
-    assert scene_named("ordinary").c == 0.5
-    with pytest.raises(KeyError):
-        scene_named("nowhere")
 
 
 @pytest.mark.parametrize(("v", "c"), [(0.02, 0.5), (0.3, 0.5), (7.4, 100.0), (1.0, 1.0)])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,9 @@ from verification.fronts.status import FrontStatus
 from verification.maps.smooth_rules import find_smooth_state
 from verification.maps.state import Reason, State
 from verification.maps.state_map import StateTask, state_map
+from verification.quantities.judging import Outcome, judge
+from verification.quantities.registry import computation_named
+from verification.quantities.robustness import stability
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
@@ -159,6 +162,23 @@ def test_its_front_is_pinned_where_the_coupling_is_weak() -> None:
     assert "at rest" in front.status.sentence
 
 
+def test_its_runs_are_a_row_of_the_stability_table(capsys: pytest.CaptureFixture[str]) -> None:
+    """They are tried, held against scipy and listed; a shifted value is seen."""
+    found = stability(["run-nagumo"], 12, workers=1)
+    assert found.bad == ()
+    assert found.counts["right"] >= 3
+    assert found.counts["refused"] > 0  # alpha above one half
+    row = computation_named("run-nagumo")
+    inside = {"alpha": 0.2, "c": 0.5, "sites": 8.0, "tolerance": 1e-8}
+    stated = row.compute(inside)
+    shifted = replace(stated, value=stated.value + 100.0 * stated.error)
+    assert judge(row, inside)["outcome"] == Outcome.RIGHT.value
+    off = replace(row, compute=lambda _: shifted)
+    assert judge(off, inside)["outcome"] == Outcome.EXCEEDED.value
+    assert main(["stress", "--list"]) == 0
+    assert row.name in capsys.readouterr().out
+
+
 SITES, ALPHA, END = 9, 0.3, 400.0
 
 
@@ -188,15 +208,26 @@ def test_the_threshold_of_a_toy_is_that_of_scipy() -> None:
         assert bool(outside.max() > ALPHA) is spread
 
 
-@pytest.mark.parametrize("c", [0.01, 0.03, 0.1, 0.4])
 @pytest.mark.parametrize("definition", ["first", "several", "whole"])
-def test_spreading_counts_what_its_definition_says(c: float, definition: str) -> None:
-    spreading = Spreading(3, Place.BULK, Definition(definition), final_time=END, tolerance=1e-8)
-    y = late_by_scipy(c, [4, 5, 6])
-    reached = set((np.flatnonzero((y > ALPHA).any(axis=0)) + 1).tolist()) - {4, 5, 6}
-    needed = set(spreading.watched(SITES))
-    expected = bool(needed & reached) if definition == "first" else needed <= reached
-    assert spreads(NagumoChain(alpha=ALPHA, c=c, sites=SITES), spreading) is expected
+def test_spreading_counts_what_its_definition_says(definition: str) -> None:
+    """In between, some sites are reached and not all that a definition asks for."""
+    seen = []
+    for excited in ([5], [4, 5, 6]):
+        for c in (0.03, 0.05, 0.1):
+            y = late_by_scipy(c, excited, 60.0)
+            for end in (21.0, 60.0):
+                spreading = Spreading(
+                    len(excited), Place.BULK, Definition(definition), final_time=end
+                )
+                by_then = y[: round(end / 0.3) + 1]
+                reached = set((np.flatnonzero((by_then > ALPHA).any(axis=0)) + 1).tolist())
+                needed = set(spreading.watched(SITES))
+                expected = bool(needed & reached) if definition == "first" else needed <= reached
+                chain = NagumoChain(alpha=ALPHA, c=c, sites=SITES)
+                assert spreads(chain, spreading) is expected, (excited, c, end)
+                seen.append((expected, bool(reached - set(excited))))
+    assert {spread for spread, _ in seen} == {True, False}
+    assert definition == "first" or (False, True) in seen
 
 
 @pytest.mark.parametrize(

@@ -178,7 +178,7 @@ _SIMULATE = "simulate vdp --a 4 --b 0.5 --c 0.6 --excite 1 --t-end 10"
         ("front vdp --c 0 --a 4 --b 0.5", "coupling c"),
         ("front vdp --c 0.5 --a 1 --b 0.5", "eta"),
         ("front vdp --c 0.5 --a 4 --b 0.5 --accuracy 1", "accuracy"),
-        ("front envelope --c 0.5 --a 4 --b 0.5 --eps 0.1", "eps"),
+        ("front envelope --c 0.5 --a 4 --b 0.5 --eps -1", "eps"),
         ("front envelope --c 0.5 --a 4 --b 0.5 --start-v 1", "start-v"),
         ("front piecewise --c 0.5 --a 4 --b 0.5 --behind wave", "behind"),
     ],

@@ -15,6 +15,7 @@ from tests.test_vdp_steppers import reference
 from theory.chains.chain import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from verification.references.equations import averaged_damping, damping, full_rate
 from verification.runs.excite import add_noise, as_psi, excite, excite_edge
 from verification.runs.model import Model
 from verification.runs.simulate import simulate
@@ -59,7 +60,7 @@ def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: flo
 
     def rate(u: mp.mpf) -> mp.mpf:
         """Of u = |φ|², in slow time."""
-        return -u * (1 - a * u / 4 + b * u**2 / 8)
+        return -u * averaged_damping(mp.sqrt(u), a, b)
 
     with mp.workdps(40):
         squared = mp.odefun(lambda _, u: rate(u), 0, mp.mpf(float(start[0].real)) ** 2)
@@ -180,7 +181,7 @@ def test_the_energy_lost_is_the_work_of_the_damping() -> None:
     run = simulate(chain, excite(chain, [1, 2]), 40.0, samples=8001, tolerance=1e-12)
     y, w = run.psi.imag, run.psi.real
     energy = 0.5 * (w**2 + y**2).sum(1) + 0.5 * chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
-    power = -chain.eps * (w**2 * (1.0 - chain.a * y**2 + chain.b * y**4)).sum(1)
+    power = -chain.eps * (w**2 * damping(y, chain.a, chain.b)).sum(1)
     work = simpson(power, x=run.times)
     assert abs(work) > 0.1
     assert energy[-1] - energy[0] == pytest.approx(work, abs=1e-8)
@@ -208,7 +209,7 @@ def test_a_stiff_start_is_passed_rightly(displacement: float) -> None:
     run = simulate(chain, start, 30.0, samples=2, tolerance=1e-9)
     state = start.ravel()
     other = solve_ivp(
-        lambda _, x: full_right_side(chain, x), (0.0, 30.0), state, method="LSODA",
+        full_rate(chain), (0.0, 30.0), state, method="LSODA",
         rtol=1e-10, atol=1e-10,
     )  # fmt: skip
     y, w = np.split(other.y[:, -1], 2)

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 from theory.chains.chain import Ends
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE, RING
@@ -35,31 +36,11 @@ def reference(
     full: bool = True,
     tolerance: float = 1e-13,
 ) -> ComplexArray:
-    """Integrate (8), or (43) in complex form, by scipy's DOP853; written independently."""
-    ring = chain.ends is Ends.PERIODIC
-    a, b, c, eps = chain.a, chain.b, chain.c, chain.eps
-
-    def pull(y: npt.NDArray[np.inexact]) -> npt.NDArray[np.inexact]:
-        if ring:
-            return 2 * y - np.roll(y, 1) - np.roll(y, -1)
-        return -np.diff(y, prepend=y[:1], append=y[-1:], n=2)
-
-    def averaged(_: float, phi: ComplexArray) -> ComplexArray:
-        s = np.abs(phi) ** 2
-        return 0.5j * c * pull(phi) - 0.5 * phi * (1 - a * s / 4 + b * s**2 / 8)
-
-    def whole(_: float, x: FloatArray) -> FloatArray:
-        y, w = np.split(x, 2)
-        return np.concatenate([w, -y - eps * c * pull(y) - eps * w * (1 - a * y**2 + b * y**4)])
-
-    right, x = (whole, np.concatenate([start.imag, start.real])) if full else (averaged, start)
-    end = end if full else end * eps
+    """Integrate (8), or (43) in complex form, by scipy's DOP853."""
+    right, x = (full_rate(chain), as_state(start)) if full else (averaged_rate(chain), start)
+    end = end if full else end * chain.eps
     out = solve_ivp(right, (0.0, end), x, method="DOP853", rtol=tolerance, atol=tolerance)
-    y = out.y[:, -1]
-    if not full:
-        return np.asarray(y, dtype=complex)
-    position, velocity = np.split(y, 2)
-    return np.asarray(velocity + 1j * position)
+    return as_complex(out.y[:, -1]) if full else np.asarray(out.y[:, -1], dtype=complex)
 
 
 def _start(chain: VdpChain) -> ComplexArray:

@@ -13,7 +13,7 @@ from pathlib import Path
 from benchmarks.mutation.explained import read_explained, stale_entries
 from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import Mutant, mutants_of
-from benchmarks.mutation.outcome import write_record
+from benchmarks.mutation.outcome import counts, write_record
 from benchmarks.mutation.runs import Runs, Workers
 from verification.execution.digest import digest_of
 
@@ -85,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     work = options.work or default_work(ROOT)
     work.mkdir(parents=True, exist_ok=True)
-    modules = dict.fromkeys(mutant.module for mutant in mutants)
+    modules = modules_of(mutants)
     until = time.monotonic() + 60.0 * (options.minutes or 1e9)
     with Workers(ROOT, work, options.jobs) as workers:
         runs = Runs(ROOT, work, workers, modules, options.seconds, options.again)
@@ -129,7 +129,7 @@ def chosen(root: Path, where: Sequence[str], part: float, seed: int, function: s
     picked: list[Mutant] = []
     for name in where:
         path = root / name
-        modules = sorted(path.glob("*.py")) if path.is_dir() else [path]
+        modules = sorted(path.rglob("*.py")) if path.is_dir() else [path]
         for module in modules:
             relative = module.relative_to(root).as_posix()
             all_ = mutants_of(relative, module.read_text(encoding="utf-8"))
@@ -145,17 +145,19 @@ def chosen(root: Path, where: Sequence[str], part: float, seed: int, function: s
 def table(mutants: Sequence[Mutant], found: dict[str, str], reasons: dict[str, str | None]) -> str:
     """Return one line a module: changes, run, noticed, explained, not noticed."""
     lines = [f"{'module':40} {'run':>6} {'noticed':>8} {'explained':>10} {'open':>6}"]
-    totals = [0, 0, 0, 0]
-    for module in dict.fromkeys(mutant.module for mutant in mutants):
-        here = [m for m in mutants if m.module == module and m.name in found]
-        missed = [m for m in here if found[m.name] == "survived"]
-        open_ = sum(reasons[m.name] is None for m in missed)
-        row = [len(here), len(here) - len(missed), len(missed) - open_, open_]
-        totals = [a + b for a, b in zip(totals, row, strict=True)]
-        lines.append(f"{module:40} {row[0]:6} {row[1]:8} {row[2]:10} {row[3]:6}")
-    lines.append(f"{'all':40} {totals[0]:6} {totals[1]:8} {totals[2]:10} {totals[3]:6}")
-    left = len(mutants) - totals[0]
-    return "\n".join(lines) + (f"\n{left} changes were not run." if left else "")
+    parts = {module: [m for m in mutants if m.module == module] for module in modules_of(mutants)}
+    for name, part in {**parts, "all": list(mutants)}.items():
+        row = counts(part, found, reasons)
+        lines.append(
+            f"{name:40} {row['run']:6} {row['noticed']:8} {row['explained']:10} {row['open']:6}"
+        )
+    left = len(mutants) - len(found)
+    return "\n".join(lines) + (f"\n{left} changes were not run." if left > 0 else "")
+
+
+def modules_of(mutants: Sequence[Mutant]) -> list[str]:
+    """Return the modules that are changed, in their order."""
+    return list(dict.fromkeys(mutant.module for mutant in mutants))
 
 
 if __name__ == "__main__":

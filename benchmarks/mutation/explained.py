@@ -22,7 +22,7 @@ class Explained:
 
 
 def matches(form: str, name: str) -> bool:
-    """Tell whether a name has the form.
+    """Return whether a name has the form.
 
     Examples
     --------

@@ -105,7 +105,7 @@ def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
 
 
 def _states(node: ast.FunctionDef | ast.ClassDef) -> bool:
-    """Tell whether the docstring states an equation before its sections, or names one."""
+    """Return whether the docstring states an equation before its sections, or names one."""
     words = (ast.get_docstring(node) or "").split("Examples\n")[0]
     prose = words.split("Parameters\n")[0].split("Attributes\n")[0]
     return bool(re.search(r"\(\d\d?\)|Eqs?\. ?\(?\d", words) or re.search(r"\S = \S", prose))

@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import Any
 
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.survey import Survey, closure, digest, survey, test_files
+from benchmarks.mutation.survey import closure, digest, survey, test_files
 from verification.execution.digest import digest_of
 from verification.execution.store import Store
 
@@ -40,7 +40,7 @@ QUICK_FILE = 0.8
 FEW = 4
 """Functions that a test enters, up to which it is asked before those that enter more."""
 
-MOST_KNOWN = 3
+MAX_KNOWN = 3
 """Tests that noticed the last changes of a function or its module, asked before all others."""
 
 
@@ -59,8 +59,8 @@ class Workers:
             for name in COPIED:
                 here = self._root / name
                 if here.is_dir():
-                    kept = shutil.ignore_patterns("__pycache__", "results")
-                    shutil.copytree(here, tree / name, ignore=kept)
+                    ignored = shutil.ignore_patterns("__pycache__", "results")
+                    shutil.copytree(here, tree / name, ignore=ignored)
                 elif here.exists():
                     shutil.copy2(here, tree / name)
             results = self._root / "benchmarks" / "results"
@@ -158,12 +158,12 @@ class Runs:
         identity = {"results": "of changes"}  # each row says by its key which code it is of
         self._store = Store(work / "results.sqlite", identity, resume=not again, replace=True)
         self._known: dict[str, dict[str, Any]] = dict(self._store.results)
-        self._survey = survey(root, work, modules, self._ask_all, self._tell)
+        self._survey = survey(root, work, modules, self._ask_all, self._report)
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._noticed: Counter[str] = Counter()
         self._importing = {file: closure(root, file) for file in test_files(root)}
 
-    def _tell(self, text: str) -> None:
+    def _report(self, text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
     def _ask_all(
@@ -192,7 +192,7 @@ class Runs:
         found: dict[str, str] = {}
         for mutant in mutants:
             row = self._known.get(mutant.name)
-            if row is None or (row["left_out"] and row.get("asked", 0.0) < self._seconds):
+            if row is None or (row["not_asked"] and row.get("asked", 0.0) < self._seconds):
                 continue  # with more time there are more tests to ask
             if row["key"] == self._key(mutant, row["status"], row["by"]):
                 found[mutant.name] = row["status"]
@@ -202,7 +202,7 @@ class Runs:
             module, function = row["name"].split(":")[:2]
             if row["by"] in self._survey.seconds and (module, function) in first_lines:
                 self._learn(module, first_lines[module, function], row["by"])
-        self._tell(f"{len(mutants)} changes, {len(found)} of them known")
+        self._report(f"{len(mutants)} changes, {len(found)} of them known")
         left = iter(rest)
         begin = time.monotonic()
         done = 0
@@ -226,7 +226,7 @@ class Runs:
                         shown = now
                         missed = sum(status == "survived" for status in found.values())
                         ahead = (now - begin) / done * (len(rest) - done)
-                        self._tell(
+                        self._report(
                             f"[{done}/{len(rest)}] {mutant.module}, {missed} not noticed, "
                             f"about {ahead / 60.0:.0f} min left"
                         )
@@ -256,7 +256,7 @@ class Runs:
         with self._lock:
             known = [test for test in self._killers[place] if test in tests]
             known += [test for test in self._killers[mutant.module] if test in tests]
-        first = list(dict.fromkeys(known))[:MOST_KNOWN]
+        first = list(dict.fromkeys(known))[:MAX_KNOWN]
         picked = self._within_time(first, tests)
         rounds = [first, [], []]
         for test in picked[len(first) :]:
@@ -287,7 +287,7 @@ class Runs:
             "status": status,
             "by": by,
             "tests": len(picked),
-            "left_out": 0 if status == "killed" else len(tests) - len(picked),
+            "not_asked": 0 if status == "killed" else len(tests) - len(picked),
             "asked": self._seconds,
             "seconds": round(seconds, 3),
             "key": self._key(mutant, status, by),
@@ -305,13 +305,13 @@ class Runs:
         files = {test.split("::", maxsplit=1)[0] for test in first}
         took = self._survey.seconds
 
-        def dearness(test: str) -> tuple[bool, float]:
+        def cost(test: str) -> tuple[bool, float]:
             # A test that enters few functions is about them.
             breadth = self._survey.breadth[test]
-            spent = (took[test] + self._collecting(test)) * breadth
-            return breadth > FEW, spent / (1.0 + self._noticed[test])
+            time = (took[test] + self._collecting(test)) * breadth
+            return breadth > FEW, time / (1.0 + self._noticed[test])
 
-        for test in sorted(tests, key=dearness):
+        for test in sorted(tests, key=cost):
             file = test.split("::", maxsplit=1)[0]
             more = took[test]
             more += 0.0 if file in files else max(0.0, self._collecting(test) - QUICK_FILE)
@@ -323,6 +323,3 @@ class Runs:
 
     def _collecting(self, test: str) -> float:
         return self._survey.collecting[test.split("::", maxsplit=1)[0]]
-
-
-__all__ = ["Runs", "Survey", "Workers"]

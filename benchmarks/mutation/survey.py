@@ -14,12 +14,12 @@ from verification.execution.files import write_text
 LONGEST_FILE = 400.0
 """Seconds after which a file that is being recorded is given up."""
 
-LEFT_OUT = (
+EXCLUDED = (
     "test_benchmarks",
     "test_mutation",
     "test_report",
     "test_report_browser",
-    "test_stability",
+    "test_robustness",
     "test_sweep",
 )
 """Test files about other things, or about time."""
@@ -71,7 +71,7 @@ class Survey:
 
 def test_files(root: Path) -> list[str]:
     """Return the test files, and the modules with doctests, as paths from the root."""
-    tests = [p for p in sorted((root / "tests").glob("test_*.py")) if p.stem not in LEFT_OUT]
+    tests = [p for p in sorted((root / "tests").glob("test_*.py")) if p.stem not in EXCLUDED]
     modules = [
         path
         for package in ("theory", "derivations", "verification")
@@ -112,7 +112,7 @@ def survey(
     store: Path,
     modules: Iterable[str],
     ask: Callable[[list[dict[str, Any]], Callable[[int, dict[str, Any]], None]], None],
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> Survey:
     """Record the test files that import any of the modules, where not known from an earlier run.
 
@@ -124,23 +124,23 @@ def survey(
         Paths of the modules to be changed.
     ask : callable
         Hands requests to the processes and each answer to a function.
-    tell : callable
-        Told of progress.
+    report : callable
+        Progress callback.
     """
     changed = set(modules)
     files = [file for file in test_files(root) if closure(root, file) & changed]
     path = store / "survey.json"
     known: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     keys = {file: digest(root, closure(root, file)) for file in files}
-    wanted = [file for file in files if known.get(file, {}).get("key") != keys[file]]
+    required = [file for file in files if known.get(file, {}).get("key") != keys[file]]
 
     def take(index: int, answer: dict[str, Any]) -> None:
-        file = wanted[index]
+        file = required[index]
         known[file] = {"key": keys[file], "answer": answer}
         write_text(path, json.dumps(known))
-        tell(f"recorded {file}: {len(answer.get('passed', {}))} tests, {answer['seconds']:.1f} s")
+        report(f"recorded {file}: {len(answer.get('passed', {}))} tests, {answer['seconds']:.1f} s")
 
-    requests = [{"files": [file], "record": True, "timeout": LONGEST_FILE} for file in wanted]
+    requests = [{"files": [file], "record": True, "timeout": LONGEST_FILE} for file in required]
     ask(requests, take)
     found = Survey()
     for file in files:

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from fronts.answer import Answer, UsageError
 
 if TYPE_CHECKING:
-    from benchmarks.quantity import Quantity
+    from benchmarks.work_precision import WorkPrecision
 
 EXAMPLE = """examples:
-  fronts bench --list                     the quantities, their scenes and default methods
+  fronts bench --list                     the quantities, their test problems and default methods
   fronts bench roots velocity --quick     two of them, within half a minute
   fronts bench growth                     time and memory against sites, digits, 1/v, points
   fronts bench --defaults                 is each default the fastest? from the stored records
@@ -50,8 +50,8 @@ def run(options: argparse.Namespace) -> Answer:
     for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
     need_source_tree(ROOT)
-    from benchmarks.discover import all_quantities, chosen
-    from benchmarks.quantity import RESULTS
+    from benchmarks.registry import all_benchmarks, chosen
+    from benchmarks.work_precision import RESULTS
 
     names = [name for name in options.quantities if name != GROWTH]
     growth = GROWTH in options.quantities or not options.quantities
@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> Answer:
     if options.list:
         return _list(wanted, growth)
     if options.defaults:
-        return _defaults(wanted or all_quantities(), options.out or RESULTS)
+        return _defaults(wanted or all_benchmarks(), options.out or RESULTS)
     folder = options.out or (None if options.quick else RESULTS)
     if folder is not None and not os.access(folder, os.W_OK):
         raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")
@@ -92,7 +92,7 @@ def need_source_tree(root: Path) -> None:
     UsageError
         If they are not there, as in an installed wheel.
     """
-    if not (root / "benchmarks" / "quantity.py").is_file():
+    if not (root / "benchmarks" / "work_precision.py").is_file():
         raise UsageError(
             "the benchmarks are in the source tree and not in the installed package: run this "
             "command from a checkout, after 'pip install --editable .[bench]' there."
@@ -101,28 +101,31 @@ def need_source_tree(root: Path) -> None:
         sys.path.insert(0, str(root))
 
 
-def _list(wanted: tuple[Quantity, ...], growth: bool) -> Answer:
-    rows = [
-        {
-            "name": quantity.name,
-            "what": quantity.what,
-            "scenes": list(quantity.scenes),
-            "default": quantity.default,
-            "methods": list(quantity.style().methods),
-            "useful": list(quantity.useful),
-        }
-        for quantity in wanted
-    ]
-    lines = []
-    for quantity in wanted:
-        lines.append(f"{quantity.name:12} {quantity.what}; by default: {quantity.default}")
-        lines.append(f"{'':12} scenes: {'; '.join(quantity.scenes)}")
+def _list(wanted: tuple[WorkPrecision, ...], growth: bool) -> Answer:
+    from benchmarks.registry import quantity_of
+
+    rows, lines = [], []
+    for benchmark in wanted:
+        quantity = quantity_of(benchmark)
+        problems = [problem.name for problem in quantity.timed_problems]
+        rows.append(
+            {
+                "name": quantity.name,
+                "what": quantity.title,
+                "scenes": problems,
+                "default": quantity.default,
+                "methods": list(benchmark.style.methods),
+                "useful": list(quantity.useful or ()),
+            }
+        )
+        lines.append(f"{quantity.name:12} {quantity.title}; by default: {quantity.default}")
+        lines.append(f"{'':12} test problems: {'; '.join(problems)}")
     if growth:
         lines.append(f"{GROWTH:12} how time and memory grow, with fitted exponents")
     return Answer({"quantities": rows}, "\n".join(lines))
 
 
-def _defaults(wanted: tuple[Quantity, ...], folder: Path) -> Answer:
+def _defaults(wanted: tuple[WorkPrecision, ...], folder: Path) -> Answer:
     from benchmarks.choice import as_payload, as_text, stored_choices
 
     rows, missing = stored_choices(wanted, folder)
@@ -135,47 +138,46 @@ def _defaults(wanted: tuple[Quantity, ...], folder: Path) -> Answer:
 
 
 def _measure(
-    wanted: tuple[Quantity, ...], growth: bool, quick: bool, folder: Path | None
+    wanted: tuple[WorkPrecision, ...], growth: bool, quick: bool, folder: Path | None
 ) -> Answer:
     from benchmarks.choice import stored_choices, write_choices
     from benchmarks.diagram import draw
-    from benchmarks.discover import all_quantities
     from benchmarks.record import as_payload, write_record
-    from benchmarks.session import measured
+    from benchmarks.registry import all_benchmarks, measured
     from benchmarks.tables import as_text
 
     records: dict[str, object] = {}
     texts = []
-    for quantity in wanted:
-        record = measured(quantity, quick, _tell)
-        records[quantity.name] = as_payload(record)
+    for benchmark in wanted:
+        record = measured(benchmark, quick, _report)
+        records[benchmark.name] = as_payload(record)
         texts.append(as_text(record))
         if folder is not None:
-            write_record(record, folder / f"{quantity.name}.json")
-            draw(quantity.name, record.points, quantity.style(), folder)
+            write_record(record, folder / f"{benchmark.name}.json")
+            draw(benchmark.name, record.points, benchmark.style, folder)
     payload: dict[str, object] = {"records": records}
     if growth:
-        payload[GROWTH], text = _growth(quick, folder, _tell)
+        payload[GROWTH], text = _growth(quick, folder, _report)
         texts.append(text)
     if folder is not None:
         if wanted:
-            rows, _ = stored_choices(all_quantities(), folder)
+            rows, _ = stored_choices(all_benchmarks(), folder)
             write_choices(rows, folder / "defaults.json")
         texts.append(f"Written to {folder}; 'fronts bench --defaults' judges the default methods.")
     return Answer(payload, "\n\n".join(texts))
 
 
 def _growth(
-    quick: bool, folder: Path | None, tell: Callable[[str], None]
+    quick: bool, folder: Path | None, report: Callable[[str], None]
 ) -> tuple[dict[str, Any], str]:
     from benchmarks import growth
 
-    rows = growth.measure(quick, tell)
+    rows = growth.measure(quick, report)
     payload = growth.as_payload(rows, "fronts bench growth" + " --quick" * quick)
     if folder is not None:
         growth.write_growth(payload, rows, folder)
     return payload, growth.as_text(rows)
 
 
-def _tell(text: str) -> None:
+def _report(text: str) -> None:
     print(f"{text} ...", file=sys.stderr, flush=True)

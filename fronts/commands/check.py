@@ -13,8 +13,6 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
-from paper_checks.report.render import measurements_page, page
-
 from fronts.answer import Answer, UsageError
 from fronts.interrupted import resumable
 from paper_checks import discover
@@ -29,6 +27,7 @@ from paper_checks.report.document import (
     to_json,
 )
 from paper_checks.report.measurements import stored_sections
+from paper_checks.report.render import measurements_page, page
 from paper_checks.report.table import duration, entries_as_text
 from paper_checks.report.terminal import report_as_text
 from paper_checks.run import run as judge_all

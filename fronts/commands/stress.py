@@ -12,8 +12,8 @@ from fronts.interrupted import resumable_tables
 from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from verification.quantities.quantity import Quantity
-    from verification.quantities.table import Stability
+    from verification.quantities.quantity import Computation
+    from verification.quantities.robustness import Stability
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
@@ -21,13 +21,13 @@ EXAMPLE = """examples:
   fronts stress --savings --record
   fronts stress --list
 
-Every quantity is tried at named scenes, at the corners of its parameters and at random, one point
+Every quantity is tried at test problems, at the corners of its parameters and at random, one point
 in twenty with a value that is not allowed. Exit code 1: a stated error was exceeded, or a point
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
-STABILITY_CODE = ("verification.quantities.table", "verification.quantities.discover")
-SAVINGS_CODE = ("verification.work_reduction.table",)
+STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
+REDUCTION_CODE = ("verification.work_reduction.table",)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -44,11 +44,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", action="store_true", help="keep the result for the report (in the source tree)"
     )
-    parser.add_argument("--savings", action="store_true", help="what a scene does not need")
+    parser.add_argument(
+        "--savings",
+        action="store_true",
+        help="what is truncated or not computed, and the gain",
+    )
 
 
 def run(options: argparse.Namespace) -> Answer:
-    """Try the points, list the quantities, or measure the savings."""
+    """Try the points, list the quantities, or measure the work reductions."""
     if options.record:
         from fronts.commands.bench import ROOT, need_source_tree
 
@@ -67,8 +71,8 @@ def run(options: argparse.Namespace) -> Answer:
     check_seed(options.seed)
     points, seed = given(options.points, 1000), given(options.seed, 0)
     from theory.parameters import count_within
-    from verification.quantities.discover import quantity_named
-    from verification.quantities.table import stability
+    from verification.quantities.registry import computation_named
+    from verification.quantities.robustness import stability
 
     if options.out is not None:
         check_writable(options.out, (".csv",))
@@ -91,7 +95,7 @@ def run(options: argparse.Namespace) -> Answer:
         "seed": seed,
         "counts": found.counts,
         "quantities": [
-            vars(line) | _range_of(quantity_named(line.quantity)) for line in found.lines
+            vars(line) | _range_of(computation_named(line.quantity)) for line in found.lines
         ],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
@@ -163,46 +167,46 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
-def _range_of(quantity: Quantity) -> dict[str, str]:
+def _range_of(quantity: Computation) -> dict[str, str]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
-    return {"what": quantity.what, "over": axes, "ends": quantity.ends}
+    return {"what": quantity.title, "over": axes, "ends": quantity.limits}
 
 
 def _list() -> Answer:
-    from verification.quantities.discover import all_quantities
+    from verification.quantities.registry import all_computations
 
     rows = [
         {
             "quantity": quantity.name,
-            "what": quantity.what,
+            "what": quantity.title,
             "axes": [{"name": a.name, "low": a.low, "high": a.high} for a in quantity.axes],
-            "ends": quantity.ends,
+            "ends": quantity.limits,
             "seconds": quantity.seconds,
         }
-        for quantity in all_quantities()
+        for quantity in all_computations()
     ]
     lines = []
-    for quantity in all_quantities():
+    for quantity in all_computations():
         said = _range_of(quantity)
         lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
-        if quantity.ends:
+        if quantity.limits:
             lines.append(f"{'':26}({said['ends']})")
     return Answer({"quantities": rows}, "\n".join(lines))
 
 
 def _savings(record: bool) -> Answer:
-    from verification.work_reduction.table import measured_savings
+    from verification.work_reduction.table import measured_reductions
 
-    rows = measured_savings()
+    rows = measured_reductions()
     lines = []
     for row in rows:
-        lines.append(f"{row.saving.what}: {row.saving.decided}")
-        lines.append(f"    bound: {row.saving.bound}")
+        lines.append(f"{row.reduction.what}: {row.reduction.decided}")
+        lines.append(f"    bound: {row.reduction.bound}")
         lines.append(f"    measured: {row.text}")
         lines.append(f"    changed: {row.changed}")
-        lines.append(f"    test: {row.saving.test}")
+        lines.append(f"    test: {row.reduction.test}")
     payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
     if record:
-        _store("savings", payload, "fronts stress --savings", SAVINGS_CODE)
+        _store("savings", payload, "fronts stress --savings", REDUCTION_CODE)
     exceeded = not all(row.found.holds for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

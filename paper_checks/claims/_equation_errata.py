@@ -10,28 +10,10 @@ from paper_checks.claim import Erratum, Fault
 if TYPE_CHECKING:
     import sympy as sp
 
-    from derivations.printed import Judgement
+    from derivations.judgement import Judgement
 
 LONG = 420
 """Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
-
-
-AMENDED: dict[int, tuple[tuple[str, str], ...]] = {
-    2: ((r"\mu_{st} + (", r"\mu_d + ("),),
-    3: ((r"|F| < \mu_{st}", r"|F| \leq \mu_{st}"),),
-    4: ((r"\frac{d}{2\sqrt{dm}}", r"\frac{d}{2\sqrt{km}}"),),
-    6: ((r"\mu(\tilde v_{rel})", r"\mu(\omega_n y_0\tilde v_{rel})"),),
-    32: ((r"^4\right)", r"^4\right) = 0"),),
-    33: ((r"- (\varphi_n^*)^2e^{-2i", r"+ (\varphi_n^*)^2e^{-2i"),),
-    37: (("e^{2k_1n}", "e^{2k_1}"), ("e^{4k_1n}", "e^{4k_1}")),
-    40: (("2x_1 - x_2 - x_N", "x_1 - x_2"), ("2x_N - x_1 - x_{N-1}", "x_N - x_{N-1}")),
-    42: (("(1 - 2ax_n + 4bx_n^3)", "(-2ax_n + 4bx_n^3)"),),
-    44: ((r"\varphi_n < \varphi_{us}", r"|\varphi_n| < |\varphi_{us}|"),
-         (r"\varphi_n > \varphi_{us}", r"|\varphi_n| > |\varphi_{us}|")),
-    45: ((r"\theta(\varphi_n - \varphi_{us})", r"\theta(|\varphi_n| - |\varphi_{us}|)"),),
-}  # fmt: skip
-"""What to replace in the LaTeX of print so that the line reads as the derivation proves; the tests
-hold each to the derived equation. A line that only needs a reading in words is not here."""
 
 
 _LETTERS = {
@@ -56,23 +38,6 @@ def readable(prose: str) -> str:
     return _LETTER.sub(lambda found: _LETTERS[found.group(1)], prose)
 
 
-def amended(number: int, latex: str) -> str | None:
-    """Return the corrected line in the paper's own notation; None where there is none on record.
-
-    Raises
-    ------
-    ValueError
-        If print does not have exactly once what is to be replaced.
-    """
-    if number not in AMENDED:
-        return None
-    for old, new in AMENDED[number]:
-        if latex.count(old) != 1:
-            raise ValueError(f"({number}) does not have '{old}' once.")
-        latex = latex.replace(old, new)
-    return latex
-
-
 def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     """Return the erratum of a misprinted, ambiguous or inconsistent equation, None for another.
 
@@ -83,12 +48,12 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     derivation : str
         Name of the derivation that has the step.
     """
-    from derivations.printed import Verdict
+    from derivations.printing import Verdict
 
     printed = found.printed
-    line = amended(printed.number, printed.latex)
+    line = printed.amended_latex
     differs = ""
-    step = f"the step '{found.step.operation}' of the derivation '{derivation}'"
+    step = f"the step '{found.step.name}: {found.step.operation}' of the derivation '{derivation}'"
     if printed.verdict is Verdict.MISPRINT:
         fault = Fault.MISPRINT
         differs = correction(found)
@@ -137,10 +102,10 @@ def correction(found: Judgement) -> str:
     """
     import sympy as sp
 
-    from derivations.evidence import parts_of
-    from derivations.rendering import equation_latex
+    from derivations.algebra.equations import parts_of
+    from derivations.algebra.rendering import equation_latex
 
-    printed, derived = found.printed.equation, found.step.equation
+    printed, derived = found.printed.expression, found.step.result
     if found.printed.slip is not None:
         before, after, whole = found.printed.slip
         if sp.expand(_side(whole) - _side(derived)) != 0:
@@ -183,7 +148,7 @@ def _side(equation: sp.Basic) -> sp.Expr:
 
 
 def _entry(printed: sp.MatrixBase, derived: sp.MatrixBase) -> str:
-    from derivations.rendering import equation_latex
+    from derivations.algebra.rendering import equation_latex
 
     places = [
         (row, column)

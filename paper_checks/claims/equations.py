@@ -11,7 +11,7 @@ from paper_checks.claims._equation_errata import LONG, erratum_of, readable
 from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
-    from derivations.printed import Judgement
+    from derivations.judgement import Judgement
 
 MISPRINTS = frozenset({2, 4, 33, 42})
 """Wrong as they stand; right after a correction that the derivation proves."""
@@ -46,7 +46,7 @@ KINDS = {
 @cache
 def judgements() -> dict[int, Judgement]:
     """Return what the derivations say of every equation."""
-    from derivations.printed import report
+    from derivations.judgement import report
 
     return {found.printed.number: found for found in report().judgements}
 
@@ -169,7 +169,7 @@ CLAIMS = tuple(
             Method(
                 "derived step by step in computer algebra, print and derivation compared at "
                 "random points",
-                "derivations.printed:report",
+                "derivations.judgement:report",
             ),
         ),
         formulas=formulas,

@@ -16,9 +16,10 @@ from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_continuation import Continuation
-    from verification.cells.friction_orbits import CellOrbits
+    from verification.cells.diagram import CellDiagram
+    from verification.cells.result import BeltCell
     from verification.references.friction_events import EventRun
+    from verification.runs.trajectory import Trajectory
 
 V_D = 1.25
 VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
@@ -30,17 +31,17 @@ SETTLED = 500.0
 """τ after which sliding is steady on the scale of the picture: beats decay as exp(-0.009 τ)."""
 
 ORBITS = Method("both cycles by shooting, Taylor series from event to event",
-                "verification.cells.friction_orbits:cell_orbits")  # fmt: skip
+                "verification.cells.friction:friction_cell")  # fmt: skip
 EVENTS = "verification.references.friction_events:run_events"
 EVENT_RUNS = Method("runs with scipy's DOP853, events located on its dense output", EVENTS)
 
 
 @lru_cache(maxsize=1)
-def _orbits() -> CellOrbits:
+def _orbits() -> BeltCell:
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_orbits import cell_orbits
+    from verification.cells.friction import friction_cell
 
-    return cell_orbits(FrictionCell(V_D))
+    return friction_cell(FrictionCell(v_d=V_D))
 
 
 @lru_cache(maxsize=32)
@@ -51,7 +52,7 @@ def _scipy(
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
-    chain = FrictionChain(0.0, cell, 1)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
     times = np.linspace(0.0, t_end, samples)
     tolerance, step = (1e-8, 0.4) if rough else (1e-12, 0.08)
     return run_events(
@@ -171,7 +172,7 @@ class Regions:
     stick_at_end: float
     seen: tuple[tuple[bool, bool], ...]
     """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
-    diagram: Continuation
+    diagram: CellDiagram
     cell: FrictionCell
 
     @property
@@ -183,10 +184,10 @@ class Regions:
 def regions() -> Regions:
     """Find both ends of bistability by shooting, and run from both starts at six velocities."""
     from theory.cells.friction import FrictionCell
-    from verification.cells.friction_continuation import continue_cycles
-    from verification.cells.friction_orbits import stick_slip_cycle
+    from verification.cells.diagram import cell_diagram
+    from verification.cells.friction import stick_slip_cycle
 
-    cell = FrictionCell(V_D)
+    cell = FrictionCell(v_d=V_D)
     end = _orbits().cycle_end_velocity
     seen = []
     for v_d in VELOCITIES:
@@ -204,7 +205,7 @@ def regions() -> Regions:
         amplitude_at_end=last.amplitude,
         stick_at_end=last.stick_time,
         seen=tuple(seen),
-        diagram=continue_cycles(cell, np.linspace(0.9, 2.0, 221).tolist()),
+        diagram=cell_diagram(cell, np.linspace(0.9, 2.0, 221).tolist()),
         cell=cell,
     )
 
@@ -252,12 +253,12 @@ class Subcritical:
 def subcritical() -> Subcritical:
     """Compare the unstable cycle near the Hopf velocity with its expansion, and with runs."""
     from theory.cells.friction import FrictionCell, friction_slope
-    from verification.cells.friction_orbits import unstable_cycle
+    from verification.cells.friction import unstable_cycle
 
-    hopf = FrictionCell(V_D).hopf_velocity
+    hopf = FrictionCell(v_d=V_D).hopf_velocity
     ratios, repels = [], []
     for distance in (1e-2, 1e-3, 1e-4):
-        cell = FrictionCell(hopf + distance)
+        cell = FrictionCell(v_d=hopf + distance)
         cycle = unstable_cycle(cell)
         if cycle is None:
             raise ArithmeticError(f"no unstable cycle {distance:g} above the Hopf velocity")
@@ -293,7 +294,7 @@ def friction_law() -> FrictionLaw:
     """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
     from theory.cells.friction import FrictionCell, friction_coefficient
 
-    cell = FrictionCell(V_D)
+    cell = FrictionCell(v_d=V_D)
 
     def printed(v: float) -> float:
         return cell.mu_st + (cell.mu_st - cell.mu_d) * math.exp(-abs(v) / cell.v0)
@@ -335,21 +336,25 @@ def stick() -> Stick:
     """Take the force that holds the cell over every stick interval of two runs, to its end."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
-    from verification.runs.friction import run_friction
+    from verification.runs.simulate import simulate
 
     cell = _orbits().cell
-    chain, start = FrictionChain(0.0, cell, 1), np.array([[2.0], [0.0]])
-    runs = (_scipy(cell, 2.0, 40.0), run_friction(chain, start, 40.0, samples=1001, events=1000))
+    chain, start = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
+    runs: tuple[EventRun, Trajectory] = (
+        _scipy(cell, 2.0, 40.0),
+        simulate(chain, start, 40.0, samples=1001, logged_events=1000),
+    )
     largest, sticks = [], []
-    for each in runs:
+    logs = [runs[0].log, runs[1].event_log]
+    for each, log in ((runs[0], logs[0]), (runs[1], logs[1])):
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
-        begin, end = (each.log[each.log[:, 2] == kind, 0] for kind in (0, 1))
+        begin, end = (log[log[:, 2] == kind, 0] for kind in (0, 1))
         sticks.append([float(b - a) for a, b in zip(begin, end, strict=False)])
-    stops = [run.log[run.log[:, 2] == 1, 0] for run in runs]
+    stops = [log[log[:, 2] == 1, 0] for log in logs]
     ends = (
         run_events(chain, start, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
-        run_friction(chain, start, 40.0, times=stops[1].tolist()),
+        simulate(chain, start, 40.0, times=stops[1].tolist()),
     )
     forces = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
     return Stick(
@@ -387,7 +392,7 @@ def switch_model() -> SwitchModel:
     stable = orbits.stable
     if stable is None:
         raise ArithmeticError("no cycle")
-    chain = FrictionChain(0.0, orbits.cell, 1)
+    chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
     rows = []
     for relative, absolute in ((1e-3, 1e-6), (1e-9, 1e-11)):
         for band in (1e-2, 1e-3, PAPER_BAND):
@@ -455,7 +460,7 @@ CLAIMS = (
         rule=rule_subcritical,
         text=__name__,
         methods=(
-            Method("the unstable cycle by shooting", "verification.cells.friction_orbits:"
+            Method("the unstable cycle by shooting", "verification.cells.friction:"
                    "unstable_cycle"),
             replace(EVENT_RUNS, covers="the two sides of the cycle at 0.01 above the Hopf "
                     "velocity"),

@@ -71,13 +71,13 @@ class Breather:
 @lru_cache(maxsize=1)
 def breather() -> Breather:
     """Run the chain of Fig. 3a; compare its first sticks with scipy on a short chain."""
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain = chain_of(0.004)
-    run = run_friction(chain, nucleus(chain, CORE), TIMES_A[-1], times=TIMES_A)
+    run = simulate(chain, excite(chain, CORE), TIMES_A[-1], times=TIMES_A)
     return Breather(
-        envelope=run.envelope,
+        envelope=run.amplitude,
         stuck=tuple(int(n) + 1 for n in np.flatnonzero(np.isfinite(run.arrivals))),
         gap=disagreement(chain_of(0.004, 7), (3, 4, 5), 60.0),
     )
@@ -133,17 +133,17 @@ class Front:
 
 def front() -> Front:
     """Count the sites that stick-slip at the three times, and compare amplitudes."""
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
     chain = chain_of(0.02)
-    run = run_friction(chain, nucleus(chain, [1]), TIMES_B[-1], times=TIMES_B)
+    run = simulate(chain, excite(chain, [1]), TIMES_B[-1], times=TIMES_B)
     arrived = [int(np.count_nonzero(run.arrivals <= time)) for time in TIMES_B]
     return Front(
-        envelope=run.envelope,
+        envelope=run.amplitude,
         arrived=tuple(arrived),
-        trailing=tuple(float(run.envelope[k, : arrived[k] - 1].min()) for k in range(3)),
-        ahead=tuple(float(run.envelope[k, arrived[k] + 5 :].max()) for k in range(3)),
+        trailing=tuple(float(run.amplitude[k, : arrived[k] - 1].min()) for k in range(3)),
+        ahead=tuple(float(run.amplitude[k, arrived[k] + 5 :].max()) for k in range(3)),
         arrival_error=run.arrival_error or np.inf,
         gap=disagreement(chain_of(0.02, 8), (1,), 180.0),
     )

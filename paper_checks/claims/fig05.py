@@ -139,7 +139,7 @@ def draw_map(e: StateMap) -> tuple[Picture, ...]:
     figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
     table = long_table(
         {
-            "states": e.states.columns,
+            "states": e.states.columns(),
             "boundary": {name: e.boundary[name] for name in ("c", "v_d", "along", "at")},
         }
     )

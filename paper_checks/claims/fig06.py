@@ -96,12 +96,12 @@ class Velocities:
 @lru_cache(maxsize=1)
 def velocities() -> Velocities:
     """Measure the front at every coupling; compare arrivals with scipy at three."""
-    from verification.fronts.friction import measure_friction_front
+    from verification.fronts.measure import measure_front
 
     rows = []
     for c in (*COUPLINGS, *LARGE):
         sites = LARGE_SITES if c in LARGE else SITES if c < LINEAR_FROM else FAST_SITES
-        front = measure_friction_front(chain_of(c, sites), most_sites=2 * sites, accuracy=0.02)
+        front = measure_front(chain_of(c, sites), max_sites=2 * sites, accuracy=0.02)
         if front.v is None or front.error is None:
             raise ArithmeticError(f"no velocity at c = {c:g}: {front.status}")
         rows.append((c, front.v, front.error, front.chain.largest_group_velocity))
@@ -172,19 +172,19 @@ class NoPropagation:
 @lru_cache(maxsize=1)
 def no_propagation() -> NoPropagation:
     """Bisect the threshold of one site at the edge, and run below it."""
-    from verification.runs.friction import run_friction
-    from verification.runs.friction_start import nucleus
-    from verification.thresholds.friction import Spreading, friction_threshold
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
+    from verification.thresholds.spreading import Spreading, spreading_threshold
 
     single, wide = (
-        friction_threshold(
+        spreading_threshold(
             chain_of(0.0), Spreading(size), lowest=0.005, accuracy=2e-5, tests=0
         ).c
         for size in (1, WIDE)
     )  # fmt: skip
     arrived = []
     for c in BELOW:
-        run = run_friction(chain_of(c), nucleus(chain_of(c), [1]), 4000.0, samples=3)
+        run = simulate(chain_of(c), excite(chain_of(c), [1]), 4000.0, samples=3)
         arrived.append(int(np.count_nonzero(np.isfinite(run.arrivals))))
     return NoPropagation(
         threshold=single,
@@ -235,7 +235,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("bisection and runs from event to event to τ = 4000",
-                   "verification.thresholds.friction:friction_threshold"),
+                   "verification.thresholds.spreading:spreading_threshold"),
             Method("DOP853 with located events on 5 sites", EVENTS,
                    "the arrivals 2 % on either side of the threshold"),
         ),

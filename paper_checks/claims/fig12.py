@@ -55,11 +55,11 @@ class Steady:
 def steady() -> Steady:
     """Run the chain from one displaced site, and time the front at every site."""
     from theory.chains.vdp import VdpChain
-    from verification.runs.vdp import run_vdp
-    from verification.runs.vdp_start import displaced
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
 
-    chain = VdpChain(A, B, C, eps=EPS, sites=SITES)
-    run = run_vdp(chain, displaced(chain, [1]), TIMES[-1] + BEYOND, samples=206, tolerance=1e-8)
+    chain = VdpChain(a=A, b=B, c=C, eps=EPS, sites=SITES)
+    run = simulate(chain, excite(chain, [1]), TIMES[-1] + BEYOND, samples=206, tolerance=1e-8)
     reached = np.flatnonzero(~np.isnan(run.arrivals))
     arrivals = run.arrivals[reached]
     late = np.diff(arrivals[reached.size // 2 :])

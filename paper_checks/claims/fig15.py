@@ -120,7 +120,7 @@ def draw(e: StateMap) -> tuple[Picture, ...]:
     figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
     table = long_table(
         {
-            "states of (8)": e.states.columns,
+            "states of (8)": e.states.columns(),
             "boundary by (43)": {n: e.boundary[n] for n in ("eta", "c", "along", "at")},
         }
     )

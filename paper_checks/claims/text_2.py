@@ -164,10 +164,10 @@ def substitution() -> Substitution:
     """Look for the forcing of (15) in (10) and in (11), as printed."""
     import sympy as sp
 
-    from derivations.printed import printed
+    from derivations.judgement import printed
     from derivations.symbols import omega, t, t_hat
 
-    sides = {number: printed(number).equation.args[0] for number in (10, 11, 15)}
+    sides = {number: printed(number).expression.args[0] for number in (10, 11, 15)}
     waves = {number: list(side.atoms(sp.sin)) for number, side in sides.items()}
     same = bool(
         waves[11] and waves[15]
@@ -258,9 +258,9 @@ class Unknowns:
 
 def unknowns() -> Unknowns:
     """Count the free symbols of (26) beside its parameters."""
-    from derivations.printed import printed
+    from derivations.judgement import printed
 
-    free = {str(symbol) for symbol in printed(26).equation.free_symbols} - {"a", "b", "c"}
+    free = {str(symbol) for symbol in printed(26).expression.free_symbols} - {"a", "b", "c"}
     return Unknowns(names=tuple(sorted(free)))
 
 
@@ -461,7 +461,7 @@ CLAIMS = (
         rule=rule_substitution,
         text=__name__,
         methods=(Method("the printed equations compared in computer algebra",
-                        "derivations.printed:printed"),),
+                        "derivations.judgement:printed"),),
         weight=0,
     ),
     Claim(
@@ -489,7 +489,7 @@ CLAIMS = (
         evidence=unknowns,
         rule=rule_unknowns,
         text=__name__,
-        methods=(Method("free symbols of the printed equation", "derivations.printed:printed"),),
+        methods=(Method("free symbols of the printed equation", "derivations.judgement:printed"),),
         weight=0,
     ),
     Claim(

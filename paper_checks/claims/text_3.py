@@ -135,10 +135,10 @@ def velocities() -> Velocities:
     """Run (43) and (44), and solve (54)."""
     from theory.chains.vdp import VdpChain
     from theory.piecewise.kinetic_relation import kinetic_relation
-    from verification.fronts.vdp import measure_front
+    from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
 
-    front = measure_front(VdpChain(A, B, 0.6))
+    front = measure_front(VdpChain(a=A, b=B, c=0.6).averaged())
     return Velocities(
         averaged=front.v or 0.0,
         averaged_error=front.error or 0.0,

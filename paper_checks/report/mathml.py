@@ -284,6 +284,8 @@ class _Reader:
             return "<mo>∑</mo>"
         if name in OPERATORS:
             return f"<mo>{OPERATORS[name]}</mo>"
+        if name == "big":  # a taller delimiter follows, which the renderer stretches by itself
+            return ""
         if name in SPACES:
             return f'<mspace width="{SPACES[name]}"></mspace>'
         if name in ACCENTS:

@@ -1,4 +1,4 @@
-"""The tables about the methods: their first calls, the scenes, and which is the default."""
+"""The tables about the methods: their first calls, the test problems, and which is the default."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from paper_checks.report.section import Json, Section, Stamp, stamp_of, warned
-from verification.quantities.scenes import FAMILIES, REFERENCES
+from verification.quantities.registry import all_quantities
 
 
 def first_calls(records: Mapping[str, Json]) -> Section | None:
@@ -44,7 +44,7 @@ _WHEN = ("cold", "loaded", "again")
 
 
 def scenes(records: Mapping[str, Json]) -> Section | None:
-    """Return the shared table of scenes with their references; None if nothing was measured."""
+    """Return the table of test problems with their references; None if nothing was measured."""
     apart = {
         (name, scene): distance
         for name, record in records.items()
@@ -54,24 +54,24 @@ def scenes(records: Mapping[str, Json]) -> Section | None:
         return None
     rows = [
         (
-            quantity,
-            scene.name,
-            ", ".join(scene.tags),
-            ", ".join(f"{name} = {value:.6g}" for name, value in scene.values.items()),
-            reference.method,
-            f"{reference.accuracy:.0e}",
-            f"{apart[quantity, scene.name]:.0e}" if (quantity, scene.name) in apart else "-",
+            quantity.name,
+            problem.name,
+            ", ".join(problem.tags),
+            ", ".join(f"{name} = {value:.6g}" for name, value in problem.values.items()),
+            quantity.reference,
+            f"{quantity.accuracy:.0e}",
+            f"{apart[key]:.0e}" if (key := (quantity.name, problem.name)) in apart else "-",
         )
-        for quantity, reference in REFERENCES.items()
-        for scene in FAMILIES[reference.family]
+        for quantity in all_quantities()
+        for problem in quantity.test_problems
     ]
     return Section(
         "scenes",
-        "The scenes",
+        "The test problems",
         "Where the quantities are computed by tests, benchmarks and the stability table, and how "
         "the true value is known there: the independent method, to what accuracy, and how far the "
         "two references were apart where error and run time were measured.",
-        ("Quantity", "Scene", "Tags", "Parameters", "Reference", "To within", "Measured apart"),
+        ("Quantity", "Problem", "Tags", "Parameters", "Reference", "To within", "Measured apart"),
         tuple(rows),
         tuple(stamp_of(record) for record in records.values() if "agreement" in record),
     )

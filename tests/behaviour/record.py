@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterator
 
 from tests.behaviour.replay import DATA, Json, recorded, replay
-from verification.quantities.scenes import FAMILIES, damping
+from verification.quantities.problems import PROBLEMS
 
 CASES = """
 kinetic-ordinary | kinetic --c 0.5 --eta 0.03125 | the README's
@@ -145,35 +145,35 @@ def written() -> Iterator[tuple[str, str, str]]:
         yield name, command, why
 
 
-def from_scenes() -> Iterator[tuple[str, str]]:
-    """Yield name and command of the quantities at the shared scenes."""
-    for scene in FAMILIES["sum"]:
-        yield f"sum-at-{scene.name}", f"sum --v {scene.v} --c {scene.c}"
-        yield f"roots-at-{scene.name}", f"roots --v {scene.v} --c {scene.c} --count 3"
-    for scene in FAMILIES["relation"]:
-        yield f"kinetic-at-{scene.name}", f"kinetic --c {scene.c} --eta {scene.values['eta']}"
+def from_problems() -> Iterator[tuple[str, str]]:
+    """Yield name and command of the quantities at the shared test problems."""
+    for problem in PROBLEMS["sum"]:
+        yield f"sum-at-{problem.name}", f"sum --v {problem.v} --c {problem.c}"
+        yield f"roots-at-{problem.name}", f"roots --v {problem.v} --c {problem.c} --count 3"
+    for problem in PROBLEMS["relation"]:
+        yield f"kinetic-at-{problem.name}", f"kinetic --c {problem.c} --eta {problem['eta']}"
     for family in ("breather", "multipliers"):
-        for scene in FAMILIES[family]:
-            a, b, c, eps = damping(scene.values)
-            size = f"--n {int(scene.values['sites'])} --eps {eps}"
-            yield f"breather-{family}-at-{scene.name}", f"breather --a {a} --b {b} --c {c} {size}"
-    for scene in FAMILIES["chain"]:
-        a, b, c, eps = damping(scene.values)
-        run = f"--n 31 --excite 1:3 --eps {eps} --t-end {scene.values['t']}"
-        yield f"simulate-chain-at-{scene.name}", f"simulate vdp --a {a} --b {b} --c {c} {run}"
-    for scene in FAMILIES["friction"]:
-        # A little earlier: at the scene's time itself a site is at its turn, and whether its
+        for problem in PROBLEMS[family]:
+            a, b, eps = problem.cell.values()
+            rest = f"--b {b} --c {problem.c} --n {problem.sites} --eps {eps}"
+            yield f"breather-{family}-at-{problem.name}", f"breather --a {a} {rest}"
+    for problem in PROBLEMS["chain"]:
+        a, b, eps = problem.cell.values()
+        run = f"--c {problem.c} --n 31 --excite 1:3 --eps {eps} --t-end {problem['t']}"
+        yield f"simulate-chain-at-{problem.name}", f"simulate vdp --a {a} --b {b} {run}"
+    for problem in PROBLEMS["friction"]:
+        # A little earlier: at the problem's time itself a site is at its turn, and whether its
         # envelope has taken that turn up depends on where the last step began.
-        run = f"--n 31 --excite 1 --t-end {scene.values['t'] - 5}"
-        yield f"simulate-friction-at-{scene.name}", f"simulate friction --c {scene.c} {run}"
-    for scene in FAMILIES["front"]:
-        a, b, c, eps = damping(scene.values)
+        run = f"--n 31 --excite 1 --t-end {problem['t'] - 5}"
+        yield f"simulate-friction-at-{problem.name}", f"simulate friction --c {problem.c} {run}"
+    for problem in PROBLEMS["front"]:
+        a, b, eps = problem.cell.values()
         model = f"vdp --eps {eps}" if eps else "envelope"
-        yield f"front-at-{scene.name}", f"front {model} --a {a} --b {b} --c {c}"
-    for scene in FAMILIES["map"]:
-        low, high, eta = (scene.values[name] for name in ("low", "high", "eta"))
+        yield f"front-at-{problem.name}", f"front {model} --a {a} --b {b} --c {problem.c}"
+    for problem in PROBLEMS["map"]:
+        low, high, eta = (problem[name] for name in ("low", "high", "eta"))
         plane = f"--eta {eta} --c {low}:{high}:5 --model envelope --n 16"
-        yield f"map-at-{scene.name}", f"map vdp {plane}"
+        yield f"map-at-{problem.name}", f"map vdp {plane}"
 
 
 def _write(cases: dict[str, Json]) -> None:
@@ -191,7 +191,7 @@ def _write(cases: dict[str, Json]) -> None:
 
 def main(names: list[str]) -> None:
     """Record the sets of these names, or all."""
-    sets = [*written(), *((name, command, "a shared scene") for name, command in from_scenes())]
+    sets = [*written(), *((name, command, "a shared scene") for name, command in from_problems())]
     if unknown := set(names) - {name for name, _, _ in sets}:
         sys.exit(f"no such argument set: {', '.join(sorted(unknown))}.")
     before = recorded() if names else {}

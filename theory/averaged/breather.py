@@ -64,7 +64,7 @@ class BreatherStatus(Status):
     ESCAPED = (
         "escaped",
         "a site that was at rest passed the unstable cycle; whether there is an unstable breather "
-        "the run does not tell, but the orbit does.",
+        "the run does not show; solve for the orbit.",
     )
 
 
@@ -278,7 +278,7 @@ def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, fl
 
         m - c z = 2 (m (1 + m) - c²)/(2m + 1 + √(1 + 4c²)),
 
-    whose numerator is taken in rational numbers: nothing is lost as c comes to the fold.
+    whose numerator is taken in rational numbers: nothing cancels as c comes to the fold.
     """
     a, b, c = Fraction(chain.a), Fraction(chain.b), Fraction(chain.c)
     m = (a * a - 8 * b) / (16 * b)

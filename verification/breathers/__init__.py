@@ -1,8 +1,8 @@
-"""Breathers of Model II (Figs. 7-11): found, followed, and held against the chain.
+"""Breathers of Model II (Figs. 7-11): ``breather`` finds one by each of four methods.
 
-``nucleus`` says which sites and phases. ``envelope`` solves (43), ``orbits`` (8), with ``newton``
-and ``continuation``; ``run`` integrates; ``orbit_distance`` compares; ``periodic_motion`` measures
-one period. Stability: ``exponents`` and ``floquet``. Escape of prepared nuclei:
-``nucleation``, ``slow_sweep`` and ``escape_range``. ``outcome`` follows a
-nucleus that is lost: what size it grows to, and whether it stands, creeps on or becomes a front.
+Its answer is in ``result``. ``envelope`` solves (43), ``orbits`` (8), both with ``newton`` and
+``continuation``; ``run`` integrates (8), ``averaged_run`` (43); ``periodic_motion`` measures one
+period. Stability: ``exponents`` and ``floquet``. Their thresholds are in
+``verification/thresholds``. ``outcome`` follows a nucleus of which no breather holds: what size it
+grows to, and whether it stands, creeps on or becomes a front.
 """

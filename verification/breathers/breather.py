@@ -22,7 +22,7 @@ from theory.parameters import ParameterError
 from verification.breathers.averaged_run import run_averaged_breather
 from verification.breathers.continuation import Fold
 from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.floquet import approximate_multipliers
+from verification.breathers.floquet import Multipliers, approximate_multipliers
 from verification.breathers.newton import NotConvergedError
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
@@ -195,7 +195,10 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
             chain, nucleus, BreatherMethod.CLOSED_FORM, found.seconds, (fold.c, fold.error)
         )
     odd = replace(full, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
-    multipliers = approximate_multipliers(odd, found)
+    try:
+        multipliers: Multipliers | None = approximate_multipliers(odd, found)
+    except ParameterError:
+        multipliers = None  # too stiff: the stability is then not decided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
     amplitudes = found.amplitudes(chain.sites)[distance]
     trust = _distance(chain, nucleus, amplitudes, found.frequency, found.error * found.alpha_0)
@@ -207,10 +210,10 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         amplitudes=amplitudes,
         waves=np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex),
         frequency=found.frequency,
-        stable=multipliers.stable,
-        growth=multipliers.growth,
-        trivial=multipliers.trivial,
-        multipliers=multipliers.values,
+        stable=multipliers.stable if multipliers else None,
+        growth=multipliers.growth if multipliers else None,
+        trivial=multipliers.trivial if multipliers else None,
+        multipliers=multipliers.values if multipliers else None,
         error=trust.amplitude,
         frequency_error=trust.frequency,
         error_unknown=trust.unknown,

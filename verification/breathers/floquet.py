@@ -149,7 +149,8 @@ def approximate_multipliers(
     Raises
     ------
     ParameterError
-        If the number of sites is even, or there is no breather at this coupling.
+        If the number of sites is even, there is no breather at this coupling, or ε is so large
+        that variations along the sinusoids overflow within a period.
     """
     if chain.sites % 2 == 0:
         raise ParameterError("number of sites n", chain.sites, "odd here", "add a site")
@@ -166,5 +167,10 @@ def approximate_multipliers(
         ).monodromy
         for count in (steps, 2 * steps)
     ]
+    if not all(np.isfinite(matrix).all() for matrix in matrices):
+        raise ParameterError(
+            "small parameter eps", chain.eps, "small enough to follow variations for a period",
+            "take a smaller one, or a larger eta",
+        )  # fmt: skip
     error = float(np.abs(matrices[1] - matrices[0]).max())
     return floquet_multipliers(matrices[1], 2.0 * math.pi / breather.frequency, chain.eps, 1, error)

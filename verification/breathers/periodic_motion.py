@@ -1,4 +1,4 @@
-"""What the samples of one period tell: first harmonics and largest displacements of the sites."""
+"""What the samples of one period show: first harmonics and largest displacements of the sites."""
 
 from __future__ import annotations
 

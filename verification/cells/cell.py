@@ -32,7 +32,7 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
     Raises
     ------
     ParameterError
-        If a parameter is out of the range where the cycles can be told from round-off, or the cell
+        If a parameter is out of the range where the cycles stand out of round-off, or the cell
         slips both ways for ever, or it is too stiff.
 
     References

@@ -30,7 +30,7 @@ from verification.runs.comparison import COARSER
 FloatArray = npt.NDArray[np.float64]
 
 _SLOWEST_BELT, _FASTEST_BELT = 1e-9, 1e9
-"""Beyond these a cycle and the round-off of y can no longer be told apart."""
+"""Beyond these a cycle and the round-off of y can no longer be distinguished."""
 
 
 def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:

@@ -36,7 +36,7 @@ class Cycle(Result):
         Largest ẏ; v_d where the cycle sticks and never slips forwards. None where not measured.
     multiplier : float or None
         Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
-        None where differences cannot tell it.
+        None where differences do not resolve it.
     averaged : float or None
         Amplitude as ε → 0 in closed form, for (8).
     error : float
@@ -97,7 +97,8 @@ class Cell(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON: the same keys for every model."""
-        found = {"hopf_velocity": None, "cycle_end_velocity": None, **super().to_dict()}
+        names = ("hopf_velocity", "cycle_end_velocity", "cycle_end_error")
+        found = {**dict.fromkeys(names), **super().to_dict()}
         if {"a", "b"} <= {*self.parameters}:
             found["eta"] = self.parameters["b"] / self.parameters["a"] ** 2
         return found

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from theory.parameters import ParameterError, RunError, within
-from verification.execution.digest import digest_of_arrays, digest_of_code
+from verification.execution.digest import code_of_objects, digest_of_arrays
 from verification.execution.files import file_error, sole_writer, writing
 from verification.execution.interruption import Deferred, deferred_interrupts
 from verification.execution.metadata import differences, installed_versions
@@ -208,15 +208,12 @@ def _arrays(integrations: Iterable[Resumable]) -> dict[str, npt.NDArray[Any]]:
 
 
 def _metadata(integrations: Sequence[Resumable]) -> dict[str, Any]:
-    modules = {type(each).__module__ for each in integrations}
+    # A chain of the user's brings its equation from elsewhere.
+    owners = [*integrations, *(each.chain for each in integrations if hasattr(each, "chain"))]
     return {
         "integrations": {str(i): dict(each.metadata) for i, each in enumerate(integrations)},
-        "code": digest_of_code(modules, {"theory", "verification", *map(_package, modules)}),
+        "code": code_of_objects(owners)[1],
     }
-
-
-def _package(module: str) -> str:
-    return module.partition(".")[0]
 
 
 def save_checkpoint(

@@ -17,9 +17,11 @@ import importlib.util
 import io
 import json
 import os
+import sys
 import tokenize
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -100,6 +102,47 @@ def digest_of_code(
     for name, path in sorted(files.items()):
         total.update(f"{name}\0{essence(path)}\0".encode())
     return total.hexdigest()
+
+
+def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
+    """Return the modules of functions, classes and instances, and a digest of their code.
+
+    Code of no module that can be imported (a script, or what is typed into a session) counts by
+    itself; what it calls there does not.
+
+    Examples
+    --------
+    >>> code_of_objects([source_of])[0]
+    ('verification.execution.digest',)
+    """
+    modules: set[str] = set()
+    loose: list[Any] = []
+    for each in objects:
+        owner: Any = each if hasattr(each, "__qualname__") else type(each)
+        name = owner.__module__
+        if source_of(name) is None:
+            loose.append([name, _loose(owner, name)])
+        else:
+            modules.add(name)
+    packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
+    return tuple(sorted(modules)), digest_of([digest_of_code(modules, packages), loose])
+
+
+def _loose(owner: object, name: str) -> Any:
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is not None and Path(file).is_file():
+        return essence(Path(file))
+    code = getattr(owner, "__code__", None)
+    if code is not None:
+        return _bytecode(code)
+    methods = vars(owner).items() if isinstance(owner, type) else ()
+    return [[key, _bytecode(m.__code__)] for key, m in methods if hasattr(m, "__code__")]
+
+
+def _bytecode(code: CodeType) -> list[Any]:
+    """Return what a function does, without its place."""
+    constants = [_bytecode(c) if isinstance(c, CodeType) else repr(c) for c in code.co_consts]
+    return [code.co_code.hex(), constants, list(code.co_names)]
 
 
 def digest_of_packages(packages: Iterable[str]) -> str:

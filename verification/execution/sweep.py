@@ -13,7 +13,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -21,20 +20,12 @@ from contextlib import closing, nullcontext
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from types import CodeType
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from theory.parameters import ParameterError
-from verification.execution.digest import (
-    SOURCES,
-    digest_of,
-    digest_of_arrays,
-    digest_of_code,
-    essence,
-    source_of,
-)
+from verification.execution.digest import code_of_objects, digest_of, digest_of_arrays
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import Code, Metadata
 from verification.execution.pool import answers
@@ -255,10 +246,8 @@ def _metadata(function: Task, points: Sequence[Point], command: str, needed: boo
     try:
         held = parameters_of(function)
         parameters = held if isinstance(held, dict) else {}
-        modules, loose = _code_of(function)
-        packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
-        digest = digest_of([digest_of_code(modules, packages), loose])
-        code = Code(modules=tuple(sorted(modules)), digest=digest)
+        modules, digest = code_of_objects(_owners(function))
+        code = Code(modules=modules, digest=digest)
     except ParameterError:
         if needed:
             raise
@@ -341,28 +330,6 @@ def _captured(task: object) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _code_of(task: object) -> tuple[set[str], list[Any]]:
-    """Return the modules of a function and of what it holds, and the code that is in no file."""
-    modules: set[str] = set()
-    loose: list[Any] = []
-    for owner in _owners(task):
-        name = getattr(owner, "__module__", None) or type(owner).__module__
-        if source_of(name) is None:
-            loose.append([name, _loose(owner, name)])
-        else:
-            modules.add(name)
-    return modules, loose
-
-
-def _loose(owner: object, name: str) -> Any:
-    """Return the code of what no other process could import: of a script, or of a session."""
-    file = getattr(sys.modules.get(name), "__file__", None)
-    if file is not None and Path(file).is_file():
-        return essence(Path(file))
-    code = getattr(owner, "__code__", None)
-    return None if code is None else _bytecode(code)
-
-
 def _owners(task: object) -> Iterator[Any]:
     """Yield whatever has code: functions, and classes of objects."""
     if isinstance(task, functools.partial):
@@ -381,12 +348,6 @@ def _owners(task: object) -> Iterator[Any]:
         yield task
         for value in _captured(task).values():
             yield from _owners(value)
-
-
-def _bytecode(code: CodeType) -> list[Any]:
-    """Return what a function does, without its place; for functions typed into a session."""
-    constants = [_bytecode(c) if isinstance(c, CodeType) else repr(c) for c in code.co_consts]
-    return [code.co_code.hex(), constants, list(code.co_names)]
 
 
 def _failed(failures: Sequence[tuple[Point, Exception]]) -> SweepError:

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from theory.result import Result
 from verification.execution.digest import digest_of
 from verification.execution.files import write_text
 from verification.execution.metadata import Metadata
@@ -94,13 +95,13 @@ def grid(**axes: Iterable[Scalar]) -> tuple[Point, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class Table(Result):
     """Results of a sweep, one row a point, in the order of the points.
 
     Attributes
     ----------
-    columns : mapping of str to ndarray
-        The coordinates, then the results; all of one length, read-only.
+    arrays : mapping of str to ndarray
+        The columns by name: the coordinates, then the results; all of one length, read-only.
     metadata : Metadata or None
         Where the table comes from; None if it was put together by hand.
     seconds : float
@@ -115,26 +116,30 @@ class Table:
     (array([1. , 2.5]), {'breather': 1, 'front': 1})
     """
 
-    columns: Mapping[str, npt.NDArray[Any]]
+    arrays: Mapping[str, npt.NDArray[Any]]
     metadata: Metadata | None = None
     seconds: float = 0.0
     resumed: int = 0
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
-        return self.columns[name]
+        return self.arrays[name]
 
     def __len__(self) -> int:
-        return min((len(column) for column in self.columns.values()), default=0)
+        return min((len(column) for column in self.arrays.values()), default=0)
+
+    def columns(self) -> dict[str, npt.NDArray[Any]]:
+        """Return the columns, by name."""
+        return dict(self.arrays)
 
     def rows(self) -> Iterator[dict[str, Scalar]]:
         """Yield each row by name, as Python scalars."""
-        lists = [column.tolist() for column in self.columns.values()]
+        lists = [column.tolist() for column in self.arrays.values()]
         for cells in zip(*lists, strict=True):
-            yield dict(zip(self.columns, cells, strict=True))
+            yield dict(zip(self.arrays, cells, strict=True))
 
     def counts(self, name: str) -> dict[str, int]:
         """Return how often each word of a column occurs."""
-        words, numbers = np.unique(self.columns[name], return_counts=True)
+        words, numbers = np.unique(self.arrays[name], return_counts=True)
         return dict(zip(words.tolist(), numbers.tolist(), strict=True))
 
     def as_csv(self) -> str:
@@ -145,7 +150,7 @@ class Table:
         >>> table_of([{"c": 0.1, "label": "fixed point"}]).as_csv()
         'c,label\n0.1,fixed point\n'
         """
-        lines = [",".join(self.columns)]
+        lines = [",".join(self.arrays)]
         lines += [",".join(str(cell) for cell in row.values()) for row in self.rows()]
         return "\n".join(lines) + "\n"
 
@@ -159,7 +164,7 @@ class Table:
         """
         text = self.as_csv()
         about = {
-            "columns": {name: column.dtype.kind for name, column in self.columns.items()},
+            "columns": {name: column.dtype.kind for name, column in self.arrays.items()},
             "digest": digest_of(text),
             "seconds": self.seconds,
             "resumed": self.resumed,
@@ -227,7 +232,7 @@ def table_of(
         column = _column(name, [row[name] for row in rows])
         column.flags.writeable = False
         columns[name] = column
-    return Table(columns=columns, metadata=metadata, seconds=seconds, resumed=resumed)
+    return Table(arrays=columns, metadata=metadata, seconds=seconds, resumed=resumed)
 
 
 def _column(name: str, cells: list[Scalar]) -> npt.NDArray[Any]:

@@ -24,7 +24,10 @@ MARGIN = 8
 the front up."""
 
 BUDGET = 5000
-"""Sites times steps between two checks."""
+"""Sites times steps between the first two checks; it doubles while that is short."""
+
+CHECKS = 40
+"""Checks in a stall time that are enough."""
 
 _MAX_TOLERANCE = 1e-2
 
@@ -56,8 +59,12 @@ class Watch:
         sites = run.state.shape[1]
         furthest, when = 0, 0.0
         early: FloatArray | None = None
+        budget, before = BUDGET, 0.0
         while True:
-            run.advance(BUDGET)
+            run.advance(budget)
+            if run.time - before < self.stall_time / CHECKS:
+                budget *= 2
+            before = run.time
             reached = int(np.flatnonzero(~np.isnan(run.arrivals)).max(initial=0))
             if reached >= sites - MARGIN - 1:
                 return None

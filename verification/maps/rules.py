@@ -86,5 +86,5 @@ def rules_of(chain: Chain) -> StateRules:
         if kind in RULES:
             return RULES[kind]
     raise ParameterError(
-        "model", chain.model, "one whose states can be told apart", "take a chain of finite length"
+        "model", chain.model, "one whose states have rules", "take a chain of finite length"
     )

@@ -291,7 +291,7 @@ class StateMap(Result):
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return the table of states by column."""
-        return dict(self.states.columns)
+        return self.states.columns()
 
 
 def state_map(

@@ -1,4 +1,5 @@
 """The registry: what can be computed, by what, over which ranges, against what.
 
-A module of this package that exposes ``QUANTITIES`` adds its quantities to the stability table.
+A module of this package that exposes ``QUANTITIES`` adds quantities; ``quantity`` has the contract
+and says how to write one.
 """

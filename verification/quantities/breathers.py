@@ -16,14 +16,26 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather, staggered_branch
 from verification.breathers.orbits import solve_orbit
-from verification.quantities.quantity import Axis, Check, Claim, NoReferenceError, Quantity
+from verification.quantities.quantity import (
+    Axis,
+    Computation,
+    NoReferenceError,
+    Quantity,
+    ReferenceCheck,
+    StatedValue,
+)
+from verification.references.equations import averaged_damping, pull, variational_rate
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.result import ThresholdMethod
 
-ETA = Axis("eta", 1e-12, ETA_END, near=(ETA_END,))
-A, C, EPSILON = Axis("a", 1e-6, 1e6), Axis("c", 1e-8, 1e6), Axis("eps", 1e-6, 1.0)
-WEAK = Axis("c", 1e-8, 1e2)
-READING = Axis("reading", 1, 2, whole=True)
+ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END,))
+A, C, EPSILON = (
+    Axis(name="a", low=1e-6, high=1e6),
+    Axis(name="c", low=1e-8, high=1e6),
+    Axis(name="eps", low=1e-6, high=1.0),
+)
+WEAK = Axis(name="c", low=1e-8, high=1e2)
+READING = Axis(name="reading", low=1, high=2, whole=True)
 _SITES = 9
 
 
@@ -37,9 +49,9 @@ def _reading(at: Mapping[str, float]) -> Reading:
     return Reading.NEIGHBOUR if at["reading"] < 2 else Reading.TAIL
 
 
-def _fold(at: Mapping[str, float]) -> Claim:
+def _fold(at: Mapping[str, float]) -> StatedValue:
     found = closed_form_fold(_chain({**at, "c": 1.0}), _reading(at))
-    return Claim(found.c, found.error, extra=found)
+    return StatedValue(value=found.c, error=found.error, extra=found)
 
 
 def _gain(S: Any, a: Any, b: Any) -> Any:
@@ -76,22 +88,28 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float] | None:
     return (float(S[falls[0]]), float(w[falls[0]])) if falls.size else None
 
 
-def _check_fold(at: Mapping[str, float], claim: Claim) -> Check:
+def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Solve (29), (37) and their tangency by Newton in 60 digits from a plain scan."""
     a, b = _coefficients(at)
     with mp.workdps(60):
         if _reading(at) is Reading.TAIL:
             m = (a * a - 8 * b) / (16 * b)
-            return Check(float(abs(mp.sqrt(m * (1 + m)) - claim.value)), 0.0, "closed form")
+            return ReferenceCheck(
+                distance=float(abs(mp.sqrt(m * (1 + m)) - stated.value)), method="closed form"
+            )
         start = _scan(at)
-        if start is None or claim.value is None:
-            return Check(math.inf if start is not claim.value else 0.0, 0.0, "whether it exists")
+        if start is None or stated.value is None:
+            return ReferenceCheck(
+                distance=math.inf if start is not stated.value else 0.0, method="whether it exists"
+            )
         S, w = mp.mpf(start[0]) / a, mp.mpf(start[1])
         try:
             S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-40)
         except (ValueError, ZeroDivisionError):
             raise NoReferenceError("Newton in 60 digits does not converge.") from None
-        return Check(float(abs(_gain(S, a, b) / mp.sqrt(w) - claim.value)), 0.0, "Newton")
+        return ReferenceCheck(
+            distance=float(abs(_gain(S, a, b) / mp.sqrt(w) - stated.value)), method="Newton"
+        )
 
 
 def _on_branch(S: Any, w: Any, a: Any, b: Any) -> Any:
@@ -111,30 +129,34 @@ def _tangency(S: Any, w: Any, a: Any, b: Any) -> tuple[Any, Any]:
     return _on_branch(S, w, a, b) / w, (P_S * (-G / (2 * w)) - P_w * G_S) * S
 
 
-def _breather(at: Mapping[str, float]) -> Claim:
+def _breather(at: Mapping[str, float]) -> StatedValue:
     found = solve_breather(_chain(at), _reading(at))
     if found.status is BreatherStatus.NONE:
-        return Claim(None, 0.0, extra=found)
+        return StatedValue(value=None, error=0.0, extra=found)
     assert found.alpha_0 is not None
     assert found.decay is not None
-    return Claim(np.array([found.alpha_0, found.decay]), found.error, extra=found)
+    return StatedValue(value=np.array([found.alpha_0, found.decay]), error=found.error, extra=found)
 
 
-def _check_breather(at: Mapping[str, float], claim: Claim) -> Check:
+def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Solve (29) and (37) for S and w by Newton in 60 digits; relative distances.
 
-    Newton is started from the claim: that the branch is the one before the fold is checked by c
+    Newton is started from the stated: that the branch is the one before the fold is checked by c
     below c_fold and S above that of the fold.
     """
-    fold = _check_fold(at, Claim(claim.extra.fold.c, claim.extra.fold.error))
-    top = claim.extra.fold.c
-    if claim.value is None:
-        held = top is None or at["c"] > top - claim.extra.fold.error
-        return Check(fold.distance if held else math.inf, claim.extra.fold.error, fold.by)
+    fold = _check_fold(at, StatedValue(value=stated.extra.fold.c, error=stated.extra.fold.error))
+    top = stated.extra.fold.c
+    if stated.value is None:
+        held = top is None or at["c"] > top - stated.extra.fold.error
+        return ReferenceCheck(
+            distance=fold.distance if held else math.inf,
+            uncertainty=stated.extra.fold.error,
+            method=fold.method,
+        )
     a, b = _coefficients(at)
     with mp.workdps(60):
         c = mp.mpf(at["c"])
-        S, w = mp.mpf(claim.value[0]) ** 2, mp.mpf(claim.value[1]) ** 2
+        S, w = mp.mpf(stated.value[0]) ** 2, mp.mpf(stated.value[1]) ** 2
         tail = _reading(at) is Reading.TAIL
 
         def both(x: Any, y: Any) -> tuple[Any, Any]:
@@ -146,29 +168,31 @@ def _check_breather(at: Mapping[str, float], claim: Claim) -> Check:
             x, y = mp.findroot(both, (mp.mpf(1), mp.mpf(1)), tol=1e-40)
         except (ValueError, ZeroDivisionError):
             if top is not None and at["c"] > top * (1.0 - 1e-12):
-                return Check(0.0, 0.0, "at the fold to within rounding")
+                return ReferenceCheck(distance=0.0, method="at the fold to within rounding")
             raise NoReferenceError("Newton in 60 digits does not converge.") from None
         off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1))
-        return Check(float(off), 0.0, "Newton in 60 digits")
+        return ReferenceCheck(distance=float(off), method="Newton in 60 digits")
 
 
-def _envelope(at: Mapping[str, float]) -> Claim:
+def _envelope(at: Mapping[str, float]) -> StatedValue:
     found = solve_envelope_breather(_chain(at, _SITES), Nucleus(1))
     if found.status is BreatherStatus.NONE:
-        return Claim(None, 0.0, extra=found)
-    return Claim(np.append(found.phi, found.omega), found.error, extra=found)
+        return StatedValue(value=None, error=0.0, extra=found)
+    return StatedValue(value=np.append(found.phi, found.omega), error=found.error, extra=found)
 
 
-def _check_envelope(at: Mapping[str, float], claim: Claim) -> Check:
-    """Newton in 30 digits on (34) in the rotating frame, written anew for real and imaginary."""
-    if claim.value is None:
+def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Newton in 30 digits on (34) in the rotating frame, its real and imaginary parts."""
+    if stated.value is None:
         fold = staggered_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
         if fold is None:
-            raise NoReferenceError("the staggered reduction has no fold.")
+            raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
-        return Check(0.0 if at["c"] > 0.98 * fold.c else math.inf, 0.0, "staggered reduction")
-    phi = np.asarray(claim.value[:-1])
-    start = [*phi.real, *phi.imag, complex(claim.value[-1]).real]
+        return ReferenceCheck(
+            distance=0.0 if at["c"] > 0.98 * fold.c else math.inf, method="quarter-turn reduction"
+        )
+    phi = np.asarray(stated.value[:-1])
+    start = [*phi.real, *phi.imag, complex(stated.value[-1]).real]
     centre = int(np.argmax(np.abs(phi)))
     with mp.workdps(30):
         x = mp.matrix([mp.mpf(float(value)) for value in start])
@@ -178,7 +202,7 @@ def _check_envelope(at: Mapping[str, float], claim: Claim) -> Check:
         left = max(abs(value) for value in _envelope_defect(x, at, centre))
         if left > 1e-18:
             raise NoReferenceError("Newton in 30 digits does not converge.")
-    return Check(float(off), 0.0, "Newton in 30 digits")
+    return ReferenceCheck(distance=float(off), method="Newton in 30 digits")
 
 
 def _envelope_defect(x: Any, at: Mapping[str, float], centre: int) -> Any:
@@ -186,10 +210,9 @@ def _envelope_defect(x: Any, at: Mapping[str, float], centre: int) -> Any:
     n = (len(x) - 1) // 2
     p = [mp.mpc(x[i], x[n + i]) for i in range(n)]
     out = mp.matrix(2 * n + 1, 1)
+    springs = pull(np.array(p))
     for i in range(n):
-        near = [p[j] for j in (i - 1, i + 1) if 0 <= j < n]
-        s = abs(p[i]) ** 2
-        rate = 0.5j * c * (len(near) * p[i] - sum(near)) - p[i] / 2 * (1 - a * s / 4 + b * s**2 / 8)
+        rate = 0.5j * c * springs[i] - p[i] / 2 * averaged_damping(abs(p[i]), a, b)
         rate -= 1j * x[2 * n] * p[i]
         out[i], out[n + i] = rate.real, rate.imag
     out[2 * n] = x[n + centre]
@@ -212,11 +235,11 @@ def _envelope_slope(x: Any, at: Mapping[str, float]) -> Any:
     return out
 
 
-def _orbit(at: Mapping[str, float]) -> Claim:
+def _orbit(at: Mapping[str, float]) -> StatedValue:
     found = solve_orbit(_chain(at, _SITES), Nucleus(1))
     if found.status is BreatherStatus.NONE:
-        return Claim(None, 0.0, extra=found)
-    return Claim(np.append(found.state, found.period), found.error, extra=found)
+        return StatedValue(value=None, error=0.0, extra=found)
+    return StatedValue(value=np.append(found.state, found.period), error=found.error, extra=found)
 
 
 def _flow(state: Any, period: float, at: Mapping[str, float]) -> Any:
@@ -224,31 +247,18 @@ def _flow(state: Any, period: float, at: Mapping[str, float]) -> Any:
     from scipy.integrate import solve_ivp
 
     n = len(state) // 2
-    a, b, c, eps = 1.0, at["eta"], at["c"], at["eps"]
-
-    def rate(_: float, x: Any) -> Any:
-        M = x.reshape(2 * n, 2 * n + 1)
-        y, u = M[:n], M[n:]
-        springs = np.zeros_like(y)
-        springs[1:] += y[1:] - y[:-1]
-        springs[:-1] += y[:-1] - y[1:]
-        y0, u0 = y[:, :1], u[:, :1]
-        damp = 1.0 - a * y0**2 + b * y0**4
-        force = -y - eps * (c * springs + u * damp)
-        force[:, 1:] -= eps * u0 * (-2.0 * a * y0 + 4.0 * b * y0**3) * y[:, 1:]
-        return np.concatenate([u, force]).ravel()
-
+    rate = variational_rate(_chain(at, n))
     start = np.column_stack([state, np.eye(2 * n)]).ravel()
     end = solve_ivp(rate, (0.0, period), start, method="DOP853", rtol=1e-13, atol=1e-14)
     M = end.y[:, -1].reshape(2 * n, 2 * n + 1)
     return M[:, 0], M[:, 1:]
 
 
-def _check_orbit(at: Mapping[str, float], claim: Claim) -> Check:
+def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Return the next Newton step of shooting with SciPy's DOP853 in place of our integrator."""
-    if claim.value is None:
+    if stated.value is None:
         raise NoReferenceError("no orbit to compare with.")
-    state, period = claim.value[:-1], float(claim.value[-1])
+    state, period = stated.value[:-1], float(stated.value[-1])
     end, monodromy = _flow(state, period, at)
     n = len(state) // 2
     slope = np.zeros((2 * n + 1, 2 * n + 1))
@@ -257,106 +267,162 @@ def _check_orbit(at: Mapping[str, float], claim: Claim) -> Check:
     slope[-1, _SITES // 2] = 1.0
     step = np.linalg.solve(slope, np.append(end - state, 0.0))
     size = float(np.linalg.norm(np.linalg.inv(slope), np.inf))
-    return Check(float(np.abs(step).max()), 2e-12 * size * float(np.abs(state).max()), "DOP853")
+    return ReferenceCheck(
+        distance=float(np.abs(step).max()),
+        uncertainty=2e-12 * size * float(np.abs(state).max()),
+        method="DOP853",
+    )
 
 
-def _multipliers(at: Mapping[str, float]) -> Claim:
+def _multipliers(at: Mapping[str, float]) -> StatedValue:
     found = solve_orbit(_chain(at, _SITES), Nucleus(1))
     if found.multipliers is None:
-        return Claim(None, 0.0, extra=found)
-    return Claim(found.multipliers.values, found.multipliers.error, extra=found)
+        return StatedValue(value=None, error=0.0, extra=found)
+    return StatedValue(value=found.multipliers.values, error=found.multipliers.error, extra=found)
 
 
-def _check_multipliers(at: Mapping[str, float], claim: Claim) -> Check:
+def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Compare the sum and the sum of squares of the multipliers: traces of DOP853's monodromy.
 
     Both are as exact as the matrix, however badly the single multipliers are conditioned.
     """
-    if claim.value is None:
+    if stated.value is None:
         raise NoReferenceError("no orbit to compare with.")
-    orbit = claim.extra
+    orbit = stated.extra
     _, monodromy = _flow(orbit.state, orbit.period, at)
-    n = len(claim.value)
-    first = abs(complex(np.sum(claim.value)) - np.trace(monodromy))
-    second = abs(complex(np.sum(claim.value**2)) - np.trace(monodromy @ monodromy)) / 2.0
+    n = len(stated.value)
+    first = abs(complex(np.sum(stated.value)) - np.trace(monodromy))
+    second = abs(complex(np.sum(stated.value**2)) - np.trace(monodromy @ monodromy)) / 2.0
     rough = 1e-11 * n * float(np.abs(monodromy).max()) + n * orbit.error
-    return Check(max(first, second) / n, rough, "traces of DOP853's monodromy")
+    return ReferenceCheck(
+        distance=max(first, second) / n, uncertainty=rough, method="traces of DOP853's monodromy"
+    )
 
 
-def _threshold(at: Mapping[str, float]) -> Claim:
+def _threshold(at: Mapping[str, float]) -> StatedValue:
     found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), ThresholdMethod.ENVELOPE)
-    return Claim(found.c, found.error, extra=found)
+    return StatedValue(value=found.c, error=found.error, extra=found)
 
 
-def _check_threshold(at: Mapping[str, float], claim: Claim) -> Check:
-    chain = replace(_chain({**at, "c": 0.1}), sites=claim.extra.sites)
+def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    chain = replace(_chain({**at, "c": 0.1}), sites=stated.extra.sites)
     fold = staggered_branch(chain, Nucleus(1)).fold
     if fold is None:
-        raise NoReferenceError("the staggered reduction has no fold.")
-    # What the reduction leaves out is the tail at the free ends, squared in the fold.
-    left_out = float(abs(fold.u[0]) / np.abs(fold.u).max())
-    return Check(abs(fold.c - claim.value), fold.error + left_out, "staggered reduction")
+        raise NoReferenceError("the quarter-turn reduction has no fold.")
+    # What the reduction neglects is the tail at the free ends, squared in the fold.
+    neglected = float(abs(fold.u[0]) / np.abs(fold.u).max())
+    return ReferenceCheck(
+        distance=abs(fold.c - stated.value),
+        uncertainty=fold.error + neglected,
+        method="quarter-turn reduction",
+    )
 
 
 QUANTITIES = (
     Quantity(
-        "closed-form-fold",
-        "the largest coupling of the closed form (29), (37)",
-        (A, ETA, READING),
-        _fold,
-        _check_fold,
-        seconds=0.1,
-        share=0.4,
-        scenes="breather",
+        name="closed-form",
+        title="closed form of a breather, and its largest coupling",
+        equation="(29), (37)",
+        problems="breather",
+        reference="Newton in 60 digits from a plain scan",
+        accuracy=1e-15,
+        default="closed form",
+        computations=(
+            Computation(
+                name="closed-form-fold",
+                title="the largest coupling of the closed form (29), (37)",
+                axes=(A, ETA, READING),
+                compute=_fold,
+                check=_check_fold,
+                seconds=0.1,
+                share=0.4,
+                problems="breather",
+            ),
+            Computation(
+                name="closed-form-breather",
+                title="amplitude and decay of the closed form (29), (37)",
+                axes=(A, ETA, C, READING),
+                compute=_breather,
+                check=_check_breather,
+                seconds=0.1,
+                share=0.4,
+                problems="breather",
+            ),
+        ),
     ),
     Quantity(
-        "closed-form-breather",
-        "amplitude and decay of the closed form (29), (37)",
-        (A, ETA, C, READING),
-        _breather,
-        _check_breather,
-        seconds=0.1,
-        share=0.4,
-        scenes="breather",
+        name="breather",
+        title="breather of the chain (8)",
+        equation="(8), (34)",
+        problems="breather",
+        reference="root of scipy over the flow of its DOP853, both at 1e-13",
+        accuracy=1e-9,
+        default="shooting",
+        useful=(1e-8, 1e-3),
+        computations=(
+            Computation(
+                name="envelope-breather",
+                title="a breather of the averaged chain (34)",
+                axes=(ETA, C),
+                compute=_envelope,
+                check=_check_envelope,
+                seconds=5.0,
+                share=0.15,
+                problems="breather",
+            ),
+            Computation(
+                name="orbit",
+                title="a true periodic orbit of (8)",
+                axes=(ETA, WEAK, EPSILON),
+                compute=_orbit,
+                check=_check_orbit,
+                seconds=20.0,
+                share=0.1,
+                problems="breather",
+            ),
+        ),
     ),
     Quantity(
-        "envelope-breather",
-        "a breather of the averaged chain (34)",
-        (ETA, C),
-        _envelope,
-        _check_envelope,
-        seconds=5.0,
-        share=0.15,
-        scenes="breather",
+        name="multipliers",
+        title="Floquet multipliers of a breather, Eqs. 39-42",
+        equation="(39)-(42)",
+        problems="multipliers",
+        reference="the variational equations (42) by scipy's DOP853 at 1e-13",
+        accuracy=1e-10,
+        default="Taylor series with variations",
+        useful=(1e-10, 1e-3),
+        computations=(
+            Computation(
+                name="multipliers",
+                title="Floquet multipliers of a true orbit",
+                axes=(ETA, WEAK, EPSILON),
+                compute=_multipliers,
+                check=_check_multipliers,
+                seconds=20.0,
+                share=0.1,
+                problems="breather",
+            ),
+        ),
     ),
     Quantity(
-        "orbit",
-        "a true periodic orbit of (8)",
-        (ETA, WEAK, EPSILON),
-        _orbit,
-        _check_orbit,
-        seconds=20.0,
-        share=0.1,
-        scenes="breather",
-    ),
-    Quantity(
-        "multipliers",
-        "Floquet multipliers of a true orbit",
-        (ETA, WEAK, EPSILON),
-        _multipliers,
-        _check_multipliers,
-        seconds=20.0,
-        share=0.1,
-        scenes="breather",
-    ),
-    Quantity(
-        "envelope-threshold",
-        "the coupling at which a breather of (34) ends",
-        (ETA,),
-        _threshold,
-        _check_threshold,
-        seconds=20.0,
-        share=0.1,
-        scenes="breather",
+        name="threshold",
+        title="coupling at which a breather ends",
+        equation="(34)",
+        problems="breather",
+        reference="reduction to quarter-turn phase steps",
+        accuracy=1e-6,
+        default="continuation",
+        computations=(
+            Computation(
+                name="envelope-threshold",
+                title="the coupling at which a breather of (34) ends",
+                axes=(ETA,),
+                compute=_threshold,
+                check=_check_threshold,
+                seconds=20.0,
+                share=0.1,
+                problems="breather",
+            ),
+        ),
     ),
 )

@@ -1,13 +1,43 @@
-"""The chains and cells that a point of the stability table describes."""
+"""The chains and cells that a point of the stability table describes, and rows for any other chain.
+
+A smooth chain that is registered (``theory.chains.chain``) and has no row of its own gets one here:
+a run from one excited site, held against scipy's DOP853 on the right side that the chain itself
+gives. That checks the stepper, the window of active sites and the stated error; the equation is the
+chain's word.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
+from theory.chains.chain import CHAINS, SmoothChain
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
-from verification.quantities.quantity import whole
+from theory.parameters import ParameterError
+from verification.quantities.quantity import (
+    Axis,
+    Computation,
+    NoReferenceError,
+    ReferenceCheck,
+    StatedValue,
+    whole,
+)
+
+FloatArray = npt.NDArray[np.float64]
+
+OWN_ROWS = ("vdp", "averaged")
+"""Smooth models whose runs are held against a right side written a second time."""
+
+_END = 10.0
+_TOLERANCE = 1e-12
+_RANGE = (1e-2, 1e1)
+"""Of each real parameter of a chain that says nothing of its range: what it refuses is refused."""
 
 
 def vdp_chain(at: Mapping[str, float]) -> VdpChain:
@@ -25,3 +55,82 @@ def friction_cell(at: Mapping[str, float]) -> FrictionCell:
 def friction_chain(at: Mapping[str, float]) -> FrictionChain:
     """Return the chain (5)."""
     return FrictionChain.of(friction_cell(at), c=at["c"], sites=whole(at["sites"]))
+
+
+def computations_of_chains() -> tuple[Computation, ...]:
+    """Return a row for each registered smooth chain without one of its own."""
+    return tuple(
+        _run_of(kind)
+        for model, kind in CHAINS.items()
+        if model not in OWN_ROWS and issubclass(kind, SmoothChain)
+    )
+
+
+def _run_of(kind: type[SmoothChain]) -> Computation:
+    fields = dataclasses.fields(kind)  # type: ignore[arg-type]
+    names = [each.name for each in fields if each.name not in ("sites", "ends")]
+    return Computation(
+        name=f"run-{kind.model}",
+        title=f"state of the chain {kind.model} at t = {_END:g} from one excited site",
+        axes=(
+            *(Axis(name=name, low=_RANGE[0], high=_RANGE[1]) for name in names),
+            Axis(name="sites", low=2, high=20, whole=True),
+            Axis(name="tolerance", low=1e-12, high=1e-4),
+        ),
+        compute=partial(_run, kind, names),
+        check=partial(_check_run, kind, names),
+        seconds=60.0,
+        share=0.2,
+        limits="the chain says of no parameter where its range ends",
+    )
+
+
+def _chain(kind: type[SmoothChain], names: list[str], at: Mapping[str, float]) -> SmoothChain:
+    return kind(**{name: at[name] for name in names}, sites=whole(at["sites"]))  # type: ignore[call-arg]
+
+
+def _run(kind: type[SmoothChain], names: list[str], at: Mapping[str, float]) -> StatedValue:
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
+
+    chain = _chain(kind, names, at)
+    start = excite(chain, [1])
+    run = simulate(chain, start, _END, samples=2, tolerance=at["tolerance"])
+    if run.error is None:
+        raise ParameterError("tolerance", at["tolerance"], "one with an error", "take a larger one")
+    return StatedValue(value=run.states[-1], error=run.error, extra=start)
+
+
+def _check_run(
+    kind: type[SmoothChain], names: list[str], at: Mapping[str, float], stated: StatedValue
+) -> ReferenceCheck:
+    """Step all sites by scipy, each by the chain's right side in plain Python."""
+    from scipy.integrate import solve_ivp
+
+    chain = _chain(kind, names, at)
+    right_side, numbers, sites = chain.kernel(), chain.kernel_parameters(), chain.sites
+
+    def rate(_: float, flat: FloatArray) -> FloatArray:
+        pairs = flat.reshape(2, sites).T
+        out = np.empty((sites, 2))
+        for n, site in enumerate(pairs):
+            left, right = pairs[max(n - 1, 0)], pairs[min(n + 1, sites - 1)]
+            out[n] = right_side(tuple(site), tuple(left), tuple(right), numbers)
+        return out.T.ravel()
+
+    def last(tolerance: float) -> FloatArray:
+        run = solve_ivp(
+            rate, (0.0, _END * chain.kernel_rate), stated.extra.ravel(), method="DOP853",
+            rtol=tolerance, atol=tolerance * float(np.abs(stated.extra).max()),
+        )  # fmt: skip
+        if not run.success:
+            raise NoReferenceError(run.message)
+        state: FloatArray = run.y[:, -1].reshape(2, sites)
+        return state
+
+    found = last(_TOLERANCE)
+    return ReferenceCheck(
+        distance=float(np.abs(found - stated.value).max()),
+        uncertainty=float(np.abs(found - last(30.0 * _TOLERANCE)).max()),
+        method="scipy's DOP853 on the chain's own right side",
+    )

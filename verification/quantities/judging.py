@@ -17,10 +17,15 @@ import numpy as np
 from theory.parameters import ParameterError, RunError
 from theory.piecewise.sums.result import PrecisionError
 from verification.execution.table import Point, Scalar
-from verification.quantities.discover import quantity_named
-from verification.quantities.quantity import Check, Claim, NoReferenceError, Quantity
+from verification.quantities.quantity import (
+    Computation,
+    NoReferenceError,
+    ReferenceCheck,
+    StatedValue,
+)
+from verification.quantities.registry import computation_named
 
-PATIENCE = 5.0
+SLACK = 5.0
 """A value is given up after so many times its limit."""
 
 CHECK_SECONDS = 15.0
@@ -56,8 +61,8 @@ class TimeIsUpError(Exception):
 
 
 @dataclass(frozen=True)
-class StressTask:
-    """The task of the sweep: a point is a quantity and a number.
+class RobustnessTask:
+    """The task of the sweep: a point is a computation and a number.
 
     Attributes
     ----------
@@ -69,16 +74,16 @@ class StressTask:
 
     def __call__(self, point: Point) -> Mapping[str, Scalar]:
         """Return the parameters, the outcome and what it rests on."""
-        quantity = quantity_named(str(point["quantity"]))
-        values = quantity.point(self.seed, int(point["number"]))
-        found = judge(quantity, values)
+        computation = computation_named(str(point["quantity"]))
+        values = computation.point(self.seed, int(point["number"]))
+        found = judge(computation, values)
         return {
             "values": " ".join(f"{name}={value!r}" for name, value in values.items()),
             **found,
         }
 
 
-def judge(quantity: Quantity, values: Mapping[str, float]) -> dict[str, Scalar]:
+def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Scalar]:
     """Return outcome, stated error, distance, uncertainty of the reference, its name, seconds.
 
     Times are of the processor, so that what else the machine does has no part in the outcome.
@@ -89,8 +94,8 @@ def judge(quantity: Quantity, values: Mapping[str, float]) -> dict[str, Scalar]:
         return time.process_time() - begin
 
     try:
-        with limited(PATIENCE * quantity.seconds):
-            claim = quantity.compute(values)
+        with limited(SLACK * computation.seconds):
+            stated = computation.compute(values)
     except TimeIsUpError:
         return _row(Outcome.SLOW, "given up", seconds=spent())
     except (ParameterError, PrecisionError, RunError) as error:
@@ -99,25 +104,27 @@ def judge(quantity: Quantity, values: Mapping[str, float]) -> dict[str, Scalar]:
     except Exception as error:
         return _row(Outcome.CRASH, f"{type(error).__name__}: {error}", seconds=spent())
     seconds = spent()
-    if not _finite(claim):
-        return _row(Outcome.NAN, f"{claim.value} with error {claim.error}", claim, seconds=seconds)
-    if seconds > quantity.seconds:
-        return _row(Outcome.SLOW, f"limit {quantity.seconds:g} s", claim, seconds=seconds)
+    if not _finite(stated):
+        return _row(
+            Outcome.NAN, f"{stated.value} with error {stated.error}", stated, seconds=seconds
+        )
+    if seconds > computation.seconds:
+        return _row(Outcome.SLOW, f"limit {computation.seconds:g} s", stated, seconds=seconds)
     try:
         with limited(CHECK_SECONDS):
-            check = quantity.check(values, claim)
+            check = computation.check(values, stated)
     except (NoReferenceError, ParameterError, PrecisionError, TimeIsUpError) as error:
-        return _row(Outcome.UNCHECKED, str(error) or "reference too slow", claim, seconds=seconds)
+        return _row(Outcome.UNCHECKED, str(error) or "reference too slow", stated, seconds=seconds)
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"
-        return _row(Outcome.CRASH, said, claim, seconds=seconds)
-    held = check.distance <= claim.error + check.uncertainty
+        return _row(Outcome.CRASH, said, stated, seconds=seconds)
+    held = check.distance <= stated.error + check.uncertainty
     outcome = Outcome.RIGHT if held else Outcome.EXCEEDED
-    return _row(outcome, claim.note, claim, check, seconds)
+    return _row(outcome, stated.note, stated, check, seconds)
 
 
 def is_clear(message: str) -> bool:
-    """Tell whether a refusal is one sentence of at most three hundred letters.
+    """Return whether a refusal is one sentence of at most three hundred letters.
 
     Examples
     --------
@@ -147,29 +154,29 @@ def limited(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def _finite(claim: Claim) -> bool:
-    if not math.isfinite(claim.error) or claim.error < 0:
+def _finite(stated: StatedValue) -> bool:
+    if not math.isfinite(stated.error) or stated.error < 0:
         return False
-    if claim.value is None:
+    if stated.value is None:
         return True
-    if hasattr(claim.value, "ae"):  # an mpmath number
-        return math.isfinite(abs(complex(claim.value)))
-    return bool(np.all(np.isfinite(claim.value)))
+    if hasattr(stated.value, "ae"):  # an mpmath number
+        return math.isfinite(abs(complex(stated.value)))
+    return bool(np.all(np.isfinite(stated.value)))
 
 
 def _row(
     outcome: Outcome,
     said: str,
-    claim: Claim | None = None,
-    check: Check | None = None,
+    stated: StatedValue | None = None,
+    check: ReferenceCheck | None = None,
     seconds: float = 0.0,
 ) -> dict[str, Scalar]:
     return {
         "outcome": str(outcome),
-        "stated": claim.error if claim else math.nan,
+        "stated": stated.error if stated else math.nan,
         "distance": check.distance if check else math.nan,
         "uncertainty": check.uncertainty if check else math.nan,
-        "by": _for_csv(check.by) if check else "-",
+        "by": _for_csv(check.method) if check else "-",
         "seconds": seconds,
         "said": _for_csv(said) or "-",
     }

@@ -1,4 +1,4 @@
-"""What the stability table knows of a quantity, and the points at which it is tried."""
+"""What a quantity is: the contract that everything that is computed, checked and timed fulfils."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from verification.quantities.scenes import scenes_of
+from verification.quantities.problems import PROBLEMS, Problem, timed
 
 Values: TypeAlias = dict[str, float]
 """Parameters by name; counts as whole floats."""
@@ -20,10 +20,74 @@ Values: TypeAlias = dict[str, float]
 BAD_EVERY = 20
 """One point in so many has a value that is not allowed."""
 
-MOST_CORNERS = 64
+MAX_CORNERS = 64
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """Something that can be computed, and all that tests, benchmarks and report know of it.
+
+    How to register a new quantity:
+
+    1. Write a module of ``verification.quantities`` with ``QUANTITIES``, a tuple of quantities; the
+       registry finds it. Nothing else has to be changed: the stability table (``fronts stress``),
+       the tests of the table, and the report's list of test problems iterate over the registry.
+    2. Choose its family of test problems in ``verification.quantities.problems``, or add one.
+    3. Say by which independent method its true value is known there, and to what accuracy. Right
+       sides and formulas of a reference stand in ``verification.references``, which knows scipy and
+       mpmath and nothing of the engines.
+    4. Write one :class:`Computation` for each method or model that the toolkit offers: its
+       parameters over all decades in which it is defined, what it returns with the error that it
+       states, and a check by code that it does not use.
+    5. To have its error measured against run time, write a module of ``benchmarks`` that exposes
+       ``BENCHMARK``, a ``benchmarks.work_precision.WorkPrecision`` of the same name, with methods
+       and peers; :attr:`default` is one of its methods.
+
+    Attributes
+    ----------
+    name : str
+        As on the command line; a record of its benchmark is ``<name>.json``.
+    title : str
+        What it is, in a few words.
+    equation : str
+        Numbers of the equations in the paper that define it.
+    problems : str
+        Family of its test problems.
+    reference : str
+        What it is held against at the test problems: it shares no code with ours.
+    accuracy : float
+        The two references are no further apart than this at any timed problem, nor the check of
+        the stability table at any other where it reaches; in the unit of the quantity.
+    default : str
+        The method that the toolkit uses unless another is asked for.
+    useful : (float, float) or None
+        Smallest and largest error that a user is likely to ask for; None where nothing is timed.
+    computations : tuple of Computation
+        Rows of the stability table; none for a quantity of symbols.
+    """
+
+    name: str
+    title: str
+    equation: str
+    problems: str
+    reference: str
+    accuracy: float
+    default: str
+    useful: tuple[float, float] | None = None
+    computations: tuple[Computation, ...] = ()
+
+    @property
+    def test_problems(self) -> tuple[Problem, ...]:
+        """All its test problems."""
+        return PROBLEMS[self.problems]
+
+    @property
+    def timed_problems(self) -> tuple[Problem, ...]:
+        """Those at which error is measured against run time."""
+        return timed(self.problems) if self.useful else ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class Axis:
     """One parameter, tried over all decades in which it is defined.
 
@@ -53,7 +117,7 @@ class Axis:
 
         Examples
         --------
-        >>> axis = Axis("c", 1e-8, 1e8)
+        >>> axis = Axis(name="c", low=1e-8, high=1e8)
         >>> axis.low <= axis.draw(np.random.default_rng(1)) <= axis.high
         True
         """
@@ -70,20 +134,25 @@ class Axis:
         beside = [c * (1.0 + s * self.closest) for c in self.near for s in (-1.0, 1.0)]
         return (self.low, self.high, *beside)
 
+    def middle(self) -> float:
+        """Return the middle of the range, by decades."""
+        value = math.sqrt(self.low * self.high)
+        return float(round(value)) if self.whole else value
+
     def bad(self, rng: np.random.Generator) -> float:
         """Return a value that is not allowed, or beyond the range that is swept."""
         beyond = (0.0, -1.0, math.nan, math.inf, self.low * 1e-9, self.high * 1e9)
         return beyond[int(rng.integers(len(beyond)))]
 
 
-@dataclass(frozen=True)
-class Claim:
+@dataclass(frozen=True, kw_only=True)
+class StatedValue:
     """What the toolkit says.
 
     Attributes
     ----------
     value : object
-        One number, complex number, array or mpmath number.
+        One number, complex number, array or mpmath number; None where there is nothing to state.
     error : float
         The error it states.
     note : str
@@ -98,9 +167,9 @@ class Claim:
     extra: Any = None
 
 
-@dataclass(frozen=True)
-class Check:
-    """What another method says of the claim.
+@dataclass(frozen=True, kw_only=True)
+class ReferenceCheck:
+    """What another method says of a stated value.
 
     Attributes
     ----------
@@ -108,77 +177,74 @@ class Check:
         Distance from the reference, in the units of the stated error.
     uncertainty : float
         Error of the reference.
-    by : str
+    method : str
         Which method.
     """
 
     distance: float
-    uncertainty: float
-    by: str
+    uncertainty: float = 0.0
+    method: str
 
 
 class NoReferenceError(ArithmeticError):
     """No other method reaches this point."""
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """One row of the table.
+@dataclass(frozen=True, kw_only=True)
+class Computation:
+    """One method or model of a quantity, and the points at which it is tried.
 
     Attributes
     ----------
-    name, what : str
+    name, title : str
         Its name and one line about it.
     axes : tuple of Axis
         Its parameters.
     compute : callable
-        From the parameters to a `Claim`. A refusal is a `ParameterError` or an ``ArithmeticError``
-        of the toolkit.
+        From the parameters to a `StatedValue`. A refusal is a `ParameterError` or an
+        ``ArithmeticError`` of the toolkit.
     check : callable
-        From the parameters and the claim to a `Check`, by code that the claim does not use.
+        From the parameters and the stated value to a `ReferenceCheck`, by code that ``compute``
+        does not use; `NoReferenceError` where none reaches.
     seconds : float
         Time that one value may take.
     share : float
         How many points it gets beside the others; costly ones get fewer.
-    scenes : str
-        Name of its scenes in ``verification.quantities.scenes``.
-    ends : str
+    problems : str
+        Family of test problems that are among its points; none if empty.
+    limits : str
         Why a range ends before its parameter does; empty if none does.
     """
 
     name: str
-    what: str
+    title: str
     axes: tuple[Axis, ...]
-    compute: Callable[[Mapping[str, float]], Claim]
-    check: Callable[[Mapping[str, float], Claim], Check]
+    compute: Callable[[Mapping[str, float]], StatedValue]
+    check: Callable[[Mapping[str, float], StatedValue], ReferenceCheck]
     seconds: float
     share: float = 1.0
-    scenes: str = ""
-    ends: str = ""
-
-    def fixed_points(self) -> list[Values]:
-        """Return named scenes in its ranges, then the corners; of more than 64 some, evenly."""
-        return list(self._fixed)
+    problems: str = ""
+    limits: str = ""
 
     @cached_property
-    def _fixed(self) -> tuple[Values, ...]:
-        names = [axis.name for axis in self.axes]
-        middle = {axis.name: self._plain(axis) for axis in self.axes}
+    def fixed_points(self) -> tuple[Values, ...]:
+        """Test problems in its ranges, then the corners; of more than 64 some, evenly."""
+        middle = {axis.name: axis.middle() for axis in self.axes}
         ranges = {axis.name: axis for axis in self.axes}
         points = []
-        for scene in scenes_of(self.scenes):
-            mine = {name: value for name, value in scene.items() if name in names}
+        for problem in PROBLEMS.get(self.problems, ()):
+            mine = {name: value for name, value in problem.values.items() if name in ranges}
             if all(ranges[x].low <= value <= ranges[x].high for x, value in mine.items()):
                 points.append({**middle, **mine})
         corners = list(itertools.product(*(axis.ends() for axis in self.axes)))
-        some = np.unique(np.linspace(0, len(corners) - 1, MOST_CORNERS).astype(int))
-        points += [dict(zip(names, corners[i], strict=True)) for i in some]
+        some = np.unique(np.linspace(0, len(corners) - 1, MAX_CORNERS).astype(int))
+        points += [dict(zip(ranges, corners[i], strict=True)) for i in some]
         return tuple(points)
 
     def point(self, seed: int, index: int) -> Values:
         """Return the point of that number: fixed and random ones in turn, reproducibly."""
         if not self.is_random(index):
-            return dict(self._fixed[index // 2])
+            return dict(self.fixed_points[index // 2])
         rng = np.random.default_rng([seed, zlib.crc32(self.name.encode()), index])
         values = {axis.name: axis.draw(rng) for axis in self.axes}
         if index % BAD_EVERY == BAD_EVERY - 1:
@@ -187,21 +253,16 @@ class Quantity:
         return values
 
     def is_random(self, index: int) -> bool:
-        """Tell whether the point of that number is at random: every other one, and all in the end.
+        """Return whether the point of that number is random: every other one, later all.
 
         Examples
         --------
-        >>> from verification.quantities.discover import quantity_named
-        >>> quantity = quantity_named("c-pin")
-        >>> [quantity.is_random(number) for number in (0, 1, 2, 3, 10_000)]
+        >>> from verification.quantities.registry import computation_named
+        >>> computation = computation_named("c-pin")
+        >>> [computation.is_random(number) for number in (0, 1, 2, 3, 10_000)]
         [False, True, False, True, True]
         """
-        return index % 2 == 1 or index // 2 >= len(self._fixed)
-
-    @staticmethod
-    def _plain(axis: Axis) -> float:
-        value = math.sqrt(axis.low * axis.high)
-        return float(round(value)) if axis.whole else value
+        return index % 2 == 1 or index // 2 >= len(self.fixed_points)
 
 
 def whole(number: float) -> Any:

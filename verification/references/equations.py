@@ -1,45 +1,292 @@
-"""(8) and (43) written once more, for scipy: references share no right side with the steppers."""
+"""Each model written once more, for scipy and mpmath: the right sides that references are made of.
+
+One right side a model: (8) and its variations (42), the averaged chain (43) and its reduction to
+real amplitudes, the piecewise-linear chain (44), and friction (6) with the regularised chain (5).
+They share nothing with the compiled right sides of the steppers; whoever checks an engine takes
+them from here. Springs, forces and damping are plain functions of arrays, complex numbers or
+numbers of mpmath alike.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.vdp import VdpChain
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VanDerPolChain
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
+Rate = Callable[[float, FloatArray], FloatArray]
+ComplexRate = Callable[[float, ComplexArray], ComplexArray]
+Motion = Callable[[float], tuple[FloatArray, FloatArray]]
 
 
-def full_rate(chain: VdpChain, wave: bool = False) -> Callable[[float, FloatArray], FloatArray]:
-    """Return d(y, ẏ)/dt of (8) with free ends, for states (y, ẏ) of shape (2N,).
+def pull(y: npt.NDArray[Any], ends: Ends = Ends.FREE) -> npt.NDArray[Any]:
+    """Return 2y_n - y_{n-1} - y_{n+1} along the first axis.
 
-    With ``wave`` a wave goes on to the left of the first site, a quarter of a turn a site: y_0 is
-    ẏ_1 there.
+    Parameters
+    ----------
+    y : ndarray, shape (N, ...)
+        Real or complex.
+    ends : Ends
+        The neighbour missing at an end is the site itself, the other end, or zero.
+
+    Examples
+    --------
+    >>> pull(np.array([1.0, 0.0, 0.0])).tolist(), pull(np.array([1.0, 0.0]), Ends.LITERAL).tolist()
+    ([1.0, -1.0, 0.0], [2.0, -1.0])
     """
-    a, b, c, eps = chain.a, chain.b, chain.c, chain.eps
+    out = 2.0 * y
+    out[1:] -= y[:-1]
+    out[:-1] -= y[1:]
+    if ends is Ends.FREE:
+        out[0] -= y[0]
+        out[-1] -= y[-1]
+    elif ends is Ends.PERIODIC:
+        out[0] -= y[-1]
+        out[-1] -= y[0]
+    return out
+
+
+def pull_matrix(sites: int, ends: Ends = Ends.FREE) -> FloatArray:
+    """Return the matrix of `pull`, shape (N, N)."""
+    return pull(np.eye(sites), ends)
+
+
+def damping(y: Any, a: Any, b: Any) -> Any:
+    """Return 1 - ay² + by⁴ of (8).
+
+    Examples
+    --------
+    >>> damping(1.0, 2.5, 0.5)
+    -1.0
+    """
+    square = y * y
+    return 1 - a * square + b * square * square
+
+
+def averaged_damping(size: Any, a: Any, b: Any) -> Any:
+    """Return 1 - a|φ|²/4 + b|φ|⁴/8 of (43), the average of `damping` weighted by ẏ².
+
+    Examples
+    --------
+    >>> averaged_damping(2.0, 2.5, 0.5)
+    -0.5
+    """
+    square = size * size
+    return 1 - a * square / 4 + b * square * square / 8
+
+
+def full_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
+    """Return d(y, ẏ)/dt of (8).
+
+    Parameters
+    ----------
+    chain : VanDerPolChain
+        Its a, b, c, ε and ends.
+    wave : bool
+        Whether a wave goes on to the left of the first site, a quarter of a turn a site: y_0 = ẏ_1
+        there.
+
+    Returns
+    -------
+    callable
+        Of t and (y, ẏ), shape (2N,), or several such columns, shape (2N, M) flattened.
+    """
+    n, a, b, c, eps, ends = chain.sites, chain.a, chain.b, chain.c, chain.eps, chain.ends
 
     def rate(_: float, state: FloatArray) -> FloatArray:
-        y, w = np.split(state, 2)
-        left = np.concatenate([w[:1] if wave else y[:1], y[:-1]])
-        right = np.concatenate([y[1:], y[-1:]])
-        square = y * y
-        damping = eps * w * (1.0 - a * square + b * square * square)
-        return np.concatenate([w, -y - eps * c * (2.0 * y - left - right) - damping])
+        x = state if state.size == 2 * n else state.reshape(2 * n, -1)
+        y, w = x[:n], x[n:]
+        springs = pull(y, ends)
+        if wave:
+            springs[0] += y[0] - w[0]
+        force = -y - eps * (c * springs + w * damping(y, a, b))
+        return np.concatenate([w, force]).reshape(state.shape)
 
     return rate
 
 
-def averaged_rate(chain: VdpChain) -> Callable[[float, ComplexArray], ComplexArray]:
-    """Return dφ/dT of (43) with free ends, shape (N,)."""
-    a, b, c = chain.a, chain.b, chain.c
+def linearised_rate(chain: VanDerPolChain, motion: Motion) -> Rate:
+    """Return d(δy, δẏ)/dt of (42), small deviations from a given motion of (8).
+
+    Parameters
+    ----------
+    chain : VanDerPolChain
+        Its a, b, c, ε and ends.
+    motion : callable
+        From t to y and ẏ, shape (N,) each.
+
+    Returns
+    -------
+    callable
+        Of t and the deviations, shape (2N, M) flattened.
+    """
+    n = chain.sites
+
+    def rate(t: float, flat: FloatArray) -> FloatArray:
+        x = flat.reshape(2 * n, -1)
+        y, w = (part[:, None] for part in motion(t))
+        return np.concatenate([x[n:], _deviating_force(chain, y, w, x[:n], x[n:])]).ravel()
+
+    return rate
+
+
+def variational_rate(chain: VanDerPolChain) -> Rate:
+    """Return the rate of a motion of (8) and of deviations from it, (42).
+
+    Returns
+    -------
+    callable
+        Of t and a matrix, shape (2N, 1 + M) flattened: the motion in the first column, deviations
+        in the others.
+    """
+    n, motion = chain.sites, full_rate(chain)
+
+    def rate(t: float, flat: FloatArray) -> FloatArray:
+        x = flat.reshape(2 * n, -1)
+        out = np.empty_like(x)
+        out[:, 0] = motion(t, x[:, 0])
+        out[:n, 1:] = x[n:, 1:]
+        out[n:, 1:] = _deviating_force(chain, x[:n, :1], x[n:, :1], x[:n, 1:], x[n:, 1:])
+        return out.ravel()
+
+    return rate
+
+
+def _deviating_force(
+    chain: VanDerPolChain, y: FloatArray, w: FloatArray, dy: FloatArray, dw: FloatArray
+) -> FloatArray:
+    a, b = chain.a, chain.b
+    bend = w * y * (4.0 * b * y * y - 2.0 * a)
+    force: FloatArray = -dy - chain.eps * (
+        chain.c * pull(dy, chain.ends) + bend * dy + damping(y, a, b) * dw
+    )
+    return force
+
+
+def full_jacobian(chain: VanDerPolChain) -> Callable[[float, FloatArray], Any]:
+    """Return the matrix of (42), sparse, as a function of t and (y, ẏ), for implicit methods."""
+    from scipy.sparse import bmat, csc_matrix, diags, identity
+
+    n, a, b, eps = chain.sites, chain.a, chain.b, chain.eps
+    springs = csc_matrix(pull_matrix(n, chain.ends))
+
+    def jacobian(_: float, state: FloatArray) -> Any:
+        y, w = np.split(state, 2)
+        bend = diags(eps * w * y * (4.0 * b * y * y - 2.0 * a))
+        lower = [-identity(n) - eps * chain.c * springs - bend, diags(-eps * damping(y, a, b))]
+        blocks: Any = [[None, identity(n)], lower]
+        return bmat(blocks, format="csc")
+
+    return jacobian
+
+
+def averaged_rate(chain: VanDerPolChain) -> ComplexRate:
+    """Return dφ/dT of (43), T = εt, as a function of T and φ, complex, shape (N,)."""
+    a, b, c, ends = chain.a, chain.b, chain.c, chain.ends
 
     def rate(_: float, phi: ComplexArray) -> ComplexArray:
-        pull = -np.diff(phi, prepend=phi[:1], append=phi[-1:], n=2)
-        s = np.abs(phi) ** 2
-        out: ComplexArray = 0.5j * c * pull - 0.5 * phi * (1 - a * s / 4 + b * s**2 / 8)
+        damped = phi * averaged_damping(np.abs(phi), a, b)
+        out: ComplexArray = 0.5j * c * pull(phi, ends) - 0.5 * damped
+        return out
+
+    return rate
+
+
+def quarter_turn_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
+    """Return dr/dT of (43) where each site is a quarter of a turn behind the one before.
+
+    With φ_n = (-i)ⁿ e^{icT} r_n and r real, r_n' = (c/2)(r_{n-1} - r_{n+1}) - (r_n/2)(…).
+
+    Parameters
+    ----------
+    chain : VanDerPolChain
+        Its a, b, c.
+    wave : bool
+        Whether r_0 = r_1, as of a wave that goes on to the left; else the neighbours missing at the
+        ends are zero, without the term of a free end that the reduction cannot hold.
+    """
+    a, b, c = chain.a, chain.b, chain.c
+
+    def rate(_: float, r: FloatArray) -> FloatArray:
+        out: FloatArray = -0.5 * r * averaged_damping(r, a, b)
+        out[1:] += 0.5 * c * r[:-1]
+        out[:-1] -= 0.5 * c * r[1:]
+        if wave:
+            out[0] += 0.5 * c * r[0]
+        return out
+
+    return rate
+
+
+def piecewise_rate(
+    c: float, excited: npt.NDArray[np.bool_], left: complex, right: complex, ring: bool = False
+) -> ComplexRate:
+    """Return dφ/dT of (44), phases locked, while the sites with |φ| above the threshold stay so.
+
+    Parameters
+    ----------
+    c : float
+        Coupling, dimensionless.
+    excited : ndarray of bool, shape (N,)
+        Which sites are above the threshold.
+    left, right : complex
+        The neighbours missing at the two ends: numbers, or with ``ring`` what is added to the other
+        end in their place.
+    ring : bool
+        Whether the ends are neighbours, but for those additions.
+    """
+
+    def rate(_: float, phi: ComplexArray) -> ComplexArray:
+        before, after = (left + phi[-1], right + phi[0]) if ring else (left, right)
+        around = np.concatenate([[before], phi[:-1]]) + np.concatenate([phi[1:], [after]])
+        out: ComplexArray = 0.5j * c * (2.0 * phi - around) - 0.5 * phi + 0.5 * excited
+        return out
+
+    return rate
+
+
+def dynamic_friction(speed: Any, cell: FrictionCell, exp: Callable[[Any], Any] = np.exp) -> Any:
+    """Return μ = μ_d + (μ_st - μ_d) e^{-|v|/v₀} of (6) at a speed |v|.
+
+    A negative speed continues the curve smoothly, as a test of a grazing orbit needs it.
+
+    Examples
+    --------
+    >>> float(dynamic_friction(0.0, FrictionCell()))
+    1.0
+    """
+    return cell.mu_d + (cell.mu_st - cell.mu_d) * exp(-speed / cell.v0)
+
+
+def load(y: FloatArray, velocity: Any, chain: FrictionChain) -> FloatArray:
+    """Return 2ξẏ + y + c(2y_n - y_{n-1} - y_{n+1}) of (5), what friction holds against."""
+    springs = y + chain.c * pull(y, chain.ends)
+    out: FloatArray = springs + 2.0 * chain.cell.xi * velocity
+    return out
+
+
+def regularised_rate(chain: FrictionChain, delta: float) -> Rate:
+    """Return d(y_1, ẏ_1, y_2, …)/dτ of (5) with friction -μ(|v|) tanh(v/δ), v = ẏ - v_d.
+
+    Sites are interleaved, so that the Jacobian is banded.
+    """
+    cell = chain.cell
+
+    def rate(_: float, z: FloatArray) -> FloatArray:
+        velocity = z[1::2]
+        slip = velocity - cell.v_d
+        out = np.empty_like(z)
+        out[0::2] = velocity
+        out[1::2] = -dynamic_friction(np.abs(slip), cell) * np.tanh(slip / delta)
+        out[1::2] -= load(z[0::2], velocity, chain)
         return out
 
     return rate
@@ -48,6 +295,12 @@ def averaged_rate(chain: VdpChain) -> Callable[[float, ComplexArray], ComplexArr
 def as_state(psi: ComplexArray) -> FloatArray:
     """Return (y, ẏ), shape (2N,), of Ψ = ẏ + iy."""
     return np.concatenate([psi.imag, psi.real])
+
+
+def as_complex(state: FloatArray) -> ComplexArray:
+    """Return Ψ = ẏ + iy, shape (N, ...), of states (y, ẏ) of shape (2N, ...)."""
+    y, w = np.split(state, 2)
+    return np.asarray(w + 1j * y)
 
 
 def amplitude_of(state: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 Between events scipy's DOP853 steps (y, w = ẏ - v_d); events are looked for on its dense output at
 several points a step and located with Brent's method. It shares nothing with the compiled stepper
-of ``verification.runs.friction`` but the parameters, and is here to check it.
+of ``verification.steppers`` but the parameters, and is here to check it.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import numpy.typing as npt
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
+from verification.references.equations import dynamic_friction, load
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -27,9 +27,9 @@ IntArray = npt.NDArray[np.int64]
 BEGINS, ENDS, REVERSES = 0, 1, 2
 """Kinds of events."""
 
-_LOOKS = 8
-_TOGETHER = 1e-12
-_LOST = 1e-9
+_CHECKS = 8
+_SIMULTANEOUS = 1e-12
+_BEYOND = 1e-9
 
 
 @dataclass(frozen=True)
@@ -93,9 +93,8 @@ def run_events(
 
     Examples
     --------
-    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.0, sites=1)
-    >>> run = run_events(chain, excite(chain, [1]), 12.0)
+    >>> run = run_events(chain, np.array([[2.0], [0.0]]), 12.0)
     >>> run.log[:, 2].astype(int).tolist()
     [0, 1, 0, 1]
     """
@@ -103,12 +102,12 @@ def run_events(
     positive("end time tau", t_end)
     within("tolerance", tolerance, 2.3e-14, 1e-2)
     positive("longest step", longest_step)
-    wanted = np.linspace(0.0, t_end, 201) if times is None else np.asarray(times, dtype=float)
+    sampled = np.linspace(0.0, t_end, 201) if times is None else np.asarray(times, dtype=float)
     sites = chain.sites
     law = _Law(chain)
     state = np.concatenate([start[0], np.asarray(start[1]) - chain.cell.v_d])
     modes = law.first_modes(state)
-    samples = np.zeros((wanted.size, 2 * sites))
+    samples = np.zeros((sampled.size, 2 * sites))
     log: list[tuple[float, int, int]] = []
     t, taken, evaluations = 0.0, 0, 0
     while t < t_end:
@@ -124,8 +123,8 @@ def run_events(
             dense = solver.dense_output()
             event = _earliest(law, dense, modes, float(solver.t_old), float(solver.t))
             reached = float(solver.t) if event is None else event
-            while taken < wanted.size and wanted[taken] <= reached:
-                samples[taken] = dense(wanted[taken])
+            while taken < sampled.size and sampled[taken] <= reached:
+                samples[taken] = dense(sampled[taken])
                 taken += 1
         evaluations += solver.nfev
         t = reached
@@ -134,7 +133,7 @@ def run_events(
         state, kinds = law.switched(dense(event), dense, event, modes)
         log += [(event, site + 1, kind) for site, kind in kinds]
     return EventRun(
-        wanted,
+        sampled,
         samples[:, :sites],
         samples[:, sites:] + chain.cell.v_d,
         np.array(log).reshape(-1, 3),
@@ -144,28 +143,21 @@ def run_events(
 
 
 class _Law:
-    """(5) and (6), written out once more."""
+    """(5) and (6) between events, and the events."""
 
     def __init__(self, chain: FrictionChain) -> None:
-        self.cell, self.c, self.sites = chain.cell, chain.c, chain.sites
-        ring = 2.0 * np.eye(self.sites) - np.eye(self.sites, k=1) - np.eye(self.sites, k=-1)
-        if chain.ends is Ends.FREE:
-            ring[0, 0] -= 1.0
-            ring[-1, -1] -= 1.0
-        self.spring = np.eye(self.sites) + chain.c * ring
+        self.chain, self.cell, self.sites = chain, chain.cell, chain.sites
 
     def hold(self, z: FloatArray) -> FloatArray:
         """Return the force that would hold each site on the belt; z may have several columns."""
-        force: FloatArray = self.spring @ z[: self.sites] + 2.0 * self.cell.xi * self.cell.v_d
-        return force
+        return load(z[: self.sites], self.cell.v_d, self.chain)
 
     def rate(self, modes: IntArray, _: float, z: FloatArray) -> FloatArray:
         """Return the derivative of (y, w); modes: 0 in stick, else the sign of w in slip."""
         w = z[self.sites :]
-        cell = self.cell
-        mu = cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-modes * w / cell.v0)
-        pull = -modes * mu - 2.0 * cell.xi * w - self.hold(z)
-        return np.concatenate([w + cell.v_d, np.where(modes == 0, 0.0, pull)])
+        friction = modes * dynamic_friction(modes * w, self.cell)
+        pull = -friction - 2.0 * self.cell.xi * w - self.hold(z)
+        return np.concatenate([w + self.cell.v_d, np.where(modes == 0, 0.0, pull)])
 
     def first_modes(self, z: FloatArray) -> IntArray:
         """Return the modes at the start."""
@@ -186,7 +178,7 @@ class _Law:
         # Events that are simultaneous by symmetry differ by round-off: look a little further.
         now = self.distance(z, modes)
         speed = np.abs(self.distance(dense(t - 1e-6), modes) - now) / 1e-6
-        due = np.flatnonzero((np.abs(now) <= _TOGETHER * (1.0 + speed)) & (speed > 0.0))
+        due = np.flatnonzero((np.abs(now) <= _SIMULTANEOUS * (1.0 + speed)) & (speed > 0.0))
         kinds = []
         force = self.hold(z)
         for n in due:
@@ -205,15 +197,15 @@ class _Law:
 
 def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -> float | None:
     """Return the earliest event in a step; a site that starts at zero has none until it leaves."""
-    looks = np.linspace(low, high, _LOOKS + 1)
-    values = law.distance(dense(looks), modes).T
+    times = np.linspace(low, high, _CHECKS + 1)
+    values = law.distance(dense(times), modes).T
     found = []
     for n in range(modes.size):
-        if np.all(values[:, n] <= 0.0) and values[-1, n] < -_LOST:
+        if np.all(values[:, n] <= 0.0) and values[-1, n] < -_BEYOND:
             raise ArithmeticError(f"site {n + 1} starts on an event: start off it")
-        for k in range(_LOOKS):
+        for k in range(_CHECKS):
             if values[k, n] > 0.0 >= values[k + 1, n]:
-                found.append(_located(law, dense, modes, n, looks[k], looks[k + 1]))
+                found.append(_located(law, dense, modes, n, times[k], times[k + 1]))
                 break
     return min(found, default=None)
 

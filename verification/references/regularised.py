@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
+from verification.references.equations import regularised_rate
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def run_regularised(
     t_end : float
         τ, positive.
     solver : Solver
-        Told the band (LSODA) or the sparsity (Radau, BDF) of the Jacobian.
+        Given the band (LSODA) or the sparsity (Radau, BDF) of the Jacobian.
     delta : float
         Width δ of the regularisation, positive.
     tolerance : float
@@ -86,9 +86,8 @@ def run_regularised(
 
     Examples
     --------
-    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.02, sites=2)
-    >>> run_regularised(chain, excite(chain, [1]), 1.0, delta=1e-2).finished
+    >>> run_regularised(chain, np.array([[2.0, 0.5], [0.0, 0.0]]), 1.0, delta=1e-2).finished
     True
     """
     from scipy.integrate import solve_ivp
@@ -97,24 +96,7 @@ def run_regularised(
     positive("end time tau", t_end)
     positive("width delta", delta)
     within("tolerance", tolerance, 1e-13, 1e-1)
-    cell, c, free = chain.cell, chain.c, chain.ends is Ends.FREE
     sites = chain.sites
-
-    def right_side(_: float, z: FloatArray) -> FloatArray:
-        y, v = z[0::2], z[1::2]
-        bend = 2.0 * y
-        bend[1:] -= y[:-1]
-        bend[:-1] -= y[1:]
-        if free:
-            bend[0] -= y[0]
-            bend[-1] -= y[-1]
-        slip = v - cell.v_d
-        force = cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-np.abs(slip) / cell.v0)
-        out = np.empty_like(z)
-        out[0::2] = v
-        out[1::2] = -force * np.tanh(slip / delta) - 2.0 * cell.xi * v - y - c * bend
-        return out
-
     options: dict[str, Any] = {}
     if Solver(solver) is Solver.LSODA:
         options = {"lband": 3, "uband": 2}
@@ -124,8 +106,8 @@ def run_regularised(
     first = np.empty(2 * sites)
     first[0::2], first[1::2] = start
     result = solve_ivp(
-        right_side, (0.0, t_end), first, method=solver.value, t_eval=times, rtol=tolerance,
-        atol=1e-3 * tolerance, **options,
+        regularised_rate(chain, delta), (0.0, t_end), first, method=solver.value, t_eval=times,
+        rtol=tolerance, atol=1e-3 * tolerance, **options,
     )  # fmt: skip
     y, velocity = (np.full((samples, sites), np.nan) for _ in range(2))
     y[: result.t.size], velocity[: result.t.size] = result.y[0::2].T, result.y[1::2].T

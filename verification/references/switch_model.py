@@ -8,7 +8,7 @@ Leine et al.'s switch model replaces |v_rel| = 0 by |v_rel| < band and has three
 
 They are integrated by the trapezoidal rule (MATLAB's ode23t, "without numerical damping"), with
 fixed steps or with steps from an estimate of its error; the jumps of the right side are not
-located. So the error is what it is: it is reported against ``verification.runs.friction``.
+located. So the error is what it is: it is reported against the event-exact runs.
 """
 
 from __future__ import annotations
@@ -105,9 +105,8 @@ def run_switch(
 
     Examples
     --------
-    >>> from verification.runs.excite import excite
     >>> chain = FrictionChain(c=0.02, sites=3)
-    >>> run = run_switch(chain, excite(chain, [1]), 20.0, step=0.01)
+    >>> run = run_switch(chain, np.array([[2.0, 0.5, 0.5], [0.0, 0.0, 0.0]]), 20.0, step=0.01)
     >>> run.steps, bool(run.arrivals[0] < 5)
     (2000, True)
     """

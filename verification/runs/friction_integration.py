@@ -79,7 +79,7 @@ class FrictionIntegration(Integration):
         logged_events: int = 0,
     ) -> None:
         state = checked_state(chain, start)
-        self._start = digest_of_arrays({"start": state})[:16]
+        self._start = state
         cell = chain.cell
         self.chain, self.tolerance = chain, positive("tolerance", tolerance)
         self.times = np.asarray(times, dtype=float)
@@ -148,7 +148,7 @@ class FrictionIntegration(Integration):
             "t_end": self.end,
             "times": digest_of_arrays({"times": self.times})[:16],
             "logged_events": len(self._run.log),
-            "start": self._start,
+            "start": digest_of_arrays({"start": self._start})[:16],
         }
 
     def check_state(self) -> None:

@@ -112,7 +112,7 @@ class SmoothIntegration(Integration):
         self.trailing_sites = int(at_least("trailing sites", trailing_sites, 0, "give a number"))
         self._rate = chain.kernel_rate
         self._stiff = isinstance(chain, VdpChain) and step is None and watch is None
-        self._start = digest_of_arrays({"start": state})[:16]
+        self._start = state.copy()
         self._size = float(np.hypot(*state).max())
         self._left_boundary_wave = left_boundary_wave
         parameters = np.array(chain.kernel_parameters())
@@ -189,7 +189,7 @@ class SmoothIntegration(Integration):
             "times": digest_of_arrays({"times": self.times})[:16],
             "drift": self._task.drift.tolist(),
             "step": self._task.longest if self._task.tolerance == 0.0 else None,
-            "start": self._start,
+            "start": digest_of_arrays({"start": self._start})[:16],
         }
 
     def check_state(self) -> None:

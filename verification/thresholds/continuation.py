@@ -1,8 +1,8 @@
 """Critical coupling of a breather by continuation, in the averaged chain and in the chain (8).
 
-Two couplings are told apart. Up to the *fold* the breather exists, and a run that keeps its mirror
-symmetry finds it; a perturbation of any shape destroys it where the first exponent crosses zero,
-which can be earlier, or from the start.
+Two couplings are distinguished. Up to the *fold* the breather exists, and a run that keeps its
+mirror symmetry finds it; a perturbation of any shape destroys it where the first exponent crosses
+zero, which can be earlier, or from the start.
 """
 
 from __future__ import annotations

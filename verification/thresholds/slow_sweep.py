@@ -141,7 +141,7 @@ def sweep_threshold(chain: VanDerPolChain, preparation: Preparation) -> Threshol
         If the nucleus does not escape, or not hold.
     """
     if preparation.perturbation > 0.0:
-        # Noise leaves the breather before its fold; a sweep would not tell where.
+        # Noise leaves the breather before its fold; a sweep would not show where.
         return escape_range(chain, preparation)
     delay = measure_delay(chain, preparation)
     if delay.c_0 is None or delay.error is None:

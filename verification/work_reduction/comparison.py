@@ -1,4 +1,4 @@
-"""One computation done twice: with something left out, and with nothing left out."""
+"""One computation done twice: with a truncation or active window, and without."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ class Comparison:
     Attributes
     ----------
     spent, whole : float
-        Cost with the omission and without it, in the unit of the row.
+        Cost with the reduction and without it, in the unit of the row.
     changed : float
         Distance of the two results; inf where they differ in kind.
     bound : float
         What the distance may be at most: the bound of the row, and the error of the result
-        without the omission where it has one. Both were known before the results were compared.
+        without the reduction where it has one. Both were known before the results were compared.
     """
 
     spent: float

@@ -1,4 +1,4 @@
-"""Omissions in the search for periodic orbits of (8)."""
+"""Work reduction in the search for periodic orbits of (8)."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
-from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.orbits import STIFFEST, Orbit, solve_orbit, steps_for
+from verification.references.equations import damping, pull
 from verification.steppers.variational import STEPS, integrate_variations
 from verification.work_reduction.comparison import Comparison
 
 FloatArray = npt.NDArray[np.float64]
 
-_MOST_STEPS = STEPS + math.ceil(STEPS * STIFFEST)
+_MAX_STEPS = STEPS + math.ceil(STEPS * STIFFEST)
 """What `steps_for` gives for the steepest cycle that it accepts."""
 
 
@@ -44,7 +44,6 @@ def _balanced(
     """
     count = 8 * odd.size
     waves = np.exp(2j * np.pi * np.outer(odd, np.arange(count)) / count)
-    springs = coupling_matrix(chain.sites, chain.ends)
     middle = chain.sites // 2
     h = h * np.exp(-1j * np.outer(np.angle(h[middle, 0]) * np.ones(chain.sites), odd))
 
@@ -55,7 +54,7 @@ def _balanced(
     def rest(unknown: FloatArray) -> FloatArray:
         omega, now = parts(unknown)
         y, v = (now @ waves).real, (1j * omega * odd * now @ waves).real
-        force = springs @ y * chain.c + v * (1.0 - chain.a * y**2 + chain.b * y**4)
+        force = pull(y, chain.ends) * chain.c + v * damping(y, chain.a, chain.b)
         left = (-((omega * odd) ** 2) * now @ waves).real + y + chain.eps * force
         balance = 2.0 * left @ waves.conj().T / count
         return np.concatenate([[now[middle, 0].imag], balance.real.ravel(), balance.imag.ravel()])
@@ -73,6 +72,6 @@ def fewer_steps(eta: float = 0.08, sites: int = 11) -> Comparison:
     """Take the steps that this cycle needs, and those that would do for every chain."""
     chain = VdpChain(a=2.5, b=6.25 * eta, c=0.1, sites=sites)
     few = solve_orbit(chain, Nucleus(1))
-    whole = solve_orbit(chain, Nucleus(1), steps=_MOST_STEPS)
+    whole = solve_orbit(chain, Nucleus(1), steps=_MAX_STEPS)
     changed = max(abs(few.period - whole.period), float(np.abs(few.state - whole.state).max()))
-    return Comparison(steps_for(chain), _MOST_STEPS, changed, few.error + whole.error)
+    return Comparison(steps_for(chain), _MAX_STEPS, changed, few.error + whole.error)

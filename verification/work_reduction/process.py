@@ -1,4 +1,4 @@
-"""Omissions of the process itself: workers that would not be used, libraries that are not."""
+"""Work reduction of the process itself: workers that would not be used, libraries that are not."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What a scene does not need: how the code decides what to leave out, and what that saves.
+"""Work reduction: what is truncated or not computed, how the code decides, and what that gains.
 
-Each row states the bound on what the omission changes, and names the test that holds the result
-with the omission against the result without it. Both are computed when they are asked for, in the
-same scene and to the same accuracy.
+Each row states the bound on what the reduction changes, and names the test that holds the result
+with the reduction against the result without it. Both are computed when they are asked for, for the
+same parameters and to the same accuracy.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from verification.work_reduction.sums import (
     few_values_of_the_shape,
 )
 
-_TESTS = "tests/test_savings.py::"
+_TESTS = "tests/test_work_reduction.py::"
 
 
 @dataclass(frozen=True)
-class Saving:
-    """One thing that is left out.
+class Reduction:
+    """One truncation, active window or computation that is not made.
 
     Attributes
     ----------
@@ -44,11 +44,11 @@ class Saving:
     decided : str
         How the code decides.
     bound : str
-        What the omission can change at most.
+        What the reduction can change at most.
     unit : str
         Of the two costs, and in parentheses what is done when nothing is left out.
     compare : callable
-        Computes the result with the omission and without it.
+        Computes the result with the reduction and without it.
     test : str
         ``file::function`` of the test that asserts the bound.
     """
@@ -62,17 +62,19 @@ class Saving:
 
 
 @dataclass(frozen=True)
-class MeasuredSaving:
-    """A saving, its two costs, and how far the two results are apart."""
+class MeasuredReduction:
+    """A reduction, its two costs, and how far the two results are apart."""
 
-    saving: Saving
+    reduction: Reduction
     found: Comparison
 
     @property
     def text(self) -> str:
         """Both costs and their ratio, in words."""
         spent, whole = self.found.spent, self.found.whole
-        return f"{spent:.4g} in place of {whole:.4g} {self.saving.unit}: {whole / spent:.3g} times"
+        return (
+            f"{spent:.4g} in place of {whole:.4g} {self.reduction.unit}: {whole / spent:.3g} times"
+        )
 
     @property
     def changed(self) -> str:
@@ -86,10 +88,10 @@ class MeasuredSaving:
     def as_dict(self) -> dict[str, object]:
         """Return all of it as plain values."""
         return {
-            "what": self.saving.what,
-            "decided": self.saving.decided,
-            "bound": self.saving.bound,
-            "unit": self.saving.unit,
+            "what": self.reduction.what,
+            "decided": self.reduction.decided,
+            "bound": self.reduction.bound,
+            "unit": self.reduction.unit,
             "spent": self.found.spent,
             "whole": self.found.whole,
             "difference": self.found.changed,
@@ -97,12 +99,12 @@ class MeasuredSaving:
             "holds": self.found.holds,
             "measured": self.text,
             "changed": self.changed,
-            "test": self.saving.test,
+            "test": self.reduction.test,
         }
 
 
-SAVINGS: tuple[Saving, ...] = (
-    Saving(
+REDUCTIONS: tuple[Reduction, ...] = (
+    Reduction(
         "roots",
         "roots are summed one by one within e^{-2 pi rho} = 10^{-digits} of the singularities of "
         "the term; beyond, Euler-Maclaurin sums them at once",
@@ -111,7 +113,7 @@ SAVINGS: tuple[Saving, ...] = (
         few_roots,
         _TESTS + "test_roots_left_to_the_tail_change_less_than_the_error_returned",
     ),
-    Saving(
+    Reduction(
         "tail terms",
         "as many orders of Euler-Maclaurin as the digits asked for need, and none beyond the "
         "smallest term",
@@ -120,7 +122,7 @@ SAVINGS: tuple[Saving, ...] = (
         few_tail_terms,
         _TESTS + "test_orders_left_out_of_a_tail_change_less_than_30_times_the_smallest",
     ),
-    Saving(
+    Reduction(
         "quadrature points",
         "from the root-free strip and the tolerance, before the first point is computed",
         "2M/(e^{N sigma} - 1), in the error returned",
@@ -128,7 +130,7 @@ SAVINGS: tuple[Saving, ...] = (
         few_points,
         _TESTS + "test_points_left_out_change_less_than_the_error_returned",
     ),
-    Saving(
+    Reduction(
         "digits",
         "up to 15 digits the roots kept are found and summed in double precision",
         "the radius of each root through the slope of its term, in the error returned",
@@ -136,7 +138,7 @@ SAVINGS: tuple[Saving, ...] = (
         double_precision,
         _TESTS + "test_digits_left_out_change_less_than_the_error_returned",
     ),
-    Saving(
+    Reduction(
         "points of admissibility",
         "a proven tail bound far out; between, cells whose slopes cannot reach the threshold",
         "a violation of (47) by less than 1e-11 of |phi|^2 is passed over",
@@ -144,7 +146,7 @@ SAVINGS: tuple[Saving, ...] = (
         few_values_of_the_shape,
         _TESTS + "test_values_left_out_hide_no_violation_of_1e_11",
     ),
-    Saving(
+    Reduction(
         "values of the sum in a search",
         "cells whose slopes cannot bring |Sum| to 2r are dropped, others halved",
         "nothing: the same velocities, each in a cell in which a scan sees a change of sign",
@@ -152,7 +154,7 @@ SAVINGS: tuple[Saving, ...] = (
         few_values_in_a_search,
         _TESTS + "test_values_left_out_of_a_search_lose_no_velocity",
     ),
-    Saving(
+    Reduction(
         "sites of the window",
         "a window moves with the front of (44), so wide that its images disturb by 1e-14 r",
         "truncation_bound over r, in the error of the velocity",
@@ -160,7 +162,7 @@ SAVINGS: tuple[Saving, ...] = (
         sites_of_the_window,
         _TESTS + "test_sites_outside_the_window_change_less_than_the_truncation_bound",
     ),
-    Saving(
+    Reduction(
         "sites at rest",
         "runs of (8) and (43) step sites from 4 (8 for c > 3) before the first above the tolerance",
         "a tenth of the tolerance, relative to the largest |Psi|",
@@ -168,7 +170,7 @@ SAVINGS: tuple[Saving, ...] = (
         sites_at_rest,
         _TESTS + "test_sites_at_rest_change_less_than_a_tenth_of_the_tolerance",
     ),
-    Saving(
+    Reduction(
         "sites behind a front",
         "a front with v > c outruns all waves behind it: 24 sites behind are stepped, no more",
         "the error of the arrival times that the run returns",
@@ -176,7 +178,7 @@ SAVINGS: tuple[Saving, ...] = (
         sites_behind,
         _TESTS + "test_sites_behind_change_less_than_the_error_of_the_arrivals",
     ),
-    Saving(
+    Reduction(
         "events",
         "a crossing is sought only where a chord less F h^2/8 reaches the threshold, F a bound on "
         "the second derivative of |phi|^2",
@@ -185,7 +187,7 @@ SAVINGS: tuple[Saving, ...] = (
         crossings_sought,
         _TESTS + "test_searches_left_out_lose_no_crossing_and_move_none",
     ),
-    Saving(
+    Reduction(
         "time steps between events",
         "between crossings (44) is linear, and is propagated exactly",
         "rounding over the steepness of each crossing (jitter), in the error of the velocity",
@@ -193,7 +195,7 @@ SAVINGS: tuple[Saving, ...] = (
         steps_between_crossings,
         _TESTS + "test_steps_left_out_between_crossings_move_them_by_rounding_only",
     ),
-    Saving(
+    Reduction(
         "time steps of an orbit",
         "from eps max|damping| on the cycle, which sets how far a Taylor step reaches",
         "the change that a halved step asks for, in the error returned",
@@ -201,7 +203,7 @@ SAVINGS: tuple[Saving, ...] = (
         fewer_steps,
         _TESTS + "test_steps_left_out_of_a_period_change_less_than_the_error_of_the_orbit",
     ),
-    Saving(
+    Reduction(
         "harmonics",
         "orbits are found by shooting, whose unknowns are one state and the period",
         "the error of the orbit: it has every harmonic all the same",
@@ -209,7 +211,7 @@ SAVINGS: tuple[Saving, ...] = (
         harmonics_not_solved_for,
         _TESTS + "test_harmonics_not_solved_for_change_less_than_the_error_of_the_orbit",
     ),
-    Saving(
+    Reduction(
         "saved output",
         "a run keeps the samples asked for and the arrivals, not its steps",
         "nothing: samples are read off steps that are taken all the same",
@@ -217,7 +219,7 @@ SAVINGS: tuple[Saving, ...] = (
         saved_states,
         _TESTS + "test_states_not_saved_change_nothing",
     ),
-    Saving(
+    Reduction(
         "workers",
         "no more processes than points, and none for one point",
         "nothing: the same bits",
@@ -225,7 +227,7 @@ SAVINGS: tuple[Saving, ...] = (
         no_more_workers_than_points,
         _TESTS + "test_workers_not_started_change_nothing",
     ),
-    Saving(
+    Reduction(
         "imports",
         "a command imports what it uses, inside its own function",
         "nothing: the same bits",
@@ -236,6 +238,6 @@ SAVINGS: tuple[Saving, ...] = (
 )
 
 
-def measured_savings() -> tuple[MeasuredSaving, ...]:
+def measured_reductions() -> tuple[MeasuredReduction, ...]:
     """Compute both sides of every row now."""
-    return tuple(MeasuredSaving(saving, saving.compare()) for saving in SAVINGS)
+    return tuple(MeasuredReduction(reduction, reduction.compare()) for reduction in REDUCTIONS)

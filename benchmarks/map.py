@@ -1,0 +1,194 @@
+"""The map of states of Fig. 15: where its boundary of fronts lies, and at what cost.
+
+The value is the coupling c above which the start of Fig. 15 sends a front, at one η, by bisection
+of the states; the error is the distance in c from the true boundary. A bisection claims half of its
+last interval. Ours steps until a state is certain, by (8) or by the averaged chain. A user would
+hand (8) to scipy's DOP853 until a fixed time and look whether the far end is above the unstable
+cycle; beside the boundary no fixed time is enough.
+
+The boundary of reference is ours at 1e-11, to 1e-5; scipy's, run until the far end is
+reached or the wait is far beyond the decision, confirms that there is no front at five per cent
+less and one at five per cent more: ``agreement`` is these five per cent. Seconds are processor
+seconds a boundary.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from benchmarks.record import Target, WorkPoint
+from benchmarks.work_precision import (
+    Answer,
+    Effort,
+    Prepared,
+    Report,
+    Setting,
+    Style,
+    WorkPrecision,
+)
+from verification.execution.table import Point
+from verification.maps.state import State
+from verification.maps.state_map import StateTask
+from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
+from verification.quantities.problems import Problem, timed
+from verification.references.equations import full_rate
+
+FULL, AVERAGED = "label sweep, (8)", "label sweep, averaged"
+PEER = "scipy until a fixed time"
+STEPS = 10
+"""Bisections: the interval becomes a thousandth of the first one."""
+MARGIN = 0.05
+"""The boundary of reference is confirmed to this part of itself."""
+LONG = 600.0
+"""Slow time of that: five per cent above the boundary the front is through the chain by then."""
+
+Sends = Callable[[float], bool]
+"""Whether there is a front at this coupling."""
+
+
+def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
+    """Return the boundary of reference, how well it is confirmed, and all methods."""
+    eta, low, high = (problem[name] for name in ("eta", "low", "high"))
+    task = StateTask(chain=FIGURE_15, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
+    true, _ = boundary(partial(by_us, task, eta), low, high, STEPS if quick else STEPS + 6)
+    agreement = (high - low) / 2**STEPS if quick else confirmed(eta, true)
+    return Prepared(agreement=agreement, settings=[*_ours(problem, true), *_peers(problem, true)])
+
+
+def _ours(problem: Problem, true: float) -> Iterator[Setting]:
+    for method, chain in ((FULL, FIGURE_15), (AVERAGED, FIGURE_15.averaged())):
+        for k in (3, 4, 5, 6, 8):
+            task = StateTask(chain=chain, tolerance=10.0**-k, perturbation=0.0)
+            sends = partial(by_us, task, problem["eta"])
+            yield Setting(
+                method=method, knob=f"tolerance 1e-{k}", reference=true, quick=k in (4, 6),
+                evaluate=partial(_bisected, problem, sends, chain is FIGURE_15),
+            )  # fmt: skip
+
+
+def _peers(problem: Problem, true: float) -> Iterator[Setting]:
+    for end, k in ((10.0, 3), (30.0, 3), (30.0, 6), (60.0, 3)):
+        sends = partial(by_scipy, problem["eta"], end, 10.0**-k)
+        yield Setting(
+            method=PEER, knob=f"slow time {end:g}, tolerance 1e-{k}", reference=true,
+            evaluate=partial(_bisected, problem, sends, False), quick=end < 20.0, peer=True,
+        )  # fmt: skip
+
+
+def _bisected(problem: Problem, sends: Sends, claims: bool) -> Answer:
+    """Return the boundary; half of the last interval is a claim only where states are certain."""
+    found, half = boundary(sends, problem["low"], problem["high"], STEPS)
+    return Answer(value=found, claimed=half if claims else None)
+
+
+def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, float]:
+    """Return the coupling above which there is a front, and half of the last interval.
+
+    Raises
+    ------
+    ArithmeticError
+        If there is a front at both ends or at neither.
+
+    Examples
+    --------
+    >>> boundary(lambda c: c > 0.3, 0.0, 1.0, 2)
+    (0.375, 0.125)
+    """
+    if sends(low) or not sends(high):
+        raise ArithmeticError(f"no boundary of fronts was seen from c = {low:g} to {high:g}")
+    for _ in range(steps):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if sends(middle) else (middle, high)
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+def by_us(task: StateTask, eta: float, c: float) -> bool:
+    """Return whether the state is a front."""
+    return task(Point(eta=eta, c=c))["label"] == str(State.FRONT)
+
+
+def by_scipy(eta: float, end: float, tolerance: float, c: float) -> bool:
+    """Return whether the far end of (8) is above the unstable cycle at slow time ``end``."""
+    from scipy.integrate import solve_ivp
+
+    chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
+    start = np.zeros(2 * chain.sites)
+    start[chain.sites - 1] = DISPLACEMENT
+    run = solve_ivp(
+        full_rate(chain), (0.0, end / chain.eps), start, "DOP853", [end / chain.eps],
+        rtol=tolerance, atol=tolerance,
+    )  # fmt: skip
+    if not run.success:
+        raise ArithmeticError(run.message)
+    return bool(math.hypot(run.y[0, -1], run.y[chain.sites, -1]) > chain.unstable_amplitude)
+
+
+def confirmed(eta: float, c: float) -> float:
+    """Return to what distance in c scipy confirms a boundary.
+
+    Raises
+    ------
+    ArithmeticError
+        If it does not.
+    """
+    if reaches_the_end(eta, c * (1.0 - MARGIN)) or not reaches_the_end(eta, c * (1.0 + MARGIN)):
+        raise ArithmeticError(f"scipy does not confirm a boundary of fronts at c = {c:g}")
+    return c * MARGIN
+
+
+def reaches_the_end(eta: float, c: float) -> bool:
+    """Return whether the far end is reached by slow time `LONG`, by scipy's stepper."""
+    from scipy.integrate import DOP853
+
+    chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
+    start = np.zeros(2 * chain.sites)
+    start[chain.sites - 1] = DISPLACEMENT
+    solver = DOP853(full_rate(chain), 0.0, start, LONG / chain.eps, rtol=1e-6, atol=1e-6)
+    while solver.status == "running":
+        solver.step()
+        if math.hypot(solver.y[0], solver.y[chain.sites]) > chain.unstable_amplitude:
+            return True
+    return False
+
+
+def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Target]:
+    """Return boundaries a second of each setting."""
+    return [
+        Target(
+            f"{point.method}, {point.knob}, {point.scene}", 1.0 / point.seconds, "no target", None,
+            "boundaries a second", f"off by {point.error:.1e} in c",
+        )
+        for point in points
+    ]  # fmt: skip
+
+
+def _first(method: str) -> bool:
+    """Return one state of the first test problem."""
+    eta = timed("map")[0]["eta"]
+    if method == FULL:
+        return by_us(StateTask(chain=FIGURE_15, perturbation=0.0), eta, 0.5)
+    return by_scipy(eta, 10.0, 1e-3, 0.5)
+
+
+BENCHMARK = WorkPrecision(
+    name="map",
+    prepare=prepare,
+    targets=targets,
+    effort=Effort(least=1, most=9, once_from=1.0, limit=90.0),
+    quick_effort=Effort(seconds=0.1, least=1, most=3, once_from=0.2, limit=20.0),
+    style=Style(
+        xlabel="distance in c from the boundary of fronts (right is better)",
+        ylabel="processor seconds a boundary",
+        caption="Error against run time of the boundary of fronts in the map of Fig. 15, by "
+        "bisection of states to a thousandth of the interval.",
+        methods={FULL: ("blue", "o"), AVERAGED: ("green", "^"), PEER: ("vermilion", "s")},
+        garbage=0.5,
+        floor=1e-6,
+    ),
+    others={AVERAGED: "the averaged chain (43), whose boundary differs by a term of order eps"},
+    first={name: partial(_first, name) for name in (FULL, PEER)},
+)

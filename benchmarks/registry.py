@@ -1,0 +1,80 @@
+"""Which benchmarks there are, the quantity of each, and a whole measurement.
+
+Apart from ``work_precision``: the record of a benchmark depends on the code that it measures, and
+not on that of all others.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from benchmarks.first_call import first_calls
+from benchmarks.record import Failure, Record, WorkPoint, stamped
+from benchmarks.work_precision import Report, WorkPrecision, measure_side_by_side
+from theory.parameters import ParameterError
+from verification.execution.discovery import check_distinct, exposed
+from verification.execution.metadata import Code
+from verification.quantities.quantity import Quantity
+from verification.quantities.registry import quantity_named
+
+
+def quantity_of(benchmark: WorkPrecision) -> Quantity:
+    """Return the registered quantity that a benchmark measures."""
+    return quantity_named(benchmark.name)
+
+
+@functools.cache
+def all_benchmarks() -> tuple[WorkPrecision, ...]:
+    """Return every benchmark of this folder, by name.
+
+    Raises
+    ------
+    ValueError
+        If two have the same name.
+    """
+    found: list[WorkPrecision] = list(exposed("benchmarks", "BENCHMARK").values())
+    check_distinct("benchmarks", (benchmark.name for benchmark in found))
+    return tuple(sorted(found, key=lambda benchmark: benchmark.name))
+
+
+def chosen(names: Sequence[str]) -> tuple[WorkPrecision, ...]:
+    """Return the benchmarks named, or all if none is.
+
+    Raises
+    ------
+    ParameterError
+        If there is none of that name.
+    """
+    known = {benchmark.name: benchmark for benchmark in all_benchmarks()}
+    for name in names:
+        if name not in known:
+            allowed = f"one of {', '.join(known)}, growth"
+            raise ParameterError("quantity", name, allowed, "see 'fronts bench --list'")
+    return tuple(known[name] for name in dict.fromkeys(names)) if names else tuple(known.values())
+
+
+def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> Record:
+    """Return the record of a benchmark; a quick one is without first calls."""
+    code = asdict(Code.of([benchmark.module, *benchmark.code]))  # as it is at the start
+    points: list[WorkPoint] = []
+    failures: list[Failure] = []
+    agreement: dict[str, float] = {}
+    problems = quantity_of(benchmark).timed_problems[: benchmark.quick_problems if quick else None]
+    for problem in problems:
+        report(f"{benchmark.name} at the problem {problem.name}: the references")
+        prepared = benchmark.prepare(problem, quick, report)
+        agreement[problem.name] = prepared.agreement
+        settings = [each for each in prepared.settings if each.quick or not quick]
+        report(f"{benchmark.name} at the problem {problem.name}: {len(settings)} settings")
+        effort = benchmark.quick_effort if quick else benchmark.effort
+        where = (benchmark.name, problem.name)
+        done, failed = measure_side_by_side(*where, settings, effort, error=benchmark.error)
+        points += done
+        failures += failed
+        failures += [Failure(*where, *each) for each in prepared.failures]
+    targets = benchmark.targets(points, quick, report)
+    calls = () if quick else first_calls(benchmark, report)
+    command = f"fronts bench {benchmark.name}" + " --quick" * quick
+    return stamped(command, agreement, points, failures, targets, calls, code)

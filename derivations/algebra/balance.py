@@ -1,0 +1,129 @@
+"""Averages over a phase of functions of its cosine: powers and exponentials (Jacobi-Anger)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import sympy as sp
+
+from derivations.algebra.equations import equation, left_minus_right
+from derivations.algebra.operations import Operation, listed, spoken
+from derivations.algebra.oscillation import harmonics_of
+
+
+@lru_cache(maxsize=1)
+def exponential_mean() -> tuple[sp.Symbol, sp.Expr]:
+    """Return z and the mean of ``e^{z cos s}`` over s, by summing its power series.
+
+    The mean of ``cos^{2m}`` is ``binomial(2m, m) / 4^m``; odd powers have none.
+    """
+    z = sp.Symbol("z", positive=True)
+    m = sp.Symbol("m", integer=True, nonnegative=True)
+    term = z ** (2 * m) / sp.factorial(2 * m) * sp.binomial(2 * m, m) / 4**m
+    return z, sp.summation(term, (m, 0, sp.oo))
+
+
+def phase_mean(expression: sp.Expr, phase: sp.Symbol) -> sp.Expr:
+    """Return the mean over a period of the phase; an integral where no closed form is known."""
+    cosine = sp.Dummy("cos", real=True)
+    total = sp.S.Zero
+    for term in sp.Add.make_args(sp.expand(expression)):
+        slow, fast = term.as_independent(phase, as_Add=False)
+        plain = fast.subs(sp.cos(phase), cosine)
+        mean = _closed(plain, cosine, phase)
+        total += slow * (_integral(fast, phase) if mean is None else mean)
+    return total
+
+
+def _closed(plain: sp.Expr, cosine: sp.Symbol, phase: sp.Symbol) -> sp.Expr | None:
+    """Return the mean of ``cos^p s e^{rate cos s}`` and of trigonometric polynomials."""
+    if plain.has(phase):
+        back = plain.subs(cosine, sp.cos(phase))
+        trigonometric = all(q in (sp.sin(phase), sp.cos(phase)) for q in back.atoms(sp.Function))
+        if not trigonometric or not back.is_polynomial(sp.sin(phase), sp.cos(phase)):
+            return None
+        return sp.integrate(back, (phase, 0, 2 * sp.pi)) / (2 * sp.pi)
+    power = sp.S.Zero
+    rate = sp.S.Zero
+    for factor in sp.Mul.make_args(plain):
+        base, exponent = factor.as_base_exp()
+        if base == cosine and exponent.is_Integer:
+            power += exponent
+        elif isinstance(factor, sp.exp) and sp.degree(factor.exp, cosine) == 1:
+            rate += factor.exp.coeff(cosine)
+            if factor.exp.coeff(cosine, 0) != 0:
+                return None
+        elif factor != 1:
+            return None
+    if rate == 0:
+        return sp.integrate(sp.cos(phase) ** power, (phase, 0, 2 * sp.pi)) / (2 * sp.pi)
+    z, mean = exponential_mean()
+    return sp.expand_func(mean.diff((z, int(power)))).subs(z, rate)
+
+
+def _integral(fast: sp.Expr, phase: sp.Symbol) -> sp.Expr:
+    return sp.Integral(fast, (phase, -sp.pi, sp.pi)) / (2 * sp.pi)
+
+
+@dataclass(frozen=True)
+class BalancePower(Operation):
+    """Put a harmonic motion into an oscillator and let its mean power vanish.
+
+    Attributes
+    ----------
+    field : Expr
+        The displacement, a function of time.
+    time : Symbol
+        The time.
+    motion : Expr
+        The displacement as a function of the phase, at frequency one.
+    phase : Symbol
+        The phase.
+    """
+
+    field: sp.Expr
+    time: sp.Symbol
+    motion: sp.Expr
+    phase: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``mean of (left minus right) times velocity = 0``."""
+        (source,) = sources
+        rules = {
+            self.field.diff((self.time, power)): self.motion.diff((self.phase, power))
+            for power in (2, 1)
+        }
+        whole = left_minus_right(source).xreplace(rules).xreplace({self.field: self.motion})
+        power = sp.expand(sp.expand(whole, power_exp=True) * self.motion.diff(self.phase))
+        return equation(sp.expand(phase_mean(power, self.phase)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the motion."""
+        return (
+            f"put {spoken(self.field)} = {spoken(self.motion)} into {listed(labels)}, multiply by "
+            "the velocity and average over the phase (first order in damping and friction)"
+        )
+
+
+@dataclass(frozen=True)
+class ResonantPart(Operation):
+    """Keep of a quantity what varies as ``e^{i phase}``: its coefficient.
+
+    Attributes
+    ----------
+    phase : Symbol
+        The phase.
+    """
+
+    phase: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = coefficient``; the left side of the source is the name."""
+        (source,) = sources
+        return equation(source.lhs, harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the phase."""
+        return f"take the coefficient of e^(i{spoken(self.phase)}) in {listed(labels)}"

@@ -1,0 +1,255 @@
+"""Operations on a dispersion relation: group velocity, its maximum, and the envelope of a wave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derivations.algebra.equations import equation, left_minus_right, parts_of
+from derivations.algebra.operations import Operation, OperationError, listed, spoken
+
+
+@dataclass(frozen=True)
+class DifferentiateDispersion(Operation):
+    """Derivatives of the frequency with respect to the wavenumber, implicitly.
+
+    Attributes
+    ----------
+    frequency, wavenumber : Symbol
+        omega and k.
+    names : tuple of Symbol
+        What the first and the higher derivatives are called.
+    """
+
+    frequency: sp.Symbol
+    wavenumber: sp.Symbol
+    names: tuple[sp.Symbol, ...]
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = derivative`` in terms of omega, k and the lower derivatives."""
+        (source,) = sources
+        held = sp.Function("omega_of")(self.wavenumber)
+        current = left_minus_right(source).subs(self.frequency, held)
+        known: dict[sp.Basic, sp.Basic] = {}
+        out = []
+        for order, name in enumerate(self.names, start=1):
+            current = current.diff(self.wavenumber)
+            highest = held.diff((self.wavenumber, order))
+            known[highest] = name
+            plain = current.subs(dict(sorted(known.items(), key=_by_order))).subs(
+                held, self.frequency
+            )
+            (found,) = sp.solve(plain, name)
+            out.append(equation(name, sp.expand(found)))
+        return sp.Tuple(*out)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the derivatives."""
+        return (
+            f"differentiate {listed(labels)} implicitly: {listed([spoken(q) for q in self.names])}"
+        )
+
+
+def _by_order(pair: tuple[sp.Basic, sp.Basic]) -> int:
+    return -int(pair[0].derivative_count)
+
+
+@dataclass(frozen=True)
+class FastestWave(Operation):
+    """Find the wave of largest group velocity, where the second derivative vanishes.
+
+    The sources are the derivatives and the dispersion relation ``omega² = D(cos k)``. With
+    ``omega'' = 0`` the second derivative of the relation gives the square of the group velocity.
+
+    Attributes
+    ----------
+    frequency, wavenumber : Symbol
+        omega and k.
+    parameter : Symbol
+        The parameter at whose value ``probe`` the admissible root is told from the others.
+    """
+
+    frequency: sp.Symbol
+    wavenumber: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``cos k = root``."""
+        derivatives, relation = sources
+        first, second = parts_of(derivatives)[:2]
+        cosine = sp.Dummy("C")
+        flat = second.rhs.subs(first.lhs, first.rhs) * self.frequency**3
+        flat = sp.expand(flat).subs(self.frequency, sp.sqrt(relation.rhs))
+        k = self.wavenumber
+        plain = sp.expand(sp.expand_trig(sp.expand(flat)).subs(sp.sin(k) ** 2, 1 - sp.cos(k) ** 2))
+        plain = sp.expand(plain.subs(sp.cos(k), cosine))
+        if plain.has(k) or sp.degree(plain, cosine) > 2:
+            raise OperationError("the fastest wave has no closed form")
+        admissible = [root for root in sp.solve(plain, cosine) if _is_cosine(root)]
+        if len(admissible) != 1:
+            raise OperationError("not one wave of largest group velocity")
+        return equation(sp.cos(k), admissible[0])
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say what vanishes."""
+        return (
+            f"let the second derivative of the frequency in {labels[0]} vanish, with "
+            f"{listed(labels[1:])}, and keep the root with |cos {spoken(self.wavenumber)}| < 1"
+        )
+
+
+def _is_cosine(root: sp.Expr) -> bool:
+    """Whether the modulus is below one, at several values of all parameters."""
+    symbols = sorted(root.free_symbols, key=str)
+    trials = [{symbol: scale * (1 + place / 7) for place, symbol in enumerate(symbols)}
+              for scale in (0.03, 0.4, 3.0)]  # fmt: skip
+    return all(abs(complex(root.subs(trial).evalf())) < 1 for trial in trials)
+
+
+@dataclass(frozen=True)
+class AtFastestWave(Operation):
+    """Evaluate a derivative of the frequency at the wave of largest group velocity.
+
+    The sources are the derivatives, the dispersion relation and the cosine of the wave. A square
+    root in the cosine becomes a parameter, so that what is under further roots is a square.
+
+    Attributes
+    ----------
+    frequency, wavenumber : Symbol
+        omega and k.
+    """
+
+    frequency: sp.Symbol
+    wavenumber: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = value`` for the first and the third derivative, k between 0 and pi."""
+        derivatives, relation, fastest = sources
+        first, second, third = parts_of(derivatives)
+        k = self.wavenumber
+        root = fastest.rhs
+        radical, parameter, back = _parametrised(root)
+        cosine = sp.factor(root.subs(radical, parameter).subs(back))
+        square = sp.factor(sp.expand_trig(first.rhs**2 * self.frequency**2).subs(
+            sp.sin(k) ** 2, 1 - sp.cos(k) ** 2).subs(sp.cos(k), cosine).subs(back)
+            / relation.rhs.subs(sp.cos(k), cosine).subs(back))  # fmt: skip
+        size = sp.sqrt(sp.factor(square))
+        excess = sp.Dummy("x", positive=True)  # the radical is above one
+        speed = sp.sqrt(sp.factor(square.subs(parameter, 1 + excess))).subs(excess, parameter - 1)
+        if speed.atoms(sp.Pow) & size.atoms(sp.Pow) and speed.has(sp.sqrt(parameter)):
+            raise OperationError("the group velocity is not rational in the radical")
+        own = equation(first.lhs, sp.factor(speed).subs(parameter, radical))
+        # The flat point: the second derivative is zero, so the third follows from the first.
+        flat = third.rhs.subs(second.lhs, 0)
+        wave = sp.simplify(flat / first.rhs)
+        return sp.Tuple(own, equation(third.lhs, sp.expand(wave * own.rhs)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the wave."""
+        return f"evaluate {labels[0]} at the wave {listed(labels[2:])}, with {labels[1]}"
+
+
+def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.Expr]]:
+    """Return the square root in an expression, a symbol for it, and a parameter in terms of it."""
+    radicals = [q for q in root.atoms(sp.Pow) if q.exp == sp.Rational(1, 2)]
+    if len(radicals) != 1:
+        raise OperationError("not one square root in the cosine of the wave")
+    parameter = sp.Dummy("s", positive=True)
+    inside = radicals[0].base
+    gone = sorted(inside.free_symbols, key=str)[0]
+    (value,) = sp.solve(inside - parameter**2, gone)
+    return radicals[0], parameter, {gone: value}
+
+
+@dataclass(frozen=True)
+class EnvelopeOfWave(Operation):
+    """Let a wave number differ little from that of a carrier: a differential equation.
+
+    The carrier is at a flat point of the group velocity. The frequency is expanded to third order
+    in the distance K, and K stands for ``-i d/dx`` on the envelope. The second source gives the
+    local rate of the envelope.
+
+    Attributes
+    ----------
+    envelope : Expr
+        A function of x and t.
+    place, time : Symbol
+        x and t.
+    coefficients : tuple of Expr
+        First, second and third derivative of the frequency at the carrier.
+    """
+
+    envelope: sp.Expr
+    place: sp.Symbol
+    time: sp.Symbol
+    coefficients: tuple[sp.Expr, ...]
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the rate of the envelope: dispersion and the local rate."""
+        (local,) = sources
+        rate = sp.S.Zero
+        for order, coefficient in enumerate(self.coefficients, start=1):
+            moved = (-sp.I) ** order * self.envelope.diff((self.place, order))
+            rate -= sp.I * coefficient / sp.factorial(order) * moved
+        return equation(self.envelope.diff(self.time), sp.expand(rate) + local.rhs)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say what is expanded."""
+        return (
+            "expand the frequency about the fastest wave to third order, write the distance of the "
+            f"wavenumber as -i∂/∂{spoken(self.place)} on the envelope, and add the local rate of "
+            f"{listed(labels)}"
+        )
+
+
+@dataclass(frozen=True)
+class RealWave(Operation):
+    """Take the real part of a characteristic equation, and solve it for the square of omega.
+
+    Attributes
+    ----------
+    frequency : Symbol
+        omega, real.
+    """
+
+    frequency: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``omega² = ...``."""
+        (source,) = sources
+        real = sp.re(sp.expand(left_minus_right(source))).doit()
+        square = sp.expand(real).coeff(self.frequency, 2)
+        rest = sp.expand(real - square * self.frequency**2)
+        if rest.has(self.frequency) or square == 0:
+            raise OperationError(f"the real part is not linear in {self.frequency} squared")
+        return equation(self.frequency**2, sp.expand(-rest / square))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the frequency."""
+        return f"take the real part of {listed(labels)} and solve for {spoken(self.frequency)}²"
+
+
+@dataclass(frozen=True)
+class NameNegative(Operation):
+    """Give a negative quantity's size a name: ``w = -size``.
+
+    Attributes
+    ----------
+    quantity, size : Symbol
+        The quantity, and the name of its size.
+    """
+
+    quantity: sp.Symbol
+    size: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the system with ``size = -value`` in the place of ``quantity = value``."""
+        (source,) = sources
+        parts = [equation(self.size, sp.expand(-part.rhs)) if part.lhs == self.quantity else part
+                 for part in parts_of(source)]  # fmt: skip
+        return sp.Tuple(*parts)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name both."""
+        return f"write {spoken(self.quantity)} = -{spoken(self.size)} in {listed(labels)}"

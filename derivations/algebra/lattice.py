@@ -1,0 +1,167 @@
+"""Operations on a finite chain: close it, write it as a first-order system, linearise it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import sympy as sp
+
+from derivations.algebra.equations import equation, left_minus_right, parts_of
+from derivations.algebra.expansion import taylor
+from derivations.algebra.operations import Operation, OperationError, listed, spoken
+
+
+class Ends(Enum):
+    """How the two ends of a chain of N sites are closed; the value says it in words."""
+
+    RING = "a ring: site 1 and site N are neighbours"
+    FREE = "free ends: a spring without a site at its other end carries no force"
+
+
+@dataclass(frozen=True)
+class CloseChain(Operation):
+    """Write the equation of site n for each site of a finite chain.
+
+    Attributes
+    ----------
+    field : function class
+        The displacement, called as ``field(site, time)``.
+    index, time : Symbol
+        The site and the time in the equation.
+    sites : int
+        N.
+    ends : Ends
+        What the neighbours beyond the ends are.
+    """
+
+    field: sp.FunctionClass
+    index: sp.Symbol
+    time: sp.Symbol
+    sites: int
+    ends: Ends
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the equations of sites 1 to N."""
+        (source,) = sources
+        whole = left_minus_right(source)
+        return sp.Tuple(*(equation(self._at(whole, site)) for site in range(1, self.sites + 1)))
+
+    def _at(self, whole: sp.Expr, site: int) -> sp.Expr:
+        def neighbour(place: sp.Expr, when: sp.Expr) -> sp.Expr:
+            wanted = int(place.subs(self.index, site))
+            if self.ends is Ends.RING:
+                return self.field((wanted - 1) % self.sites + 1, when)
+            return self.field(wanted if 1 <= wanted <= self.sites else site, when)
+
+        return whole.replace(self.field, neighbour).doit()
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the number of sites and the ends."""
+        return (
+            f"write {listed(labels)} for sites 1 to N = {self.sites}, closed to {self.ends.value}"
+        )
+
+
+@dataclass(frozen=True)
+class WriteFirstOrder(Operation):
+    """Write equations of second order as a system of first order for a state vector.
+
+    The first source holds the equations, the second the state, ``X = (displacements, velocities)``.
+
+    Attributes
+    ----------
+    rate : Symbol
+        The left side, ``dX/dt``.
+    components : tuple of Symbol
+        The names of the entries of X.
+    time : Symbol
+        The time.
+    """
+
+    rate: sp.Symbol
+    components: tuple[sp.Symbol, ...]
+    time: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``dX/dt = f(X)`` in the components."""
+        chain, state = sources
+        names = dict(zip(state.rhs, self.components, strict=True))
+        seconds = {}
+        for part in parts_of(chain):
+            whole = sp.expand(left_minus_right(part))
+            (own,) = (q for q in whole.atoms(sp.Derivative) if q.derivative_count == 2)
+            seconds[own] = -(whole - whole.coeff(own) * own) / whole.coeff(own)
+        rows = [sp.diff(entry, self.time).subs(seconds) for entry in state.rhs]
+        # Velocities first: a displacement is part of the name of its own derivative.
+        order = sorted(names, key=lambda q: not isinstance(q, sp.Derivative))
+        for own in order:
+            rows = [row.subs(own, names[own]) for row in rows]
+        if any(row.has(self.time) for row in rows):
+            raise OperationError("the state does not determine its own rate")
+        return equation(self.rate, sp.ImmutableMatrix([sp.expand(row) for row in rows]))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the state."""
+        return f"write {labels[0]} as a first-order system for the state {listed(labels[1:])}"
+
+
+@dataclass(frozen=True)
+class LineariseSystem(Operation):
+    """Perturb the state of a first-order system and keep the first order.
+
+    Attributes
+    ----------
+    components, perturbations : tuple of Symbol
+        The entries of the state, and what is added to each.
+    rate : Symbol
+        The rate of the perturbation.
+    """
+
+    components: tuple[sp.Symbol, ...]
+    perturbations: tuple[sp.Symbol, ...]
+    rate: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``d(perturbation)/dt`` row by row."""
+        (source,) = sources
+        small = sp.Dummy("s")
+        pairs = zip(self.components, self.perturbations, strict=True)
+        moved = {own: own + small * change for own, change in pairs}
+        rows = [sp.expand(taylor(row.xreplace(moved), small, 1)[1]) for row in source.rhs]
+        return equation(self.rate, sp.ImmutableMatrix(rows))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say what is kept."""
+        return f"perturb a solution of {listed(labels)} and keep the first order"
+
+
+@dataclass(frozen=True)
+class ReadMatrix(Operation):
+    """Read the matrix off a linear system.
+
+    Attributes
+    ----------
+    unknowns : tuple of Symbol
+        What the matrix multiplies.
+    name : Symbol
+        What the matrix is called.
+    """
+
+    unknowns: tuple[sp.Symbol, ...]
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = matrix``."""
+        (source,) = sources
+        entries = [[sp.expand(row).coeff(own) for own in self.unknowns] for row in source.rhs]
+        matrix = sp.ImmutableMatrix(entries)
+        left_over = sp.ImmutableMatrix(source.rhs) - matrix * sp.ImmutableMatrix(self.unknowns)
+        if not left_over.expand().is_zero_matrix:
+            raise OperationError("the system is not linear and homogeneous")
+        return equation(self.name, matrix)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the matrix."""
+        return f"read the matrix {spoken(self.name)} off {listed(labels)}"

@@ -1,0 +1,144 @@
+"""How symbols, fields and derivatives are written: LaTeX, and one line of Unicode.
+
+``y(n + 1, t)`` is a good object to compute with and a poor one to read. Before printing, fields at
+a site, functions of slow times, their derivatives and conjugates are replaced by symbols with the
+paper's names: y with index n+1, dots for the time, primes for the slow time.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.printing.pretty.pretty_symbology import pretty_symbol
+
+
+class Script(Enum):
+    """The two ways to write a name."""
+
+    LATEX = "latex"
+    UNICODE = "unicode"
+
+
+NAMES: dict[str, tuple[str, str]] = {
+    "Y": ("y_{0}", "y₀"),
+    "Y_0": ("y_{0}^{(0)}", "y₀⁽⁰⁾"),
+    "Y_1": ("y_{0}^{(1)}", "y₀⁽¹⁾"),
+    "Psi": (r"\Psi", "Ψ"),
+    "varphi": (r"\varphi", "φ"),
+    "y_next": ("y_{n}^{(1)}", "yₙ⁽¹⁾"),
+    "turn": ("E", "E"),
+    "ratio": (r"\left|\varphi_{us}\right|/\left|\varphi_{s}\right|", "│φᵤₛ│/│φₛ│"),
+    "psi": (r"\psi", "ψ"),
+    "A_abs": (r"\left|A\right|", "│A│"),
+    "varphi_s": (r"\varphi_{s}", "φₛ"),
+    "varphi_us": (r"\varphi_{us}", "φᵤₛ"),
+}
+"""Names that are not written as SymPy would."""
+
+PRIMED = ("tau", "T")
+"""Slow times: derivatives are primes."""
+
+_LOW = str.maketrans("0123456789+-nmjpkzt", "₀₁₂₃₄₅₆₇₈₉₊₋ₙₘⱼₚₖzₜ")
+_DOTS = {1: "\u0307", 2: "\u0308", 3: "\u20db"}
+
+
+def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
+    r"""Return the expression with readable symbols for fields and derivatives.
+
+    Examples
+    --------
+    >>> t, n = sp.Symbol("t"), sp.Symbol("n", integer=True)
+    >>> y = sp.Function("y", real=True)
+    >>> displayed(y(n + 1, t).diff(t, 2), Script.LATEX)
+    \ddot{y}_{n+1}
+    """
+    found: dict[sp.Basic, sp.Basic] = {}
+    for own in expression.atoms(sp.Derivative, AppliedUndef, sp.conjugate):
+        name = _name(own, script)
+        if name is not None:
+            found[own] = sp.Symbol(name)
+    for symbol in expression.atoms(sp.Symbol):
+        if symbol.name in NAMES:
+            found[symbol] = sp.Symbol(NAMES[symbol.name][script is Script.UNICODE])
+    return expression.xreplace(found)
+
+
+def _name(own: sp.Basic, script: Script) -> str | None:
+    if isinstance(own, sp.conjugate):
+        inner = own.args[0]
+        if isinstance(inner, sp.Symbol):
+            name = _base(inner.name, script)
+        else:
+            found = _name(inner, script) if isinstance(inner, AppliedUndef) else None
+            if found is None:
+                return None
+            name = found
+        return name + ("^{*}" if script is Script.LATEX else "*")
+    if isinstance(own, sp.Derivative):
+        return _derivative(own, script)
+    if not isinstance(own, AppliedUndef):
+        return None
+    return _function(own, script, "")
+
+
+def _base(name: str, script: Script) -> str:
+    if name in NAMES:
+        return NAMES[name][script is Script.UNICODE]
+    return str(sp.latex(sp.Symbol(name)) if script is Script.LATEX else pretty_symbol(name))
+
+
+def _function(own: AppliedUndef, script: Script, mark: str) -> str | None:
+    """Return the name of a field at a site or of a function of slow times; None for others."""
+    base = _base(own.func.__name__, script)
+    if mark:
+        base = _marked(base, mark, script)
+    first = own.args[0]
+    if first.is_integer and not first.has(sp.Function):
+        place = str(sp.sstr(first)).replace(" ", "")
+        if script is Script.LATEX:
+            return f"{base}_{{{place}}}"
+        low = place.translate(_LOW)
+        return base + (low if set(place) <= set("0123456789+-nmjpkt") else f"[{place}]")
+    if all(argument.is_Symbol and argument.name in (*PRIMED, "that", "t") for argument in own.args):
+        return base
+    return None
+
+
+def _derivative(own: sp.Derivative, script: Script) -> str | None:
+    inner = own.expr
+    if not isinstance(inner, AppliedUndef):
+        return None
+    counts = {variable: int(times) for variable, times in own.variable_count}
+    if set(map(str, counts)) == {"t"} and sum(counts.values()) <= 3:
+        return _function(inner, script, "." * sum(counts.values()))
+    plain = _function(inner, script, "")
+    if plain is None:
+        return None
+    names = [variable.name for variable in counts]
+    if (
+        len(inner.args) <= 2
+        and len(names) == 1
+        and names[0] in PRIMED
+        and "that" not in map(str, inner.args)
+    ):
+        return _function(inner, script, "'" * counts[next(iter(counts))])
+    times = [_base(variable.name, script) for variable, count in counts.items()
+             for _ in range(count)]  # fmt: skip
+    if script is Script.LATEX:
+        return f"{{{plain}}}_{{,{''.join(_spaced(q) for q in times)}}}"
+    return f"∂{{{','.join(times)}}}{plain}"
+
+
+def _spaced(name: str) -> str:
+    return name + " " if name.startswith("\\") else name
+
+
+def _marked(base: str, mark: str, script: Script) -> str:
+    if mark.startswith("'"):
+        return base + ("'" if script is Script.LATEX else "′") * len(mark)
+    dots = len(mark)
+    if script is Script.LATEX:
+        return f"\\{'d' * dots}ot{{{base}}}"
+    return base[0] + _DOTS[dots] + base[1:]

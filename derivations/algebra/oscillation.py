@@ -1,0 +1,384 @@
+"""Operations on harmonics and on complex amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derivations.algebra.equations import equation, left_minus_right, parts_of, system
+from derivations.algebra.operations import Operation, OperationError, Substitute, listed, spoken
+
+
+def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
+    """Return the coefficient of ``e^{i m phase}`` for each m that occurs.
+
+    Everything but trigonometric functions and exponentials of the phase counts as slow, also
+    functions of the time that is in the phase: they are frozen.
+
+    Raises
+    ------
+    OperationError
+        If the expression is not a polynomial in harmonics of the phase.
+    """
+    frozen = _frozen(expression)
+    turn, fast = sp.Dummy("turn"), phase
+    plain = sp.sympify(expression).xreplace(frozen)
+    if not phase.is_Symbol:
+        fast = sp.Dummy("fast", real=True)
+        (time,) = (q for q in phase.free_symbols if q.name == "t")
+        plain = plain.subs(time, fast * time / phase)
+    plain = plain.replace(
+        lambda q: isinstance(q, (sp.sin, sp.cos)) and q.has(fast), lambda q: q.rewrite(sp.exp)
+    )
+    rules = {}
+    for wave in plain.atoms(sp.exp):
+        if wave.has(fast):
+            rest, turning = sp.expand(wave.exp).as_independent(fast, as_Add=True)
+            rules[wave] = turn ** sp.cancel(turning / (sp.I * fast)) * sp.exp(rest)
+    plain = sp.expand(plain.xreplace(rules), power_exp=False)
+    if plain.has(fast):
+        raise OperationError(f"{spoken(phase)} is left outside of harmonics")
+    found: dict[int, sp.Expr] = {}
+    for term in sp.Add.make_args(plain):
+        slow, wave = term.as_independent(turn, as_Add=False)
+        power = sp.degree(wave, turn) if wave == turn else wave.as_base_exp()[1]
+        number = 0 if wave == 1 else int(power)
+        found[number] = found.get(number, sp.S.Zero) + slow
+    back = {dummy: own for own, dummy in frozen.items()}
+    return {m: q.xreplace(back) for m, q in found.items() if q != 0}
+
+
+def _frozen(expression: sp.Basic) -> dict[sp.Basic, sp.Dummy]:
+    """Return a stand-in for each undefined function and derivative, longest first."""
+    found: dict[sp.Basic, sp.Dummy] = {}
+    for own in [*expression.atoms(sp.Derivative), *expression.atoms(AppliedUndef)]:
+        real = own.expr.is_real if isinstance(own, sp.Derivative) else own.is_real
+        found[own] = sp.Dummy(str(own), real=True) if real else sp.Dummy(str(own))
+    return found
+
+
+def complex_parts(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Return real and imaginary part, for real symbols and real functions.
+
+    Raises
+    ------
+    OperationError
+        If a symbol or function is not known to be real.
+    """
+    frozen = _frozen(expression)
+    plain = sp.powsimp(sp.expand(expression.xreplace(frozen)), combine="exp")
+    plain = plain.replace(sp.exp, _euler)
+    plain = sp.expand(plain)
+    loose = [q for q in plain.free_symbols if q.is_extended_real is not True]
+    if loose or plain.has(sp.conjugate):
+        raise OperationError(f"{', '.join(map(str, loose))} may be complex")
+    back = {dummy: own for own, dummy in frozen.items()}
+    real, imaginary = (plain.coeff(sp.I, power).xreplace(back) for power in (0, 1))
+    return real, imaginary
+
+
+def _euler(exponent: sp.Expr) -> sp.Expr:
+    real, imaginary = sp.expand(exponent).as_real_imag()
+    return sp.exp(real) * (sp.cos(imaginary) + sp.I * sp.sin(imaginary))
+
+
+@dataclass(frozen=True)
+class RemoveSecularTerms(Operation):
+    """Demand that a forced oscillator is not driven at its own frequency.
+
+    The sources are the forced equation and the solutions to be put in. The terms of the unknown
+    must vanish for ``u = e^{i m t}``; then the drive must have no harmonic m.
+
+    Attributes
+    ----------
+    fast : Symbol
+        The fast time.
+    unknown : Expr
+        The function that must stay bounded.
+    harmonic : int
+        The resonant harmonic m.
+    """
+
+    fast: sp.Symbol
+    unknown: sp.Expr
+    harmonic: int = 1
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``coefficient of the resonant harmonic = 0``."""
+        target, *rules = sources
+        whole = sp.expand(left_minus_right(target))
+        own = sum((q for q in sp.Add.make_args(whole) if q.has(self.unknown)), sp.S.Zero)
+        wave = sp.exp(sp.I * self.harmonic * self.fast)
+        if sp.expand(own.subs(self.unknown, wave).doit()) != 0:
+            raise OperationError(f"harmonic {self.harmonic} is not resonant")
+        drive = left_minus_right(Substitute()(equation(whole - own), *rules))
+        return equation(harmonics_of(drive, self.fast).get(self.harmonic, sp.S.Zero))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the harmonic."""
+        number = "" if self.harmonic == 1 else str(self.harmonic)
+        into = f"substitute {listed(labels[1:])} into {labels[0]} and " if labels[1:] else ""
+        return (
+            f"{into}remove secular terms: the coefficient of e^({number}i{spoken(self.fast)}) "
+            "vanishes"
+        )
+
+
+@dataclass(frozen=True)
+class CollectHarmonic(Operation):
+    """Take the coefficient of one harmonic of both sides.
+
+    Attributes
+    ----------
+    phase : Expr
+        The phase.
+    harmonic : int
+        Which harmonic.
+    """
+
+    phase: sp.Expr
+    harmonic: int = 1
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the equation of the coefficients."""
+        (source,) = sources
+        sides = (harmonics_of(side, self.phase).get(self.harmonic, sp.S.Zero)
+                 for side in source.args)  # fmt: skip
+        return equation(*sides)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the harmonic."""
+        return f"collect the harmonic e^({self.harmonic}i{spoken(self.phase)}) of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class Average(Operation):
+    """Average over the fast phase while slow functions and their derivatives are frozen.
+
+    Attributes
+    ----------
+    phase : Expr
+        The fast phase, as in ``omega t``.
+    """
+
+    phase: sp.Expr
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the mean of left minus right over a period; moduli are written as such."""
+        (source,) = sources
+        mean = harmonics_of(left_minus_right(source), self.phase).get(0, sp.S.Zero)
+        return equation(with_modulus(mean))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the phase."""
+        return (
+            f"average {listed(labels)} over a period of the fast phase {spoken(self.phase)} "
+            "at frozen amplitudes"
+        )
+
+
+def with_modulus(expression: sp.Expr) -> sp.Expr:
+    """Return the expression with ``z z*`` written ``|z|²``."""
+    out = []
+    for term in sp.Add.make_args(sp.expand(expression)):
+        powers = dict(term.as_powers_dict())
+        for factor in list(powers):
+            if isinstance(factor, sp.conjugate) and factor.args[0] in powers:
+                own = factor.args[0]
+                common = min(powers[own], powers[factor])
+                powers[own] -= common
+                powers[factor] -= common
+                size = sp.Abs(own)
+                powers[size] = powers.get(size, 0) + 2 * common
+        out.append(sp.Mul(*(base**power for base, power in powers.items())))
+    return sp.Add(*out)
+
+
+@dataclass(frozen=True)
+class RealAndImaginaryParts(Operation):
+    """Separate an equation between complex numbers into two real ones.
+
+    Attributes
+    ----------
+    imaginary_first : bool
+        Order in which they are written.
+    """
+
+    imaginary_first: bool = False
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``(real part = 0, imaginary part = 0)``."""
+        (source,) = sources
+        real, imaginary = complex_parts(left_minus_right(source))
+        pair = (imaginary, real) if self.imaginary_first else (real, imaginary)
+        return sp.Tuple(*(equation(part) for part in pair))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the order."""
+        pair = "imaginary and real" if self.imaginary_first else "real and imaginary"
+        return f"take the {pair} parts of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class SquareAndAdd(Operation):
+    """Bring the terms with an angle to the left, square both sides, and add the equations.
+
+    Attributes
+    ----------
+    angle : Symbol
+        The angle that drops out by ``sin² + cos² = 1``.
+    """
+
+    angle: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the sum of the squares."""
+        (source,) = sources
+        first, second = (sp.expand(left_minus_right(part)) for part in parts_of(source))
+        rests, waves = zip(*(q.as_independent(self.angle, as_Add=True) for q in (first, second)),
+                           strict=True)  # fmt: skip
+        # For real waves the sum of squares is a product of conjugates, in which angles cancel.
+        turning = [sp.expand(wave.rewrite(sp.exp)) for wave in waves]
+        up, down = (sp.expand(turning[0] + sign * sp.I * turning[1]) for sign in (1, -1))
+        product = sp.expand(up * down)
+        left = sp.expand(sp.powsimp(product, combine="exp").replace(sp.exp, _euler))
+        if left.has(self.angle):
+            raise OperationError(f"{self.angle} does not drop out")
+        return equation(left, sum((sp.collect(rest, ()) ** 2 for rest in rests), sp.S.Zero))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the angle."""
+        return (
+            f"bring the terms of {listed(labels)} with {spoken(self.angle)} to the left, square "
+            f"and add: {spoken(self.angle)} drops out"
+        )
+
+
+@dataclass(frozen=True)
+class SquareRoot(Operation):
+    """Take the square root of both sides; both signs are kept."""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the branches ``√left = +√right`` and ``√left = -√right``."""
+        (source,) = sources
+        left, right = (self._root(side) for side in source.args)
+        return sp.Tuple(equation(left, right), equation(left, -right))
+
+    @staticmethod
+    def _root(side: sp.Expr) -> sp.Expr:
+        found = sp.sqrt(sp.factor(side))
+        return found.replace(sp.Abs, lambda inner: inner)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"take the square root of {listed(labels)}, with both signs"
+
+
+@dataclass(frozen=True)
+class SolveCosine(Operation):
+    """Solve a relation between multiples of an angle under cosines; all branches are kept.
+
+    Attributes
+    ----------
+    angle : Symbol
+        The angle; only cosines of its multiples occur.
+    """
+
+    angle: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``angle = ±arccos(root)`` for each root, the negative sign first."""
+        (source,) = sources
+        cosine = sp.Dummy("cosine")
+        whole = sp.expand(left_minus_right(source))
+        whole = whole.replace(lambda q: isinstance(q, sp.cos) and q.has(self.angle), sp.expand_trig)
+        polynomial = sp.Poly(sp.expand(whole).xreplace({sp.cos(self.angle): cosine}), cosine)
+        if polynomial.has(self.angle):
+            raise OperationError(f"not only cosines of {self.angle} occur")
+        if polynomial.degree() == 1:
+            slope, rest = polynomial.all_coeffs()
+            roots = [sp.simplify(-rest / slope)]
+        elif polynomial.degree() == 2:
+            # The first root is the one that stays finite when the top coefficient goes to zero.
+            top, middle, low = polynomial.all_coeffs()
+            spread = sp.sqrt(middle**2 - 4 * top * low)
+            roots = [-2 * low / (middle + spread), -(middle + spread) / (2 * top)]
+        else:
+            raise OperationError(f"of degree {polynomial.degree()} in cos {self.angle}")
+        return sp.Tuple(*(equation(self.angle, sign * sp.acos(root))
+                          for root in roots for sign in (-1, 1)))  # fmt: skip
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the angle."""
+        return f"solve {listed(labels)} for {spoken(self.angle)}, with every branch"
+
+
+@dataclass(frozen=True)
+class MatchHarmonic(Operation):
+    """Equate modulus and argument of one harmonic of two expressions for the same motion.
+
+    Attributes
+    ----------
+    phase : Expr
+        The phase.
+    """
+
+    phase: sp.Expr
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``2 |first| = 2 |second|`` and ``arg first = arg second``."""
+        first, second = (harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero)
+                         for source in sources)  # fmt: skip
+        sizes = equation(2 * modulus(first), 2 * modulus(second))
+        return system((sizes, equation(argument(first), argument(second))))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the two."""
+        return f"equate amplitude and phase of the fundamentals of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class TakeAmplitude(Operation):
+    """Amplitude of the fundamental of a motion.
+
+    Attributes
+    ----------
+    phase : Expr
+        The phase.
+    name : Symbol
+        What the amplitude is called.
+    """
+
+    phase: sp.Expr
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = 2 |coefficient of e^{i phase}|``."""
+        (source,) = sources
+        found = harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero)
+        return equation(self.name, 2 * modulus(found))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the motion."""
+        return f"take the amplitude of {listed(labels)}"
+
+
+def modulus(value: sp.Expr) -> sp.Expr:
+    """Return the modulus of a product of real factors, phase factors and powers of i."""
+    square = sp.factor(sp.powsimp(sp.expand(value * sp.conjugate(value)), combine="exp"))
+    roots = [sp.exp(factor.exp / 2) if isinstance(factor, sp.exp) else sp.sqrt(factor)
+             for factor in sp.Mul.make_args(square)]  # fmt: skip
+    return sp.Mul(*roots)
+
+
+def argument(value: sp.Expr) -> sp.Expr:
+    """Return the argument of a product of positive factors, phase factors and powers of i."""
+    total: sp.Expr = sp.S.Zero
+    for factor in sp.Mul.make_args(sp.powsimp(value, combine="exp")):
+        total += sp.im(factor.exp) if isinstance(factor, sp.exp) else sp.arg(factor)
+    number, rest = total.as_independent(*total.free_symbols, as_Add=True)
+    turned = sp.Mod(number + sp.pi, 2 * sp.pi) - sp.pi  # in [-pi, pi)
+    return turned + rest

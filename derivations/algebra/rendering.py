@@ -1,0 +1,301 @@
+"""Show a derivation: text, LaTeX, MathML, JSON, Markdown, and a document that compiles."""
+
+from __future__ import annotations
+
+import re
+from keyword import iskeyword
+from typing import Any
+from xml.etree import ElementTree
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derivations.algebra.equations import parts_of
+from derivations.algebra.notation import Script, displayed
+from derivations.algebra.steps import Derivation, Evidence, Kind, Step
+from derivations.algebra.sums import SumOver
+
+TERMS_A_LINE = 3
+"""Longer sums are broken so that they fit the width of a page."""
+
+FORMATS = ("text", "latex", "mathml", "markdown", "json")
+"""How a derivation can be shown on the command line."""
+
+PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage[margin=22mm]{geometry}
+\usepackage{amsmath,amssymb}
+\allowdisplaybreaks
+\setcounter{MaxMatrixCols}{40}
+"""
+
+
+_REFERENCE = re.compile(r"&amp;#(x[0-9A-Fa-f]+);")
+
+
+def equation_text(equation: sp.Basic) -> str:
+    """Return an equation in Unicode; a system part by part, a long sum in several rows.
+
+    Examples
+    --------
+    >>> equation_text(sp.Eq(sp.Symbol("x"), 2))
+    'x = 2'
+    """
+    return "\n".join(_one_text(part) for part in parts_of(equation))
+
+
+def equation_latex(equation: sp.Basic) -> str:
+    """LaTeX for use inside a display; a system becomes ``aligned`` lines."""
+    parts = [_latex(part) for part in parts_of(equation)]
+    if len(parts) == 1:
+        return parts[0]
+    return "\\begin{aligned}\n" + " \\\\\n".join(f"& {part}" for part in parts) + "\n\\end{aligned}"
+
+
+def equation_mathml(equation: sp.Basic) -> str:
+    """Presentation MathML, one ``math`` element, made from the LaTeX."""
+    from latex2mathml.converter import convert_to_element
+
+    rows = []
+    for part in parts_of(equation):
+        element = convert_to_element(_latex(part), display="block")
+        found = "".join(ElementTree.tostring(inner, encoding="unicode") for inner in element)
+        # The converter writes its signs as character references, which are escaped once more.
+        rows.append(_REFERENCE.sub(lambda sign: f"&#{sign[1]};", found))
+    body = rows[0]
+    if len(rows) > 1:
+        cells = "".join(f"<mtr><mtd>{row}</mtd></mtr>" for row in rows)
+        body = f"<mtable>{cells}</mtable>"
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{body}</math>'
+
+
+def equation_expression(equation: sp.Basic) -> str:
+    """Return the equation as text that ``sympy.sympify`` reads back.
+
+    Relations are written unevaluated, so that none collapses to true or false; ``str`` is used
+    where no name has a meaning of its own in SymPy, else ``srepr``.
+
+    Examples
+    --------
+    >>> equation_expression(sp.Eq(sp.Symbol("x"), sp.Symbol("zeta"), evaluate=False))
+    "Equality(Symbol('x'), Symbol('zeta'), evaluate=False)"
+    """
+    parts = [_written(part) for part in parts_of(equation)]
+    return parts[0] if not isinstance(equation, sp.Tuple) else f"Tuple({', '.join(parts)})"
+
+
+def _written(part: sp.Basic) -> str:
+    names = {q.name for q in part.atoms(sp.Symbol)}
+    names |= {q.func.__name__ for q in part.atoms(AppliedUndef)}
+    taken = any(hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names)
+    held = part.has(SumOver)
+    write = sp.srepr if taken or held else sp.sstr
+    if isinstance(part, sp.core.relational.Relational):
+        sides = ", ".join(str(write(side)) for side in part.args)
+        return f"{type(part).__name__}({sides}, evaluate=False)"
+    return str(write(part))
+
+
+def sentence(step: Step) -> str:
+    """Return kind, operation and note of a step as running text."""
+    kind = "" if step.kind is Kind.DERIVED else f"{step.kind.value.capitalize()}: "
+    said = step.operation if kind else step.operation[:1].upper() + step.operation[1:]
+    return f"{kind}{said}" + (f". {step.note}" if step.note else "")
+
+
+def text(derivation: Derivation) -> str:
+    """Write the steps with their evidence; where a check fails, say so and stop."""
+    lines = [derivation.title, ""]
+    for position, (step, evidence) in enumerate(derivation.examined(), start=1):
+        label = f"  (Eq. {step.number})" if step.number is not None else ""
+        lines.append(f"{position}. {sentence(step)}{label}")
+        lines += [f"     {line}" for line in equation_text(step.result).splitlines()]
+        lines += [f"   {_verdict(evidence)}: {evidence.statement}", ""]
+        if not evidence.holds:
+            lines.append(f"Stopped at step {position} of {len(derivation.steps)}.")
+    return "\n".join(lines).rstrip()
+
+
+def source_of(step: Step) -> int | str:
+    """Return how a source is named in JSON: its number, or its name where it has none."""
+    return step.number if step.number is not None else step.name
+
+
+def records(derivation: Derivation) -> dict[str, Any]:
+    """Return the derivation as plain data for JSON."""
+    steps = []
+    complete = True
+    for step, evidence in derivation.examined():
+        complete = complete and evidence.holds
+        steps.append(
+            {
+                "name": step.name,
+                "number": step.number,
+                "kind": step.kind.value,
+                "operation": step.operation,
+                "from": [source_of(source) for source in step.sources],
+                "note": step.note,
+                "equation": equation_text(step.result),
+                "expression": equation_expression(step.result),
+                "latex": equation_latex(step.result),
+                "holds": evidence.holds,
+                "evidence": evidence.statement,
+            }
+        )
+    return {
+        "derivation": derivation.key,
+        "title": derivation.title,
+        "complete": complete and len(steps) == len(derivation.steps),
+        "steps": steps,
+    }
+
+
+def markdown(derivation: Derivation) -> str:
+    """Markdown with displayed LaTeX, for a notebook."""
+    lines = [f"### {derivation.title}", ""]
+    for position, (step, evidence) in enumerate(derivation.examined(), start=1):
+        label = f" (Eq. {step.number})" if step.number is not None else ""
+        lines += [f"{position}. {sentence(step)}{label}", ""]
+        lines += [f"$$\n{equation_latex(step.result)}\n$$", ""]
+        lines += [f"*{_verdict(evidence)}:* {evidence.statement}", ""]
+    return "\n".join(lines)
+
+
+def mathml(derivation: Derivation) -> str:
+    """One XHTML fragment with a ``math`` element a step."""
+    rows = []
+    for step, evidence in derivation.examined():
+        label = f" (Eq. {step.number})" if step.number is not None else ""
+        rows.append(
+            f"<li><p>{_escape(sentence(step))}{label}</p>{equation_mathml(step.result)}"
+            f"<p>{_verdict(evidence)}: {_escape(evidence.statement)}</p></li>"
+        )
+    return f"<section><h2>{_escape(derivation.title)}</h2><ol>{''.join(rows)}</ol></section>"
+
+
+def document(*derivations: Derivation) -> str:
+    """Return a complete LaTeX document."""
+    body = []
+    for derivation in derivations:
+        body.append(f"\\section*{{{_tex_words(derivation.title)}}}\n\\begin{{enumerate}}")
+        for step, evidence in derivation.examined():
+            body.append(f"\\item {_tex_words(sentence(step))}")
+            body.append(_display(step))
+            body.append(f"\\emph{{{_verdict(evidence)}:}} {_tex_words(evidence.statement)}.")
+        body.append("\\end{enumerate}")
+    return PREAMBLE + "\\begin{document}\n" + "\n".join(body) + "\n\\end{document}\n"
+
+
+def shown(derivation: Derivation, form: str) -> str:
+    """Return the derivation in one of the text formats."""
+    if form == "latex":
+        return document(derivation)
+    writers = {"mathml": mathml, "markdown": markdown}
+    return writers.get(form, text)(derivation)
+
+
+def _display(step: Step) -> str:
+    lines = []
+    for part in parts_of(step.result):
+        if isinstance(part, sp.Equality) and not part.has(sp.MatrixBase):
+            lines.append(_broken(part))
+        else:
+            lines.append("& " + _latex(part))
+    tag = f" \\tag{{{step.number}}}" if step.number is not None else ""
+    return "\\begin{align*}\n" + " \\\\\n".join(lines) + tag + "\n\\end{align*}"
+
+
+def _broken(equation: sp.Equality) -> str:
+    left, right = displayed(equation, Script.LATEX).args
+    if len(sp.Add.make_args(left)) > TERMS_A_LINE and right == 0:
+        return _lines(left, "") + " = 0"
+    return f"{sp.latex(left)} ={{}} " + _lines(right, "")
+
+
+def _lines(total: sp.Expr, prefix: str) -> str:
+    pieces: list[str] = []
+    for place, term in enumerate(sp.Add.make_args(total)):
+        printed = sp.latex(term)
+        if place and not printed.startswith("-"):
+            printed = "+ " + printed
+        if place % TERMS_A_LINE == 0:
+            pieces.append((" \\\\\n" if place else "") + "& ")
+        pieces.append(printed + " ")
+    return prefix + "".join(pieces).rstrip()
+
+
+def _latex(part: sp.Basic) -> str:
+    return str(sp.latex(displayed(part, Script.LATEX)))
+
+
+WIDTH = 100
+"""Columns of a terminal that an equation may fill before it is broken."""
+
+
+def _one_text(part: sp.Basic) -> str:
+    shown = displayed(part, Script.UNICODE)
+    whole = _pretty(shown)
+    if _width(whole) <= WIDTH or not isinstance(shown, sp.Equality):
+        return whole
+    left, right = shown.args
+    if right == 0:
+        return "\n".join([*_rows(left, ""), "= 0"])
+    return "\n".join([*_rows(left, ""), *_rows(right, "= ")])
+
+
+def _rows(total: sp.Basic, prefix: str) -> list[str]:
+    """Return a sum in rows that fit the width; the first row starts with ``prefix``."""
+    rows: list[str] = []
+    current: list[sp.Expr] = []
+    for term in sp.Add.make_args(total):
+        if current and _width(_pretty(sp.Add(*current, term, evaluate=False))) > WIDTH - 6:
+            rows.append(_row(current, "+ " if rows else prefix))
+            current = []
+        current.append(term)
+    rows.append(_row(current, "+ " if rows else prefix))
+    return rows
+
+
+def _row(terms: list[sp.Expr], prefix: str) -> str:
+    block = _pretty(sp.Add(*terms, evaluate=False)) if len(terms) > 1 else _pretty(terms[0])
+    lines = block.splitlines()
+    middle = len(lines) // 2
+    return "\n".join((prefix if at == middle else " " * len(prefix)) + line
+                     for at, line in enumerate(lines))  # fmt: skip
+
+
+def _pretty(expression: sp.Basic) -> str:
+    return str(sp.pretty(expression, use_unicode=True, wrap_line=False))
+
+
+def _width(block: str) -> int:
+    return max(map(len, block.splitlines()), default=0)
+
+
+def _verdict(evidence: Evidence) -> str:
+    return "checked" if evidence.holds else "CHECK FAILED"
+
+
+def _escape(words: str) -> str:
+    return words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+_TEX = {
+    "\\": r"\textbackslash{}",
+    "^": r"\textasciicircum{}",
+    "_": r"\_",
+    "&": r"\&",
+    "%": r"\%",
+    "#": r"\#",
+    "$": r"\$",
+    "{": r"\{",
+    "}": r"\}",
+    "<": r"\ensuremath{<}",
+    ">": r"\ensuremath{>}",
+    "|": r"\ensuremath{|}",
+}
+
+
+def _tex_words(words: str) -> str:
+    return "".join(_TEX.get(letter, letter) for letter in words)

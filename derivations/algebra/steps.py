@@ -1,0 +1,331 @@
+"""A derivation is a graph of steps: what is given, and what operations make of it.
+
+A `Given` step is typed: a model, a definition or an ansatz. A `Derived` step is never typed: it
+holds operations and source steps, and its result is what the operations return for the results of
+the sources. Every step carries a check that shares no code with its derivation.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+
+from derivations.algebra.errors import CheckFailedError, DerivationInputError
+from derivations.algebra.operations import Operation
+
+
+class Kind(StrEnum):
+    """What a step is."""
+
+    MODEL = "model"
+    DEFINITION = "definition"
+    ANSATZ = "ansatz"
+    DERIVED = "derived"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a check found.
+
+    Attributes
+    ----------
+    holds : bool
+        Whether the equation passed.
+    statement : str
+        What was compared with what, and how close it came.
+    """
+
+    holds: bool
+    statement: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "holds", bool(self.holds))  # numpy has a truth of its own
+
+
+Check = Callable[[sp.Basic], Evidence]
+"""Judges an equation by means that share no code with its derivation."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Step(ABC):
+    """One step of a derivation; either `Given` or `Derived`.
+
+    Attributes
+    ----------
+    name : str
+        What other steps and the graph call it; unique within the toolkit.
+    check : callable
+        Judges any equation in the place of this one; see `Check`.
+    number : int or None
+        Number of the equation in the paper.
+    note : str
+        What the reader should know beside the operation: a branch rule, a condition.
+    """
+
+    name: str
+    check: Check = field(repr=False)
+    number: int | None = None
+    note: str = ""
+
+    @property
+    @abstractmethod
+    def kind(self) -> Kind:
+        """Model, definition, ansatz or derived."""
+
+    @property
+    @abstractmethod
+    def result(self) -> sp.Basic:
+        """The equation: an ``Eq``, an inequality, or a ``Tuple`` of them."""
+
+    @property
+    @abstractmethod
+    def sources(self) -> tuple[Step, ...]:
+        """The steps that it follows from."""
+
+    @property
+    @abstractmethod
+    def operation(self) -> str:
+        """What was done, in words."""
+
+    @property
+    def label(self) -> str:
+        """``(n)`` for an equation of the paper, else the name."""
+        return f"({self.number})" if self.number is not None else f"'{self.name}'"
+
+    def verify(self, candidate: sp.Basic | None = None) -> Evidence:
+        """Run the check on this step's result, or on another equation put in its place.
+
+        An equation that the check cannot even evaluate does not hold.
+        """
+        judged = self.result if candidate is None else candidate
+        try:
+            with np.errstate(all="ignore"):  # a value that is not finite fails the check
+                return self.check(judged)
+        except (TypeError, ValueError, ArithmeticError, AttributeError, LookupError) as error:
+            return Evidence(False, f"it could not be evaluated ({type(error).__name__}: {error})")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Given(Step):
+    """A typed step: a model, a definition or an ansatz.
+
+    Attributes
+    ----------
+    given_as : Kind
+        MODEL, DEFINITION or ANSATZ.
+    equation : Basic
+        The equation.
+    words : str
+        What is assumed or defined, and why.
+    """
+
+    given_as: Kind
+    equation: sp.Basic
+    words: str
+
+    def __post_init__(self) -> None:
+        if self.given_as is Kind.DERIVED:
+            raise ValueError(f"step '{self.name}': a derived equation is never given")
+
+    @property
+    def kind(self) -> Kind:
+        """Model, definition or ansatz."""
+        return self.given_as
+
+    @property
+    def result(self) -> sp.Basic:
+        """The equation as given."""
+        return self.equation
+
+    @property
+    def sources(self) -> tuple[Step, ...]:
+        """None: it is given."""
+        return ()
+
+    @property
+    def operation(self) -> str:
+        """What is assumed or defined."""
+        return self.words
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Derived(Step):
+    """A computed step: operations applied to the results of other steps.
+
+    The first operation receives the results of all sources, each further one the result of the
+    one before.
+
+    Attributes
+    ----------
+    operations : tuple of Operation
+        At least one.
+    given_by : tuple of Step
+        The sources, at least one.
+    assumes : bool
+        Whether the step only writes out an ansatz in terms of earlier results; it then counts as
+        an ansatz.
+    """
+
+    operations: tuple[Operation, ...]
+    given_by: tuple[Step, ...]
+    assumes: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.operations or not self.given_by:
+            raise ValueError(f"step '{self.name}' needs an operation and a source")
+
+    @property
+    def kind(self) -> Kind:
+        """Derived; an ansatz where it only writes one out."""
+        return Kind.ANSATZ if self.assumes else Kind.DERIVED
+
+    @cached_property
+    def result(self) -> sp.Basic:
+        """What the operations make of the sources."""
+        found = self.operations[0](*(source.result for source in self.given_by))
+        for operation in self.operations[1:]:
+            found = operation(found)
+        return found
+
+    @property
+    def sources(self) -> tuple[Step, ...]:
+        """The steps that it follows from."""
+        return self.given_by
+
+    @property
+    def operation(self) -> str:
+        """What was done, one sentence an operation."""
+        labels = [source.label for source in self.given_by]
+        said = [self.operations[0].words(labels)]
+        said += [operation.words(["the result"]) for operation in self.operations[1:]]
+        return "; ".join(said)
+
+
+def derived(
+    name: str,
+    operations: Operation | tuple[Operation, ...],
+    *sources: Step,
+    check: Check,
+    number: int | None = None,
+    note: str = "",
+    assumes: bool = False,
+) -> Derived:
+    """Return a `Derived` step: the shorthand in which derivations are written."""
+    steps = operations if isinstance(operations, tuple) else (operations,)
+    return Derived(name=name, operations=steps, given_by=sources, check=check, number=number,
+                   note=note, assumes=assumes)  # fmt: skip
+
+
+def model(name: str, equation: sp.Basic, words: str, *, check: Check, number: int | None = None,
+          note: str = "") -> Given:  # fmt: skip
+    """Return a given step that is a model."""
+    return Given(name=name, given_as=Kind.MODEL, equation=equation, words=words, check=check,
+                 number=number, note=note)  # fmt: skip
+
+
+def definition(name: str, equation: sp.Basic, words: str, *, check: Check,
+               number: int | None = None, note: str = "") -> Given:  # fmt: skip
+    """Return a given step that is a definition."""
+    return Given(name=name, given_as=Kind.DEFINITION, equation=equation, words=words, check=check,
+                 number=number, note=note)  # fmt: skip
+
+
+def ansatz(name: str, equation: sp.Basic, words: str, *, check: Check, number: int | None = None,
+           note: str = "") -> Given:  # fmt: skip
+    """Return a given step that is an ansatz."""
+    return Given(name=name, given_as=Kind.ANSATZ, equation=equation, words=words, check=check,
+                 number=number, note=note)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """A named sequence of steps, each after its sources; sources may lie in earlier derivations.
+
+    Attributes
+    ----------
+    key : str
+        Name on the command line.
+    title : str
+        One line.
+    steps : tuple of Step
+        In order.
+    """
+
+    key: str
+    title: str
+    steps: tuple[Step, ...]
+
+    def __post_init__(self) -> None:
+        names = [step.name for step in self.steps]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"derivation '{self.key}' has two steps called '{twice[0]}'")
+
+    def examined(self) -> Iterator[tuple[Step, Evidence]]:
+        """Each step with its evidence; stops after the first step whose check fails."""
+        for step in self.steps:
+            evidence = step.verify()
+            yield step, evidence
+            if not evidence.holds:
+                return
+
+    def verify(self) -> tuple[Evidence, ...]:
+        """Check every step.
+
+        Returns
+        -------
+        tuple of Evidence
+            One a step.
+
+        Raises
+        ------
+        CheckFailedError
+            At the first step whose check fails.
+        """
+        found = []
+        for position, (_, evidence) in enumerate(self.examined(), start=1):
+            if not evidence.holds:
+                raise CheckFailedError(self.key, position, evidence.statement)
+            found.append(evidence)
+        return tuple(found)
+
+    def numbered(self, number: int) -> Step:
+        """Return the step that carries an equation number of the paper.
+
+        Raises
+        ------
+        DerivationInputError
+            If no step of this derivation carries it.
+        """
+        for step in self.steps:
+            if step.number == number:
+                return step
+        held = ", ".join(str(step.number) for step in self.steps if step.number is not None)
+        raise DerivationInputError(
+            "equation", number, f"one of {held} in '{self.key}'", "choose one of these numbers"
+        )
+
+    def named(self, name: str) -> Step:
+        """Return the step of a name.
+
+        Raises
+        ------
+        DerivationInputError
+            If there is none.
+        """
+        for step in self.steps:
+            if step.name == name:
+                return step
+        raise DerivationInputError(
+            "step", name, f"a step of '{self.key}'", "choose one of its names"
+        )
+
+    def only(self, number: int) -> Derivation:
+        """Return the same derivation with the single step that carries ``number``."""
+        return replace(self, steps=(self.numbered(number),))

@@ -1,0 +1,29 @@
+"""A sum over a named set of roots, held unevaluated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+
+class SumOver(sp.Expr):  # type: ignore[misc]
+    """``sum of term over k in roots``; args are the term, k, and the name of the set."""
+
+    def __new__(cls, term: Any, variable: Any, roots: Any) -> SumOver:
+        """Hold the three parts unevaluated."""
+        made = sp.Expr.__new__(cls, sp.sympify(term), variable, roots)
+        return made  # type: ignore[no-any-return]
+
+    @property
+    def free_symbols(self) -> set[sp.Basic]:
+        """Without the summation variable."""
+        return set(self.args[0].free_symbols - {self.args[1]} | {self.args[2]})
+
+    def _latex(self, printer: Any) -> str:
+        term, variable, roots = (printer._print(part) for part in self.args)
+        return rf"\sum_{{{variable} \in {roots}}} {term}"
+
+    def _sympystr(self, printer: Any) -> str:
+        term, variable, roots = (printer._print(part) for part in self.args)
+        return f"Sum({term}, {variable} in {roots})"

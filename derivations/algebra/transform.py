@@ -1,0 +1,477 @@
+"""Fourier transform of an advance-delay equation, residues, and integrals over a period."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derivations.algebra.equations import equation, left_minus_right, parts_of
+from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.sums import SumOver
+
+
+@dataclass(frozen=True)
+class FourierTransform(Operation):
+    """Transform a linear advance-delay equation: ``F(k) = integral of f(z) e^{-ikz} dz``.
+
+    A derivative becomes a factor ik and a shift by s a factor ``e^{iks}``; the transform of a
+    given term is integrated where it converges. For a step at ``z < 0`` that is ``Im k > 0``.
+
+    Attributes
+    ----------
+    coordinate, wavenumber : Symbol
+        z and k.
+    profile, transformed : function class
+        The unknown and its transform.
+    """
+
+    coordinate: sp.Symbol
+    wavenumber: sp.Symbol
+    profile: sp.FunctionClass
+    transformed: sp.FunctionClass
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the transformed equation: what has the unknown on the left."""
+        (source,) = sources
+        known, unknown = sp.S.Zero, sp.S.Zero
+        for term in sp.Add.make_args(sp.expand(left_minus_right(source))):
+            factor, dependent = term.as_independent(self.coordinate, as_Add=False)
+            found = factor * self._of(dependent)
+            if found.has(self.transformed):
+                unknown += found
+            else:
+                known -= found
+        return equation(sp.collect(unknown, self.transformed(self.wavenumber)), known)
+
+    def _of(self, dependent: sp.Expr) -> sp.Expr:
+        z, k = self.coordinate, self.wavenumber
+        if isinstance(dependent, sp.Derivative):
+            return (sp.I * k) ** dependent.derivative_count * self._of(dependent.expr)
+        if dependent.func == self.profile:
+            return sp.exp(sp.I * k * sp.expand(dependent.args[0] - z)) * self.transformed(k)
+        if dependent.has(self.profile):
+            raise OperationError(f"{dependent} is not linear in the profile")
+        # e^{-ikz} = e^{sz}: positive s first, then s = -ik by continuation within Im k > 0.
+        s = sp.Dummy("s", positive=True)
+        found = sp.integrate(dependent * sp.exp(s * z), (z, -sp.oo, sp.oo))
+        if found.has(sp.Integral) or not found.is_finite:
+            raise OperationError(f"the transform of {dependent} does not converge for Im k > 0")
+        return sp.simplify(found).subs(s, -sp.I * k)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the two variables."""
+        k = spoken(self.wavenumber)
+        return (
+            f"Fourier-transform {listed(labels)} in {spoken(self.coordinate)}, with Im {k} > 0 and "
+            "below the first root, where the step has a transform"
+        )
+
+
+@dataclass(frozen=True)
+class ReadFactor(Operation):
+    """Name the factor of a term on the left.
+
+    Attributes
+    ----------
+    term : Expr
+        The term.
+    name : Expr
+        What its factor is called.
+    """
+
+    term: sp.Expr
+    name: sp.Expr
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = factor``, with exponentials of opposite sign as cosines."""
+        (source,) = sources
+        factor = sp.expand(source.lhs).coeff(self.term)
+        return equation(self.name, sp.expand(cosines(factor)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the factor."""
+        return f"call the factor of {spoken(self.term)} in {listed(labels)} {spoken(self.name)}"
+
+
+def cosines(expression: sp.Expr) -> sp.Expr:
+    """Return the expression with ``e^{iz}`` written by cosine and sine."""
+    return sp.expand(
+        expression.replace(sp.exp, lambda q: sp.cos(q / sp.I) + sp.I * sp.sin(q / sp.I))
+    )
+
+
+@dataclass(frozen=True)
+class SolveTransform(Operation):
+    """Divide a transformed equation by the named factor of the unknown."""
+
+    unknown: sp.Expr
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``unknown = right side / name``; the second source names the factor."""
+        source, named = sources
+        factor = sp.expand(source.lhs).coeff(self.unknown)
+        if sp.simplify((factor - named.rhs).rewrite(sp.exp)) != 0:
+            raise OperationError(f"{named.lhs} is not the factor of {self.unknown}")
+        return equation(self.unknown, source.rhs / named.lhs)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the two."""
+        return f"divide {labels[0]} by the factor {listed(labels[1:])}"
+
+
+@dataclass(frozen=True)
+class InvertTransform(Operation):
+    """Write the inverse transform as a contour integral.
+
+    Attributes
+    ----------
+    coordinate, wavenumber : Symbol
+        z and k.
+    profile : Expr
+        What was transformed.
+    """
+
+    coordinate: sp.Symbol
+    wavenumber: sp.Symbol
+    profile: sp.Expr
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``profile = integral of F(k) e^{ikz} dk / 2 pi``."""
+        (source,) = sources
+        wave = sp.exp(sp.I * self.wavenumber * self.coordinate)
+        return equation(self.profile, sp.Integral(source.rhs * wave / (2 * sp.pi), self.wavenumber))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say where the contour lies."""
+        return f"invert the transform {listed(labels)}, on a line between the real axis and the "\
+            "first root above it"  # fmt: skip
+
+
+def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, k: sp.Symbol, slope: sp.Symbol) -> sp.Expr:
+    """Return the residue where a function in the denominator has a simple zero.
+
+    Parameters
+    ----------
+    integrand : Expr
+        The integrand.
+    symbol : Expr
+        The function, ``L(k)``.
+    k : Symbol
+        The variable; in the result it is the root.
+    slope : Symbol
+        Name of the derivative of the function at the root.
+    """
+    distance = sp.Dummy("d")
+    near = integrand.xreplace({symbol: slope * distance}) * distance
+    found = sp.limit(near, distance, 0)
+    if not found.has(slope):
+        raise OperationError(f"{symbol} has no simple zero in the denominator")
+    return found
+
+
+@dataclass(frozen=True)
+class CloseContour(Operation):
+    """Close a contour on a line just above the real axis, and sum residues.
+
+    The sources are the contour integral, the function in its denominator, and the sets of its
+    roots. For a positive coordinate ``e^{ikz}`` falls off above: the contour is closed there, with
+    the roots of the upper half-plane inside. For a negative one it is closed below, in the other
+    sense, with the roots there and the pole at k = 0.
+
+    Attributes
+    ----------
+    coordinate, wavenumber : Symbol
+        z and k.
+    slope : Symbol
+        Name of the derivative of the function at a root.
+    """
+
+    coordinate: sp.Symbol
+    wavenumber: sp.Symbol
+    slope: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the profile as sums over roots, on either side of the step."""
+        integral, named, sets = sources
+        z, k = self.coordinate, self.wavenumber
+        integrand = integral.rhs.function
+        upper, lower = self._half_planes(sets)
+        at_root = residue_at_root(integrand, named.lhs, k, self.slope)
+        at_zero = sp.residue(integrand.xreplace({named.lhs: named.rhs}), k, 0)
+        turn = 2 * sp.pi * sp.I
+        above = self._sum(turn * at_root, upper)
+        below = -turn * at_zero + self._sum(-turn * at_root, lower)
+        return equation(
+            integral.lhs,
+            sp.Piecewise((sp.simplify(-turn * at_zero) + below + turn * at_zero, z < 0),
+                         (above, z > 0)),
+        )  # fmt: skip
+
+    def _sum(self, term: sp.Expr, roots: sp.Basic) -> sp.Expr:
+        factor, kept = sp.simplify(term).as_independent(self.wavenumber, self.slope, as_Add=False)
+        return factor * SumOver(kept, self.wavenumber, roots)
+
+    def _half_planes(self, sets: sp.Basic) -> tuple[sp.Basic, sp.Basic]:
+        """Return the names of the sets of roots above and below the real axis."""
+        found = {}
+        for part in parts_of(sets):
+            conditions = part.rhs.condition.args
+            (side,) = (q for q in conditions if isinstance(q, sp.Gt | sp.Lt))
+            found[isinstance(side, sp.Gt)] = part.lhs
+        return found[True], found[False]
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say how it is closed."""
+        z = spoken(self.coordinate)
+        return (
+            f"close the contour of {labels[0]} above for {z} > 0, below for {z} < 0, and sum the "
+            f"residues at the simple roots {listed(labels[1:])} and at "
+            f"{spoken(self.wavenumber)} = 0"
+        )
+
+
+@dataclass(frozen=True)
+class LayOnRealAxis(Operation):
+    """Move a contour at zero coordinate onto the real axis, indented above the pole at k = 0.
+
+    The odd part of the principal value cancels; the indentation gives minus i pi times the residue.
+
+    Attributes
+    ----------
+    coordinate, wavenumber : Symbol
+        z and k.
+    """
+
+    coordinate: sp.Symbol
+    wavenumber: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the profile at zero as half a residue and an integral from 0 to infinity."""
+        integral, named = sources
+        k = self.wavenumber
+        held = integral.rhs.function.subs(self.coordinate, 0)
+        even = sp.expand((named.rhs + named.rhs.subs(k, -k)) / 2)
+        odd = sp.expand(named.rhs - even)
+        rest = sp.simplify(held * named.lhs * k)  # what does not depend on k
+        if rest.has(k) or even.subs(k, 0) == 0:
+            raise OperationError("the integrand is not a constant over k L(k)")
+        half_residue = -sp.pi * sp.I * rest / even.subs(k, 0)
+        # (1/(even + odd) - 1/(even - odd)) / 2k, the even part of 1/(k L).
+        factor = 2 * rest * sp.cancel(-odd / k)
+        line = factor * sp.Integral(1 / (even**2 + sp.cancel(-(odd**2))), (k, 0, sp.oo))
+        at_zero = integral.lhs.subs(self.coordinate, 0)
+        return equation(at_zero, sp.simplify(half_residue) + line)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say what cancels."""
+        return (
+            f"at {spoken(self.coordinate)} = 0 lay the contour of {labels[0]} on the real axis, "
+            f"indented above the pole at 0, with {listed(labels[1:])}: odd parts cancel"
+        )
+
+
+@dataclass(frozen=True)
+class SumOverPeriods(Operation):
+    """Sum an integrand over all periods of its periodic part, so that one period is enough.
+
+    The integrand from 0 to infinity is ``u / (A² + w k²)`` up to constants, with A of period 2 pi
+    and even. Partial fractions and ``sum over m of 1/(z + 2 pi m) = cot(z/2)/2`` do the rest.
+
+    Attributes
+    ----------
+    wavenumber : Symbol
+        k.
+    """
+
+    wavenumber: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the same with an integral over one period."""
+        (source,) = sources
+        (line,) = source.rhs.atoms(sp.Integral)
+        k = line.limits[0][0]
+        stand_in = sp.Dummy("A")
+        denominator = 1 / line.function
+        square = sum((q for q in sp.Add.make_args(denominator) if q.is_Pow), sp.S.Zero)
+        periodic = square.base if square.is_Pow and square.exp == 2 else sp.S.Zero
+        moved = periodic.subs(k, k + 2 * sp.pi)
+        if periodic == 0 or sp.simplify(moved - periodic) != 0 or periodic.subs(k, -k) != periodic:
+            raise OperationError("the integrand has no even periodic part A squared")
+        rest = denominator - square
+        comb = sp.S.Zero
+        for root in sp.solve(stand_in**2 + rest, k):
+            weight = 1 / sp.diff(rest, k).subs(k, root)
+            comb += weight * sp.cot((k - root) / 2) / 2
+        period = hyperbolic(comb, k, stand_in) / 2
+        factor, kernel = sp.factor_terms(period).as_independent(k, stand_in, as_Add=False)
+        integral = sp.Integral(kernel.xreplace({stand_in: periodic}), (k, -sp.pi, sp.pi))
+        return equation(source.lhs, source.rhs.xreplace({line: factor * integral}))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"sum the integrand of {listed(labels)} over all periods of A by partial fractions"
+
+
+def hyperbolic(comb: sp.Expr, k: sp.Symbol, periodic: sp.Symbol) -> sp.Expr:
+    """Return a pair of cotangents at conjugate arguments as ``sinh / (cosh - cos)``."""
+    terms = sp.Add.make_args(comb)
+    if len(terms) != 2:
+        raise OperationError("partial fractions did not give two terms")
+    (w1, c1), (w2, c2) = (q.as_independent(k, as_Add=False) for q in terms)
+    x, y = c1.args[0], c2.args[0]
+    if sp.simplify(w1 - w2) == 0:  # cot x and cot y with the same weight
+        total = (
+            w1
+            * sp.sin(sp.expand(x + y))
+            / ((sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2)
+        )
+    else:
+        total = (
+            w1
+            * sp.sin(sp.expand(y - x))
+            / ((sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2)
+        )
+    if sp.simplify((total - comb).rewrite(sp.exp)) != 0:
+        raise OperationError("the cotangents do not combine")
+    return total
+
+
+@dataclass(frozen=True)
+class StaticLimit(Operation):
+    """Let the velocity go to zero under the integral over a period.
+
+    The real part of A is positive, so the limit is that for a positive A.
+
+    Attributes
+    ----------
+    velocity : Symbol
+        What goes to zero.
+    sign : int
+        From which side: 1 or -1.
+    """
+
+    velocity: sp.Symbol
+    sign: int = 1
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the limit of both sides."""
+        (source,) = sources
+        (integral,) = source.rhs.atoms(sp.Integral)
+        k, *bounds = integral.limits[0]
+        positive = sp.Dummy("A", positive=True)
+        (ratio_of_waves,) = integral.function.atoms(sp.sinh)
+        periodic = sp.expand(ratio_of_waves.args[0] * self.velocity)
+        plain = integral.function.subs(periodic, positive)
+        ratio = sp.Dummy("s", positive=True)  # e^{-A/|v|}
+        small = plain.subs(self.velocity, -self.sign * positive / sp.log(ratio)).rewrite(sp.exp)
+        limit = sp.limit(sp.simplify(small), ratio, 0)
+        if limit.has(ratio) or not plain.has(positive):
+            raise OperationError("the integrand has no limit")
+        inside = sp.Integral(limit.xreplace({positive: periodic}), (k, *bounds))
+        return equation(source.lhs, source.rhs.xreplace({integral: inside}))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the side."""
+        side = "⁺" if self.sign > 0 else "⁻"
+        return f"let {spoken(self.velocity)} → 0{side} under the integral of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class IntegratePeriod(Operation):
+    """Integrate a rational function of ``cos k`` over a period by residues in the unit disc.
+
+    The mean of ``1/(w - cos k)`` is ``1/(w sqrt(1 - 1/w²))`` for w off the interval [-1, 1].
+
+    Attributes
+    ----------
+    probe : float
+        Value of the parameter at which the sign of a simplified square root is decided; it cannot
+        change where no root crosses the unit circle.
+    """
+
+    probe: float = 0.7
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the equation with the integral carried out."""
+        (source,) = sources
+        (integral,) = source.rhs.atoms(sp.Integral)
+        k = integral.limits[0][0]
+        cosine = sp.Dummy("cos")
+        plain = sp.expand_trig(integral.function).subs(sp.cos(k), cosine)
+        top, bottom = sp.fraction(sp.together(plain))
+        if plain.has(k) or not bottom.has(cosine):
+            raise OperationError("the integrand is not a rational function of the cosine")
+        weights = [(root, sp.simplify((top / sp.diff(bottom, cosine)).subs(cosine, root)))
+                   for root in sp.solve(bottom, cosine)]  # fmt: skip
+        means = [self._short(-weight / (root * sp.sqrt(1 - 1 / root**2)))
+                 for root, weight in weights]  # fmt: skip
+        return equation(source.lhs, source.rhs.xreplace({integral: 2 * sp.pi * sum(means)}))
+
+    def _short(self, mean: sp.Expr) -> sp.Expr:
+        """Return ``±1/sqrt(simplified 1/mean²)``, with the sign of the mean itself."""
+        inverse = sp.expand(sp.simplify(1 / mean**2))
+        scale = sp.re(inverse).doit()
+        if not scale.is_positive:
+            scale = sp.S.One
+        short = 1 / (sp.sqrt(scale) * sp.sqrt(sp.expand(inverse / scale)))
+        values = dict.fromkeys(mean.free_symbols, self.probe)
+        ratio = complex((mean / short).subs(values).evalf())
+        if abs(abs(ratio.real) - 1) > 1e-9 or abs(ratio.imag) > 1e-9:
+            raise OperationError("the sign of the square root is not clear")
+        return round(ratio.real) * short
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the source."""
+        return f"carry out the integral of {listed(labels)} by residues in the unit disc"
+
+
+@dataclass(frozen=True)
+class NameDerivative(Operation):
+    """Differentiate a named function and name its derivative.
+
+    Attributes
+    ----------
+    variable : Symbol
+        The variable.
+    name : Symbol
+        What the derivative is called.
+    """
+
+    variable: sp.Symbol
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = derivative``."""
+        (source,) = sources
+        return equation(self.name, sp.diff(source.rhs, self.variable))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name both."""
+        return f"differentiate {listed(labels)} with respect to {spoken(self.variable)}"
+
+
+@dataclass(frozen=True)
+class EliminateOnRoots(Operation):
+    """Eliminate a parameter by demanding that a function vanishes.
+
+    The second source is ``L(k) = ...``; the result is true only where that is zero.
+
+    Attributes
+    ----------
+    parameter : Symbol
+        What is eliminated.
+    """
+
+    parameter: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the first source without the parameter."""
+        target, function = sources
+        (value,) = sp.solve(function.rhs, self.parameter)
+        return equation(target.lhs, sp.expand(target.rhs.subs(self.parameter, value)))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the parameter."""
+        return f"eliminate {spoken(self.parameter)} from {labels[0]} by letting {labels[1]} vanish"

@@ -1,0 +1,364 @@
+"""What Eqs. (31)-(38) and (43) are held against: Eq. (8) itself, averaged by equal samples in time.
+
+Nothing here is symbolic; only the coefficients of the chain are taken from its model.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+import random
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.optimize import brentq
+
+from derivations.algebra.equations import parts_of
+from derivations.algebra.evidence import Point, equals, fast_average, solved_for, vanishes_at
+from derivations.algebra.steps import Check, Evidence
+from derivations.averaging.symbols import A_n, divided, phi, psi, r, square, squares
+from derivations.chain import ChainModel
+from derivations.chain_numbers import ChainNumbers, drawn
+from derivations.symbols import R, alpha_0, k_1, k_2, n, omega, omega_1, t, y
+
+_DIRECT = "Eq. (8) averaged by direct sampling"
+
+
+def wave_residual(field: dict[int, Any], rate: Any, p: ChainNumbers, w: float) -> Any:
+    """Eq. (8) for Ψ = y' + i ω y at the sites of ``field``; ``rate`` is dΨ/dt at the middle one.
+
+    The imaginary part of the rate is ω y' for a true motion; another one enters as it stands.
+    """
+    places = {at: value.imag / w for at, value in field.items()}
+    velocity = field[0].real
+    return rate.real + p.rest(places, velocity) + 1j * (rate.imag - w * velocity)
+
+
+def rotating_residual(field: dict[int, complex], rate: complex, p: ChainNumbers, w: float) -> Any:
+    """(33) as a function of time at frozen φ and φ'."""
+
+    def at(when: Any) -> Any:
+        turn = np.exp(1j * w * when)
+        turned = {place: value * turn for place, value in field.items()}
+        moving = rate * turn + 1j * w * turned[0]
+        return wave_residual(turned, moving, p, w) / turn
+
+    return at
+
+
+def direct_average(field: dict[int, complex], rate: complex, p: ChainNumbers, w: float) -> complex:
+    """Return the mean of (33) over a period 2π/ω, by direct sampling."""
+    at = rotating_residual(field, rate, p, w)
+    return fast_average(lambda phase: at(phase / w), samples=128)
+
+
+class Checks:
+    """The checks of the derivation for one chain; each judges any equation in a step's place.
+
+    Parameters
+    ----------
+    model : ChainModel
+        The chain.
+    """
+
+    def __init__(self, model: ChainModel) -> None:
+        self.model = model
+        self.sites = tuple(range(-model.reach, model.reach + 1))
+        self.complex_variable = vanishes_at(self._variable_point, "Ψ = y' + iωy", parts=3)
+        self.complex_chain = equals(self._complex_point, "Eq. (8) at coupled sites")
+        self.envelope = vanishes_at(self._envelope_point, "a turning frame")
+        self.rotating = equals(self._rotating_point, "Eq. (8) in the rotating frame")
+        self.averaged = equals(lambda rng: self._averaged_point(rng, False), _DIRECT)
+        self.averaged_at_unit = equals(lambda rng: self._averaged_point(rng, True), _DIRECT)
+        self.wave = vanishes_at(self._wave_point, "one complex factor a site")
+        self.balance = equals(self._balance_point, _DIRECT)
+        self.parts = equals(lambda rng: self._parts_point(rng, False), _DIRECT, parts=2)
+        self.parts_by_displacement = equals(lambda rng: self._parts_point(rng, True),
+                                            _DIRECT, parts=2)  # fmt: skip
+        self.real_part = equals(self._real_point, _DIRECT)
+        self.by_size = equals(self._real_point, _DIRECT)
+        self.frequency = vanishes_at(self._frequency_point, "the cell alone, averaged")
+        self.isolated = equals(self._isolated_point, _DIRECT, parts=2)
+        self.phases = equals(lambda rng: self._phase_point(rng, False), _DIRECT, parts=2)
+        self.phases_by_displacement = equals(
+            lambda rng: self._phase_point(rng, True),
+            _DIRECT + ", with α_0 the amplitude of y", parts=2,
+        )  # fmt: skip
+        self.limit = equals(self._limit_point, _DIRECT + " at ω = 1", parts=2)
+        self.swapped = equals(self._swapped_point, _DIRECT + " at ω = 1")
+        self.branch = vanishes_at(self._branch_point, "a zero of the sampled imaginary part")
+        self.quarter = equals(self._quarter_point, _DIRECT + " at a zero of its imaginary part")
+        self.second_relation = equals(self._relation_point,
+                                      _DIRECT + " at a zero of its imaginary part",
+                                      parts=2)  # fmt: skip
+        self.amplitude = vanishes_at(self._amplitude_point, "the amplitude of the sine of (9)")
+        self.square = vanishes_at(self._square_point, "the square of an amplitude")
+        self.turned = vanishes_at(self._turned_point, "a quarter turn a site")
+        self.staggered = equals(self._staggered_point, _DIRECT)
+        self.staggered_centre = equals(self._staggered_centre_point, _DIRECT)
+        self.averaged_centre = equals(self._centre_point, _DIRECT)
+        self.tail_wave = vanishes_at(self._tail_wave_point, "one factor a site")
+        self.tail = equals(self._tail_point, _DIRECT + " at vanishing amplitude", tolerance=1e-7)
+
+    def _field(self, rng: random.Random) -> dict[int, complex]:
+        return {at: complex(rng.uniform(-1.2, 1.2), rng.uniform(-1.2, 1.2)) for at in self.sites}
+
+    # From (8) to the average.
+
+    def _variable_point(self, rng: random.Random) -> Point:
+        w = rng.uniform(0.8, 1.3)
+        place, rate, second = (rng.uniform(-1, 1) for _ in range(3))
+        return {omega: w, y(n, t).diff(t, 2): second, y(n, t).diff(t): rate, y(n, t): place,
+                psi(n, t).diff(t): complex(second, w * rate),
+                psi(n, t): complex(rate, w * place)}  # fmt: skip
+
+    def _complex_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        p, field, w = drawn(self.model, rng), self._field(rng), rng.uniform(0.8, 1.3)
+        rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        point = {**p.values, omega: w, psi(n, t).diff(t): rate}
+        point |= {psi(n + at, t): value for at, value in field.items()}
+        return point, [wave_residual(field, rate, p, w)]
+
+    def _envelope_point(self, rng: random.Random) -> Point:
+        w, when, size = rng.uniform(0.8, 1.3), rng.uniform(0, 6), self._field(rng)[0]
+        turned = size * complex(math.cos(w * when), math.sin(w * when))
+        return {omega: w, t: when, phi(n, t): size, psi(n, t): turned}
+
+    def _frozen(
+        self, rng: random.Random
+    ) -> tuple[dict[Any, Any], dict[int, complex], complex, ChainNumbers]:
+        p, field = drawn(self.model, rng), self._field(rng)
+        rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        point = {**p.values, phi(n, t).diff(t): rate}
+        point |= {phi(n + at, t): value for at, value in field.items()}
+        return point, field, rate, p
+
+    def _rotating_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, field, rate, p = self._frozen(rng)
+        when, w = rng.uniform(0, 6), rng.uniform(0.8, 1.3)
+        return {**point, t: when, omega: w}, [complex(rotating_residual(field, rate, p, w)(when))]
+
+    def _averaged_point(self, rng: random.Random, unit: bool) -> tuple[Point, list[complex]]:
+        point, field, rate, p = self._frozen(rng)
+        w = 1.0 if unit else rng.uniform(0.8, 1.3)
+        return {**point, omega: w}, [direct_average(field, rate, p, w)]
+
+    # The decaying wave.
+
+    def _wave_numbers(self, rng: random.Random) -> tuple[dict[Any, Any], complex, int]:
+        growth, turn, place = rng.uniform(-1.2, -0.3), rng.uniform(-3, 3), rng.randrange(1, 4)
+        return ({k_1: growth, k_2: turn, alpha_0: rng.uniform(0.8, 2), n: place},
+                cmath.exp(complex(growth, turn)), place)  # fmt: skip
+
+    def _wave_point(self, rng: random.Random) -> Point:
+        wave, step, place = self._wave_numbers(rng)
+        return {**wave, phi(n, t): wave[alpha_0] * step**place}
+
+    def _wave_average(
+        self, wave: dict[Any, Any], p: ChainNumbers, w: float, *, turning: float = 0.0,
+        scale: float = 1.0,
+    ) -> complex:  # fmt: skip
+        """Return the direct average over φ_n, for amplitude ``scale`` times the one of the wave."""
+        step = cmath.exp(complex(wave[k_1], wave[k_2]))
+        field = {at: scale * wave[alpha_0] * step ** (wave[n] + at) for at in self.sites}
+        return complex(direct_average(field, 1j * turning * field[0], p, w) / field[0])
+
+    def _balance_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        wave, _, _ = self._wave_numbers(rng)
+        p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+        return {**p.values, **wave, omega: w}, [self._wave_average(wave, p, w)]
+
+    def _parts_point(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
+        wave, _, _ = self._wave_numbers(rng)
+        p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+        found = self._wave_average(wave, p, w, scale=w if displacement else 1.0)
+        return {**p.values, **wave, omega: w}, [found.real, found.imag]
+
+    def _real_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, references = self._parts_point(rng, False)
+        size = point[alpha_0] ** 2 * math.exp(2 * point[k_1] * point[n])
+        return {**point, square: size}, references[:1]
+
+    def _detuning(self, size: float, p: ChainNumbers) -> float:
+        """ω_1 of a cell of amplitude ``size`` with neighbours at rest, by sampling."""
+        return float(p.cell_rate(size).imag / p.eps + sum(p.springs))
+
+    def _frequency_point(self, rng: random.Random) -> Point:
+        p, size = drawn(self.model, rng), rng.uniform(0.5, 2)
+        w = 1 + p.eps * self._detuning(size, p)
+        return {**p.values, alpha_0: size, R: size / 2, omega: w, omega_1: (w - 1) / p.eps}
+
+    def _factors(self, wave: dict[Any, Any], p: ChainNumbers, w: float) -> tuple[float, float]:
+        """Factors of sin k_2 and cos k_2 in the real and imaginary part of the average."""
+        up, down = math.exp(wave[k_1]), math.exp(-wave[k_1])
+        half = p.eps * p.springs[0] / (2 * w)
+        return half * (down - up), half * (up + down)
+
+    def _isolated_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        wave, _, _ = self._wave_numbers(rng)
+        p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+        found = self._wave_average(wave, p, w)
+        of_sine, of_cosine = self._factors(wave, p, w)
+        return {**p.values, **wave, omega: w}, [found.real / of_sine, found.imag / of_cosine]
+
+    def _phase_point(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
+        wave, _, _ = self._wave_numbers(rng)
+        p = drawn(self.model, rng)
+        w = 1 + p.eps * self._detuning(wave[alpha_0], p)
+        found = self._wave_average(wave, p, w, scale=w if displacement else 1.0)
+        of_sine, of_cosine = self._factors(wave, p, w)
+        return {**p.values, **wave}, [found.real / of_sine, found.imag / of_cosine]
+
+    def _limit_numbers(
+        self, rng: random.Random
+    ) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers]:
+        wave, _, _ = self._wave_numbers(rng)
+        p = drawn(self.model, rng)
+        return {**p.values, **wave}, wave, p
+
+    def _in_limit(self, wave: dict[Any, Any], p: ChainNumbers) -> tuple[float, float]:
+        """Real and imaginary part of the average at ω = 1 over the factors of sine and cosine.
+
+        A motion at frequency 1 + ε ω_1 turns φ of frequency 1 at ε ω_1.
+        """
+        turning = p.eps * self._detuning(wave[alpha_0], p)
+        found = self._wave_average(wave, p, 1.0, turning=turning)
+        of_sine, of_cosine = self._factors(wave, p, 1.0)
+        return found.real / of_sine, found.imag / of_cosine
+
+    def _limit_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, wave, p = self._limit_numbers(rng)
+        return point, list(self._in_limit(wave, p))
+
+    def _swapped_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, wave, p = self._limit_numbers(rng)
+        return point, [-self._in_limit(wave, p)[0]]
+
+    def _zeros(self, wave: dict[Any, Any], p: ChainNumbers) -> list[float]:
+        """Zeros in k_2, from -π to π, of the imaginary part in the limit."""
+
+        def imaginary(turn: float) -> float:
+            return self._in_limit({**wave, k_2: turn}, p)[1]
+
+        grid = np.linspace(-math.pi, math.pi, 26)
+        heights = [imaginary(q) for q in grid]
+        return [float(brentq(imaginary, low, high, xtol=1e-14, rtol=1e-14))
+                for low, high, one, other in zip(grid, grid[1:], heights, heights[1:], strict=False)
+                if one * other < 0]  # fmt: skip
+
+    def _with_zeros(
+        self, rng: random.Random
+    ) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers, list[float]]:
+        for _ in range(60):
+            point, wave, p = self._limit_numbers(rng)
+            zeros = self._zeros(wave, p)
+            if zeros:
+                return point, wave, p, zeros
+        raise ArithmeticError("no parameters were found at which the phase step is real")
+
+    def branches(self, candidate: sp.Basic) -> Evidence:
+        """Find every zero of the imaginary part by sampling, and every one among the branches."""
+        rng, worst = random.Random(20), 0.0
+        for _ in range(3):
+            point, _, _, zeros = self._with_zeros(rng)
+            del point[k_2]
+            found = [solved_for(part, k_2, point) for part in parts_of(candidate)]
+            real = sorted(q.real for q in found if abs(q.imag) < 1e-9)
+            if len(real) != len(zeros):
+                return Evidence(False, f"{len(real)} branches, but sampling finds {len(zeros)}")
+            worst = max(worst, *(abs(p - q) for p, q in zip(real, zeros, strict=True)))
+        return Evidence(worst < 1e-9, f"all zeros of the imaginary part: off by {worst:.1e}")
+
+    def _at_branch(self, rng: random.Random) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers]:
+        """Return numbers with k_2 the zero between -π and 0 that is nearest to -π/2."""
+        point, wave, p, zeros = self._with_zeros(rng)
+        turn = min((q for q in zeros if q < 0), key=lambda q: abs(q + math.pi / 2))
+        return {**point, k_2: turn}, {**wave, k_2: turn}, p
+
+    def _branch_point(self, rng: random.Random) -> Point:
+        return self._at_branch(rng)[0]
+
+    def _quarter_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, wave, p = self._at_branch(rng)
+        return point, [-self._in_limit(wave, p)[0]]
+
+    def _relation_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, references = self._quarter_point(rng)
+        return point, [*references, 0]
+
+    def _amplitude_point(self, rng: random.Random) -> Point:
+        wave, _, _ = self._wave_numbers(rng)
+        place, phase = rng.choice([-2, 1, 3]), rng.uniform(0, 3)
+        # Two instants a quarter period apart give the amplitude of a sine.
+        size = wave[alpha_0] * math.exp(wave[k_1]) ** abs(place)
+        quarter = [size * math.sin(phase + shift) for shift in (0, math.pi / 2)]
+        return {**wave, n: place, A_n: math.hypot(*quarter)}
+
+    def _square_point(self, rng: random.Random) -> Point:
+        wave, step, place = self._wave_numbers(rng)
+        return {**wave, square: abs(wave[alpha_0] * step**place) ** 2}
+
+    def divided(self, count: int) -> Check:
+        """Return the check of a divided difference of the sampled damping over ``count`` sites."""
+
+        def draw(rng: random.Random) -> Point:
+            p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+            sizes = [0.3 + 0.5 * at + rng.uniform(0, 0.2) for at in range(count)]
+            table = [-p.cell_rate(math.sqrt(size), w).real for size in sizes]
+            for width in range(1, count):
+                table = [(table[at + 1] - table[at]) / (sizes[at + width] - sizes[at])
+                         for at in range(len(table) - 1)]  # fmt: skip
+            values = dict(zip(squares, sizes, strict=False))
+            return {**p.values, **values, omega: w, divided: table[0]}
+
+        return vanishes_at(draw, f"the averaged damping at {count} amplitudes, sampled",
+                           tolerance=1e-8)  # fmt: skip
+
+    # Phase steps of -π/2.
+
+    def _turned_point(self, rng: random.Random) -> Point:
+        p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
+        size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
+        spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
+        return {**p.values, n: place, t: when, r(n, t): size,
+                phi(n, t): size * (-1j) ** place * spin}  # fmt: skip
+
+    def _quarter_turns(self, sizes: dict[int, complex], p: ChainNumbers, centre: bool) -> complex:
+        """Return r' of the middle site for amplitudes in phase steps of -π/2."""
+        phases = {at: (-1j) ** (abs(at) if centre else at) for at in sizes}
+        field = {at: size * phases[at] for at, size in sizes.items()}
+        spin = 1j * p.eps * sum(p.springs)
+        return -direct_average(field, spin * field[0], p, 1.0)
+
+    def _staggered_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        p, sizes = drawn(self.model, rng), self._field(rng)
+        moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        point = {**p.values, r(n, t).diff(t): moving, n: 2, t: rng.uniform(0, 3)}
+        names = {r(n + at, t): value for at, value in sizes.items()}
+        return {**names, **point}, [moving - self._quarter_turns(sizes, p, False)]
+
+    def _staggered_centre_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        p, sizes = drawn(self.model, rng), self._field(rng)
+        sizes |= {-at: sizes[at] for at in range(1, p.reach + 1)}
+        moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        point = {**p.values, r(0, t).diff(t): moving, t: rng.uniform(0, 3)}
+        point |= {r(at, t): sizes[at] for at in range(p.reach + 1)}
+        return point, [moving - self._quarter_turns(sizes, p, True)]
+
+    def _centre_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        _, field, rate, p = self._frozen(rng)
+        field |= {-at: field[at] for at in range(1, p.reach + 1)}
+        point = {**p.values, phi(0, t).diff(t): rate}
+        point |= {phi(at, t): field[at] for at in range(p.reach + 1)}
+        return point, [direct_average(field, rate, p, 1.0)]
+
+    def _tail_wave_point(self, rng: random.Random) -> Point:
+        wave, step, place = self._wave_numbers(rng)
+        return {**wave, r(n, t): wave[alpha_0] * abs(step) ** place}
+
+    def _tail_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        wave, step, _ = self._wave_numbers(rng)
+        p, small = drawn(self.model, rng), 1e-5
+        sizes = {at: complex(small * abs(step) ** at) for at in self.sites}
+        return {**p.values, **wave}, [-self._quarter_turns(sizes, p, False) / sizes[0]]

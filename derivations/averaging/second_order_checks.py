@@ -1,0 +1,315 @@
+"""What the second order is held against: residuals projected by sampling, and true orbits."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import random
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.optimize import brentq
+
+from derivations.algebra.evidence import Point, equals, solved_for, value, vanishes_at
+from derivations.algebra.steps import Evidence
+from derivations.averaging import symbols as own
+from derivations.averaging.periodic_orbit import harmonic, orbit
+from derivations.chain import ChainModel
+from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
+from derivations.multiple_scales.checks import Checks as ScalesChecks
+from derivations.symbols import n, omega, t
+
+_SAMPLES = 128
+_T = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
+_STEPS = (1e-2, 1e-3)
+_ALONG = "what the equation of motion leaves at e^{it} along the predicted flow"
+_WEAK = 0.2
+"""Largest eps * max|h| on a cycle, which is what acts as the small parameter."""
+
+
+class SecondOrderChecks:
+    """The checks of the second order for one chain or cell.
+
+    Parameters
+    ----------
+    model : ChainModel
+        The chain; an isolated cell has no springs.
+    """
+
+    def __init__(self, model: ChainModel) -> None:
+        self.model = model
+        rng: random.Random = random.Random(4)
+        self._values = {symbol: rng.uniform(0.4, 1.2) for symbol in model.parameters}
+        far = 2 * model.reach
+        self._sites = {at: complex(rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6))
+                       for at in range(-far, far + 1)}  # fmt: skip
+        self.motion = ScalesChecks(model).chain
+        self.cycles = equals(self._cycles_point, "the damping of the cell, averaged by sampling")
+        self.turned = vanishes_at(self._turned_point, "a quarter turn a site")
+
+    def _numbers(self, e: float) -> ChainNumbers:
+        return numbers_of(self.model, self._values, e)
+
+    # Residuals.
+
+    def _first(self, values: dict[int, complex], at: int, p: ChainNumbers) -> complex:
+        """dA/d(eps t) at a site, by sampling: half i times the force at e^{it}."""
+        size = values[at]
+        y, rate = (2 * (q * np.exp(1j * _T)).real for q in (size, 1j * size))
+        return complex(0.5j * (_coefficient(p.force(y, rate)) - p.tension(values, at)))
+
+    def _names(self, field: sp.FunctionClass, values: dict[int, complex]) -> dict[Any, Any]:
+        return {field(n + at, t): size for at, size in values.items()}
+
+    def _predicted(self, candidate: sp.Basic, unknown: sp.Basic, names: Any, e: float) -> complex:
+        point = {**self._numbers(e).values, **names}
+        return complex(solved_for(candidate, unknown, point))
+
+    def _residual(self, rate: complex, values: dict[int, complex], e: float) -> float:
+        """Return what (8) leaves at e^{it} for a given dA/dt, with y1 from a Fourier transform."""
+        p, h, reach = self._numbers(e), 1e-5, self.model.reach
+        # A'' to order eps^2: the first-order flow differentiated along itself.
+        flow = {at: self._first(values, at, p) for at in range(-reach, reach + 1)}
+
+        def moved(sign: float) -> complex:
+            near = {at: q + sign * h * flow.get(at, 0) for at, q in values.items()}
+            return self._first(near, 0, p)
+
+        second = e * e * (moved(1) - moved(-1)) / (2 * h)
+        size = values[0]
+        y0, first0 = (2 * (q * np.exp(1j * _T)).real for q in (size, 1j * size))
+        y1, first1 = _response(p.force(y0, first0))
+        slow = 2 * (rate * np.exp(1j * _T)).real
+        drag = _coefficient(p.force(y0 + e * y1, first0 + slow + e * first1))
+        return float(abs(2j * rate + second + e * (drag - p.tension(values))))
+
+    def scales(self, candidate: sp.Basic) -> Evidence:
+        """Project the equation of motion on e^{it} along the predicted flow."""
+        names, unknown = self._names(own.amplitude, self._sites), own.amplitude(n, t).diff(t)
+        errors = [self._residual(self._predicted(candidate, unknown, names, e), self._sites, e)
+                  for e in _STEPS]  # fmt: skip
+        return _slope(errors, 3, _ALONG)
+
+    def staggered(self, candidate: sp.Basic) -> Evidence:
+        """Project on e^{it} along the flow in quarter turns, at t = 0 and n = 0."""
+        sizes = {at: 2 * q for at, q in self._sites.items()}
+        values = {at: -0.5j * (-1j) ** at * q for at, q in sizes.items()}
+        names = {**self._names(own.rho, sizes)}
+        # The fields are put in first; n and t that are left stand in phases.
+        names |= {n: 0, t: 0}
+        errors = []
+        for e in _STEPS:
+            rate = self._predicted(candidate, own.rho(n, t).diff(t), names, e)
+            spin = 1j * e * sum(self._numbers(e).springs)
+            errors.append(self._residual(-0.5j * (rate + spin * sizes[0]), values, e))
+        return _slope(errors, 3, _ALONG)
+
+    def _right_side(self, values: dict[int, Any], p: ChainNumbers, at: int = 0) -> Any:
+        """Phi' over eps at a site, sampled; each phi a number or samples."""
+        reach = self.model.reach
+        turned = {place: values[at + place] * np.exp(1j * _T) for place in range(-reach, reach + 1)}
+        places = {place: q.imag for place, q in turned.items()}
+        force = p.force(places[0], turned[0].real) - p.tension(places)
+        return -np.exp(-1j * _T) * force
+
+    def _oscillating(self, at: int, p: ChainNumbers) -> Any:
+        """Return the zero-mean antiderivative of the right side at a site."""
+        spectrum = np.fft.fft(self._right_side(self._sites, p, at))
+        numbers = np.fft.fftfreq(_SAMPLES, 1 / _SAMPLES)
+        numbers[0], spectrum[0] = 1, 0
+        return np.fft.ifft(spectrum / (1j * numbers))
+
+    def averaging(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the mean of the right side at phi plus its oscillating part."""
+        reach, errors = self.model.reach, []
+        names, unknown = self._names(own.phi, self._sites), own.phi(n, t).diff(t)
+        for e in _STEPS:
+            p = self._numbers(e)
+            full = {at: self._sites[at] + e * self._oscillating(at, p)
+                    for at in range(-reach, reach + 1)}  # fmt: skip
+            exact = e * np.mean(self._right_side(full, p))
+            errors.append(float(abs(exact - self._predicted(candidate, unknown, names, e))))
+        return _slope(errors, 3, "what the sampled mean leaves of the predicted flow")
+
+    def fundamental(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the Fourier coefficient of y, the imaginary part of phi e^{it}."""
+        worst, names = 0.0, self._names(own.phi, self._sites)
+        for e in (0.1, 0.4):
+            phi = self._sites[0] + e * self._oscillating(0, self._numbers(e))
+            exact = _coefficient((phi * np.exp(1j * _T)).imag)
+            found = self._predicted(candidate, own.fundamental, names, e)
+            worst = max(worst, abs(found - exact))
+        return Evidence(worst < 1e-12, f"Fourier coefficient of y: off by at most {worst:.1e}")
+
+    def _turned_point(self, rng: random.Random) -> Point:
+        p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
+        size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
+        spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
+        return {**p.values, own.rho(n, t): size, n: place, t: when,
+                own.amplitude(n, t): size * (-1j) ** place * spin / 2j}  # fmt: skip
+
+    # Cycles of the cell.
+
+    def _cycles_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        p, size = drawn(self.model, rng), rng.uniform(0.3, 1.5)
+        loss = -2 * p.cell_rate(size).real / p.eps
+        return {**p.values, own.square: size**2}, [loss]
+
+    def _against_orbits(
+        self, error: Callable[[sp.Basic, Any, float, dict[Any, Any]], float], candidate: sp.Basic,
+        order: int, what: str,
+    ) -> Evidence:  # fmt: skip
+        slopes = []
+        for values, square in _cycles_of(self.model):
+            errors = []
+            for e in _small(self.model, values, square):
+                p = numbers_of(self.model, dict(values), e)
+                y, w = _orbit_of(self.model, values, square, e)
+                errors.append(error(candidate, y, w, {**p.values, own.square: square}))
+            if min(errors) == 0:
+                return Evidence(False, f"{what}: nothing was tested")
+            slopes.append(math.log2(errors[0] / errors[1]))
+        if not slopes:
+            return Evidence(False, f"{what}: no limit cycle was found to compare with")
+        holds = all(slope > order - 0.35 for slope in slopes)
+        shown = ", ".join(f"{slope:.2f}" for slope in slopes)
+        return Evidence(holds, f"{what}: slopes {shown} in ε, predicted at least {order}")
+
+    def cell_frequency(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the frequency of true cycles."""
+        order = 3 if self.model.stiffness else 4  # without stiffness it is even in eps
+
+        def error(judged: sp.Basic, _: Any, w: float, point: dict[Any, Any]) -> float:
+            left, right = (value(side, {**point, omega: w}) for side in judged.args)
+            return float(abs(left - right))
+
+        return self._against_orbits(error, candidate, order,
+                                    "error of the frequency of the true cycle")  # fmt: skip
+
+    def cell_amplitude(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the fundamental of true cycles."""
+
+        def error(judged: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
+            found = abs(complex(harmonic(y, 1)))
+            left, right = (value(side, {**point, own.size: found}) for side in judged.args)
+            return float(abs(left - right))
+
+        return self._against_orbits(error, candidate, 2,
+                                    "error of the fundamental of the true cycle")  # fmt: skip
+
+    def next_harmonics(self, candidate: sp.Basic) -> Evidence:
+        """Compare eps y1 with the true cycle minus its fundamental, over one period."""
+        return self._against_orbits(_harmonics_error, candidate, 2,
+                                    "overtones of the true cycle minus eps y1")  # fmt: skip
+
+
+def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
+    """Time is counted from an arbitrary origin.
+
+    From a zero of y, A is imaginary and y1 the same forwards and backwards.
+    """
+    first = complex(harmonic(y, 1))
+    times = 2 * np.pi * np.arange(len(y)) / len(y)
+    rest = y - 2 * (first * np.exp(1j * times)).real
+    origin = times[11]
+    amplitude = -0.5j * math.sqrt(point[own.square]) * np.exp(1j * origin)
+    numbers = {**point, own.amplitude(n, t): amplitude}
+    eps = next(given for symbol, given in point.items() if symbol.name == "epsilon")
+    worst = 0.0
+    for place in (7, 31, 58):
+        here = {**numbers, own.turn: np.exp(1j * (times[place] - origin))}
+        found = solved_for(candidate, own.y_next, here)
+        worst = max(worst, abs(rest[place] - eps * found))
+    return float(worst)
+
+
+def _coefficient(samples: Any) -> complex:
+    return complex(np.mean(samples * np.exp(-1j * _T)))
+
+
+def _response(force: Any) -> tuple[Any, Any]:
+    """Solve ``u'' + u = -force`` without its resonant part; u and its derivative, sampled."""
+    spectrum = -np.fft.fft(force)
+    numbers = np.fft.fftfreq(_SAMPLES, 1 / _SAMPLES)
+    keep = np.abs(numbers) != 1
+    answer = np.zeros(_SAMPLES, complex)
+    answer[keep] = spectrum[keep] / (1 - numbers[keep] ** 2)
+    return np.fft.ifft(answer).real, np.fft.ifft(1j * numbers * answer).real
+
+
+def _slope(errors: list[float], order: int, what: str) -> Evidence:
+    if min(errors) == 0:
+        return Evidence(False, f"{what}: the error is exactly zero, so nothing was tested")
+    found = math.log(errors[0] / errors[1]) / math.log(_STEPS[0] / _STEPS[1])
+    return Evidence(abs(found - order) < 0.1, f"{what}: slope {found:.3f} in ε, predicted {order}")
+
+
+Values = tuple[tuple[sp.Symbol, float], ...]
+
+
+def _key(model: ChainModel) -> tuple[Any, ...]:
+    return tuple(model.damping.items()), tuple(model.stiffness.items())
+
+
+def _cycles_of(model: ChainModel) -> tuple[tuple[Values, float], ...]:
+    """Return two choices of parameters at which the cell has cycles, with each of their squares."""
+    return _cycles(_key(model))
+
+
+@lru_cache(maxsize=32)
+def _cycles(key: tuple[Any, ...]) -> tuple[tuple[Values, float], ...]:
+    damping, stiffness = key
+    model = ChainModel(damping=dict(damping), stiffness=dict(stiffness), coupling=0)
+    rng: random.Random = random.Random(3)
+    found: list[tuple[Values, float]] = []
+    grid = np.linspace(0.3, 4.5, 24)
+    phase = _T[:, None]
+    for _ in range(2000):
+        values = tuple((symbol, math.exp(rng.uniform(-3, 1.5))) for symbol in model.parameters)
+        p = numbers_of(model, dict(values), 1.0)
+
+        def rate(size: Any, p: ChainNumbers = p) -> Any:
+            moved = -p.force(size * np.sin(phase), size * np.cos(phase)) * np.cos(phase)
+            return np.mean(moved, axis=0)
+
+        heights = rate(grid[None, :])
+        crossed = [
+            (low, high)
+            for low, high, one, other in zip(grid, grid[1:], heights, heights[1:], strict=False)
+            if one * other < 0 and abs(one - other) > 0.02
+        ]
+        if crossed:
+            found += [
+                (values, float(brentq(lambda q: rate(q)[0], *pair, xtol=1e-14)) ** 2)
+                for pair in crossed
+            ]
+        if len(found) >= 2:
+            break
+    return tuple(found)
+
+
+def _small(model: ChainModel, values: Values, square: float) -> tuple[float, float]:
+    """Return two values of eps, both weak for a cycle of this size."""
+    p = numbers_of(model, dict(values), 1.0)
+    y = np.linspace(0, math.sqrt(square), 40)
+    strongest = max(float(np.abs(p.force(y, 1.0)).max()), 1e-3)
+    large = min(0.02, _WEAK / strongest)
+    return large, large / 2
+
+
+def _orbit_of(model: ChainModel, values: Values, square: float, e: float) -> tuple[Any, float]:
+    return _orbit(_key(model), values, square, e)
+
+
+@lru_cache(maxsize=64)
+def _orbit(key: tuple[Any, ...], values: Values, square: float, e: float) -> tuple[Any, float]:
+    """Return the true cycle near an averaged one, over one period, and its frequency."""
+    damping, stiffness = key
+    model = ChainModel(damping=dict(damping), stiffness=dict(stiffness), coupling=0)
+    samples = 101
+    start = math.sqrt(square) * np.sin(2 * np.pi * np.arange(samples) / samples)[None, :]
+    y, w = orbit(start, 1.0, numbers_of(model, dict(values), e))
+    return y[0], w

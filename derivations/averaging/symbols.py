@@ -1,0 +1,30 @@
+"""Symbols of the averaged chain."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derivations.symbols import n, t
+
+psi = sp.Function("Psi")
+"""Complex variable of Eq. (31); ``psi(n, t)``."""
+phi = sp.Function("varphi")
+"""Its envelope in the rotating frame; ``phi(n, t)``."""
+r = sp.Function("r")
+"""Amplitudes in phase steps of -π/2; real where springs join odd neighbours only."""
+A_n = sp.Symbol("A_n", positive=True)
+square = sp.Symbol("s", positive=True)
+"""Square of the amplitude of φ at a site."""
+squares = sp.symbols("s_0:8", positive=True)
+divided = sp.Symbol("H", real=True)
+"""Divided difference of the damping over several sites."""
+
+own, rate = phi(n, t), phi(n, t).diff(t)
+
+amplitude = sp.Function("A")
+"""Complex amplitude of ``y = A e^{it} + c.c.``; ``amplitude(n, t)``."""
+rho = sp.Function("rho")
+"""Twice its modulus in phase steps of -π/2, with what turns beyond them."""
+fundamental = sp.Symbol("A_1")
+y_next, turn = sp.symbols("y_next turn")
+size = sp.Symbol("A_abs", positive=True)

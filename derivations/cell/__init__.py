@@ -1,0 +1,1 @@
+"""Any polynomial cell: average, cycles, second order, and the front that follows."""

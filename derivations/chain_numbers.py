@@ -1,0 +1,116 @@
+"""The chain in plain numbers, for checks: forces written as springs and dampers, without SymPy.
+
+Nothing here uses the symbolic form of the equations; only the coefficients are read off the model.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from derivations.algebra.evidence import fast_average
+from derivations.chain import ChainModel
+from derivations.symbols import epsilon
+
+
+@dataclass(frozen=True)
+class ChainNumbers:
+    """One chain with numbers for its coefficients.
+
+    Attributes
+    ----------
+    damping, stiffness : tuple of float
+        Coefficients of h and g from power 0 on.
+    springs : tuple of float
+        Spring constants c w_j to the j-th neighbours.
+    eps : number
+        The small parameter.
+    values : mapping of Symbol to float
+        The same numbers by symbol, with eps.
+    """
+
+    damping: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    springs: tuple[float, ...]
+    eps: Any
+    values: Mapping[sp.Symbol, Any]
+
+    @property
+    def reach(self) -> int:
+        """Neighbours on either side."""
+        return len(self.springs)
+
+    def force(self, y: Any, rate: Any) -> Any:
+        """``y' h(y) + g(y)`` by Horner's rule."""
+        return rate * _horner(self.damping, y) + _horner(self.stiffness, y)
+
+    def tension(self, field: Mapping[int, Any], at: int = 0) -> Any:
+        """Pull of the springs on a site: differences to the right minus differences to the left."""
+        total: Any = 0
+        for j, spring in enumerate(self.springs, start=1):
+            right, left = field[at + j] - field[at], field[at] - field[at - j]
+            total = total + spring * (right - left)
+        return total
+
+    def rest(self, field: Mapping[int, Any], rate: Any, at: int = 0) -> Any:
+        """Return what (8) says besides y'' at a site: ``y - eps tension + eps force``."""
+        own = field[at]
+        return own + self.eps * (self.force(own, rate) - self.tension(field, at))
+
+    def averaged_rate(self, field: Mapping[int, complex], frequency: float = 1.0) -> complex:
+        """``dphi_n/dt`` of the averaged chain, ``y = Im(phi e^{i w t})/w``, by sampling (8).
+
+        The time derivative of ``phi e^{i w t} = y' + i w y`` is averaged over a period.
+        """
+
+        def sampled(phase: Any) -> Any:
+            turned = {offset: value * np.exp(1j * phase) for offset, value in field.items()}
+            places = {offset: value.imag / frequency for offset, value in turned.items()}
+            rate = turned[0].real
+            moved = -self.rest(places, rate) + 1j * frequency * rate
+            return (moved - 1j * frequency * turned[0]) * np.exp(-1j * phase)
+
+        return fast_average(sampled, samples=128)
+
+    def cell_rate(self, size: float, frequency: float = 1.0) -> complex:
+        """``dphi/dt / phi`` of a cell with frozen neighbours at rest removed: damping and detuning.
+
+        At ``phi = size`` without springs.
+        """
+        alone = ChainNumbers(self.damping, self.stiffness, (), self.eps, self.values)
+        return alone.averaged_rate({0: complex(size)}, frequency) / size
+
+
+def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
+    total: Any = 0 * y
+    for value in reversed(coefficients):
+        total = total * y + value
+    return total
+
+
+def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> ChainNumbers:
+    """Return the chain with given values of its symbols."""
+
+    def number(expression: sp.Expr) -> float:
+        return float(sp.sympify(expression).subs(values))
+
+    def row(powers: Mapping[int, sp.Expr]) -> tuple[float, ...]:
+        return tuple(number(powers.get(power, 0)) for power in range(max(powers, default=-1) + 1))
+
+    springs = tuple(number(model.coupling * weight) for weight in model.weights)
+    return ChainNumbers(row(model.damping), row(model.stiffness), springs, eps,
+                        {**values, epsilon: eps})  # fmt: skip
+
+
+def drawn(model: ChainModel, rng: random.Random) -> ChainNumbers:
+    """Return the chain with random numbers for its symbols.
+
+    Between 0.2 and 1.5, so that no power of an amplitude of order one dwarfs the others.
+    """
+    values = {symbol: rng.uniform(0.2, 1.5) for symbol in model.parameters}
+    return numbers_of(model, values, rng.uniform(0.1, 0.5))

@@ -1,0 +1,241 @@
+"""From Newton's law to the dimensionless chain, and when its steady sliding is stable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from derivations.algebra.balance import BalancePower
+from derivations.algebra.equations import equation
+from derivations.algebra.operations import (
+    Join,
+    SolveFor,
+    Specialise,
+    Substitute,
+    Take,
+)
+from derivations.algebra.scaling import (
+    ChangeVariables,
+    DivideByPositive,
+    ExpressIn,
+    InsertPlaneWave,
+    PerturbField,
+    PrescribeCoefficients,
+    PutEqual,
+    Rename,
+    RestUniformly,
+    SolveLimits,
+    TakeCoefficient,
+    TakeNegativeBranch,
+)
+from derivations.algebra.steps import Derivation, Given, Step, ansatz, definition, derived, model
+from derivations.friction import checks
+from derivations.friction.symbols import (
+    F_N,
+    F,
+    F_tilde,
+    R,
+    c,
+    d,
+    eta_c,
+    k,
+    m,
+    mu,
+    mu_d,
+    mu_fall,
+    mu_far,
+    mu_st,
+    n,
+    omega_n,
+    q,
+    rate,
+    s,
+    t,
+    tau,
+    v_0,
+    v_hopf,
+    v_rel,
+    v_tilde_0,
+    v_tilde_d,
+    v_tilde_rel,
+    xi,
+    y,
+    y_0,
+    y_star,
+    y_tilde,
+    z,
+)
+
+
+def exponential(speed: sp.Expr) -> sp.Expr:
+    """Return the decay of Eq. (2), one at zero speed and zero at infinite speed."""
+    return sp.exp(-speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionModel:
+    """A friction chain: what Eqs. (1) and (2) say, and may say otherwise.
+
+    Attributes
+    ----------
+    inertia, damping, stiffness : Expr
+        Coefficients of y'', y' and y.
+    springs : mapping of int to Expr
+        Stiffness of the spring to the neighbours at each distance.
+    decay : callable
+        How friction falls with speed over ``v_0``.
+    parameters : mapping of Symbol to Rational
+        The numbers of Eq. (7).
+    """
+
+    inertia: sp.Expr = m
+    damping: sp.Expr = d
+    stiffness: sp.Expr = k
+    springs: Mapping[int, sp.Expr] = field(default_factory=lambda: {1: eta_c})
+    decay: Callable[[sp.Expr], sp.Expr] = exponential
+    parameters: Mapping[sp.Symbol, sp.Expr] = field(default_factory=lambda: {
+        mu_st: sp.Integer(1), mu_d: sp.Rational(1, 2), v_tilde_0: sp.Rational(1, 2),
+        xi: sp.Rational(1, 20)})  # fmt: skip
+
+    def newton(self) -> sp.Eq:
+        """Return Newton's law for an interior site."""
+        own = y(n, t)
+        left = self.inertia * own.diff(t, 2) + self.damping * own.diff(t) + self.stiffness * own
+        for distance, spring in self.springs.items():
+            left += spring * (2 * own - y(n + distance, t) - y(n - distance, t))
+        return equation(left, F)
+
+
+PAPER = FrictionModel()
+"""The chain of the paper."""
+
+
+def derive(chain: FrictionModel = PAPER) -> Derivation:
+    """Eqs. (1)-(7) and what follows for steady sliding and for the cycle that slips all the time.
+
+    Parameters
+    ----------
+    chain : FrictionModel
+        The chain; that of the paper by default.
+    """
+    given = _given(chain)
+    scaled = _scaled(chain, given)
+    sliding = _sliding(chain, {**given, **scaled})
+    return Derivation(
+        "friction",
+        "Model I: scales, steady sliding, its stability and the cycle of pure slip (Eqs. 1-7)",
+        (*given.values(), *scaled.values(), *sliding),
+    )
+
+
+def _given(chain: FrictionModel) -> dict[str, Step]:
+    falling = mu_far + mu_fall * chain.decay(sp.Abs(v_rel) / v_0)
+    law = sp.Tuple(
+        equation(F, -sp.sign(v_rel) * F_N * mu(v_rel)), sp.Ne(v_rel, 0, evaluate=False),
+        sp.Le(sp.Abs(F), mu_st * F_N, evaluate=False), equation(v_rel, 0),
+    )  # fmt: skip
+    scales = sp.Tuple(equation(y(n, t), y_0 * y_tilde(n, tau)), equation(tau, omega_n * t),
+                      equation(F, F_N * F_tilde))  # fmt: skip
+    velocities = sp.Tuple(equation(v_rel, omega_n * y_0 * v_tilde_rel),
+                          equation(v_0, omega_n * y_0 * v_tilde_0),
+                          equation(F, F_N * F_tilde))  # fmt: skip
+    steps: tuple[Given, ...] = (
+        model("newton", chain.newton(), "Newton's law for site n between its neighbours",
+              check=checks.newton(chain), number=1),
+        model("falling friction", equation(mu(v_rel), falling),
+              "friction falls with speed from one value to another, with reference velocity v_0",
+              check=checks.falling(chain)),
+        definition("friction at rest and at speed",
+                   sp.Tuple(equation(mu(sp.S.Zero), mu_st), equation(mu(sp.oo), mu_d)),
+                   "the limits that the text states below (2)", check=checks.limits),
+        model("friction law", law, "friction opposes slip; in stick it takes whatever value "
+              "balances, up to the limit from which slip starts", check=checks.law, number=3),
+        ansatz("scales", scales, "scaled displacement, time and force", check=checks.scales),
+        definition("scaled velocities", velocities,
+                   "velocities in units of omega_n y_0, the reference velocity too",
+                   check=checks.velocities),
+        definition("parameters", sp.Tuple(*(equation(own, value)
+                                            for own, value in chain.parameters.items())),
+                   "the parameters of all simulations of model I",
+                   check=checks.parameters(chain), number=7),
+        definition("relative velocity",
+                   equation(v_tilde_rel, y_tilde(n, tau).diff(tau) - v_tilde_d),
+                   "velocity of the site relative to the belt", check=checks.relative),
+    )  # fmt: skip
+    return {step.name: step for step in steps}
+
+
+def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
+    friction = derived("friction coefficient", SolveLimits(v_rel, (mu_far, mu_fall)),
+                       given["falling friction"], given["friction at rest and at speed"],
+                       check=checks.coefficient(chain), number=2)  # fmt: skip
+    raw = derived("newton in the scales", (ChangeVariables(t, tau), DivideByPositive(F_N)),
+                  given["newton"], given["scales"], check=checks.in_scales(chain))  # fmt: skip
+    here = y_tilde(n, tau)
+    sites = tuple(y_tilde(n + sign * distance, tau)
+                  for distance in chain.springs for sign in (1, -1))  # fmt: skip
+    demands = (
+        ((here.diff(tau, 2),), sp.S.One),
+        ((here, *sites), sp.S.One),  # what a uniform displacement feels
+        ((here.diff(tau),), 2 * xi),
+        ((y_tilde(n + 1, tau),), -c),
+    )
+    units = derived("unit coefficients", PrescribeCoefficients(demands, (omega_n, y_0, c, xi)),
+                    raw, check=checks.units(chain),
+                    note="inertia and stiffness become one; c and 2 xi are the coefficients left "
+                         "of coupling and damping")  # fmt: skip
+    clock = derived("scaled time", Take(1), given["scales"], check=checks.clock)
+    parameters = derived("scaling", Join(), units, clock, check=checks.scaling(chain), number=4)
+    dimensionless = derived("dimensionless chain", ExpressIn((d, eta_c)), raw, units,
+                            check=checks.dimensionless(chain), number=5)  # fmt: skip
+    law = derived("dimensionless law", (Substitute(), DivideByPositive(F_N)),
+                  given["friction law"], given["scaled velocities"],
+                  check=checks.scaled_law, number=6,
+                  note="mu is the function (2) of the dimensional velocity")  # fmt: skip
+    force = derived("force of slip", Take(0), law, check=checks.force_of_slip)
+    slip = derived("slip law", Substitute(index=v_rel, at=(omega_n * y_0 * v_tilde_rel,)),
+                   force, friction, check=checks.slip(chain))  # fmt: skip
+    own = derived("slip law in scaled velocities", Substitute(), slip,
+                  given["scaled velocities"], check=checks.slip(chain))  # fmt: skip
+    steps = (friction, raw, units, clock, parameters, dimensionless, law, force, slip, own)
+    return {step.name: step for step in steps}
+
+
+def _sliding(chain: FrictionModel, found: dict[str, Step]) -> tuple[Step, ...]:
+    """Steady sliding, its waves and its loss of stability; then the cycle of pure slip."""
+    backwards = derived("slip backwards", TakeNegativeBranch(v_tilde_rel),
+                        found["slip law in scaled velocities"], check=checks.backwards(chain),
+                        note="the belt is faster than the site")  # fmt: skip
+    at_velocity = derived("force at a velocity of the site", Substitute(), backwards,
+                          found["relative velocity"], check=checks.at_velocity(chain))  # fmt: skip
+    slipping = derived("slipping chain", Substitute(), found["dimensionless chain"], at_velocity,
+                       check=checks.slipping(chain))  # fmt: skip
+    sliding = derived("steady sliding", (RestUniformly(y_tilde, y_star), SolveFor(y_star)),
+                      slipping, check=checks.sliding(chain))  # fmt: skip
+    linear = derived("linearised chain", PerturbField(y_tilde, z), slipping, sliding,
+                     check=checks.linear(chain))  # fmt: skip
+    waves = derived("waves about sliding", InsertPlaneWave(z, rate, q), linear,
+                    check=checks.waves(chain), note="coupling does not damp them")  # fmt: skip
+    damping = derived("effective damping", TakeCoefficient(rate), waves,
+                      check=checks.damping(chain))  # fmt: skip
+    hopf = derived("Hopf velocity", (SolveFor(v_tilde_d), Rename(v_tilde_d, v_hopf)), damping,
+                   check=checks.hopf(chain),
+                   note="steady sliding is stable for faster belts")  # fmt: skip
+    cell = derived("slipping cell", Specialise({y_tilde(n + 1, tau): y_tilde(n, tau),
+                                                y_tilde(n - 1, tau): y_tilde(n, tau)}), slipping,
+                   check=checks.cell(chain))  # fmt: skip
+    balance = derived(
+        "cycle of pure slip",
+        BalancePower(y_tilde(n, tau), tau, y_star + R * sp.sin(s), s),
+        cell,
+        check=checks.balance(chain),
+        note="its velocity amplitude is R; at R = 0 this is the Hopf velocity",
+    )
+    bound = derived("end of pure slip", PutEqual(R, v_tilde_d), balance,
+                    check=checks.bound(chain),
+                    note="the largest velocity of the cycle reaches that of the belt: it grazes "
+                         "stick, and for slower belts there is no cycle of pure slip")  # fmt: skip
+    return (backwards, at_velocity, slipping, sliding, linear, waves, damping, hopf, cell, balance,
+            bound)  # fmt: skip

@@ -1,0 +1,106 @@
+"""The cell of the averaged chain: its two cycles, and what two straight lines keep and drop."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derivations.algebra.cycles import (
+    DecayAtRoot,
+    FactorRadicals,
+    LineariseAtRest,
+    MoveUniformly,
+    RatioOfAmplitudes,
+    StationaryAmplitudes,
+    TakeBranch,
+)
+from derivations.algebra.equations import equation
+from derivations.algebra.operations import Divide, SolveFor, Substitute, Subtract, Take
+from derivations.algebra.oscillation import RealAndImaginaryParts
+from derivations.algebra.scaling import ExpressIn
+from derivations.algebra.steps import Step, definition, derived
+from derivations.chain import ChainModel
+from derivations.front.checks import Checks
+from derivations.front.symbols import (
+    deviation,
+    eta,
+    phase,
+    phi,
+    phi_s,
+    phi_us,
+    radial_rate,
+    radius,
+)
+from derivations.symbols import i, n, t
+
+
+def forcing_parameter(chain: ChainModel) -> sp.Expr | None:
+    """Return ``h_0 h_2p / h_p²`` of a damping with powers 0, p, 2p; None for any other."""
+    powers = sorted(chain.damping)
+    if len(powers) != 3 or powers[0] != 0 or powers[2] != 2 * powers[1]:
+        return None
+    low, middle, top = (chain.damping[power] for power in powers)
+    return low * top / middle**2
+
+
+def eliminated(chain: ChainModel) -> tuple[sp.Symbol, ...]:
+    """Return a symbol of the top coefficient, which η replaces."""
+    found = sorted(chain.damping[max(chain.damping)].free_symbols, key=str)
+    return tuple(found[:1])
+
+
+def steps(chain: ChainModel, averaged: Step, checks: Checks) -> dict[str, Step]:
+    """From (43) to the ratio of the two cycles, for a cell that has them in closed form."""
+    uniform = derived("averaged cell", MoveUniformly(phi, n), averaged, check=checks.averaged_cell)
+    polar = definition("amplitude and phase", equation(phi(n, t), radius * sp.exp(i * phase)),
+                       "modulus and argument of the envelope", check=checks.polar)  # fmt: skip
+    parts = derived("averaged cell in parts",
+                    (Substitute(), Divide(sp.exp(i * phase)), RealAndImaginaryParts()), uniform,
+                    polar, check=checks.cell_parts)  # fmt: skip
+    rate = derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))), parts,
+                   check=checks.amplitude_rate)  # fmt: skip
+    turning = derived(
+        "phase of the cell",
+        (Take(1), SolveFor(phase.diff(t))),
+        parts,
+        check=checks.phase_rate,
+        note="without nonlinear stiffness it rests: no phase is preferred",
+    )
+    found = [uniform, polar, parts, rate, turning]
+    forcing = forcing_parameter(chain)
+    if forcing is not None:
+        cycles = derived("cycles", StationaryAmplitudes(radius, (sp.Abs(phi_us), sp.Abs(phi_s))),
+                         rate, check=checks.cycles)  # fmt: skip
+        outer = derived("radial decay on the cycle", DecayAtRoot(radius, 1, radial_rate), rate,
+                        cycles, check=checks.radial_decay)  # fmt: skip
+        quotient = derived("ratio of the cycles", RatioOfAmplitudes(2), cycles,
+                           check=checks.ratio)  # fmt: skip
+        parameter = definition("forcing parameter", equation(eta, forcing),
+                               "what is left of the coefficients when amplitudes are scaled",
+                               check=checks.forcing)  # fmt: skip
+        found += [cycles, outer, quotient, parameter]
+        if eliminated(chain):
+            found.append(derived("ratio by η", (ExpressIn(eliminated(chain)), FactorRadicals()),
+                                 quotient, parameter, check=checks.ratio))  # fmt: skip
+    return {step.name: step for step in found}
+
+
+def comparison(averaged: Step, lines: Step, cycles: dict[str, Step], checks: Checks
+               ) -> tuple[Step, ...]:  # fmt: skip
+    """Return what (44) keeps of (43), and what it drops, as steps."""
+    full = derived("averaged chain near rest", LineariseAtRest(phi), averaged,
+                   check=checks.near_rest)  # fmt: skip
+    lower = derived("two lines near rest", TakeBranch(0), lines, check=checks.near_rest)
+    kept = derived("kept at rest", Subtract(), full, lower, check=checks.nothing,
+                   note="(44) has the rest state of (43), its decay and its springs")  # fmt: skip
+    shifted = definition("deviation from the cycle", equation(phi(n, t), phi_s * (1 + deviation)),
+                         "a relative deviation: its real part is radial, its imaginary part turns "
+                         "the phase", check=checks.shifted)  # fmt: skip
+    upper = derived("two lines near the cycle",
+                    (TakeBranch(1), MoveUniformly(phi, n)), lines, check=checks.upper)  # fmt: skip
+    decay = derived("dropped on the cycle", (Substitute(), Divide(phi_s),
+                                             SolveFor(deviation.diff(t))), upper, shifted,
+                    check=checks.upper_decay,
+                    note="(44) gives radius and phase the decay of the rest state; in (43) the "
+                         "radius has the rate of 'radial decay on the cycle' and the phase none: "
+                         "(44) fixes the phase of φ_s, which (43) leaves free")  # fmt: skip
+    return full, lower, kept, shifted, upper, decay

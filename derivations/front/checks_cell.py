@@ -1,0 +1,197 @@
+"""Checks of the cell of the averaged chain and of the two straight lines."""
+
+from __future__ import annotations
+
+import cmath
+import random
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from derivations.algebra.evidence import Point
+from derivations.algebra.steps import Check, Evidence
+from derivations.chain import ChainModel
+from derivations.front import symbols as s
+from derivations.front.sampling import (
+    Sample,
+    as_point,
+    at_points,
+    complex_number,
+    samples,
+    sites,
+)
+from derivations.symbols import n, t
+
+_OWN = s.phi(n, t)
+
+
+class CellChecks:
+    """What the cell is held against: Eq. (8) averaged by equal samples in time.
+
+    Parameters
+    ----------
+    model : ChainModel
+        The chain.
+    """
+
+    def __init__(self, model: ChainModel) -> None:
+        self.model = model
+
+    @cached_property
+    def samples(self) -> tuple[Sample, ...]:
+        """Three chains whose cells have two cycles."""
+        return samples(self.model)
+
+    def _cells(self) -> Iterator[tuple[Sample, random.Random]]:
+        rng = random.Random(5)
+        for sample in self.samples:
+            yield sample, rng
+
+    def averaged_cell(self, candidate: sp.Basic) -> Evidence:
+        """Sample the cell without springs."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                own, rate = complex_number(rng, 2.0), complex_number(rng)
+                uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
+                change = sample.chain.averaged_rate(uniform)
+                yield as_point(sample.chain, {0: own}, rate), [rate - change]
+
+        return at_points(points, "Eq. (8) averaged by sampling, all sites alike")(candidate)
+
+    def polar(self, candidate: sp.Basic) -> Evidence:
+        """Modulus and argument of a number."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for own in (0.7 - 0.4j, -1.1 + 0.2j):
+                yield {_OWN: own, s.radius: abs(own), s.phase: cmath.phase(own)}, [0]
+
+        return at_points(points, "moduli and arguments of numbers")(candidate)
+
+    def cell_parts(self, candidate: sp.Basic) -> Evidence:
+        """Rate of a real amplitude: real and imaginary part."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                size, rate, turn = (rng.uniform(0.3, 2) for _ in range(3))
+                change = sample.chain.cell_rate(size) * size
+                point = {s.radius: size, s.radius.diff(t): rate, s.phase.diff(t): turn,
+                         **sample.chain.values}  # fmt: skip
+                yield point, [rate - change.real, size * turn - change.imag]
+
+        return at_points(points, "Eq. (8) averaged by sampling", floor=0.1)(candidate)
+
+    def amplitude_rate(self, candidate: sp.Basic) -> Evidence:
+        """Solved for the rate of the amplitude."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                size = rng.uniform(0.3, 2)
+                yield {s.radius: size, s.radius.diff(t): sample.rate(size),
+                       **sample.chain.values}, [0]  # fmt: skip
+
+        return at_points(points, "the sampled loss of the cell")(candidate)
+
+    def phase_rate(self, candidate: sp.Basic) -> Evidence:
+        """Solved for the rate of the phase."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                size = rng.uniform(0.3, 2)
+                turn = sample.chain.cell_rate(size).imag
+                yield {s.radius: size, s.phase.diff(t): turn, **sample.chain.values}, [0]
+
+        return at_points(points, "the sampled detuning of the cell", floor=0.1)(candidate)
+
+    def _with_cycles(self, sample: Sample) -> dict[Any, Any]:
+        inner, outer = sample.inner * 1j, sample.outer * cmath.exp(0.3j)
+        return {s.phi_us: inner, s.phi_s: outer, s.eta: self._eta(sample), **sample.chain.values}
+
+    def _eta(self, sample: Sample) -> float:
+        """Product of the outer coefficients of the damping over the square of the middle one."""
+        low, middle, top = (q for q in sample.chain.damping if q != 0)
+        return low * top / middle**2
+
+    def _vanish_on_cycles(self, parts: int, what: str) -> Check:
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample in self.samples:
+                yield self._with_cycles(sample), [0] * parts
+
+        return at_points(points, what)
+
+    def cycles(self, candidate: sp.Basic) -> Evidence:
+        """Zeros of the sampled loss."""
+        return self._vanish_on_cycles(2, "zeros of the sampled loss")(candidate)
+
+    def ratio(self, candidate: sp.Basic) -> Evidence:
+        """Ratio of those zeros."""
+        return self._vanish_on_cycles(1, "zeros of the sampled loss")(candidate)
+
+    def forcing(self, candidate: sp.Basic) -> Evidence:
+        """From the coefficients of the damping, and that it does not change with the amplitude."""
+        return self._vanish_on_cycles(1, "the coefficients of the damping")(candidate)
+
+    def radial_decay(self, candidate: sp.Basic) -> Evidence:
+        """Slope of the sampled loss on the outer cycle."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample in self.samples:
+                step = 1e-3 * sample.outer
+                far, near = (sample.rate(sample.outer + q) - sample.rate(sample.outer - q)
+                             for q in (2 * step, step))  # fmt: skip
+                slope = (8 * near - far) / (12 * step)
+                yield {s.radial_rate: -slope, **sample.chain.values}, [0]
+
+        return at_points(points, "the slope of the sampled loss", tolerance=1e-7)(candidate)
+
+    def near_rest(self, candidate: sp.Basic) -> Evidence:
+        """Response of the averaged chain to a tiny amplitude."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                field, rate = sites(self.model, rng), complex_number(rng)
+                yield as_point(sample.chain, field, rate), [rate - sample.linear(field)]
+
+        return at_points(points, "the response of the averaged chain to a tiny amplitude",
+                         tolerance=1e-7)(candidate)  # fmt: skip
+
+    def nothing(self, candidate: sp.Basic) -> Evidence:
+        """Nothing is left, at numbers."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                yield as_point(sample.chain, sites(self.model, rng), complex_number(rng)), [0]
+
+        return at_points(points, "nothing, for random states", floor=1.0)(candidate)
+
+    def shifted(self, candidate: sp.Basic) -> Evidence:
+        """Compare with a relative deviation."""
+        point = {_OWN: (2 - 1j) * (1.1 + 0.2j), s.phi_s: 2 - 1j, s.deviation: 0.1 + 0.2j}
+        return at_points(lambda: [(point, [0])], "a displaced number")(candidate)
+
+    def upper(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the response about rest, moved to the cycle."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                own, cycle = complex_number(rng, 2.0), complex_number(rng, 2.0)
+                uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own - cycle)
+                rate = sample.linear(uniform)
+                yield {**as_point(sample.chain, {0: own}, rate), s.phi_s: cycle}, [0]
+
+        return at_points(points, "the linear response about rest, moved to the cycle",
+                         tolerance=1e-7)(candidate)  # fmt: skip
+
+    def upper_decay(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the same for a relative deviation."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, rng in self._cells():
+                own = complex_number(rng)
+                uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
+                rate = sample.linear(uniform)
+                yield {s.deviation: own, s.deviation.diff(t): rate, **sample.chain.values}, [0]
+
+        return at_points(points, "the linear response about rest", tolerance=1e-7)(candidate)

@@ -1,0 +1,218 @@
+"""Checks of the limits of the kinetic relation: standing chains, long waves, roots of their own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.linalg import solve_banded
+
+from derivations.algebra.evidence import Point, solved_for
+from derivations.algebra.steps import Check, Evidence
+from derivations.front import symbols as s
+from derivations.front.checks_profile import ProfileChecks
+from derivations.front.numbers import Lattice, kinetic_sum
+from derivations.front.sampling import Sample, at_points, standing
+from derivations.symbols import c
+
+_FACTORS = (0.4, 1.0, 2.3)
+
+
+class LimitChecks(ProfileChecks):
+    """What pinning, retreat and strong coupling are held against."""
+
+    def _standing(self, side: int) -> Iterator[tuple[Sample, complex, dict[Any, Any]]]:
+        """Value at the site that is about to switch, with springs of several strengths."""
+        for sample in self.samples:
+            for factor in _FACTORS:
+                ahead = standing(sample, factor)
+                values = {**sample.chain.values}
+                values[c] = values.get(c, 1.0) * factor
+                yield sample, ahead if side > 0 else 1 - ahead, values
+
+    def ratio_named(self, candidate: sp.Basic) -> Evidence:
+        """Compare with a quotient of moduli."""
+        point = {s.phi_us: 0.6j, s.phi_s: 1.2 - 0.5j, s.ratio: 0.6 / 1.3}
+        return at_points(lambda: [(point, [0])], "a quotient of moduli")(candidate)
+
+    def static(self, side: int) -> Check:
+        """Compare with the last site of a standing chain, and with a front that hardly moves."""
+        name = s.static_sum if side > 0 else s.retreating_sum
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, own, values in self._standing(side):
+                yield {**values, name: -own / sample.lattice.decay}, [0]
+            if side > 0:
+                sample = self.samples[0]
+                # The correction is about e^{-decay/v}, below rounding at v = 0.01.
+                yield {**sample.chain.values, name: kinetic_sum(sample.lattice, 0.01)}, [0]
+
+        return at_points(points, "a standing chain, solved site by site", floor=1.0)
+
+    def named_relation(self, name: sp.Symbol) -> Check:
+        """Compare with the modulus of the sum against the ratio."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample in self.samples:
+                at_front = 0.3 - 0.4j
+                yield {**sample.chain.values, name: -at_front / sample.lattice.decay,
+                       s.ratio: abs(at_front)}, [0]  # fmt: skip
+
+        return at_points(points, "the value at the front over its modulus")
+
+    def depinning(self, side: int) -> Check:
+        """Both parts, for a standing chain."""
+        name = s.static_sum if side > 0 else s.retreating_sum
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, own, values in self._standing(side):
+                yield {**values, name: -own / sample.lattice.decay, s.ratio: abs(own)}, [0, 0]
+
+        return at_points(points, "a standing chain, solved site by site", floor=1.0)
+
+    def _roots(self) -> Iterator[tuple[float, complex, dict[Any, Any]]]:
+        """Value ahead, and the square root that belongs to it: 1 - 2 phi/phi_s = 1/w."""
+        for _, ahead, values in self._standing(1):
+            root = 1 / (1 - 2 * ahead)
+            yield abs(ahead), root, {**values, s.p: root.real}
+
+    def radical(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the root belongs to a standing chain."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for _, _, point in self._roots():
+                yield point, [0, 0]
+
+        found = at_points(points, "standing chains", floor=1.0)(candidate)
+        worst = max(abs(complex(candidate.args[0].rhs.subs(point).evalf()) - root)
+                    for _, root, point in self._roots())  # fmt: skip
+        return Evidence(found.holds and worst < 1e-9, f"{found.statement}; root off by {worst:.1e}")
+
+    def coupling_by_p(self, candidate: sp.Basic) -> Evidence:
+        """Coupling of a standing chain from its root."""
+        return at_points(lambda: [(point, [0]) for _, _, point in self._roots()],
+                         "standing chains")(candidate)  # fmt: skip
+
+    def _with_ratio(self, side: int) -> Iterator[dict[Any, Any]]:
+        for (_, _, point), (_, own, _) in zip(self._roots(), self._standing(side), strict=True):
+            yield {**point, s.ratio: abs(own), s.c_pin: point[c], s.c_retreat: point[c]}
+
+    def squared(self, side: int) -> Check:
+        """Ratio and root of a standing chain."""
+        return at_points(lambda: [(point, [0]) for point in self._with_ratio(side)],
+                         "standing chains")  # fmt: skip
+
+    parameter = squared
+    threshold_coupling = squared
+
+    def largest_ratio(self, candidate: sp.Basic) -> Evidence:
+        """Value ahead of a standing chain at strong coupling, extrapolated."""
+        sizes = [abs(_standing_long(factor)) for factor in (2.5e3, 1e4)]
+        limit = 2 * sizes[1] - sizes[0]  # the difference falls like 1/sqrt(c)
+        found = solved_for(candidate, s.ratio, {}).real
+        return Evidence(
+            abs(found - limit) < 1e-4,
+            f"a standing chain at c = 2500, 10000, extrapolated: {limit:.6f}",
+        )
+
+    def ratio_in_eta(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the cycles of the direct average."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample in self.samples:
+                yield {s.ratio: sample.ratio, s.eta: self._eta(sample)}, [0]
+
+        return at_points(points, "cycles of the direct average")(candidate)
+
+    def largest_eta(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the cycles of that forcing have the ratio one half."""
+        limit = solved_for(candidate, s.eta, {}).real
+        powers = sorted(q for q in self.model.damping if q)
+        low, middle, top = 1.0, -4.0, limit * 16.0
+        phase = 2 * np.pi * np.arange(64) / 64
+        means = [float((np.sin(phase) ** q * np.cos(phase) ** 2).mean()) for q in powers]
+        squares = np.roots([top * means[1], middle * means[0], low * 0.5]).real
+        found = (squares.min() / squares.max()) ** (1 / powers[0])
+        return Evidence(abs(found - 0.5) < 1e-12, f"cycles of that eta have the ratio {found:.12f}")
+
+    def _strong(self, factor: float) -> Iterator[tuple[Sample, Lattice, dict[Any, Any]]]:
+        for sample in self.samples:
+            springs = tuple(q * factor for q in sample.chain.springs)
+            values = {**sample.chain.values}
+            values[c] = values.get(c, 1.0) * factor
+            yield sample, Lattice(sample.lattice.decay, springs), values
+
+    def long_waves(self, candidate: sp.Basic) -> Evidence:
+        """L at strong coupling, at a wavenumber that falls like its root."""
+        worst = 0.0
+        for _, lattice, values in self._strong(1e6):
+            fast, number = 0.8, 0.7 - 0.4j
+            root = math.sqrt(values[c])
+            exact = complex(lattice.dispersion(number / root, fast * root))
+            point = {**values, s.V: fast, s.kappa: number}
+            worst = max(worst, abs(solved_for(candidate, s.long_wave, point) - exact))
+        return Evidence(worst < 1e-4, f"L at c ~ 1e6 and k = kappa/sqrt(c): off by {worst:.1e}")
+
+    def long_wave_root(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the root nearest the origin above the axis, by Newton's method."""
+        worst = 0.0
+        for _, lattice, values in self._strong(1e6):
+            for fast in (0.3, 0.8, 2.0):
+                root = math.sqrt(values[c])
+                found = _nearest(lattice, fast * root, root)
+                worst = max(
+                    worst, abs(solved_for(candidate, s.kappa, {**values, s.V: fast}) - found)
+                )
+        return Evidence(worst < 1e-4, f"the root nearest the origin at c ~ 1e6: off by {worst:.1e}")
+
+    def strong_sum(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the whole sum at large c, from the front's history."""
+        errors = []
+        for factor in (100.0, 900.0):
+            worst = 0.0
+            for _, lattice, values in self._strong(factor):
+                fast = 0.8
+                exact = kinetic_sum(lattice, fast * math.sqrt(values[c]))
+                worst = max(worst, abs(solved_for(candidate, s.strong_sum,
+                                                  {**values, s.V: fast}) - exact))  # fmt: skip
+            errors.append(worst)
+        # What is left out is O(1/sqrt(c)) at most: a third, from nine times the coupling.
+        holds = errors[1] < 0.02 and errors[1] < errors[0] / 3
+        return Evidence(holds, f"the front from its history at c ~ 50, 500: off by "
+                               f"{errors[0]:.1e}, {errors[1]:.1e}")  # fmt: skip
+
+    def strong_relation(self, candidate: sp.Basic) -> Evidence:
+        """Both parts."""
+        relation, value_of = candidate.args
+        first = self.named_relation(s.strong_sum)(relation)
+        return self.strong_sum(value_of) if first.holds else first
+
+
+@lru_cache(maxsize=4)
+def _standing_long(coupling: float, half: int = 2000) -> complex:
+    """phi/phi_s ahead of a standing front of nearest neighbours at strong coupling, banded."""
+    size = 2 * half
+    bands = np.zeros((3, size), dtype=complex)
+    bands[0, 1:] = bands[2, :-1] = 0.5j * coupling
+    bands[1] = 0.5 - 1j * coupling
+    bands[1, 0] += 0.5j * coupling
+    bands[1, -1] += 0.5j * coupling
+    pull = np.where(np.arange(size) < half, 0.5, 0.0).astype(complex)
+    return complex(solve_banded((1, 1), bands, pull)[half])
+
+
+def _nearest(lattice: Lattice, v: float, root: float) -> complex:
+    """Return the root above the axis nearest to the origin, times sqrt(c), from many starts."""
+    starts = np.array([r * np.exp(1j * a) for r in (0.2, 0.6, 1.2, 2.5, 5.0)
+                       for a in (0.2, 0.8, 1.6, 2.4, 3.0)]) / root  # fmt: skip
+    k = starts
+    with np.errstate(all="ignore"):
+        for _ in range(40):
+            k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
+    good = np.isfinite(k) & (k.imag > 0) & (np.abs(lattice.dispersion(k, v)) < 1e-7)
+    k = k[good]
+    return complex(k[np.abs(k).argmin()] * root)

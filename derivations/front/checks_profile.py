@@ -1,0 +1,423 @@
+"""Checks of (44)-(54): direct averages, the front built from its history, found roots."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import random
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import sympy as sp
+from scipy.integrate import quad
+
+from derivations.algebra.equations import parts_of
+from derivations.algebra.evidence import Point, solved_for, value
+from derivations.algebra.steps import Check, Evidence
+from derivations.front import symbols as s
+from derivations.front.checks_cell import CellChecks
+from derivations.front.numbers import count_between, evaluated, profile, roots
+from derivations.front.sampling import (
+    PLACES,
+    Sample,
+    as_point,
+    at_points,
+    complex_number,
+    front,
+    sites,
+)
+from derivations.symbols import epsilon, n, t
+
+_OWN = s.phi(n, t)
+_SPEEDS = (0.5, 1.3, 0.7)
+_CYCLE = 0.8 - 0.4j
+
+
+def _wave(z: Any) -> Any:
+    return mp.tanh(1 - z) * mp.exp(0.4j * z) + 0.3 * mp.sin(z)
+
+
+class ProfileChecks(CellChecks):
+    """What (44)-(54) are held against."""
+
+    def _states(self) -> Iterator[tuple[Sample, dict[int, complex], complex, complex, bool]]:
+        """Sites just below and just above the threshold 2, and far from it, at any phase."""
+        rng = random.Random(7)
+        for size in (0.4, 1.999, 2.001, 3.0):
+            for sample in self.samples:
+                field = sites(self.model, rng, 2.0)
+                field[0] = size * cmath.exp(1j * rng.uniform(0, 6))
+                yield sample, field, complex_number(rng), complex_number(rng, 4.0), size > 2
+
+    def two_lines(self, candidate: sp.Basic) -> Evidence:
+        """Linearise the direct average at rest; beyond the threshold, the same about phi_s."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, field, rate, cycle, excited in self._states():
+                shift = cycle if excited else 0
+                linear = sample.linear({place: own - shift for place, own in field.items()})
+                point = as_point(sample.chain, field, rate)
+                yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j)}, [rate - linear]
+
+        what = "the direct average linearised at rest, and its translate, on both sides close to "\
+            "the threshold"  # fmt: skip
+        return at_points(points, what, tolerance=1e-7)(candidate)
+
+    driven = two_lines
+
+    def force(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the force on a site: the response without springs."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, field, rate, cycle, excited in self._states():
+                own = field[0] - (cycle if excited else 0)
+                same = dict.fromkeys(field, own)
+                point = as_point(sample.chain, field, rate)
+                yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j),
+                       s.F: sample.linear(same)}, [0]  # fmt: skip
+
+        return at_points(points, "the two branches, taken one at a time, close to the threshold",
+                         tolerance=1e-7)(candidate)  # fmt: skip
+
+    def located(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the branch chosen by the sign of the coordinate."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, field, rate, cycle, excited in self._states():
+                shift = cycle if excited else 0
+                linear = sample.linear({place: own - shift for place, own in field.items()})
+                point = as_point(sample.chain, field, rate)
+                yield {**point, s.phi_s: cycle, s.zeta: -0.01 if excited else 0.01}, [rate - linear]
+
+        return at_points(points, "the direct average linearised at rest, and its translate",
+                         tolerance=1e-7)(candidate)  # fmt: skip
+
+    def moving(self, candidate: sp.Basic) -> Evidence:
+        """Compare with a wave watched at fixed sites."""
+        rng = random.Random(2)
+        count = len(parts_of(candidate))
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for _ in range(3):
+                at, when, fast = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
+                here = at - fast * when
+                point: dict[Any, Any] = {n: at, t: when, s.speed: fast, s.zeta: here}
+                for offset in range(-self.model.reach, self.model.reach + 1):
+                    seen = complex(_wave(at + offset - fast * when))
+                    point[s.phi(n + offset, t)] = seen
+                    point[s.phi(n - s.speed * t + offset)] = seen
+                    point[s.phi(s.zeta + offset)] = complex(_wave(here + offset))
+                yield point, [0] * count
+
+        found = at_points(points, "a wave watched at fixed sites")(candidate)
+        due = 2 * (2 * self.model.reach + 1)
+        return found if count == due else Evidence(False, f"{count} statements where {due} are due")
+
+    def admissible(self, candidate: sp.Basic) -> Evidence:
+        """Both sides agree at each of a row of places of a front that exists."""
+        sample, fast = front(self.model)
+        for place in PLACES:
+            own = abs(profile(sample.lattice, place, fast))
+            found = candidate.xreplace({_OWN: sp.Float(own), s.phi_us: sp.Float(sample.ratio),
+                                        s.zeta: sp.Float(place)})  # fmt: skip
+            if found != sp.true:
+                return Evidence(False, f"not so at zeta = {place}: |phi/phi_s| = {own:.4f}")
+        return Evidence(True, f"so at {len(PLACES)} places of a front with v_hat = {fast:.6f}")
+
+    def slow_velocity(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the distance covered is the same by both clocks."""
+        small, when, moved = 0.2, 3.0, 1.7
+        point = {epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
+        return at_points(lambda: [(point, [0])], "a distance over both times")(candidate)
+
+    def profile_equation(self, velocity: sp.Symbol) -> Check:
+        """(44) for a travelling test wave, on the branch that the sign of zeta selects."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            rng = random.Random(4)
+            for here in (-0.7, 0.6, -0.02, 0.02):
+                for sample in self.samples:
+                    fast, cycle, small = rng.uniform(0.3, 1), complex_number(rng), sample.chain.eps
+                    unit = 1 if velocity == s.speed else small
+                    rate = -unit * fast * complex(mp.diff(_wave, here))
+                    field = {q: complex(_wave(here + q))
+                             for q in range(-self.model.reach, self.model.reach + 1)}  # fmt: skip
+                    shift = cycle if here < 0 else 0
+                    linear = sample.linear({q: own - shift for q, own in field.items()})
+                    point: dict[Any, Any] = {**sample.chain.values, velocity: fast, s.phi_s: cycle,
+                                             s.zeta: here}  # fmt: skip
+                    point[s.phi(s.zeta).diff(s.zeta)] = complex(mp.diff(_wave, here))
+                    point |= {s.phi(s.zeta + q): own for q, own in field.items()}
+                    yield point, [(rate - linear) / unit]
+
+        return at_points(points, "(44) for a travelling test wave", tolerance=1e-7)
+
+    def _waves(self) -> Iterator[tuple[Sample, float, complex]]:
+        rng = random.Random(6)
+        for sample, fast in zip(self.samples, _SPEEDS, strict=True):
+            yield sample, fast, complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
+
+    def transformed(self, candidate: sp.Basic) -> Evidence:
+        """Transform both sides of (48) by quadrature, with a bell for the profile."""
+        worst = 0.0
+        for point, left, right in self._transforms:
+            worst = max(worst, abs(value(candidate.lhs, point) - left),
+                        abs(value(candidate.rhs, point) - right))  # fmt: skip
+        return Evidence(worst < 1e-6, f"both sides of (48) transformed by quadrature: {worst:.1e}")
+
+    @cached_property
+    def _transforms(self) -> list[tuple[Point, complex, complex]]:
+        """Image of the bell, and both sides of (48), at three wavenumbers."""
+        found: list[tuple[Point, complex, complex]] = []
+        for sample, fast, number in self._waves():
+            image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
+            left = _integral(
+                lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z),
+                -14,
+                14,
+            )
+            step = _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
+            point: dict[Any, Any] = {**sample.chain.values, s.v: fast, s.k: number,
+                                     s.phi_s: _CYCLE, s.phi_hat(s.k): image}  # fmt: skip
+            found.append((point, left, sample.lattice.decay * _CYCLE * step))
+        return found
+
+    def dispersion(self, candidate: sp.Basic) -> Evidence:
+        """(48) applied to a wave, from its values at the neighbours."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, fast, number in self._waves():
+                yield {**sample.chain.values, s.v: fast, s.k: number,
+                       s.L(s.k): complex(sample.lattice.dispersion(number, fast))}, [0]  # fmt: skip
+
+        return at_points(points, "(48) applied to e^{ik zeta}, numerically",
+                         tolerance=1e-8)(candidate)  # fmt: skip
+
+    def _slopes(self, on_roots: bool) -> Iterator[tuple[Point, list[complex]]]:
+        for sample, fast, number in self._waves():
+            for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
+                step = 1e-4
+                far, near = (sample.lattice.dispersion(at + h, fast)
+                             - sample.lattice.dispersion(at - h, fast)
+                             for h in (2 * step, step))  # fmt: skip
+                slope = complex((8 * near - far) / (12 * step))
+                yield {**sample.chain.values, s.v: fast, s.k: complex(at), s.L_k: slope}, [0]
+
+    def slope(self, candidate: sp.Basic) -> Evidence:
+        """Numerical derivatives of L at any k."""
+        return at_points(lambda: self._slopes(False), "numerical derivatives of L at any k",
+                         tolerance=1e-8)(candidate)  # fmt: skip
+
+    def slope_on_roots(self, candidate: sp.Basic) -> Evidence:
+        """Numerical derivatives of L at its roots."""
+        return at_points(lambda: self._slopes(True), "numerical derivatives of L at its roots",
+                         tolerance=1e-6)(candidate)  # fmt: skip
+
+    def root_sets(self, candidate: sp.Basic) -> Evidence:
+        """Roots found by iteration are members; roots of the other half-plane are not."""
+        sample = self.samples[0]
+        for place, member in enumerate(parts_of(candidate)):
+            if member.lhs != (s.M_plus, s.M_minus)[place]:
+                return Evidence(False, "the sets are not M+ and M-")
+            conditions = member.rhs.condition.args
+            relation = next(q for q in conditions if isinstance(q, sp.Equality))
+            others = sp.And(*(q for q in conditions if q != relation))
+            for upper in (True, False):
+                for number in roots(sample.lattice, 0.5, 60, upper)[::17]:
+                    size = complex(sample.lattice.dispersion(number, 0.5))
+                    left = value(relation.lhs - relation.rhs, {s.L(s.k): size})
+                    here = sp.sympify(complex(number))
+                    inside = abs(left) < 1e-8 and bool(others.subs(s.k, here))
+                    if inside != (upper == (place == 0)):
+                        return Evidence(False, f"wrong about the root {complex(number):.4f}")
+        return Evidence(True, "roots of both half-planes are sorted correctly")
+
+    def on_line(self, where: Callable[[dict[Any, Any]], Any]) -> Check:
+        """Compare with L from its neighbours, at points of a line."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            rng = random.Random(12)
+            for sample, fast, _ in self._waves():
+                for _ in range(3):
+                    point: dict[Any, Any] = {s.x: rng.uniform(-9, 9), s.turns: rng.randrange(-4, 5)}
+                    point |= {s.y: rng.uniform(-2, 2), **sample.chain.values, s.v: fast}
+                    exact = complex(sample.lattice.dispersion(complex(where(point)), fast))
+                    yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
+
+        return at_points(points, "L from its values at the neighbours")
+
+    def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
+        """Velocity and wavenumber at which the numerical slope of L vanishes."""
+        for sample in self.samples:
+            for turn, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
+                fast = sample.lattice.springs[0] * math.cosh(height)
+                number = complex(2 * math.pi * turn - math.pi / 2, height)
+                yield sample, fast, number, {**sample.chain.values, s.v: fast, s.k: number,
+                                             s.turns: turn, s.height: height}  # fmt: skip
+
+    def turning(self, candidate: sp.Basic) -> Evidence:
+        """Compare with wavenumbers at which the numerical slope of L vanishes."""
+        worst = max(
+            abs(sample.lattice.slope(number, fast)) for sample, fast, number, _ in self._turns()
+        )
+        found = at_points(lambda: [(point, [0]) for *_, point in self._turns()],
+                          "wavenumbers where the slope of L vanishes")(candidate)  # fmt: skip
+        return Evidence(found.holds and worst < 1e-9, found.statement)
+
+    def at_turning(self, candidate: sp.Basic) -> Evidence:
+        """Compare with L there, from its values at the neighbours."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, fast, number, point in self._turns():
+                exact = complex(sample.lattice.dispersion(number, fast))
+                yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
+
+        return at_points(points, "L where its slope vanishes")(candidate)
+
+    def no_double(self, candidate: sp.Basic) -> Evidence:
+        """At the value of n that comes out, which is no integer, Im L vanishes on the line."""
+        worst, nearest = 0.0, 1.0
+        for sample, fast, number, point in self._turns():
+            turn = solved_for(candidate, s.turns, point).real
+            moved = complex(2 * math.pi * turn - math.pi / 2, number.imag)
+            level = sample.lattice.dispersion(number, fast) - 1j * fast * (moved - number)
+            worst = max(worst, abs(level.imag))
+            nearest = min(nearest, abs(turn - round(turn)))
+        return Evidence(
+            worst < 1e-9 and nearest > 0.05,
+            f"Im L there: at most {worst:.1e}; {nearest:.3f} from any integer",
+        )
+
+    def counted(self, left: int) -> Check:
+        """Compare with winding numbers around strips, two periods apart."""
+
+        def check(candidate: sp.Basic) -> Evidence:
+            expected = solved_for(candidate, s.root_count, {})
+            for sample, fast, _ in self._waves():
+                for start in (left - 2, left, left + 2):
+                    found = count_between(sample.lattice, fast, start * math.pi,
+                                          (start + 1) * math.pi, True)  # fmt: skip
+                    if abs(found - expected) > 1e-12:
+                        return Evidence(False, f"{found} roots in a strip from {start} pi")
+            return Evidence(True, "winding numbers of three strips on three chains")
+
+        return check
+
+    def _image(self, sample: Sample, fast: float, number: complex) -> complex:
+        step = _integral(lambda z: np.exp(-1j * number * z), -90 / number.imag**0.5, 0)
+        drive = sample.lattice.decay * _CYCLE * step
+        return complex(drive / sample.lattice.dispersion(number, fast))
+
+    def image(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the transform of the step by quadrature, over the numerical L."""
+
+        def points() -> Iterator[tuple[Point, list[complex]]]:
+            for sample, fast, number in self._waves():
+                yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
+                       s.L(s.k): complex(sample.lattice.dispersion(number, fast)),
+                       s.phi_hat(s.k): self._image(sample, fast, number)}, [0]  # fmt: skip
+
+        return at_points(points, "the transform of the step by quadrature",
+                         tolerance=1e-6)(candidate)  # fmt: skip
+
+    def contour(self, candidate: sp.Basic) -> Evidence:
+        """Integrate along a line above the axis, by the trapezoidal rule with a cut-off."""
+        worst = 0.0
+        for place, (sample, fast, _) in zip((-0.6, 0.7, 1.4), self._waves(), strict=True):
+            lattice = sample.lattice
+            height = 0.5 * float(roots(lattice, fast).imag.min())
+            line = np.linspace(-1000.0, 1000.0, 100_001) + 1j * height
+            integral = candidate.rhs.atoms(sp.Integral).pop()
+            plain = integral.function.xreplace({s.L(s.k): s.L_k, s.phi_s: _sympy(_CYCLE)})
+            plain = plain.subs({**sample.chain.values, s.v: fast, s.zeta: place})
+            terms = sp.lambdify((s.k, s.L_k), plain, "numpy")(line, lattice.dispersion(line, fast))
+            found = complex(np.trapezoid(terms, line))
+            total = complex(value(candidate.rhs.xreplace({integral: _sympy(found)}), {}))
+            worst = max(worst, abs(total - _CYCLE * profile(lattice, place, fast)))
+            if candidate.lhs != s.phi(s.zeta):
+                return Evidence(False, "it does not give the profile")
+        # The tails beyond 1000 fall like 1/k² and oscillate.
+        return Evidence(worst < 1e-5, f"the front from its history: off by at most {worst:.1e}")
+
+    def profile(self, candidate: sp.Basic) -> Evidence:
+        """Against the front built from its history, at both signs of zeta."""
+        left, right = candidate.args
+        worst = 0.0
+        cases = zip((-1.5, -0.4, 0.3, 1.5), (*self._waves(), next(self._waves())), strict=True)
+        for place, (sample, fast, _) in cases:
+            point = {**sample.chain.values, s.v: fast, s.phi_s: _CYCLE, s.zeta: place}
+            branch = right.xreplace({s.zeta: sp.Float(place)})
+            found = evaluated(branch, point, sample.lattice, fast)
+            worst = max(worst, abs(found - _CYCLE * profile(sample.lattice, place, fast)))
+        holds = worst < 1e-7 and left == s.phi(s.zeta)
+        return Evidence(holds, f"the front from its history: off by at most {worst:.1e}")
+
+    def _vanishes(self, candidate: sp.Basic, what: str, tolerance: float = 1e-7) -> Evidence:
+        """Left minus right of each part on fronts at three velocities, series summed."""
+        worst = 0.0
+        for sample, fast, _ in self._waves():
+            lattice = sample.lattice
+            at_front = _CYCLE * profile(lattice, 0.0, fast)
+            point = {**sample.chain.values, s.v: fast, s.phi_s: _CYCLE, s.phi(0): at_front,
+                     s.phi_us: at_front, s.ratio: abs(at_front / _CYCLE)}  # fmt: skip
+            for part in parts_of(candidate):
+                left, right = part.args
+                worst = max(worst, abs(evaluated(left - right, point, lattice, fast)))
+        return Evidence(worst < tolerance, f"{what}: off by at most {worst:.1e}")
+
+    def at_zero(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the value at the front, from its history."""
+        return self._vanishes(candidate, "the value at the front, from its history")
+
+    def meeting(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the threshold is the value at the front."""
+        return self._vanishes(candidate, "the value at the front, from its history")
+
+    def threshold(self, candidate: sp.Basic) -> Evidence:
+        """With phi_us taken from the front built from its history."""
+        return self._vanishes(candidate, "phi(0) of the front from its history")
+
+    relation = threshold
+    sums = threshold
+
+    def by_ratio(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the modulus at the front."""
+        return self._vanishes(candidate, "|phi(0)| of the front from its history")
+
+    def relation_in_eta(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the modulus of (53) on the front, and with the two sampled cycles."""
+        pieces = parts_of(candidate)
+        if len(pieces) != 3:
+            return Evidence(False, "three equations are expected")
+        first = self.relation(pieces[0])
+        if not first.holds:
+            return first
+        second = self._vanish_on_cycles(2, "cycles of the direct average")(sp.Tuple(*pieces[1:]))
+        return Evidence(second.holds, f"{first.statement}; {second.statement}")
+
+
+def _sympy(number: complex) -> sp.Expr:
+    return sp.Float(number.real, 17) + sp.I * sp.Float(number.imag, 17)
+
+
+def _bell(z: Any) -> Any:
+    return np.exp(-((z - 0.4) ** 2)) * (1 + 0.5j * z)
+
+
+def _operated(sample: Sample, fast: float, z: Any) -> Any:
+    """Return the left side of (48) for the bell: derivative, decay and springs."""
+    step, lattice = 1e-4, sample.lattice
+    far, near = (_bell(z + h) - _bell(z - h) for h in (2 * step, step))
+    out = -fast * (8 * near - far) / (12 * step) + lattice.decay * _bell(z)
+    for distance, spring in enumerate(lattice.springs, start=1):
+        out = out - 0.5j * spring * (2 * _bell(z) - _bell(z + distance) - _bell(z - distance))
+    return out
+
+
+def _integral(function: Any, low: float, high: float) -> complex:
+    parts = (quad(lambda z: complex(function(z)).real, low, high, limit=400)[0],
+             quad(lambda z: complex(function(z)).imag, low, high, limit=400)[0])  # fmt: skip
+    return complex(*parts)

@@ -1,0 +1,214 @@
+"""Numbers for the front that do not come from its formulas.
+
+Roots are found by iteration and counted by a winding number; the profile is built from the history
+of the sites, with the response of the undriven chain, so it knows neither roots nor contours. All
+quantities are dimensionless; v stands for the paper's velocity over eps.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.integrate import IntegrationWarning, quad
+
+from derivations.algebra.evidence import Point, value
+from derivations.algebra.sums import SumOver
+from derivations.front import symbols as s
+
+COUNT = 4000
+"""Roots on either side of the imaginary axis; the sum is then known to about 1e-4 / v and
+extrapolation in the number of roots brings it to 1e-9."""
+WAVES = (256, 1024)
+"""Wavenumbers of the response at weak and strong coupling; the chain is then periodic with this
+many sites, of which a standing response reaches about sqrt(c)."""
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """The linear part of (44): decay at rest and springs.
+
+    Attributes
+    ----------
+    decay : float
+        Rate at which a site at rest decays, a unit of eps t.
+    springs : tuple of float
+        c w_j, from the nearest neighbours on.
+    """
+
+    decay: float
+    springs: tuple[float, ...]
+
+    def on_site(self, k: Any) -> Any:
+        """A(k), shape of ``k``: decay and springs for the wave e^{ikn}, from its neighbours."""
+        total = self.decay + 0j
+        for distance, spring in enumerate(self.springs, start=1):
+            ahead, back = np.exp(1j * k * distance), np.exp(-1j * k * distance)
+            total = total - 0.5j * spring * (2 - ahead - back)
+        return total
+
+    def dispersion(self, k: Any, v: float) -> Any:
+        """L(k), shape of ``k``."""
+        return self.on_site(k) - 1j * v * k
+
+    def slope(self, k: Any, v: float) -> Any:
+        """dL/dk by exponentials."""
+        total = -1j * v + 0 * k
+        for distance, spring in enumerate(self.springs, start=1):
+            ahead, back = np.exp(1j * k * distance), np.exp(-1j * k * distance)
+            total = total - 0.5 * spring * distance * (ahead - back)
+        return total
+
+
+@lru_cache(maxsize=64)
+def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) -> Any:
+    """Return the roots of one half-plane from the left to the right.
+
+    About ``count`` on either side of the imaginary axis, a winding number says that near the
+    origin none is missing.
+
+    Raises
+    ------
+    ArithmeticError
+        If the count disagrees.
+    """
+    edge = 2 * np.pi * 4 + 0.3
+    sign = 1.0 if upper else -1.0
+    near = _near(lattice, v, edge, sign)
+    expected = _winding(lattice, v, edge, sign)
+    if len(near) != expected:
+        raise ArithmeticError(
+            f"{len(near)} roots near the origin, the winding number is {expected}"
+        )
+    far = _far(lattice, v, count, sign)
+    far = far[np.abs(far.real) >= edge]
+    found = np.concatenate([near, far])
+    return found[np.argsort(found.real)]
+
+
+def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
+    """Newton's method from a grid; each root once."""
+    columns, heights = np.linspace(-edge - 1, edge + 1, 160), np.geomspace(0.02, 9, 14)
+    k = (columns[:, None] + 1j * sign * heights[None, :]).ravel()
+    with np.errstate(all="ignore"):
+        for _ in range(25):
+            k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
+        good = np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * (1 + v * np.abs(k)))
+    k = k[good & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
+    found: list[complex] = []
+    for each in k:
+        if all(abs(each - other) > 1e-6 for other in found):
+            found.append(complex(each))
+    return np.array(found)
+
+
+def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
+    """Solve for the exponential that grows, with a label for the sheet of the logarithm."""
+    reach = len(lattice.springs)
+    labels = np.arange(-count * reach, count * reach + 1)
+    labels = labels[np.abs(labels) > 2 * reach]
+    top = lattice.springs[-1]
+    k = 2 * np.pi * labels / reach + 1j * sign * np.log(2 + np.abs(labels)) / reach
+    for _ in range(25):
+        growing = 0.5j * top * np.exp(-1j * sign * reach * k)
+        rest = -(lattice.dispersion(k, v) - growing) / (0.5j * top)
+        k = 1j * sign / reach * (np.log(-1j * rest) + 1j * np.pi / 2 - 2j * np.pi * sign * labels)
+    for _ in range(3):
+        k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
+    return k
+
+
+def _winding(lattice: Lattice, v: float, edge: float, sign: float) -> int:
+    """Return the number of roots of a half-plane between -edge and edge."""
+    return count_between(lattice, v, -edge, edge, sign > 0)
+
+
+def count_between(lattice: Lattice, v: float, left: float, right: float, upper: bool) -> int:
+    """Return the number of roots in a half-infinite strip: the winding number of L around it."""
+    sign, reach, top = (1.0 if upper else -1.0), len(lattice.springs), abs(lattice.springs[-1])
+    height = 2.0
+    size = 1 + sum(map(abs, lattice.springs)) * np.exp((reach - 1) * 2.0)
+    span = abs(left) + abs(right)
+    while top * np.exp(reach * height) < 20 * (
+        size * np.exp((reach - 1) * (height - 2.0)) + v * (span + height)
+    ):
+        height += 0.5
+    points = 4001 + int(200 * (right - left) * reach)
+    along, up = np.linspace(left, right, points), np.linspace(0, height, 4001)
+    path = [along, right + 1j * sign * up, along[::-1] + 1j * sign * height,
+            left + 1j * sign * up[::-1]]  # fmt: skip
+    angles = np.unwrap(np.angle(lattice.dispersion(np.concatenate(path), v)))
+    return round(sign * float(angles[-1] - angles[0]) / (2 * np.pi))
+
+
+@lru_cache(maxsize=512)
+def profile(lattice: Lattice, zeta: float, v: float) -> complex:
+    """phi(zeta)/phi_s from the history of the sites that have switched.
+
+    The site m places behind has been driven for a time (m - zeta)/v; its answer is that of the
+    undriven chain, summed over plane waves.
+    """
+    count = WAVES[sum(map(abs, lattice.springs)) > 4]
+    k = 2 * np.pi * np.arange(count) / count
+    decay = lattice.on_site(k)
+    sites = np.arange(int(np.floor(zeta)) + 1, count // 2)
+    times = (sites - zeta) / v
+    waves = np.exp(1j * np.outer(sites, k)) * (1 - np.exp(-np.outer(times, decay))) / decay
+    return complex(lattice.decay * waves.mean(axis=1).sum())
+
+
+def kinetic_sum(lattice: Lattice, v: float) -> complex:
+    """Return the sum of (53), from the profile at the front."""
+    return -profile(lattice, 0.0, v) / lattice.decay
+
+
+def evaluated(expression: sp.Basic, point: Point, lattice: Lattice, v: float) -> complex:
+    """Return a number, with sums over roots summed and integrals integrated numerically."""
+    expression = expression.xreplace({node: _sum_over(node, point, lattice, v)
+                                      for node in expression.atoms(SumOver)})  # fmt: skip
+    expression = expression.xreplace({node: _integral(node, point)
+                                      for node in expression.atoms(sp.Integral)})  # fmt: skip
+    return complex(value(expression, point))
+
+
+def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Expr:
+    term, _, which = node.args
+    rest = {q: sp.sympify(given) for q, given in point.items() if q not in (s.k, s.L_k)}
+    function = sp.lambdify((s.k, s.L_k), term.xreplace(rest), "numpy")
+    found = roots(lattice, v, upper=which == s.M_plus)
+    terms = function(found, lattice.slope(found, v))
+    # Partial sums between -edge and edge behave like S + p/edge + q/edge²: two extrapolations.
+    reach = len(lattice.springs)
+    sums = []
+    for count in (COUNT // 4, COUNT // 2, COUNT):
+        middle = int(np.searchsorted(found.real, 0.0))
+        half = (count - 20) * reach
+        sums.append(terms[max(middle - half, 0) : middle + half].sum())
+    edges = [count - 20 for count in (COUNT // 4, COUNT // 2, COUNT)]
+    fit = np.linalg.solve(np.array([[1, 1 / e, 1 / e**2] for e in edges]), np.array(sums))
+    return sp.sympify(complex(fit[0]))
+
+
+def _integral(node: Any, point: Point) -> sp.Expr:
+    (variable, low, high), rest = node.limits[0], dict(point)
+    rest.pop(variable, None)
+    integrand = node.function.xreplace({q: sp.sympify(given) for q, given in rest.items()})
+    function = sp.lambdify(variable, integrand, "numpy")
+    start, end = float(low), float(high) if high != sp.oo else np.inf
+
+    def part_of(name: str) -> Callable[[float], float]:
+        return lambda q: float(getattr(complex(function(q)), name))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", IntegrationWarning)
+        try:
+            parts = [quad(part_of(name), start, end, limit=400, epsabs=1e-11)[0]
+                     for name in ("real", "imag")]  # fmt: skip
+        except IntegrationWarning:
+            raise ArithmeticError("an integral did not converge") from None
+    return sp.sympify(complex(*parts))

@@ -1,0 +1,68 @@
+"""Where the roots of the dispersion relation lie (52): short proofs, for v, c > 0.
+
+No root is real: the real part is that of the decay. None is double: where the slope vanishes, the
+wavenumber would have to lie between two of the lines Re k = -pi/2 + 2 pi m. Above the real axis
+there is one root in each strip from an odd to the next even multiple of pi, and none from an even
+to the next odd one.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derivations.algebra.half_planes import CountAbove, PartsOnLine
+from derivations.algebra.operations import SolveFor, Take
+from derivations.algebra.radicals import PutZero
+from derivations.algebra.steps import Step, derived
+from derivations.chain import ChainModel
+from derivations.front.checks import Checks
+from derivations.front.symbols import L_k, half_imag, half_real, k, turns, v, x, y
+from derivations.front.symbols import height as kappa
+from derivations.front.symbols import root_count as count
+from derivations.symbols import i
+
+
+def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[Step, ...]:
+    """Return the proofs as steps.
+
+    Parameters
+    ----------
+    chain : ChainModel
+        The chain; the proofs are for springs between nearest neighbours that pull.
+    found : dict of str to Step
+        The dispersion relation and its slope.
+    checks : Checks
+        Of that chain.
+    """
+    parts = (half_real, half_imag)
+    axis = derived("real axis", PartsOnLine({k: x}, parts), found["dispersion"],
+                   check=checks.on_line(lambda point: point[x]),
+                   note="the real part does not vanish: no root is real")  # fmt: skip
+    if chain.reach != 1 or not chain.coupling.is_positive:
+        return (axis,)
+    turning = derived("turning wavenumber", (PutZero(L_k), SolveFor(sp.sin(k))),
+                      found["slope of the dispersion"], check=checks.turning,
+                      note="its sine is real and negative: off the real axis Re k = -π/2 + 2πm, "
+                           "and v = c cosh κ")  # fmt: skip
+    at_turn = {k: -sp.pi / 2 + 2 * sp.pi * turns + i * kappa,
+               v: chain.coupling * sp.cosh(kappa)}  # fmt: skip
+    level = derived("dispersion at a turning wavenumber", PartsOnLine(at_turn, parts),
+                    found["dispersion"], check=checks.at_turning)  # fmt: skip
+    double = derived(
+        "no double root",
+        (Take(1), PutZero(half_imag), SolveFor(turns)),
+        level,
+        check=checks.no_double,
+        note="1/4 - 1/(2π cosh κ) lies between 0.09 and 0.25 and is no integer",
+    )
+    sides = derived(
+        "sides of the strips",
+        PartsOnLine({k: turns * sp.pi + i * y}, parts),
+        found["dispersion"],
+        check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]),
+    )
+    odd = derived("one root from odd to even", CountAbove(k, -1, count), found["dispersion"], axis,
+                  sides, check=checks.counted(-1))  # fmt: skip
+    even = derived("no root from even to odd", CountAbove(k, 0, count), found["dispersion"], axis,
+                   sides, check=checks.counted(0))  # fmt: skip
+    return axis, turning, level, double, sides, odd, even

@@ -1,0 +1,223 @@
+"""The verdict on every displayed equation, as its checks give it.
+
+A verdict is never only on record: `judge` puts the printed equation in the place of the derived
+one, compares the two symbolically, and runs the same numerical check. What holds must agree in both
+ways. For a misprint both must fail on print, and the derived form must pass; an ambiguous equation
+lists its readings and what becomes of each; an inconsistent one passes its own check, and fails
+that of another place of the paper.
+"""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from derivations import catalogue
+from derivations.algebra.equations import same
+from derivations.algebra.errors import CheckFailedError, DerivationInputError
+from derivations.algebra.rendering import equation_latex, source_of
+from derivations.algebra.steps import Derivation, Evidence, Step
+from derivations.printing import Printed, Verdict
+from derivations.transcription.readings import found_changes, read_correction, stated_changes
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the checks said about a printed equation.
+
+    Attributes
+    ----------
+    printed : Printed
+        The equation.
+    step : Step
+        The derivation step with the same number.
+    corrected : str or None
+        LaTeX of the corrected or disambiguated form.
+    on_print : Evidence
+        The check run on the equation as printed.
+    on_derived : Evidence
+        The check run on the derived equation.
+    on_readings : tuple of Evidence
+        One a reading.
+    agrees : bool
+        Whether left minus right of print and of the derived equation simplify to the same.
+    correction_agrees : bool
+        Of a misprint: whether print with the stated tokens exchanged, and nothing else, reads as
+        the derived equation.
+    """
+
+    printed: Printed
+    step: Step
+    corrected: str | None
+    on_print: Evidence
+    on_derived: Evidence
+    on_readings: tuple[Evidence, ...]
+    agrees: bool
+    correction_agrees: bool = False
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the checks give the verdict on record."""
+        if not self.on_derived.holds:
+            return False
+        if self.printed.verdict is Verdict.MISPRINT:
+            return not self.on_print.holds and not self.agrees and self.correction_agrees
+        expected = [reading.holds for reading in self.printed.readings]
+        as_expected = expected == [found.holds for found in self.on_readings]
+        if self.printed.verdict is Verdict.AMBIGUOUS:
+            return as_expected and any(expected)
+        if self.printed.verdict is Verdict.INCONSISTENT:
+            both = any(expected) and not all(expected)
+            return self.on_print.holds and self.agrees and as_expected and both
+        if self.printed.verdict is Verdict.HOLDS:
+            return self.on_print.holds and self.agrees
+        return self.on_print.holds  # a definition or an assumption is not derived
+
+    def record(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        readings = [
+            {"meaning": reading.meaning, "holds": found.holds, "implies": reading.implies,
+             "latex": equation_latex(reading.equation), "evidence": found.statement}
+            for reading, found in zip(self.printed.readings, self.on_readings, strict=True)
+        ]  # fmt: skip
+        return {
+            "number": self.printed.number,
+            "verdict": self.printed.verdict.value,
+            "kind": self.step.kind.value,
+            "operation": self.step.operation,
+            "from": [source_of(source) for source in self.step.sources],
+            "check": self.on_derived.statement,
+            "corrected": self.corrected,
+            "note": self.printed.note,
+            "affects": self.printed.affects,
+            "printed": self.printed.latex,
+            "confirmed": self.confirmed,
+            "evidence": {"printed": self.on_print.statement, "derived": self.on_derived.statement},
+            "readings": readings,
+        }
+
+
+def _transcribed(name: str) -> tuple[Printed, ...]:
+    """Return the printed equations that stand beside a derivation."""
+    folder = catalogue.LISTING[name][0].partition(".")[0]
+    entries: tuple[Printed, ...] = importlib.import_module(
+        f"derivations.{folder}.printed"
+    ).EQUATIONS
+    return entries
+
+
+@lru_cache(maxsize=1)
+def equations() -> tuple[Printed, ...]:
+    """All 54 displayed equations in order."""
+    found = [entry for name in catalogue.NUMBERED for entry in _transcribed(name)]
+    return tuple(sorted(found, key=lambda printed: printed.number))
+
+
+def printed(number: int) -> Printed:
+    """One displayed equation.
+
+    Raises
+    ------
+    DerivationInputError
+        If the paper has no equation of this number.
+    """
+    for found in _transcribed(catalogue.owner(number)):
+        if found.number == number:
+            return found
+    raise DerivationInputError("equation", number, "from 1 to 54", "choose one of these numbers")
+
+
+def judge(found: Printed, derivation: Derivation) -> Judgement:
+    """Run the checks on a printed equation.
+
+    Parameters
+    ----------
+    found : Printed
+        The equation.
+    derivation : Derivation
+        The derivation that contains its number.
+    """
+    step = derivation.numbered(found.number)
+    on_derived = step.verify()
+    on_print = on_derived if found.expression == step.result else step.verify(found.expression)
+    readings = []
+    for reading in found.readings:
+        check = reading.check or step.check
+        try:
+            readings.append(check(reading.equation))
+        except (TypeError, ValueError, ArithmeticError, AttributeError) as error:
+            readings.append(Evidence(False, f"it could not be evaluated ({error})"))
+    wrong = found.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS)
+    corrected = equation_latex(step.result) if wrong else None
+    agrees = _agrees(found, step)
+    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings), agrees,
+                     correction_agrees=_corrects(found, step))  # fmt: skip
+
+
+def _agrees(found: Printed, step: Step) -> bool:
+    """Whether print is the step's equation; an assumption may be read as its amendments say."""
+    if found.verdict is Verdict.ASSUMPTION and found.amendments:
+        return same(read_correction(found), step.result)
+    return same(found.expression, step.result)
+
+
+def _corrects(found: Printed, step: Step) -> bool:
+    """Whether a misprint becomes the derived equation by its stated tokens alone."""
+    if found.verdict is not Verdict.MISPRINT or not found.amendments:
+        return False
+    if found_changes(found) != stated_changes(found):
+        return False
+    return same(read_correction(found), step.result)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """The verdict on every equation, with all derivations checked on the way.
+
+    Attributes
+    ----------
+    judgements : tuple of Judgement
+        One a number, 1 to 54.
+    failures : tuple of str
+        Derivations that stopped, and verdicts that were not confirmed.
+    seconds : float
+        Time taken, by the wall.
+    cpu_seconds : float
+        Time of this process.
+    """
+
+    judgements: tuple[Judgement, ...]
+    failures: tuple[str, ...]
+    seconds: float
+    cpu_seconds: float
+
+
+def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
+    """Check every step of every derivation and judge every printed equation."""
+    start, worked = time.perf_counter(), time.process_time()
+    judgements: list[Judgement] = []
+    failures: list[str] = []
+    for key in keys:
+        derivation = catalogue.load(key)
+        numbers = {step.number for step in derivation.steps if step.number is not None}
+        judgements += [judge(found, derivation) for found in equations() if found.number in numbers]
+        try:
+            # Numbered steps were just checked; the others are checked here.
+            rest = tuple(step for step in derivation.steps if step.number is None)
+            Derivation(derivation.key, derivation.title, rest).verify()
+        except CheckFailedError as error:
+            failures.append(str(error))
+    failures += [
+        f"equation {found.printed.number}: '{found.printed.verdict}' was not confirmed"
+        for found in judgements
+        if not found.confirmed
+    ]
+    judgements.sort(key=lambda found: found.printed.number)
+    return Report(
+        judgements=tuple(judgements), failures=tuple(failures),
+        seconds=time.perf_counter() - start, cpu_seconds=time.process_time() - worked,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Linearisation of the chain, Eqs. (39)-(42): the Jacobian for any N and both kinds of ends."""

@@ -1,0 +1,111 @@
+"""The Jacobian of the chain from Eq. (8): for the ring of the paper and for free ends."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derivations.algebra.balance import ResonantPart
+from derivations.algebra.equations import equation
+from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.lattice import (
+    CloseChain,
+    Ends,
+    LineariseSystem,
+    ReadMatrix,
+    WriteFirstOrder,
+)
+from derivations.algebra.operations import Substitute
+from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived
+from derivations.chain import PAPER, ChainModel
+from derivations.linearisation import checks
+from derivations.linearisation.symbols import (
+    SITES,
+    A,
+    D,
+    J,
+    X,
+    X_rate,
+    components,
+    delta_rate,
+    deviation,
+    motion,
+    perturbations,
+    resonant,
+)
+from derivations.multiple_scales.steps import chain as chain_step
+from derivations.symbols import i, n, t, y
+
+
+def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
+    """Eqs. (39)-(42) for a chain of ``sites`` sites, as a ring and with free ends.
+
+    Parameters
+    ----------
+    chain : ChainModel
+        The chain; that of Eq. (8) by default.
+    sites : int or None
+        N, at least twice the reach of the springs plus one, so that no site is its own neighbour
+        twice on a ring; the smallest ring whose corners stand apart from the band by default.
+
+    Raises
+    ------
+    DerivationInputError
+        If the chain is too short.
+    """
+    least = 2 * chain.reach + 1
+    count = max(SITES, least + 1) if sites is None else sites
+    if count < least:
+        raise DerivationInputError("number of sites N", count, f"at least {least}",
+                                   "use a longer chain")  # fmt: skip
+    base = chain_step(chain)
+    own, change = components(count), perturbations(count)
+    vector = sp.ImmutableMatrix(
+        [
+            *(y(site, t) for site in range(1, count + 1)),
+            *(y(site, t).diff(t) for site in range(1, count + 1)),
+        ]
+    )
+    state = definition("state", equation(X, vector), "displacements, then velocities",
+                       check=checks.state, number=39)  # fmt: skip
+    steps: list[Step] = [state]
+    for ends in (Ends.RING, Ends.FREE):
+        suffix, numbered = ("", True) if ends is Ends.RING else (" with free ends", False)
+        closed = derived(f"closed chain{suffix}", CloseChain(y, n, t, count, ends), base,
+                         check=checks.closed(chain, ends))  # fmt: skip
+        system = derived(f"first-order system{suffix}", WriteFirstOrder(X_rate, own, t), closed,
+                         state, check=checks.field(chain, ends),
+                         number=40 if numbered else None)  # fmt: skip
+        linear = derived(
+            f"linearised system{suffix}",
+            LineariseSystem(own, change, delta_rate),
+            system,
+            check=checks.linear(chain, ends),
+            number=41 if numbered else None,
+            note="what is omitted is of second order in the perturbation",
+        )
+        matrix = derived(f"Jacobian{suffix}", ReadMatrix(change, J), linear,
+                         check=checks.jacobian(chain, ends),
+                         number=42 if numbered else None)  # fmt: skip
+        steps += [closed, system, linear, matrix]
+    return Derivation(
+        "linearisation", "Linearisation and the Jacobian (39)-(42)", (*steps, *_extra_term())
+    )
+
+
+def _extra_term() -> tuple[Step, ...]:
+    """Return the resonant part of ``-y' delta``, which the '1' in print adds to the equation."""
+    wave = sp.exp(i * t)
+    product = definition("term added by print", equation(resonant, -motion.diff(t) * deviation),
+                         "what the '1' in the bracket of the printed (42) adds, over eps",
+                         check=checks.added)  # fmt: skip
+    waves = ansatz(
+        "oscillation and deviation",
+        sp.Tuple(*(equation(own, size * wave + sp.conjugate(size) / wave)
+                   for own, size in ((motion, A), (deviation, D)))),
+        "an oscillation at frequency one, and a deviation at the same frequency",
+        check=checks.waves,
+    )  # fmt: skip
+    mean = derived("resonant part of the added term", (Substitute(), ResonantPart(t)),
+                   product, waves, check=checks.mean,
+                   note="it vanishes, so print errs at O(eps^2) only")  # fmt: skip
+    return product, waves, mean

@@ -1,0 +1,99 @@
+"""The page of verdicts on the printed equations, as Markdown: `docs/derivations.md`."""
+
+from __future__ import annotations
+
+from derivations.judgement import Judgement, Report
+from derivations.printing import Verdict
+
+HEAD = """# Derivations
+
+This page is written by `fronts derive all --format markdown`; a test holds it to what the code
+finds. `fronts derive` lists the derivations. Each is a graph of steps: what is typed is a model, a
+definition or an ansatz; every other equation is the result of operations on earlier ones. Each step
+carries a check that never looks at how its equation was found: it compares with direct averages,
+numerical derivatives, winding numbers, a front built in the time domain, or true periodic orbits. A
+derivation stops at the first check that fails.
+
+    fronts derive multiple-scales --order 2
+    fronts derive multiple-scales --damping "1 - a*y**2 + b*y**6" --stiffness "g*y**3"
+    fronts derive averaging --weights "1, w"
+    fronts derive --equation 42
+    fronts derive all --json
+    fronts derive --graph --out equations.svg
+    fronts derive cell --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=0.5 --order 2
+
+![The equations of the paper and what each follows from](derivations.svg)
+
+## Verdicts on print
+
+A verdict is found, not only recorded: print is compared with the derived equation symbolically, and
+put in its place it must pass or fail the same numerical check.
+
+"""
+
+TAIL = """
+## In Python
+
+    from derivations.cell.envelope import derive_envelope
+    cell = derive_envelope("1 - a*y**2 + b*y**4", stiffness="k3*y**3")
+    cell.equation, cell.ratio, cell.with_values({"a": 4, "b": 0.5}).cycles
+    cell.compiled(a=4, b=0.5, k3=0.1, c=0.3).rate(1 + 1j, 0.2, 0.3)
+
+    from derivations.catalogue import load
+    from derivations.chain import ChainModel
+    load("multiple-scales", model=ChainModel(damping={0: 1, 2: -3, 6: 1}, weights=(1, 1))).verify()
+
+Letters other than y stand for positive numbers. Text is read by a small grammar; no code in it is
+ever evaluated.
+
+## Limits
+
+- Multiple scales and averaging use different amplitudes at second order. Compare them only after
+  the step "averaging in the amplitude of multiple scales".
+- Second order is in eps, but the error is governed by eps max|1 - a y^2 + b y^4| on the cycle.
+- The kinetic relation of a cell with nonlinear stiffness leaves out the change of frequency with
+  amplitude, and says so.
+- Symbolic cycles are given for damping up to degree 4 in y; beyond that give numbers.
+- For springs beyond nearest neighbours (29) is left as a relation for e^(k_1), not solved for it,
+  and the amplitudes in quarter turns are real only where springs join odd neighbours.
+"""
+
+
+def page(report: Report) -> str:
+    """Return the page.
+
+    Parameters
+    ----------
+    report : Report
+        Of all derivations.
+    """
+    lines = ["| | verdict | kind | follows from | note |", "|---|---|---|---|---|"]
+    lines += [_row(found) for found in report.judgements]
+    wrong = [found for found in report.judgements
+             if found.printed.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS,
+                                          Verdict.INCONSISTENT)]  # fmt: skip
+    parts = ["", "### What is not right as it stands", ""]
+    for found in wrong:
+        parts += [_entry(found), ""]
+    return (HEAD + "\n".join(lines + parts) + TAIL).rstrip()
+
+
+def _row(found: Judgement) -> str:
+    sources = ", ".join(f"({source.number})" if source.number is not None else source.name
+                        for source in found.step.sources)  # fmt: skip
+    note = found.printed.note.replace("|", r"\|")
+    return (
+        f"| ({found.printed.number}) | {found.printed.verdict.value} | {found.step.kind.value} | "
+        f"{sources} | {note} |"
+    )
+
+
+def _entry(found: Judgement) -> str:
+    printed = found.printed
+    lines = [f"**({printed.number})**, {printed.verdict.value}. {printed.note}"]
+    if printed.affects:
+        lines.append(f"Affected: {printed.affects}")
+    for reading, evidence in zip(printed.readings, found.on_readings, strict=True):
+        holds = "holds" if evidence.holds else "does not hold"
+        lines.append(f"Read as {reading.meaning}: {holds} ({reading.implies}).")
+    return " ".join(lines)

@@ -1,0 +1,179 @@
+"""``breather`` and ``cell``: one answer for every method and model, with errors that bound."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from theory.averaged.breather import BreatherStatus
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus, Place
+from theory.chains.piecewise import PiecewiseChain
+from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
+from verification.breathers.breather import breather
+from verification.breathers.result import Breather
+from verification.cells.cell import cell
+from verification.cells.result import BeltCell, CellStatus
+
+A, B, EPS, SITES = 2.5, 0.5, 0.01, 11
+CHAIN = VdpChain(a=A, b=B, c=0.1, eps=EPS, sites=SITES)
+BEYOND = 0.21
+"""Coupling above the fold at 0.1908."""
+
+
+def numbers(value: object) -> list[float]:
+    """Every float in a nested object."""
+    if isinstance(value, float):
+        return [value]
+    if isinstance(value, dict):
+        return [each for part in value.values() for each in numbers(part)]
+    if isinstance(value, (list, tuple)):
+        return [each for part in value for each in numbers(part)]
+    return []
+
+
+def settled_by_scipy(c: float) -> np.ndarray:
+    """Largest |y_n| of (8) over a late period, from one excited site; written anew."""
+
+    def rate(_: float, x: np.ndarray) -> np.ndarray:
+        y, v = np.split(x, 2)
+        springs = -np.diff(np.concatenate([y[:1], y, y[-1:]]), 2)
+        return np.concatenate([v, -y - EPS * (c * springs + v * (1 - A * y**2 + B * y**4))])
+
+    start = np.zeros(2 * SITES)
+    start[SITES // 2] = math.sqrt(A / B * (1 + math.sqrt(1 - 8 * B / A**2)))
+    late = np.linspace(3000.0, 3000.0 + 2 * math.pi, 400)
+    run = solve_ivp(rate, (0, late[-1]), start, "DOP853", late, rtol=1e-9, atol=1e-11)
+    return np.abs(run.y[:SITES]).max(axis=1)
+
+
+def test_the_error_of_every_method_bounds_its_distance_from_a_run_of_scipy() -> None:
+    true = settled_by_scipy(0.1)
+    found = breather(CHAIN, method="all")
+    assert list(found.methods) == ["closed-form", "envelope", "orbit", "simulation"]
+    for name, each in found.methods.items():
+        assert each.error is not None, name
+        # scipy's samples miss the largest by 3e-5 of it, and its tolerance adds 1e-6
+        assert np.abs(each.amplitudes - true).max() <= each.error + 1e-4, name
+        assert each.stable is True
+    errors = [found[name].error for name in ("closed-form", "envelope", "orbit")]
+    assert errors == sorted(errors, key=lambda error: -float(error or 0.0))
+    assert float(errors[0] or 0.0) < 2e-3
+    columns = found.columns()
+    assert columns["method"].tolist() == list(found.methods)
+    assert columns["centre"] == pytest.approx(true[SITES // 2], abs=1e-3)
+
+
+def test_of_the_averaged_chain_the_envelope_is_exact_and_the_closed_form_is_not() -> None:
+    """The closed form takes |φ_n| as geometric; its error is then its distance from (43)."""
+    found = breather(CHAIN.averaged(), method="all")
+    assert list(found.methods) == ["closed-form", "envelope", "simulation"]
+    exact = found["envelope"]
+    assert exact.error is not None
+    assert exact.error < 1e-12
+    for name in ("closed-form", "simulation"):
+        each = found[name]
+        assert each.error is not None
+        assert np.abs(each.amplitudes - exact.amplitudes).max() <= each.error + exact.error
+        assert each.frequency == pytest.approx(1.0 + EPS * 0.1, abs=1e-9)
+    assert float(found["closed-form"].error or 0.0) > 1e-4
+
+
+@pytest.mark.parametrize("chain", [CHAIN, CHAIN.averaged()])
+@pytest.mark.parametrize("method", ["closed-form", "envelope", "orbit", "simulation"])
+def test_beyond_the_fold_nothing_is_nan_and_the_fold_is_named(chain: Any, method: Any) -> None:
+    if method == "orbit" and isinstance(chain, AveragedChain):
+        pytest.skip("the averaged chain has no orbits of (8)")
+    found = breather(chain.replace(c=BEYOND), method=method)
+    assert found.status is BreatherStatus.NONE
+    assert found.status.sentence.endswith(".")
+    assert found.frequency is None
+    assert found.fold == pytest.approx(0.192, abs=6e-3)
+    assert found.outward.size == found.inward.size == found.phases.size == 0
+    answer = found.to_dict()
+    assert not any(math.isnan(value) for value in numbers(answer))
+    assert json.loads(json.dumps(answer))["frequency"] is None
+
+
+def test_amplitudes_and_phases_are_listed_from_the_centre() -> None:
+    found = breather(CHAIN, nucleus=Nucleus(3, "-+"), method="envelope")
+    centre = SITES // 2
+    assert found.outward.tolist() == found.amplitudes[centre:].tolist()
+    assert found.inward.tolist() == found.amplitudes[centre::-1].tolist()
+    # each excited site leads its inner neighbour by a quarter turn, and the tail lags behind
+    assert found.phases[[centre - 1, centre, centre + 1]] == pytest.approx(
+        [0.5, 0.0, 0.5], abs=0.03
+    )
+    assert found.phase_step == pytest.approx(-0.5 * math.pi, abs=0.1)
+    assert isinstance(found, Breather)
+    as_named = breather(CHAIN, nucleus=Nucleus(3, "00"), method="envelope")
+    assert as_named.nucleus.pattern == "-+"
+
+
+def test_where_the_orbit_cannot_be_had_the_error_is_unknown_and_says_why() -> None:
+    stiff = VdpChain(a=A, b=0.001, c=0.003, eps=0.2, sites=SITES)
+    found = breather(stiff, method="closed-form")
+    assert found.error is None
+    assert "eps" in found.error_unknown
+    assert found.stable is None
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: breather(CHAIN, method="guess"),  # type: ignore[call-overload]
+        lambda: breather(CHAIN.averaged(), method="orbit"),
+        lambda: breather(CHAIN.replace(c=0.0)),
+        lambda: breather(CHAIN.replace(c=5e-324), method="closed-form"),
+        lambda: breather(CHAIN.replace(b=1.0)),
+        lambda: breather(CHAIN.replace(sites=102), method="orbit"),
+        lambda: breather(CHAIN, nucleus=Nucleus(13, "0" * 12)),
+        lambda: breather(CHAIN, nucleus=Nucleus(3, "00", Place.EDGE)),
+        lambda: breather(CHAIN, nucleus=Nucleus(3, "-+"), method="closed-form"),
+        lambda: cell(PiecewiseChain(c=0.5, eta=0.03)),
+        lambda: cell(VdpChain(a=1e100, b=1e-100, c=0.0)),
+        lambda: cell(CHAIN, tolerance=1.0),
+    ],
+)
+def test_what_does_not_apply_is_refused_in_a_sentence(make: Any) -> None:
+    with pytest.raises(ParameterError):
+        make()
+
+
+def test_a_cell_is_the_same_from_its_chain() -> None:
+    alone, chained = cell(FrictionCell()), cell(FrictionChain(c=0.3, sites=3))
+    assert isinstance(alone, BeltCell)
+    assert dataclasses.replace(alone, seconds=0.0) == dataclasses.replace(chained, seconds=0.0)
+    assert alone.to_dict()["basin"] == [alone.basin[0], alone.basin[1]]  # type: ignore[index]
+
+
+@pytest.mark.parametrize("scale", [1e-40, 1e-3, 1e30])
+def test_the_cycles_of_a_van_der_pol_cell_scale_with_a(scale: float) -> None:
+    """y√a has the same cycles for the same η, however large a is."""
+    one = cell(VdpChain(a=A, b=B, c=0.0))
+    other = cell(VdpChain(a=A * scale, b=B * scale**2, c=0.0))
+    for ours, theirs in ((one.stable, other.stable), (one.unstable, other.unstable)):
+        assert ours is not None
+        assert theirs is not None
+        assert theirs.max * math.sqrt(scale) == pytest.approx(ours.max, rel=1e-9)
+        assert theirs.period == pytest.approx(ours.period, rel=1e-9)
+        assert theirs.error * math.sqrt(scale) < 1e-6 or theirs.error < 1e-9
+
+
+def test_the_averaged_cell_has_the_roots_of_its_amplitude_equation() -> None:
+    found = cell(CHAIN.averaged())
+    low, high = np.sort(np.roots([B / 8, -A / 4, 1.0]).real)
+    assert found.unstable is not None
+    assert found.stable is not None
+    assert found.unstable.max**2 == pytest.approx(low, rel=1e-14)
+    assert found.stable.max**2 == pytest.approx(high, rel=1e-14)
+    assert found.basin == (-found.unstable.max, found.unstable.max)
+    assert cell(AveragedChain(a=1.0, b=0.2, c=0.0)).status is CellStatus.REST

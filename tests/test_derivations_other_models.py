@@ -1,0 +1,94 @@
+"""Another model gives another chain's equations, and every check still passes.
+
+That is the proof that nothing is typed: a typed equation does not follow when the model changes.
+For each change the equations that must stay as they are are listed by number; every other derived
+equation must change.
+"""
+
+from functools import lru_cache
+
+import pytest
+import sympy as sp
+
+from derivations import catalogue
+from derivations.algebra.equations import same
+from derivations.algebra.steps import Kind
+from derivations.chain import PAPER, ChainModel
+from derivations.symbols import a, b, c
+
+g, w = sp.symbols("g w", positive=True)
+
+CHANGES = {
+    "coefficient": ChainModel(damping={0: 1, 2: -3 * a, 4: b}),
+    "power": ChainModel(damping={0: 1, 2: -a, 6: b}),
+    "sign": ChainModel(damping={0: 1, 2: a, 4: -b}),
+    "stiffness": ChainModel(damping={0: 1, 2: -a, 4: b}, stiffness={3: g}),
+    "next-nearest": ChainModel(damping={0: 1, 2: -a, 4: b}, weights=(1, w)),
+    "coupling": ChainModel(damping={0: 1, 2: -a, 4: b}, coupling=2 * c),
+}
+KINEMATICS = {14, 18, 20, 38}
+"""They hold for any chain: the chain rule, free oscillation, and the amplitude of (9)."""
+FIRST_ORDER_FREQUENCY = {30}
+"""It hangs on the springs and on the stiffness, not on the damping."""
+UNCHANGED = {
+    "coefficient": KINEMATICS | FIRST_ORDER_FREQUENCY,
+    "power": KINEMATICS | FIRST_ORDER_FREQUENCY,
+    "sign": KINEMATICS | FIRST_ORDER_FREQUENCY,
+    # (27) takes up what the stiffness does to the frequency, so it leaves the decay alone.
+    "stiffness": KINEMATICS | {28, 29},
+    "next-nearest": KINEMATICS,
+    "coupling": KINEMATICS,
+}
+DERIVATIONS = ("multiple-scales", "averaging", "second-order")
+NUMBERS = sorted(
+    set(catalogue.numbers_of("multiple-scales")) | set(catalogue.numbers_of("averaging"))
+)
+
+
+@lru_cache(maxsize=32)
+def derivation(change, name):
+    return catalogue.load(name, model=CHANGES[change] if change else PAPER)
+
+
+def derived_numbers():
+    steps = {q: derivation(None, catalogue.owner(q)).numbered(q) for q in NUMBERS}
+    return [number for number, step in steps.items() if step.kind is Kind.DERIVED]
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        (name, change)
+        for name in DERIVATIONS
+        for change in CHANGES
+        if name != "second-order" or change in ("power", "stiffness", "next-nearest")
+    ],
+)
+def test_every_check_passes_for_another_model(name, change):
+    made = derivation(change, name)
+    assert len(made.verify()) == len(made.steps)
+
+
+@pytest.mark.parametrize("number", derived_numbers())
+def test_a_derived_equation_changes_with_the_model(number):
+    name = catalogue.owner(number)
+    paper = derivation(None, name).numbered(number).result
+    for change, unchanged in UNCHANGED.items():
+        found = derivation(change, name).numbered(number).result
+        assert same(found, paper) == (number in unchanged), change
+
+
+@pytest.mark.parametrize("number", derived_numbers())
+def test_the_check_of_the_paper_refuses_another_model_s_equation(number):
+    name = catalogue.owner(number)
+    step = derivation(None, name).numbered(number)
+    for change, unchanged in UNCHANGED.items():
+        if number not in unchanged:
+            other = derivation(change, name).numbered(number).result
+            assert not step.verify(other).holds, change
+
+
+def test_the_lists_name_only_equations_that_are_derived():
+    known = set(derived_numbers())
+    assert all(unchanged <= known for unchanged in UNCHANGED.values())
+    assert len(known) == len(NUMBERS) - len({8, 9, 12, 13, 17, 22, 27, 31})

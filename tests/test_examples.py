@@ -1,0 +1,47 @@
+"""Every example runs as it stands, draws its picture, and gives the number it is about."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+EXPECTED = {
+    # |Σ| = 2r at c = 1, by the root series to 30 digits (tests/test_theory_kinetic.py)
+    "kinetic_curve": (0.697386087321, 1e-11, "svg"),
+    # a multiplier of the true orbit; the averaged chain gives exp(2πε λ), λ = -0.451, to O(ε²)
+    "breather_stability": (math.exp(-2 * math.pi * 0.01 * 0.451), 2e-3, "svg"),
+    # the front as a solution of (43); twenty sites of a run that began elsewhere
+    "front_in_space_and_time": (0.7225664558, 1e-4, "png"),
+    # the fold of the averaged breather, by continuation (tests/test_breather_thresholds.py)
+    "nucleus_threshold": (0.190787743629, 1e-11, "svg"),
+    # the second, event-located integrator through scipy gives the same arrival
+    "stick_slip_front": (691.29555834, 1e-5, "png"),
+    # 1 - 3s/4 + s²/16 = 0, so s = 6 + 2√5
+    "derive_your_cell": (math.sqrt(6 + 2 * math.sqrt(5)), 1e-12, "txt"),
+    # the continuum limit √(c/2)(1 - 2α), which the lattice slows by a few per cent
+    "your_own_model": (math.sqrt(0.5) * 0.6, 0.03, "svg"),
+}
+
+
+def test_every_example_is_pinned() -> None:
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == set(EXPECTED)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_the_example_gives_its_number_and_its_picture(name: str, tmp_path: Path) -> None:
+    spec = importlib.util.spec_from_file_location(f"example_{name}", EXAMPLES / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    with mpl.rc_context({"backend": "agg"}):
+        spec.loader.exec_module(module)
+        value, tolerance, kind = EXPECTED[name]
+        picture = tmp_path / f"{name}.{kind}"
+        assert module.main(str(picture)) == pytest.approx(value, abs=tolerance)
+    assert picture.stat().st_size > 10

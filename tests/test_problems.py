@@ -1,0 +1,86 @@
+"""The table of test problems keeps its own rule, and the registry of quantities its contract."""
+
+from __future__ import annotations
+
+import pytest
+
+from theory.parameters import ParameterError
+from theory.piecewise.dispersion import root_free_strip
+from verification.quantities.problems import PROBLEMS, Problem, problem_named, timed
+from verification.quantities.quantity import Quantity
+from verification.quantities.registry import all_computations, all_quantities, quantity_named
+
+NO_AXES = {"low", "high", "order", "t", "sites", "a"}
+"""Parameters of a whole run or sweep, and a, which changes only the unit of y."""
+
+
+@pytest.mark.parametrize("family", PROBLEMS)
+def test_problems_of_a_family_have_names_tags_and_the_same_parameters(family: str) -> None:
+    problems = PROBLEMS[family]
+    names = [problem.name for problem in problems]
+    assert len(set(names)) == len(names)
+    assert all(name.replace("-", "").isalnum() and name == name.lower() for name in names)
+    assert len({frozenset(problem.values) for problem in problems}) == 1
+    for problem in problems:
+        assert problem.tags
+        assert "ordinary" not in problem.tags or len(problem.tags) == 1
+    assert timed(family)[0] is problems[0]
+    ordinary = [problem.tags == ("ordinary",) for problem in problems]
+    assert ordinary == sorted(ordinary, reverse=True)  # first, and not all of them
+    assert ordinary[0]
+    assert not ordinary[-1]
+
+
+@pytest.mark.parametrize("problem", PROBLEMS["sum"], ids=lambda problem: problem.name)
+def test_the_tags_of_the_sum_follow_from_its_numbers(problem: Problem) -> None:
+    extreme = any(not 1e-3 < value < 1e3 for value in problem.values.values())
+    easy = root_free_strip(problem.v, problem.c) >= 0.1 and problem.c / problem.v <= 10.0
+    assert ("extreme" in problem.tags) == extreme
+    assert ("ordinary" in problem.tags) == (easy and not extreme)
+
+
+def test_every_family_is_that_of_a_quantity_which_uses_its_parameters() -> None:
+    assert {quantity.problems for quantity in all_quantities()} == set(PROBLEMS)
+    for family, problems in PROBLEMS.items():
+        rows = [row for row in all_computations() if row.problems == family]
+        rows += [
+            row for each in all_quantities() if each.problems == family for row in each.computations
+        ]
+        used = {axis.name for row in rows for axis in row.axes}
+        if used:
+            assert set(problems[0].values) <= used | NO_AXES, family
+
+
+@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda quantity: quantity.name)
+def test_a_quantity_says_its_equation_its_reference_and_how_good_it_is(quantity: Quantity) -> None:
+    assert quantity.equation.startswith("(")
+    assert quantity.title
+    assert quantity.reference
+    assert quantity.default
+    assert 0 < quantity.accuracy < 0.1
+    assert quantity.test_problems
+    assert bool(quantity.timed_problems) == bool(quantity.useful)
+
+
+def test_problems_in_its_ranges_are_points_of_a_computation() -> None:
+    for row in all_computations():
+        inside = [
+            problem
+            for problem in PROBLEMS.get(row.problems, ())
+            if all(
+                axis.low <= problem[axis.name] <= axis.high
+                for axis in row.axes
+                if axis.name in problem.values
+            )
+        ]
+        first = row.fixed_points[: len(inside)]
+        for problem, point in zip(inside, first, strict=True):
+            assert all(point[name] == problem[name] for name in point if name in problem.values)
+
+
+def test_what_is_not_there_is_refused() -> None:
+    assert problem_named("ordinary").c == 0.5
+    with pytest.raises(KeyError):
+        problem_named("nowhere")
+    with pytest.raises(ParameterError, match="quantity = nothing"):
+        quantity_named("nothing")

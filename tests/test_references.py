@@ -1,0 +1,144 @@
+"""References share nothing with what they check, and each right side is that of its model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from theory.averaged.envelope import envelope_rate
+from theory.cells.friction import FrictionCell
+from theory.chains.chain import Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VdpChain
+from theory.piecewise.limits import static_sum_distance
+from verification.execution.digest import closure
+from verification.references import equations
+from verification.references.piecewise import static_sum, sum_by_quadrature, threshold_ratio
+
+ROOT = Path(__file__).parents[1]
+REFERENCES = sorted((ROOT / "verification" / "references").glob("*.py"))
+ALLOWED = (
+    "theory.cells", "theory.chains", "theory.parameters", "theory.status",
+    "verification.references", "verification.execution",
+)  # fmt: skip
+"""Parameters, the enum of the ends, and the compiler's front; no engine, and no other formula."""
+
+CHAIN = VdpChain(a=2.5, b=0.5, c=0.3, eps=0.05, sites=6)
+
+
+@pytest.mark.parametrize("path", REFERENCES, ids=lambda path: path.stem)
+def test_a_reference_imports_none_of_the_engines(path: Path) -> None:
+    module = f"verification.references.{path.stem}".removesuffix(".__init__")
+    for name in closure(module):
+        assert name in ("theory", "verification") or name.startswith(ALLOWED), name
+
+
+def test_following_imports_would_see_an_engine() -> None:
+    assert "verification.steppers.kernel" in closure("verification.runs.simulate")
+
+
+def test_no_other_place_writes_the_damping_of_the_chain_for_scipy() -> None:
+    """Outside engines, derivations and theory, 1 - ay² + by⁴ stands in one file."""
+    folders = ("tests", "benchmarks", "verification/quantities", "verification/work_reduction")
+    for folder in folders:
+        for path in (ROOT / folder).rglob("*.py"):
+            if path.name in ("test_references.py", "derivation.py"):
+                continue  # this file; programs of symbols for other packages
+            text = "".join(path.read_text(encoding="utf-8").split())
+            for written in ("b*y**4)", "B*y**4)", "b*square*square)", "b*square**2)"):
+                peer = path.name == "chain.py" and folder == "benchmarks"  # heyoka and jitcode
+                assert written not in text or peer, (path.name, written)
+
+
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
+def test_the_averaged_rate_is_the_average_of_the_full_one(ends: Ends) -> None:
+    """Over one turn of frozen φ; 64 instants average harmonics up to the sixth exactly."""
+    chain = CHAIN.replace(ends=ends)
+    rng = np.random.default_rng(7)
+    phi = rng.normal(size=6) + 1j * rng.normal(size=6)
+    full, total = equations.full_rate(chain), np.zeros(6, dtype=complex)
+    for angle in 2.0 * np.pi * np.arange(64) / 64:
+        psi = phi * np.exp(1j * angle)
+        y, w = np.split(full(0.0, equations.as_state(psi)), 2)
+        total += (w + 1j * y - 1j * psi) * np.exp(-1j * angle) / 64
+    found = equations.averaged_rate(chain)(0.0, phi)
+    assert np.abs(found - total / chain.eps).max() < 1e-12
+    assert np.abs(found - envelope_rate(phi, chain)).max() < 1e-13
+
+
+@pytest.mark.parametrize("ends", VdpChain.allowed_ends)
+def test_variations_and_the_jacobian_are_derivatives_of_the_rate(ends: Ends) -> None:
+    chain = CHAIN.replace(ends=ends)
+    state = np.random.default_rng(8).normal(size=12)
+    rate, step = equations.full_rate(chain), 1e-6
+    columns = [
+        (rate(0.0, state + step * e) - rate(0.0, state - step * e)) / (2 * step) for e in np.eye(12)
+    ]
+    slope = np.array(columns).T
+    # Central differences: step² times third derivatives of order one.
+    assert np.abs(equations.full_jacobian(chain)(0.0, state).toarray() - slope).max() < 1e-9
+    start = np.column_stack([state, np.eye(12)]).ravel()
+    both = equations.variational_rate(chain)(0.0, start).reshape(12, 13)
+    assert np.abs(both[:, 0] - rate(0.0, state)).max() == 0.0
+    assert np.abs(both[:, 1:] - slope).max() < 1e-9
+    along = equations.linearised_rate(chain, lambda _: (state[:6], state[6:]))
+    assert np.abs(along(0.0, np.eye(12).ravel()).reshape(12, 12) - slope).max() < 1e-9
+
+
+def test_the_quarter_turn_rate_is_the_averaged_one_on_its_manifold() -> None:
+    r = np.random.default_rng(3).normal(size=6)
+    turn = (-1j) ** np.arange(6)
+    # In the frame e^{icT}; the end sites lack a neighbour and are left out.
+    rate = (equations.averaged_rate(CHAIN)(0.0, turn * r) - 1j * CHAIN.c * turn * r) / turn
+    found = equations.quarter_turn_rate(CHAIN)(0.0, r)
+    assert np.abs(rate[1:-1] - found[1:-1]).max() < 1e-14
+    wave = equations.quarter_turn_rate(CHAIN, wave=True)(0.0, r)
+    assert np.array_equal(wave[1:], found[1:])
+    assert wave[0] - found[0] == pytest.approx(0.5 * CHAIN.c * r[0])
+
+
+def test_a_wave_goes_on_at_the_left_end() -> None:
+    """On a chain that is long to the left, a wave e^{i(t - πn/2)} has y_0 = ẏ_1."""
+    turns = 1j * (-1j) ** np.arange(7)
+    long = equations.full_rate(CHAIN.replace(sites=7))(0.0, equations.as_state(turns))
+    short = equations.full_rate(CHAIN, wave=True)(0.0, equations.as_state(turns[1:]))
+    assert np.abs(short.reshape(2, 6)[:, 0] - long.reshape(2, 7)[:, 1]).max() < 1e-15
+
+
+def test_the_uniform_states_of_the_piecewise_chain_rest() -> None:
+    """φ = 0 and φ = 1, and a ring whose turn is closed by its additions."""
+    on = np.array([True, True, False, False])
+    phi = on.astype(complex)
+    inner = equations.piecewise_rate(0.7, on, 1.0, 0.0)(0.0, phi)
+    assert np.abs(inner[[0, 3]]).max() == 0.0
+    assert np.allclose(inner[[1, 2]], [0.35j, -0.35j])
+    ring = equations.piecewise_rate(0.7, on, 1.0, -1.0, ring=True)(0.0, phi)
+    assert np.allclose(ring, inner)
+
+
+def test_regularised_friction_tends_to_that_of_the_cell() -> None:
+    chain = FrictionChain.of(FrictionCell(), c=0.2, sites=3)
+    z = np.array([0.3, 0.5, -0.2, 2.0, 0.1, 0.0])
+    y, velocity = z[0::2], z[1::2]
+    rate = equations.regularised_rate(chain, 1e-6)(0.0, z)
+    cell = chain.cell
+    slip = velocity - cell.v_d
+    mu = cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-np.abs(slip) / cell.v0)
+    springs = np.array([y[0] - y[1], 2 * y[1] - y[0] - y[2], y[2] - y[1]])
+    force = -np.sign(slip) * mu - 2 * cell.xi * velocity - y - chain.c * springs
+    assert np.abs(rate[1::2] - force).max() < 1e-14
+    assert np.array_equal(rate[0::2], velocity)
+
+
+def test_the_sum_by_quadrature_tends_to_the_static_one() -> None:
+    value, error = sum_by_quadrature(0.05, 0.5, 1e-7, 4000)
+    assert abs(value - complex(static_sum(mp.mpf(0.5)))) < error + static_sum_distance(0.05, 0.5)
+
+
+def test_the_threshold_is_the_ratio_of_the_two_cycles() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.1)
+    found = float(threshold_ratio(0.5 / 16))
+    assert found == pytest.approx(chain.unstable_amplitude / chain.stable_amplitude, rel=1e-15)

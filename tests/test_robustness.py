@@ -1,0 +1,237 @@
+"""The stability table: a fast part of it, and that it can see what it is there to see."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fronts.cli import main
+from theory.parameters import ParameterError
+from theory.piecewise.sums.result import PrecisionError
+from verification.quantities import judging
+from verification.quantities.judging import BAD, Outcome, is_clear, judge
+from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
+from verification.quantities.registry import computation_named
+from verification.quantities.robustness import stability
+
+QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
+POINTS = {
+    "sigma-integral": 50,
+    "roots": 80,
+    "closed-form-fold": 40,
+    "closed-form-breather": 40,
+    "c-fold": 14,
+    "eta-fold": 10,
+}
+RUN = {
+    "a": 4.0, "eta": 0.03, "c": 0.6, "eps": 0.01, "sites": 8, "displacement": 2.0,
+    "tolerance": 1e-9,
+}  # fmt: skip
+SLIDING = {
+    "c": 0.02, "v_d": 1.25, "v0": 0.5, "xi": 0.05, "mu_st": 1.0, "sites": 4, "displacement": 2.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*QUICK, *POINTS])
+def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
+    found = stability([name], POINTS.get(name, 80), workers=1)
+    # a slow point may be another process's fault; time is judged by the whole table
+    assert not [row for row in found.bad if row["outcome"] != Outcome.SLOW.value], found.bad
+    assert found.counts["right"] > 0.4 * len(found.table)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        (
+            "profile",
+            {"v": 1070.0994714, "c": 0.21, "distance": 0.95, "tolerance": 1e-13, "side": 3},
+        ),
+        ("profile", {"v": 1e-8, "c": 1e-8, "distance": 1e4, "tolerance": 1e-14, "side": 1}),
+        ("kinetic", {"c": 100.0, "eta": 1e-4}),
+        ("kinetic", {"c": 2.0, "eta": 0.11}),
+        ("envelope-breather", {"eta": 0.08, "c": 0.1}),
+        ("envelope-breather", {"eta": 1e-4, "c": 1e-8}),
+        ("envelope-breather", {"eta": 0.125 * (1 - 1e-9), "c": 1e-6}),
+        ("envelope-breather", {"eta": 0.124875, "c": 1e-8}),
+        ("sigma-series", {"v": 0.3, "c": 0.5, "digits": 40}),
+        ("run-vdp", {**RUN, "displacement": 1e3, "eps": 1e-3}),
+        ("run-vdp", {**RUN, "eps": 1.0, "c": 10.0}),
+        ("run-vdp", {**RUN, "sites": 1e5, "displacement": 1e-8}),
+        ("run-envelope", {**RUN, "c": 1e-8}),
+        ("run-friction", {**SLIDING, "v_d": 1.1513}),
+        ("run-friction", {**SLIDING, "c": 1.0}),
+        ("run-friction", {**SLIDING, "xi": 1e-6, "sites": 1.0}),
+        # steady sliding is unstable: roundings grow a thousandfold and more
+        (
+            "run-friction",
+            {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0},
+        ),
+        ("run-friction", {**SLIDING, "v_d": 0.11, "v0": 2.9, "mu_st": 4.4, "displacement": 1e-5}),
+        # a run at a hundred times the tolerance is right by accident
+        (
+            "run-friction",
+            {
+                "c": 0.012352770094605076,
+                "v_d": 0.21199667225721808,
+                "v0": 0.003649774025879142,
+                "xi": 9.045611641016546e-05,
+                "mu_st": 4.821828551660506,
+                "sites": 1.0,
+                "displacement": 0.04205416947900084,
+            },
+        ),
+        (
+            "run-vdp",
+            {
+                "a": 35.96484628969489,
+                "eta": 0.12452837424194366,
+                "c": 7.083398328862791e-06,
+                "eps": 0.7167950895289498,
+                "sites": 3520.0,
+                "displacement": 1.1597375615635013,
+                "tolerance": 1.0586491191425466e-06,
+            },
+        ),
+        # waves reach farther than a reference of thirty sites
+        ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 64.0}),
+    ],
+)
+def test_costly_computations_are_right_at_single_points(
+    name: str, values: Mapping[str, float]
+) -> None:
+    found = judge(computation_named(name), values)
+    assert found["outcome"] == Outcome.RIGHT.value, found
+
+
+def test_an_orbit_too_stiff_to_be_found_is_refused_at_once() -> None:
+    stiff = {"eta": 0.005, "c": 1e-6, "eps": 1.0}  # it once took more than 100 s
+    for name in ("orbit", "multipliers"):
+        found = judge(computation_named(name), stiff)
+        assert found["outcome"] == Outcome.REFUSED.value
+        assert float(found["seconds"]) < 1.0
+
+
+def _computation(compute: object, off: float = 0.0, seconds: float = 1.0) -> Computation:
+    return Computation(
+        name="made-up",
+        title="for this test",
+        axes=(Axis(name="x", low=1.0, high=2.0),),
+        compute=compute,  # type: ignore[arg-type]
+        check=lambda at, stated: ReferenceCheck(distance=off, uncertainty=1e-3, method="this test"),
+        seconds=seconds,
+    )
+
+
+def _raising(error: Exception) -> object:
+    def compute(at: Mapping[str, float]) -> StatedValue:
+        raise error
+
+    return compute
+
+
+def _slow(at: Mapping[str, float]) -> StatedValue:
+    total = 0.0
+    for _ in range(10**8):
+        total += 1.0
+    return StatedValue(value=total, error=1.0)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "outcome"),
+    [
+        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.05), Outcome.RIGHT),
+        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.2), Outcome.EXCEEDED),
+        (_computation(lambda at: StatedValue(value=math.nan, error=0.1)), Outcome.NAN),
+        (
+            _computation(lambda at: StatedValue(value=np.array([1.0, math.inf]), error=0.1)),
+            Outcome.NAN,
+        ),
+        (_computation(lambda at: StatedValue(value=1.0, error=math.inf)), Outcome.NAN),
+        (_computation(_raising(ParameterError("x", 1, "below 1", "take less"))), Outcome.REFUSED),
+        (_computation(_raising(PrecisionError("x = 1 is too much; take less."))), Outcome.REFUSED),
+        (_computation(_raising(PrecisionError("no"))), Outcome.CRASH),
+        (_computation(_raising(ZeroDivisionError())), Outcome.CRASH),
+        (_computation(_slow, seconds=0.02), Outcome.SLOW),
+    ],
+)
+def test_every_outcome_differs_from_the_others(quantity: Computation, outcome: Outcome) -> None:
+    assert judge(quantity, {"x": 1.0})["outcome"] == outcome.value
+
+
+def test_a_wrong_reference_is_a_crash_of_the_table_and_not_a_success() -> None:
+    def broken(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+        raise ZeroDivisionError
+
+    quantity = replace(_computation(lambda at: StatedValue(value=1.0, error=0.1)), check=broken)
+    assert judge(quantity, {"x": 1.0})["outcome"] == Outcome.CRASH.value
+
+
+def test_an_understated_error_is_seen_in_every_quick_computation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Move each value by a hundred times its stated error: nearly every point must fail."""
+    for name in ("sigma-integral", "c-pin", "eta-pin", "closed-form-fold"):
+        quantity = computation_named(name)
+
+        def moved(at: Mapping[str, float], quantity: Computation = quantity) -> StatedValue:
+            stated = quantity.compute(at)
+            if stated.value is None:
+                return stated
+            return replace(stated, value=stated.value + 100.0 * (stated.error + 1e-300))
+
+        wrong = replace(quantity, compute=moved)
+        found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(16)]
+        claimed = [word for word in found if word not in ("refused", "unchecked")]
+        right = claimed.count(Outcome.RIGHT.value)
+        # zero is right where nothing is claimed: c_pin that does not exist
+        assert claimed.count(Outcome.EXCEEDED.value) > right / 2, (name, found)
+
+
+def test_points_are_the_same_again_and_others_with_another_seed() -> None:
+    quantity = computation_named("sigma-integral")
+    index = 2 * len(quantity.fixed_points) + 3
+    assert quantity.point(1, index) == quantity.point(1, index) != quantity.point(2, index)
+    bad = [quantity.point(0, 20 * i + 19) for i in range(10, 60)]
+    odd = [p for p in bad if not all(a.low <= p[a.name] <= a.high for a in quantity.axes)]
+    assert len(odd) == len(bad)
+
+
+def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
+    assert {*BAD, Outcome.RIGHT, Outcome.REFUSED, Outcome.UNCHECKED} == set(Outcome)
+    assert not is_clear("two sentences.\nhere.")
+    assert judging.CHECK_SECONDS > 0
+
+
+def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = []
+    for names in (["c-pin"], ["c-pin", "c-pin"], ["c-pin", "eta-pin", "c-pin"]):
+        options = [word for name in names for word in ("--quantity", name)]
+        assert main(["stress", "--json", "--points", "20", "--workers", "1", *options]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert sum(found["counts"].values()) == found["points"]
+        counts.append([(one["quantity"], one["points"]) for one in found["quantities"]])
+    assert counts[0] == counts[1]
+    assert [name for name, _ in counts[2]] == ["c-pin", "eta-pin"]
+
+
+def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stress", "--quantity", "nothing"]) == 2
+    assert "quantity = nothing" in capsys.readouterr().err
+    assert main(["stress", "--resume"]) == 2
+    assert main(["stress", "--list"]) == 0
+
+
+def test_what_a_reference_is_called_can_be_written_to_a_table() -> None:
+    """Text with commas and quotes would be misread in CSV."""
+    known = computation_named("c-pin")
+    named = replace(
+        known,
+        check=lambda *_: ReferenceCheck(distance=0.0, uncertainty=0.0, method='scipy, "timed"'),
+    )
+    assert judge(named, {"eta": 0.03})["by"] == "scipy; 'timed'"

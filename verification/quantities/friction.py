@@ -1,0 +1,248 @@
+"""The friction chain (5): runs, the stick-slip cycle of one cell (Fig. 2), and the switch model.
+
+The switch model, the paper's own integrator, states no error, so it is held against what friction
+can do. With E the energy and |v_rel| at most half of v_d in the band, friction of at most μ_st at
+each of N sites lets √(2E) grow by at most 2μ_st √N a unit of τ.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.friction import FrictionChain
+from theory.parameters import RunError
+from verification.quantities.chains import friction_cell, friction_chain
+from verification.quantities.quantity import (
+    Axis,
+    Computation,
+    NoReferenceError,
+    Quantity,
+    ReferenceCheck,
+    StatedValue,
+)
+from verification.quantities.runs import REST, on_growing_part
+
+FloatArray = npt.NDArray[np.float64]
+
+_TAU = 40.0
+
+_FIRST_PART, _MAX_PART = 6, 24
+"""Sites that the event-located reference follows at first, and at most."""
+
+_ROUNDED, _DECIDED = 4e-15, 1e-3
+"""Relative change of a start that shows what rounding does; above which rounding decides."""
+
+_LONGEST = 400.0
+"""τ that the slow reference follows."""
+
+
+def stable_cycle(at: Mapping[str, float]) -> StatedValue:
+    """Period and stick time; both zero where there is no cycle."""
+    from verification.cells.friction import stick_slip_cycle
+
+    found = stick_slip_cycle(friction_cell(at))
+    if found is None:
+        return StatedValue(value=np.zeros(2), error=0.0, note="no cycle")
+    value = np.array([found.period, found.stick_time])
+    return StatedValue(value=value, error=found.error + 1e-13 * found.period)
+
+
+def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Let the belt carry the cell to its release, and locate every event on scipy's DOP853."""
+    from verification.references.friction_events import BEGINS, ENDS, run_events
+
+    cell = friction_cell(at)
+    period = float(stated.value[0])
+    end = 2.2 * period if period else _LONGEST
+    if end > _LONGEST or cell.v0 < 1e-3 or cell.v_d < 1e-2:
+        raise NoReferenceError("too many steps for scipy")
+    # From the middle of the stick phase; where there is none, from shortly before its end.
+    carried = 0.5 * float(stated.value[1]) or min(0.01, cell.mu_st / cell.v_d)
+    start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
+    try:
+        with np.errstate(all="ignore"):  # scipy tries steps that overflow
+            run = run_events(
+                FrictionChain.of(cell, c=0.0, sites=1), start, end, times=np.array([end])
+            )
+    except ArithmeticError as error:
+        raise NoReferenceError(str(error)) from None
+    ends, begins = (run.log[run.log[:, 2] == kind, 0] for kind in (ENDS, BEGINS))
+    if not period:
+        return ReferenceCheck(
+            distance=float(begins.size), uncertainty=0.5, method="scipy's DOP853 with events"
+        )
+    if ends.size < 2 or begins.size < 1:
+        return ReferenceCheck(
+            distance=period, uncertainty=1e-9, method="scipy's DOP853 with events"
+        )
+    last = ends[-1]
+    true = np.array([last - ends[-2], last - begins[begins < last][-1]])
+    return ReferenceCheck(
+        distance=float(np.abs(true - stated.value).max()),
+        uncertainty=1e-9,
+        method="scipy's DOP853 with events",
+    )
+
+
+def friction_state(at: Mapping[str, float]) -> StatedValue:
+    """State of the friction chain at τ = 40, the first site displaced."""
+    from verification.runs.excite import excite
+    from verification.runs.simulate import simulate
+    from verification.runs.trajectory import RunStatus
+
+    chain = friction_chain(at)
+    start = excite(chain, [1], at["displacement"])
+    run = simulate(chain, start, _TAU, samples=2, tolerance=1e-10)
+    assert run.error is not None
+    if run.status is not RunStatus.RESOLVED:
+        raise RunError(
+            "the run says that runs at other tolerances see other events: rounding decides."
+        )
+    return StatedValue(value=run.y[-1], error=run.error, extra=start)
+
+
+def friction_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Locate every event on scipy's DOP853."""
+    from verification.references.friction_events import run_events
+
+    chain, rest = friction_chain(at), friction_chain(at).cell.steady_sliding
+    if at["v0"] < 1e-3 or at["v_d"] < 1e-2:
+        raise NoReferenceError("too many steps for scipy")
+
+    def last(part_sites: int, tolerance: float, start: FloatArray) -> FloatArray:
+        part = replace(chain, sites=part_sites)
+        try:
+            with np.errstate(all="ignore"):  # scipy tries steps that overflow
+                run = run_events(
+                    part, start[:, :part_sites], _TAU, times=np.array([_TAU]), tolerance=tolerance
+                )
+        except ArithmeticError as error:
+            raise NoReferenceError(str(error)) from None
+        answer: FloatArray = run.y[-1]
+        return answer
+
+    part_sites, answer = on_growing_part(
+        lambda part_sites: last(part_sites, 1e-13, stated.extra),
+        lambda answer: bool(abs(answer[-1] - rest) <= REST * (at["displacement"] + rest)),
+        chain.sites,
+        _FIRST_PART,
+        _MAX_PART,
+    )
+    distance = float(np.abs(stated.value[:part_sites] - answer).max())
+    distance = max(distance, float(np.abs(stated.value[part_sites:] - rest).max(initial=0.0)))
+    nearby = stated.extra.copy()
+    nearby[0] *= 1.0 + _ROUNDED
+    uncertainty = float(np.abs(answer - last(part_sites, 1e-12, nearby)).max())
+    if uncertainty > _DECIDED * float(np.abs(answer).max()):
+        raise NoReferenceError("rounding of the start decides what the reference finds")
+    return ReferenceCheck(
+        distance=distance, uncertainty=uncertainty + 1e-12, method="scipy's DOP853 with events"
+    )
+
+
+_SHORT = 10.0
+"""τ of the runs of the switch model."""
+
+
+def switch_energy(at: Mapping[str, float]) -> StatedValue:
+    """Return √(2E) at the end of a run with fixed steps; ``band`` is a share of v_d."""
+    from verification.references.switch_model import run_switch
+    from verification.runs.excite import excite
+
+    chain = friction_chain(at)
+    start = excite(chain, [1], at["displacement"])
+    run = run_switch(
+        chain, start, _SHORT, step=at["step"], band=at["band"] * chain.cell.v_d, samples=2
+    )
+    return StatedValue(
+        value=_root_energy(chain.c, run.y[-1], run.velocity[-1]), error=0.0, extra=start
+    )
+
+
+def _root_energy(c: float, y: npt.NDArray[np.float64], velocity: npt.NDArray[np.float64]) -> float:
+    return math.sqrt(float(y @ y + velocity @ velocity + c * np.sum(np.diff(y) ** 2)))
+
+
+def within_the_work_of_friction(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Compare with √(2E) of the start and the most that friction can add."""
+    most = (
+        _root_energy(at["c"], *stated.extra) + 2.0 * at["mu_st"] * math.sqrt(at["sites"]) * _SHORT
+    )
+    return ReferenceCheck(
+        distance=max(0.0, float(stated.value) - most),
+        uncertainty=1e-9 * most,
+        method="the work of friction",
+    )
+
+
+QUANTITIES = (
+    Quantity(
+        name="friction",
+        title="trajectory of the friction chain (5)",
+        equation="(5), (6)",
+        problems="friction",
+        reference="scipy's DOP853 with located events, at 1e-13, beside ours at 1e-13",
+        accuracy=1e-9,
+        default="event-exact",
+        useful=(1e-8, 0.1),
+        computations=(
+            Computation(
+                name="run-friction",
+                title="state of the friction chain (5) at tau = 40 from one displaced site",
+                axes=(
+                    Axis(name="c", low=1e-8, high=1e1),
+                    Axis(name="v_d", low=1e-2, high=1e1),
+                    Axis(name="v0", low=1e-3, high=1e1),
+                    Axis(name="xi", low=1e-6, high=1.0),
+                    Axis(name="mu_st", low=0.51, high=1e1),
+                    Axis(name="sites", low=1, high=1e4, whole=True),
+                    Axis(name="displacement", low=1e-8, high=1e1),
+                ),
+                compute=friction_state,
+                check=friction_by_scipy,
+                seconds=60.0,
+                share=0.3,
+                limits="faster belts, thinner friction curves and stronger springs take minutes, "
+                "with as many events",
+            ),
+            Computation(
+                name="cycle-friction",
+                title="period and stick time of the stick-slip cycle of a friction cell",
+                axes=(
+                    Axis(name="v_d", low=1e-8, high=1e8),
+                    Axis(name="v0", low=1e-6, high=1e6),
+                    Axis(name="xi", low=1e-6, high=1.0),
+                    Axis(name="mu_st", low=0.51, high=1e3),
+                ),
+                compute=stable_cycle,
+                check=cycle_by_scipy,
+                seconds=10.0,
+                share=0.5,
+            ),
+            Computation(
+                name="switch-friction",
+                title="energy of the switch model of (5) at tau = 10, for any stick band and step",
+                axes=(
+                    Axis(name="band", low=1e-12, high=0.5),
+                    Axis(name="step", low=1e-4, high=1.0),
+                    Axis(name="c", low=1e-8, high=1e8),
+                    Axis(name="v_d", low=1e-8, high=1e8),
+                    Axis(name="v0", low=1e-8, high=1e8),
+                    Axis(name="xi", low=1e-6, high=1.0),
+                    Axis(name="mu_st", low=0.51, high=1e3),
+                    Axis(name="sites", low=1, high=100, whole=True),
+                    Axis(name="displacement", low=1e-8, high=1e3),
+                ),
+                compute=switch_energy,
+                check=within_the_work_of_friction,
+                seconds=30.0,
+                share=0.5,
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,299 @@
+"""The kinetic relation (54): every velocity, and the couplings at which fronts begin and end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+
+from theory.cells.vdp import ETA_END
+from theory.piecewise.folds import fold_coupling, fold_eta
+from theory.piecewise.kinetic_relation import KineticRelation, kinetic_relation
+from theory.piecewise.limits import (
+    ETA_PIN_END,
+    pinning_coupling,
+    pinning_eta,
+    retreat_coupling,
+    strong_coupling_velocity,
+)
+from theory.piecewise.sums.integral import sums
+from verification.quantities.quantity import (
+    Axis,
+    Computation,
+    Quantity,
+    ReferenceCheck,
+    StatedValue,
+)
+from verification.quantities.sums import reference_sum
+from verification.references.piecewise import static_sum, threshold_ratio
+
+C = Axis(name="c", low=1e-8, high=1e8)
+ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END, ETA_PIN_END))
+EPS = float(np.finfo(float).eps)
+_DIGITS = 40
+
+
+def _velocities(at: Mapping[str, float]) -> StatedValue:
+    found = kinetic_relation(at["c"], at["eta"])
+    spread = max((branch.error / abs(branch.v) for branch in found.branches), default=0.0)
+    numbers = [branch.v for branch in found.branches]
+    limits = [x for x in (found.c_pin, found.c_fold, found.c_retreat) if x is not None]
+    return StatedValue(value=np.array(numbers + limits), error=spread, extra=found)
+
+
+def _check_velocities(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Hold g = |Σ + shift| - 2r, in many digits, to a change of sign over each error interval.
+
+    The distance is the farthest that g would still have to go, relative to v; and one if double
+    precision sees more changes of sign on a plain grid than there are branches.
+    """
+    found: KineticRelation = stated.extra
+    worst, by = 0.0, "sign of g in many digits"
+    for branch in found.branches:
+        shift = 2 if branch.v < 0 else 0
+        speed = mp.mpf(abs(branch.v))
+        # The bound is on v itself; a velocity and its bound are the binary numbers they are.
+        ends = [_excess(float(speed + side * mp.mpf(branch.error)), at, shift) for side in (-1, 1)]
+        if (ends[0] > 0) == (ends[1] > 0):
+            slope = abs(ends[1] - ends[0]) / (2.0 * branch.error)
+            off = min(abs(ends[0]), abs(ends[1]))
+            # A fold touched to within rounding is one branch with no change of sign.
+            flat = abs(off) < 1e-15 * (1.0 + 2.0 * float(threshold_ratio(at["eta"])))
+            if not (flat and branch.error / abs(branch.v) > 1e-9):
+                worst = max(worst, (branch.error + off / max(slope, 1e-300)) / abs(branch.v))
+    if at["eta"] < ETA_END and _changes_of_sign(at) > len(found.branches):
+        return ReferenceCheck(distance=1.0, method="changes of sign on a grid")
+    return ReferenceCheck(distance=worst, method=by)
+
+
+def _excess(v: float, at: Mapping[str, float], shift: int) -> float:
+    value, uncertainty, _ = reference_sum(v, at["c"], _DIGITS)
+    with mp.workdps(_DIGITS + 20):
+        g = abs(value + shift) - 2 * threshold_ratio(at["eta"])
+        return float(g) if abs(g) > uncertainty else 0.0
+
+
+def _changes_of_sign(at: Mapping[str, float]) -> int:
+    """Count sure changes of sign of g, of both directions, on a grid that no search has chosen."""
+    c, target = at["c"], 2.0 * float(threshold_ratio(at["eta"]))
+    v = np.geomspace(0.0181, 10.0 * (c + math.sqrt(c) + 1.0) / min(target, 1.0), 1500)
+    found = sums(v, c, 1e-13)
+    total = 0
+    for shift in (0.0, 2.0) if at["eta"] > ETA_PIN_END else (0.0,):
+        g = np.abs(found.value + shift) - target
+        sure = np.sign(g[np.abs(g) > 2.0 * found.error + 1e-12])
+        total += int(np.count_nonzero(sure[1:] != sure[:-1]))
+    return total
+
+
+def _closed(
+    value: Callable[[float], float | None], name: str, condition: Callable[[float, float], float]
+) -> Callable[[Mapping[str, float]], StatedValue]:
+    """Return a closed form as a stated: right to rounding, of its argument as well."""
+
+    def compute(at: Mapping[str, float]) -> StatedValue:
+        found = value(at[name])
+        if found is None:
+            return StatedValue(value=None, error=0.0)
+        return StatedValue(
+            value=found, error=16.0 * EPS * found * (1.0 + condition(at[name], found))
+        )
+
+    return compute
+
+
+def _by_newton(
+    defect: Callable[[Any, Any], Any], exists: Callable[[float], bool], name: str
+) -> Callable[[Mapping[str, float], StatedValue], ReferenceCheck]:
+    """Return a check: Newton's step of a defining equation, in many digits, from the stated."""
+
+    def check(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+        if (stated.value is not None) != exists(at[name]):
+            return ReferenceCheck(distance=math.inf, method="whether it exists")
+        if stated.value is None:
+            return ReferenceCheck(distance=0.0, method="whether it exists")
+        with mp.workdps(100):
+            x, given = mp.mpf(stated.value), mp.mpf(at[name])
+            if x == 0:
+                return ReferenceCheck(
+                    distance=0.0 if defect(x, given) == 0 else math.inf, method="zero put in"
+                )
+            h = x * mp.mpf(10) ** -40
+            here = defect(x, given)
+            slope = (defect(x + h, given) - defect(x - h, given)) / (2 * h)
+            return ReferenceCheck(distance=float(abs(here / slope)), method="Newton in 100 digits")
+
+    return check
+
+
+def _pinned(c: Any, eta: Any) -> Any:
+    return abs(static_sum(c)) - 2 * threshold_ratio(eta)
+
+
+def _retreats(c: Any, eta: Any) -> Any:
+    return abs(2 + static_sum(c)) - 2 * threshold_ratio(eta)
+
+
+def _strong(V: Any, eta: Any) -> Any:
+    q = mp.sqrt(mp.mpc(-V * V, 1))
+    return 1 / abs(q * (V - 1j * q)) - 2 * threshold_ratio(eta)
+
+
+def _static_eta(eta: Any, c: Any) -> Any:
+    return _pinned(c, eta)
+
+
+def _near_pin_end(eta: float, _: float) -> float:
+    return eta / abs(ETA_PIN_END - eta) + _near_end(eta, 0.0)
+
+
+def _near_end(eta: float, _: float) -> float:
+    """|d ln r/d ln η| = 1/(2s), s = √(1 - 8η)."""
+    return 1.0 / math.sqrt(max(1.0 - 8.0 * eta, EPS))
+
+
+def _fold(at: Mapping[str, float]) -> StatedValue:
+    found = fold_coupling(at["eta"])
+    if found is None:
+        return StatedValue(value=None, error=0.0)
+    return StatedValue(value=found.value, error=found.error, extra=found.velocity)
+
+
+def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Hold the height of |Σ| near the fold's velocity against 2r on both sides of c_fold."""
+    eta, below_end = at["eta"], at["eta"] < ETA_PIN_END
+    if stated.value is None or not below_end:
+        return ReferenceCheck(
+            distance=0.0 if (stated.value is None) != below_end else math.inf, method="existence"
+        )
+    if stated.extra == 0.0:  # at pinning itself
+        with mp.workdps(60):
+            h = mp.mpf(stated.value) * mp.mpf(10) ** -25
+            slope = (_pinned(stated.value + h, eta) - _pinned(stated.value - h, eta)) / (2 * h)
+            rounding = 16.0 * EPS * stated.value * (1.0 + _near_pin_end(eta, 0.0))
+            off = float(abs(_pinned(mp.mpf(stated.value), eta) / slope))
+        return ReferenceCheck(distance=off, uncertainty=rounding, method="Newton in 60 digits")
+    return _check_height(stated.value, stated.extra, eta, stated.error, 0.0)
+
+
+def _check_height(
+    c: float, v: float, eta: float, c_error: float, eta_error: float
+) -> ReferenceCheck:
+    """ReferenceCheck that the local maximum of |Σ| over v passes 2r within the stated error."""
+
+    def excess(v_: float, side: int) -> float:
+        at = {"c": c + side * c_error, "eta": eta - side * eta_error}
+        return _excess(v_, at, 0)
+
+    above = excess(v, 1)
+    beside = [excess(v * (1.0 + t), -1) for t in (-1e-7, 0.0, 1e-7)]
+    held = above >= 0 and all(value <= 0 for value in beside)
+    return ReferenceCheck(
+        distance=0.0 if held else math.inf, method="height of the maximum in many digits"
+    )
+
+
+def _eta_fold(at: Mapping[str, float]) -> StatedValue:
+    found = fold_eta(at["c"])
+    return StatedValue(value=found.value, error=found.error, extra=found.velocity)
+
+
+def _check_eta_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    if stated.extra == 0.0:
+        return _by_newton(_static_eta, lambda _: True, "c")(at, stated)
+    return _check_height(at["c"], stated.extra, stated.value, 0.0, stated.error)
+
+
+QUANTITIES = (
+    Quantity(
+        name="velocity",
+        title="front velocity of Eq. (54)",
+        equation="(54)",
+        problems="relation",
+        reference="secants of mpmath over the series and over the integral, 30 digits each",
+        accuracy=1e-27,
+        default="kinetic relation",
+        useful=(1e-12, 1e-2),
+        computations=(
+            Computation(
+                name="kinetic",
+                title="every velocity of (54), none missed",
+                axes=(C, ETA),
+                compute=_velocities,
+                check=_check_velocities,
+                seconds=20.0,
+                share=0.3,
+                problems="relation",
+            ),
+        ),
+    ),
+    Quantity(
+        name="limits",
+        title="couplings and η at which fronts begin, are pinned, retreat",
+        equation="(54)",
+        problems="relation",
+        reference="Newton's step of the defining equation in 100 digits",
+        accuracy=1e-15,
+        default="closed form or fold",
+        computations=(
+            Computation(
+                name="c-pin",
+                title="the coupling up to which static fronts exist",
+                axes=(ETA,),
+                compute=_closed(pinning_coupling, "eta", _near_pin_end),
+                check=_by_newton(_pinned, lambda eta: eta < ETA_PIN_END, "eta"),
+                seconds=0.01,
+                problems="relation",
+            ),
+            Computation(
+                name="c-retreat",
+                title="the coupling above which the excited state retreats",
+                axes=(ETA,),
+                compute=_closed(retreat_coupling, "eta", _near_pin_end),
+                check=_by_newton(_retreats, lambda eta: eta > ETA_PIN_END, "eta"),
+                seconds=0.01,
+                problems="relation",
+            ),
+            Computation(
+                name="strong-coupling-velocity",
+                title="V of v = V sqrt(c) as c grows",
+                axes=(ETA,),
+                compute=_closed(strong_coupling_velocity, "eta", _near_pin_end),
+                check=_by_newton(_strong, lambda eta: eta < ETA_PIN_END, "eta"),
+                seconds=0.05,
+                problems="relation",
+            ),
+            Computation(
+                name="eta-pin",
+                title="the eta above which static fronts exist",
+                axes=(Axis(name="c", low=1e-8, high=1e8),),
+                compute=_closed(pinning_eta, "c", lambda *_: 0.0),
+                check=_by_newton(_static_eta, lambda _: True, "c"),
+                seconds=0.01,
+            ),
+            Computation(
+                name="c-fold",
+                title="the coupling at which moving fronts begin",
+                axes=(ETA,),
+                compute=_fold,
+                check=_check_fold,
+                seconds=1.0,
+                share=0.6,
+                problems="relation",
+            ),
+            Computation(
+                name="eta-fold",
+                title="the eta at which moving fronts end",
+                axes=(C,),
+                compute=_eta_fold,
+                check=_check_eta_fold,
+                seconds=1.0,
+                share=0.6,
+                problems="relation",
+            ),
+        ),
+    ),
+)

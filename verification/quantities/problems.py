@@ -1,0 +1,194 @@
+"""One table of test problems, shared by tests, benchmarks, the stability table and the report.
+
+`PROBLEMS` holds them by family, one family for each kind of parameters; a quantity names its family
+(``verification.quantities.quantity``). The rule of the table, which tests/test_problems.py checks:
+
+1. Names are unique in their family and usable as test identifiers.
+2. All problems of a family give values to the same parameters, and a quantity uses each of them.
+3. ``ordinary`` problems are where a curve of the paper lies, and come first; ``stiff`` ones narrow
+   the strip of analyticity, crowd the roots, or mix fast and slow motion; ``extreme`` ones are
+   where a formula written carelessly overflows, underflows or loses a root. Every problem has a
+   tag; ordinary ones have no other.
+4. The first problem of a family is ordinary and timed, and one is not ordinary.
+5. For Σ the tags are numbers: extreme is v or c at or beyond 10⁻³ or 10³; ordinary is what is not
+   extreme, with a root-free strip no narrower than 1/10 and c/v, about a root a unit, at most 10.
+
+Where η and a are given, b = ηa² (`Problem.cell`). ε = 0 stands for the averaged chain (43).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from theory.chains.vdp import VdpChain
+
+Tag = Literal["ordinary", "stiff", "extreme"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A named point of any parameters.
+
+    Attributes
+    ----------
+    name : str
+        What is peculiar to it, usable as a test identifier; unique in its family.
+    values : mapping of str to float
+        Parameters by symbol, dimensionless.
+    tags : tuple of str
+        Any of ``"ordinary"``, ``"stiff"``, ``"extreme"``.
+    timed : bool
+        Whether the benchmarks measure error against run time there.
+    """
+
+    name: str
+    values: Mapping[str, float]
+    tags: tuple[Tag, ...]
+    timed: bool = False
+
+    def __getitem__(self, name: str) -> float:
+        """Return the value of a parameter; ``KeyError`` where the problem has none."""
+        return self.values[name]
+
+    @property
+    def v(self) -> float:
+        """Scaled front velocity, dimensionless; ``KeyError`` where the problem has none."""
+        return self.values["v"]
+
+    @property
+    def c(self) -> float:
+        """Coupling, dimensionless; ``KeyError`` where the problem has none."""
+        return self.values["c"]
+
+    @property
+    def sites(self) -> int:
+        """Number of sites; ``KeyError`` where the problem has none."""
+        return int(self.values["sites"])
+
+    @property
+    def cell(self) -> dict[str, float]:
+        """Parameters a, b = ηa² and ε of a cell of (8).
+
+        Examples
+        --------
+        >>> problem_named("ordinary", "chain").cell
+        {'a': 4.0, 'b': 0.5, 'eps': 0.01}
+        """
+        a = self["a"]
+        return {"a": a, "b": self["eta"] * a * a, "eps": self["eps"]}
+
+    def vdp_chain(self, sites: int | None = None) -> VdpChain:
+        """Return its chain (8), by default of its own length; ε = 0 is the unit of time 0.01."""
+        a, b, eps = self.cell.values()
+        sites = self.sites if sites is None else sites
+        return VdpChain(a=a, b=b, c=self.c, eps=eps or 0.01, sites=sites)
+
+
+def _problem(name: str, *tags: Tag, timed: bool = False, **values: float) -> Problem:
+    return Problem(name=name, values=values, tags=tags, timed=timed)
+
+
+SUM: tuple[Problem, ...] = (
+    _problem("ordinary", "ordinary", v=0.3, c=0.5, timed=True),
+    _problem("unit", "ordinary", v=1.0, c=1.0),
+    _problem("fast", "ordinary", v=3.0, c=0.7),
+    _problem("slow", "stiff", v=1e-2, c=0.5),
+    _problem("small-v", "stiff", "extreme", v=1e-3, c=0.5, timed=True),
+    _problem("large-c", "stiff", v=7.4, c=100.0, timed=True),
+    _problem("larger-c", "stiff", "extreme", v=74.0, c=1e4),
+    _problem("large-v-over-c", "extreme", v=1e3, c=1e-3),
+    _problem("small-v-over-c", "stiff", "extreme", v=1e-3, c=1e3),
+    _problem("weak-coupling", "extreme", v=0.3, c=1e-6),
+    _problem("resonance", "stiff", v=72.46, c=100.0),
+    _problem("pole-crossing-the-contour", "stiff", v=159.82338529816317, c=214.92354611211903),
+    _problem("contour-touching-a-pole", "stiff", v=7.0562693897135915, c=10.802444936499525),
+)
+
+PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
+    "sum": SUM,
+    "relation": (
+        _problem("ordinary", "ordinary", c=0.5, eta=0.03125, timed=True),
+        _problem("hysteresis", "ordinary", c=0.45, eta=0.03125, timed=True),
+        _problem("pinned", "ordinary", c=0.2, eta=0.03125),
+        _problem("retreat", "ordinary", c=2.0, eta=0.11),
+        _problem("three-at-a-resonance", "stiff", c=100.0, eta=1e-4, timed=True),
+        _problem("no-pinning-from-here", "stiff", c=1.0, eta=0.08),
+        _problem("cycles-meet", "stiff", c=1.0, eta=0.125 * (1 - 1e-12)),
+        _problem("cycles-gone", "extreme", c=1.0, eta=0.2),
+        _problem("fastest", "extreme", c=1e8, eta=1e-12),
+    ),
+    "breather": (
+        _problem("paper", "ordinary", a=2.5, eta=0.08, c=0.1, eps=0.01, sites=7, timed=True),
+        _problem("paper-steep", "ordinary",
+                 a=4.0, eta=0.03125, c=0.1, eps=0.01, sites=7, timed=True),
+        _problem("beside-the-fold", "stiff",
+                 a=2.5, eta=0.08, c=0.19, eps=0.01, sites=7, timed=True),
+        _problem("weak", "extreme", a=1.0, eta=0.05, c=1e-8, eps=1e-6, sites=7),
+        _problem("cycles-meet", "stiff", a=1.0, eta=0.125 * (1 - 1e-9), c=1e-6, eps=0.01, sites=7),
+        _problem("not-averageable", "extreme", a=1.0, eta=0.01, c=0.1, eps=1.0, sites=7),
+    ),
+    "multipliers": (
+        _problem("paper", "ordinary", a=2.5, eta=0.08, c=0.1, eps=0.01, sites=7, timed=True),
+        _problem("long-chain", "stiff", a=4.0, eta=0.03125, c=0.1, eps=0.01, sites=31, timed=True),
+        _problem("beside-the-fold", "stiff",
+                 a=2.5, eta=0.08, c=0.19, eps=0.01, sites=7, timed=True),
+    ),
+    "chain": (
+        _problem(
+            "ordinary", "ordinary", a=4.0, eta=0.03125, c=0.6, eps=0.01, sites=31, t=1000.0,
+            timed=True,
+        ),
+        _problem(
+            "strong-damping", "stiff", a=4.0, eta=0.03125, c=0.6, eps=1.0, sites=31, t=40.0,
+            timed=True,
+        ),
+    ),
+    "friction": (
+        _problem("ordinary", "ordinary", c=0.02, sites=31, t=200.0, timed=True),
+        _problem("many-events", "stiff", c=0.05, sites=31, t=400.0, timed=True),
+    ),
+    "front": (
+        _problem("averaged", "ordinary", a=4.0, eta=0.03125, c=0.6, eps=0.0, timed=True),
+        _problem("full", "ordinary", a=4.0, eta=0.03125, c=0.6, eps=0.01, timed=True),
+        _problem("slow", "stiff", a=4.0, eta=0.03125, c=0.45, eps=0.0, timed=True),
+    ),
+    "map": (
+        _problem("breather-to-front", "ordinary", eta=0.05, low=0.1, high=0.9, timed=True),
+        _problem("steep", "stiff", eta=0.02, low=0.05, high=0.9, timed=True),
+    ),
+    "derivation": (
+        _problem("first-order", "ordinary", order=1, a=2.5, eta=0.08, eps=1e-3, timed=True),
+        _problem("second-order", "stiff", order=2, a=2.5, eta=0.08, eps=1e-3, timed=True),
+    ),
+}  # fmt: skip
+"""Test problems by family; a point of the stability table takes those parameters that it names."""
+
+
+def problems_tagged(tag: Tag, family: str = "sum") -> tuple[Problem, ...]:
+    """Return the problems of a family that carry a tag, in the table's order."""
+    return tuple(problem for problem in PROBLEMS[family] if tag in problem.tags)
+
+
+def problem_named(name: str, family: str = "sum") -> Problem:
+    """Return the problem of that name; raise ``KeyError`` when there is none.
+
+    Examples
+    --------
+    >>> problem_named("paper", "breather").c
+    0.1
+    """
+    for problem in PROBLEMS[family]:
+        if problem.name == name:
+            return problem
+    raise KeyError(name)
+
+
+def timed(family: str) -> tuple[Problem, ...]:
+    """Return the problems of a family that the benchmarks measure, easiest first.
+
+    Examples
+    --------
+    >>> [problem.name for problem in timed("sum")]
+    ['ordinary', 'small-v', 'large-c']
+    """
+    return tuple(problem for problem in PROBLEMS[family] if problem.timed)

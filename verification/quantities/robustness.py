@@ -1,0 +1,166 @@
+"""Robustness: thousands of points of every computation, counted by what becomes of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from theory.parameters import count_within
+from verification.execution.progress import ProgressCallback
+from verification.execution.sweep import sweep
+from verification.execution.table import Point, Table
+from verification.quantities.judging import BAD, Outcome, RobustnessTask
+from verification.quantities.quantity import Computation
+from verification.quantities.registry import chosen
+
+POINTS = 1000
+"""Of all quantities together, by default."""
+
+MIN_POINTS = 12
+"""Points of a computation, at least."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilityRow:
+    """One row of the stability table.
+
+    Attributes
+    ----------
+    quantity : str
+        Its name.
+    points, random : int
+        How many were tried, and how many of them at random; the others are test problems and
+        corners.
+    counts : dict
+        How many came to each outcome.
+    tightest : float
+        Largest distance over what was allowed, of those that are right; at most one.
+    slowest : float
+        Processor seconds of the slowest value.
+    """
+
+    quantity: str
+    points: int
+    random: int
+    counts: dict[str, int]
+    tightest: float
+    slowest: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stability:
+    """The table and what is wrong with it.
+
+    Attributes
+    ----------
+    lines : tuple of StabilityRow
+        One a quantity.
+    bad : tuple of dict
+        The points that exceeded their error, gave NaN, crashed or were slow, with all that is
+        known of them.
+    table : Table
+        Every point.
+    """
+
+    lines: tuple[StabilityRow, ...]
+    bad: tuple[dict[str, object], ...]
+    table: Table
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Points by outcome, over all quantities."""
+        return {o.value: sum(line.counts[o.value] for line in self.lines) for o in Outcome}
+
+
+def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
+    """Return points for the quantities named (all if none), divided by their shares.
+
+    Examples
+    --------
+    >>> len(points_of(["c-pin"], 40))
+    40
+    """
+    count_within("number of points", points, 1, 1_000_000)
+    computations = chosen(names)
+    whole = sum(computation.share for computation in computations)
+    return tuple(
+        Point(quantity=computation.name, number=number)
+        for computation in computations
+        for number in range(_share(computation, points, whole))
+    )
+
+
+def _share(computation: Computation, points: int, whole: float) -> int:
+    return max(min(MIN_POINTS, points), round(points * computation.share / whole))
+
+
+def stability(
+    names: Sequence[str] = (),
+    points: int = POINTS,
+    seed: int = 0,
+    *,
+    out: Path | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> Stability:
+    """Try the quantities named, or all, and count what becomes of each point.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Quantities; all if empty.
+    points : int
+        In all; every quantity gets its share, half of it test problems and corners while there are
+        any, the rest at random.
+    seed : int
+        Of the points at random.
+    out, resume, workers, progress
+        As of `verification.execution.sweep.sweep`.
+
+    Raises
+    ------
+    ParameterError
+        If a quantity or a number is not known or allowed.
+
+    Examples
+    --------
+    >>> found = stability(["c-pin"], 40, workers=1)
+    >>> found.bad, found.counts["exceeded"]
+    ((), 0)
+    """
+    count_within("seed", seed, 0, 2**31 - 1)
+    table = sweep(
+        RobustnessTask(seed),
+        points_of(names, points),
+        out=out,
+        resume=resume,
+        workers=workers,
+        progress=progress,
+    )
+    lines = tuple(_line(computation, table) for computation in chosen(names))
+    bad = {outcome.value for outcome in BAD}
+    wrong = tuple(dict[str, object](row) for row in table.rows() if row["outcome"] in bad)
+    return Stability(lines=lines, bad=wrong, table=table)
+
+
+def _line(computation: Computation, table: Table) -> StabilityRow:
+    mine = table["quantity"] == computation.name
+    outcome = table["outcome"][mine]
+    counts = {o.value: int(np.count_nonzero(outcome == o.value)) for o in Outcome}
+    right = outcome == Outcome.RIGHT.value
+    allowed = table["stated"][mine] + table["uncertainty"][mine]
+    ratio = table["distance"][mine][right] / np.where(allowed > 0, allowed, math.inf)[right]
+    seconds = table["seconds"][mine]
+    return StabilityRow(
+        quantity=computation.name,
+        points=int(mine.sum()),
+        random=sum(computation.is_random(int(number)) for number in table["number"][mine]),
+        counts=counts,
+        tightest=float(ratio.max(initial=0.0)),
+        slowest=float(seconds.max(initial=0.0)),
+    )

@@ -44,6 +44,8 @@ OPERATORS = {
     "pm": "±",
     "times": "×",
     "to": "→",
+    "rightarrow": "→",
+    "Leftrightarrow": "⇔",
     "vdots": "⋮",
     "{": "{",
     "}": "}",

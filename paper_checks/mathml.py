@@ -30,7 +30,6 @@ GREEK = {
     "infty": "∞",
 }
 OPERATORS = {
-    "Leftrightarrow": "⇔",
     "approx": "≈",
     "cdot": "⋅",
     "equiv": "≡",

@@ -116,7 +116,7 @@ def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
 
 def _letters(latex: str) -> Counter[str]:
     """Letters and numbers of a formula, commands that only shape it left out."""
-    plain = re.sub(r"\\(begin|end)\{\w+\}|\\(left|right|[A-Za-z]+)|\\.", " ", latex)
+    plain = re.sub(r"\\(begin|end)\{\w+\}|\\[A-Za-z]+|\\.", " ", latex)
     return Counter(re.findall(r"[A-Za-z0-9]", plain))
 
 

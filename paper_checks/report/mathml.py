@@ -30,7 +30,6 @@ GREEK = {
     "infty": "∞",
 }
 OPERATORS = {
-    "Leftrightarrow": "⇔",
     "approx": "≈",
     "cdot": "⋅",
     "equiv": "≡",
@@ -44,6 +43,8 @@ OPERATORS = {
     "pm": "±",
     "times": "×",
     "to": "→",
+    "rightarrow": "→",
+    "Leftrightarrow": "⇔",
     "vdots": "⋮",
     "{": "{",
     "}": "}",

@@ -493,7 +493,7 @@ CLAIMS = (
         rule=rule_stick,
         text=__name__,
         methods=(
-            Method("Taylor steps from event to event", "verification.runs.friction:run_friction"),
+            Method("Taylor steps from event to event", "verification.runs.simulate:simulate"),
             EVENT_RUNS,
         ),
         weight=0,

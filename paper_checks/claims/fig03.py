@@ -27,7 +27,7 @@ AGREE = 1e-3
 XLABEL, YLABEL = "oscillator n", r"vibration amplitude $\tilde{Y}_n$"
 STYLES = (("o-", "blue"), ("s--", "vermilion"), ("^:", "green"))
 
-STEPS = Method("Taylor steps from event to event", "verification.runs.friction:run_friction")
+STEPS = Method("Taylor steps from event to event", "verification.runs.simulate:simulate")
 EVENTS = "verification.references.friction_events:run_events"
 
 

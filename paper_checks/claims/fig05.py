@@ -31,7 +31,7 @@ FEW = 0.05
 LABELS = Method(
     "runs from event to event until a rule names the state, each twice, the second "
     "time perturbed by 1e-6",
-    "verification.maps.friction:FrictionStateTask",
+    "verification.maps.state_map:StateTask",
 )
 SCIPY = Method("DOP853 with located events on 7 sites to τ = 80",
                "verification.references.friction_events:run_events",

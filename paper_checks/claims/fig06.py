@@ -30,7 +30,7 @@ RESIDUAL = 0.02
 """Part of the largest velocity: about the size of a mark in a printed figure."""
 
 FITTED = Method("arrival times of runs from event to event, fitted by a line",
-                "verification.fronts.friction:measure_friction_front")  # fmt: skip
+                "verification.fronts.measure:measure_front")  # fmt: skip
 EVENTS = "verification.references.friction_events:run_events"
 
 

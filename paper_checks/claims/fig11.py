@@ -413,7 +413,7 @@ ORBIT = Method(
 )
 RUNS = Method(
     "bisection of runs of the averaged chain",
-    "verification.thresholds.preparation:escape_threshold",
+    "verification.thresholds.escape:escape_threshold",
     "sizes 1, 3 and 5 as ε → 0",
 )
 LOCKED = Method("all phase-locked breathers by Newton's method, with their exponents",
@@ -504,7 +504,7 @@ CLAIMS = (
         rule=rule_all_lost,
         text=__name__,
         methods=(LOCKED, Method("runs of the averaged chain from nuclei of random phases",
-                                "verification.steppers.envelope_run:run_envelope",
+                                "verification.runs.envelope_run:run_envelope",
                                 "sizes 1 to 8 at c = 0.2011")),
         repeats=(Repeat("Section 2.2", "the propagating front becomes the lone stable solution, "
                         "when all the possible DBs lose stability"),),

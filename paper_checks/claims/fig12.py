@@ -119,7 +119,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("(8) by a Runge-Kutta method of order 8, sites at rest left out",
-                   "verification.runs.vdp:run_vdp"),
+                   "verification.runs.simulate:simulate"),
             Method("scipy's DOP853 on 12 sites",
                    "paper_checks.claims._fronts:arrivals_of_chain", "the first 8 arrivals"),
         ),

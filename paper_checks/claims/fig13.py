@@ -283,7 +283,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("(8) and (43) run directly, arrival times fitted",
-                   "verification.fronts.vdp:measure_front"),
+                   "verification.fronts.measure:measure_front"),
             Method("scipy's DOP853 on the real reduced chain of quarter-turn phase steps",
                    "paper_checks.claims._fronts:staggered_velocity", "c = 0.3, 0.6 and 1"),
         ),
@@ -311,7 +311,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("(8) run directly, arrival times fitted",
-                   "verification.fronts.vdp:measure_front"),
+                   "verification.fronts.measure:measure_front"),
             Method("the law for large c, κ from a boundary-value problem without time",
                    "theory.averaged.front:strong_coupling_front", "c from 100 on"),
         ),

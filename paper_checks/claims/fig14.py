@@ -112,7 +112,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("(8) run directly, arrival times fitted",
-                   "verification.fronts.vdp:measure_front"),
+                   "verification.fronts.measure:measure_front"),
             Method("scipy's DOP853 on the reduced averaged chain",
                    "paper_checks.claims._fronts:staggered_velocity", "η = 0.01 and 0.03"),
         ),

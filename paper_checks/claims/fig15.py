@@ -213,7 +213,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("(8) by an 8(5,3) Runge-Kutta pair until a rule names the state, each start "
-                   "twice, the second time perturbed by 1e-6", "verification.maps.vdp:StateTask"),
+                   "twice, the second time perturbed by 1e-6", "verification.maps.state_map:StateTask"),
         ),
         expensive=True,
     ),
@@ -229,7 +229,7 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("labels by rules of runs, I from event to event, II by the averaged chain",
-                   "verification.maps.friction:FrictionStateTask"),
+                   "verification.maps.state_map:StateTask"),
         ),
         repeats=(
             Repeat("Abstract", "The two models show very similar dynamical features"),

@@ -17,11 +17,13 @@ PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 DEFINITIONS = (
     "theory.parameters",
     "theory.result",
+    "theory.status",
     "theory.cells",
     "theory.chains",
     "verification.runs.excite",
     "verification.steppers.rows",
     "verification.execution",
+    "verification.thresholds.result",
     "theory.piecewise.dispersion",
     "theory.piecewise.sums.result",
 )
@@ -31,9 +33,14 @@ the vector field itself, and how it is laid out in rows; compiling, keeping and 
 dispersion relation (50) as printed; and the form of a result."""
 
 
+FORMS = ("theory.result",)
+"""Modules that are not followed: the base of results loads pictures by name, and nothing that
+computes."""
+
+
 def engines(method: Method) -> frozenset[str]:
     """Return the modules with engines that the code of a method imports, its own included."""
-    found = closure(method.module, PACKAGES)
+    found = closure(method.module, PACKAGES, without=FORMS)
     return frozenset(
         name
         for name, path in found.items()

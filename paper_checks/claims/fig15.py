@@ -213,7 +213,8 @@ CLAIMS = (
         text=__name__,
         methods=(
             Method("(8) by an 8(5,3) Runge-Kutta pair until a rule names the state, each start "
-                   "twice, the second time perturbed by 1e-6", "verification.maps.state_map:StateTask"),
+                   "twice, the second time perturbed by 1e-6",
+                   "verification.maps.state_map:StateTask"),
         ),
         expensive=True,
     ),

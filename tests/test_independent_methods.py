@@ -36,8 +36,8 @@ def test_every_method_has_an_engine_of_its_own() -> None:
 
 def test_a_shared_engine_is_noticed() -> None:
     pair = (
-        Method("bisection", "verification.thresholds.friction:friction_threshold"),
-        Method("a run", "verification.runs.friction:run_friction"),
+        Method("bisection", "verification.thresholds.spreading:spreading_threshold"),
+        Method("a run", "verification.runs.simulate:simulate"),
     )
     assert "verification.steppers.friction" in shared_engines(pair)
     assert shared_engines(pair[:1]) == frozenset()

@@ -44,6 +44,7 @@ OPERATORS = {
     "times": "×",
     "to": "→",
     "rightarrow": "→",
+    "ddots": "⋱",
     "Leftrightarrow": "⇔",
     "vdots": "⋮",
     "{": "{",
@@ -52,7 +53,13 @@ OPERATORS = {
 ACCENTS = {"dot": "˙", "ddot": "¨", "tilde": "~", "hat": "^", "bar": "¯", "overline": "‾"}
 SPACES = {" ": "0.4em", ",": "0.2em", ":": "0.25em", ";": "0.3em", "quad": "1em"}
 FUNCTIONS = frozenset({"sin", "cos", "ln", "exp"})
-TABLES = {"matrix": ("", ""), "pmatrix": ("(", ")"), "aligned": ("", ""), "cases": ("{", "")}
+TABLES = {
+    "matrix": ("", ""),
+    "pmatrix": ("(", ")"),
+    "bmatrix": ("[", "]"),
+    "aligned": ("", ""),
+    "cases": ("{", ""),
+}
 
 _TOKEN = re.compile(
     r"(?P<words>\\(?:text|mathrm|operatorname)\s*\{[^{}]*\})|(?P<command>\\(?:[A-Za-z]+|.))"
@@ -287,11 +294,13 @@ class _Reader:
             return f"<mo>{OPERATORS[name]}</mo>"
         if name == "big":  # a taller delimiter follows, which the renderer stretches by itself
             return ""
+        if name == "\\":  # between the displays of one number
+            return '<mspace linebreak="newline"></mspace>'
         if name in SPACES:
             return f'<mspace width="{SPACES[name]}"></mspace>'
         if name in ACCENTS:
             return f'<mover accent="true">{self._argument()}<mo>{ACCENTS[name]}</mo></mover>'
-        if name == "frac":
+        if name in ("frac", "dfrac"):
             return f"<mfrac>{self._argument()}{self._argument()}</mfrac>"
         if name == "sqrt":
             return f"<msqrt>{self._argument()}</msqrt>"

@@ -20,7 +20,7 @@ from derivations.cell.steps import derive as derive_cell
 from derivations.multiple_scales.symbols import Y
 from derivations.symbols import epsilon, omega, t_hat, tau
 
-MOST_OF_A_KIND = 12
+MOST_OF_A_KIND = 3
 """Perturbations of each kind a step; long equations are sampled evenly to keep the run short."""
 
 EVEN = (sp.Abs, sp.cos, sp.cosh)

@@ -45,9 +45,9 @@ def arrivals_compiled(
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration
 
-    lane = FrictionIntegration(chain, excite(chain, excited), tolerance=1e-10)
-    lane.advance_to(end)
-    return lane.arrivals
+    run = FrictionIntegration(chain, excite(chain, excited), tolerance=1e-10)
+    run.advance_to(end)
+    return run.arrivals
 
 
 def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> float:

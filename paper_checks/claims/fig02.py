@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 V_D = 1.25
 VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
 """Belt velocities run from both starts: on either side of both ends of bistability."""
-LONG = 200.0
+LONG = 300.0
 AGREE = 1e-8
 """Between shooting and runs with scipy; both are good to 1e-9."""
 SETTLED = 500.0

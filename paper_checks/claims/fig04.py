@@ -189,13 +189,13 @@ def _reached(c: float, size: int, place: str) -> int:
     from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(c)
-    lane = FrictionIntegration(
+    run = FrictionIntegration(
         chain, excite(chain, nucleus_sites(SITES, Place(place), size)), tolerance=1e-9
     )
     count, time = 0, 500.0
     while count < SITES and time <= LONG:
-        lane.advance_to(time)
-        count = int(np.count_nonzero(~np.isnan(lane.arrivals)))
+        run.advance_to(time)
+        count = int(np.count_nonzero(~np.isnan(run.arrivals)))
         time = LONG if 0.6 * LONG < time < LONG else 1.5 * time
     return count
 

@@ -178,18 +178,18 @@ def _lasting(v_d: float, size: int) -> tuple[int, int]:
     from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(STRONG, SITES, v_d)
-    lane = FrictionIntegration(
+    run = FrictionIntegration(
         chain, excite(chain, nucleus_sites(SITES, Place.BULK, size)), tolerance=1e-8
     )
     ever = np.zeros(SITES, dtype=bool)
-    while lane.time < LATE:
-        lane.arrivals[:] = np.nan
+    while run.time < LATE:
+        run.arrivals[:] = np.nan
         # Only the last window counts as lasting; some sixty periods are in it.
-        lane.advance_to(lane.time + WINDOW if lane.time >= LATE - WINDOW else LATE - WINDOW)
-        ever |= ~np.isnan(lane.arrivals)
-        if lane.going_to_rest():
+        run.advance_to(run.time + WINDOW if run.time >= LATE - WINDOW else LATE - WINDOW)
+        ever |= ~np.isnan(run.arrivals)
+        if run.going_to_rest():
             return int(ever.sum()), 0
-    return int(ever.sum()), int(np.count_nonzero(~np.isnan(lane.arrivals)))
+    return int(ever.sum()), int(np.count_nonzero(~np.isnan(run.arrivals)))
 
 
 def lasting() -> Lasting:

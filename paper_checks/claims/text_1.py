@@ -161,11 +161,11 @@ def patterns() -> Patterns:
         chain, rows = chain_of(WEAK, SITES, v_d), []
         source = chain_of(WEAK)  # the cycle of the bistable cell starts all of them
         for excited in PATTERNS:
-            lane = FrictionIntegration(chain, excite(source, excited), tolerance=1e-9)
-            lane.advance_to(LATE)
-            lane.arrivals[:] = np.nan
-            lane.advance_to(LATE + 100.0)
-            rows.append(tuple(int(n) + 1 for n in np.flatnonzero(~np.isnan(lane.arrivals))))
+            run = FrictionIntegration(chain, excite(source, excited), tolerance=1e-9)
+            run.advance_to(LATE)
+            run.arrivals[:] = np.nan
+            run.advance_to(LATE + 100.0)
+            rows.append(tuple(int(n) + 1 for n in np.flatnonzero(~np.isnan(run.arrivals))))
         late[v_d] = tuple(rows)
     return Patterns(late=late, gap=disagreement(chain_of(WEAK, 7), (2, 6), 60.0))
 
@@ -227,9 +227,9 @@ def nucleation() -> Nucleation:
         for c in FRICTION:
             start = excite(chain_of(c), excited)
             start[0, excited[-1]] += push
-            lane = FrictionIntegration(chain_of(c), start, tolerance=1e-9)
-            lane.advance_to(END)
-            joined = lane.arrivals.copy()
+            run = FrictionIntegration(chain_of(c), start, tolerance=1e-9)
+            run.advance_to(END)
+            joined = run.arrivals.copy()
             joined[excited[0] - 1] = 0.0
             found.append(evolution(joined, END, int(np.count_nonzero(~np.isnan(joined))), PAUSE))
         rows[push] = tuple(found)

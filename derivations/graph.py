@@ -131,7 +131,7 @@ def svg(derivations: Iterable[Derivation]) -> str:
 def _reduced(numbered: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
     """Leave out edges that a longer way implies; add what is only a source."""
     edges = dict(numbered)
-    for source in {source for found in numbered.values() for source in found}:
+    for source in dict.fromkeys(source for found in numbered.values() for source in found):
         edges.setdefault(source, ())
     above: dict[str, set[str]] = {}
 

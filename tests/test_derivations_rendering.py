@@ -60,6 +60,8 @@ def test_the_expression_in_json_is_read_back_by_sympy(key):
 
 def _plain(expression):
     """The expression with symbols and functions that have names only, as text has them."""
+    if isinstance(expression, sp.core.relational.Relational):
+        return expression.func(*map(_plain, expression.args), evaluate=False)
     for _ in range(3):  # functions of functions
         expression = expression.replace(
             lambda q: isinstance(q, AppliedUndef) and q.func.assumptions0,

@@ -240,7 +240,9 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
         spreading = Spreading(**{"size": 3, "final_time": 600.0, **options})  # type: ignore[arg-type]
         return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0).c
 
-    first, several, whole = (at(definition=each) for each in Definition)
+    first, several, whole = (
+        at(definition=each) for each in (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE)
+    )
     assert first < several < whole
     assert at(final_time=1200.0) < first
     literal = replace(chain, ends=Ends.LITERAL)
@@ -258,15 +260,16 @@ def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> N
     sharp = spreading_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
     assert sharp.monotone
     assert sharp.late <= sharp.c
-    assert sharp.width < 1e-3 * sharp.c
-    late = spreading_threshold(chain, Spreading(3, final_time=400.0), accuracy=1e-5, tests=4)
+    assert sharp.fuzzy_width < 1e-3 * sharp.c
+    spreading = Spreading(3, final_time=400.0)
+    late = spreading_threshold(chain, spreading, accuracy=1e-5, tests=4)
     assert late.fuzzy is not None
     assert late.fuzzy[0] == late.late < late.c
-    assert late.width > 100.0 * late.error
+    assert late.fuzzy_width > 100.0 * late.error
     # and it does spread at such a coupling, later than the final time
     between = replace(chain, c=0.5 * (late.late + late.c))
-    assert not spreads(between, late.spreading)
-    assert spreads(between, late.spreading, 800.0)
+    assert not spreads(between, spreading)
+    assert spreads(between, spreading, 800.0)
 
 
 def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:

@@ -249,7 +249,7 @@ def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):
     assert "verification.piecewise.simulation" in loaded
 
 
-def test_the_shipped_findings_are_of_expensive_claims(monkeypatch):
+def test_the_shipped_findings_are_of_expensive_claims():
     expensive = {e.claim.key for e in find_entries("paper_checks.claims") if e.claim.expensive}
     held = {path.stem for path in shipped.FOLDER.glob("*.json")}
-    assert held == expensive
+    assert held <= expensive  # a claim without a shipped finding is computed

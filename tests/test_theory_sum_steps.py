@@ -43,7 +43,7 @@ def test_the_size_of_the_bessel_series_is_the_integral_of_its_modulus() -> None:
     size = sum(
         scipy.integrate.quad(modulus, j / v, (j + 1) / v, args=(j,))[0] for j in range(panels)
     )
-    assert sum_bessel._summed(v, c, panels, 2, 20)[2] == pytest.approx(size, rel=1e-9)
+    assert sum_bessel._summed(v, c, panels, panels / v, 2, 20)[2] == pytest.approx(size, rel=1e-9)
 
 
 def test_rounding_of_the_bessel_series_grows_with_its_size_and_its_phase(monkeypatch) -> None:

@@ -54,6 +54,10 @@ def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
     >>> displayed(y(n + 1, t).diff(t, 2), Script.LATEX)
     \ddot{y}_{n+1}
     """
+    if isinstance(expression, sp.core.relational.Relational):
+        # Rebuilt as it is: evaluated anew, an equation of a symbol with a matrix turns false.
+        sides = [displayed(side, script) for side in expression.args]
+        return expression.func(*sides, evaluate=False)
     found: dict[sp.Basic, sp.Basic] = {}
     for own in expression.atoms(sp.Derivative, AppliedUndef, sp.conjugate):
         name = _name(own, script)

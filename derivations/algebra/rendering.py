@@ -31,6 +31,9 @@ PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 """
 
 
+_ASSUMED = re.compile(r"""(Symbol\((?:'[^']*'|"[^"]*"))(?:, \w+=(?:True|False))+\)""")
+"""A symbol in ``srepr``, with its assumptions."""
+
 _REFERENCE = re.compile(r"&amp;#(x[0-9A-Fa-f]+);")
 
 
@@ -74,7 +77,8 @@ def equation_expression(equation: sp.Basic) -> str:
     """Return the equation as text that ``sympy.sympify`` reads back.
 
     Relations are written unevaluated, so that none collapses to true or false; ``str`` is used
-    where no name has a meaning of its own in SymPy, else ``srepr``.
+    where no name has a meaning of its own in SymPy, else ``srepr``. Symbols have their names
+    only, without assumptions, in both.
 
     Examples
     --------
@@ -90,11 +94,15 @@ def _written(part: sp.Basic) -> str:
     names |= {q.func.__name__ for q in part.atoms(AppliedUndef)}
     taken = any(hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names)
     held = part.has(SumOver)
-    write = sp.srepr if taken or held else sp.sstr
+    write = _bare if taken or held else sp.sstr
     if isinstance(part, sp.core.relational.Relational):
         sides = ", ".join(str(write(side)) for side in part.args)
         return f"{type(part).__name__}({sides}, evaluate=False)"
     return str(write(part))
+
+
+def _bare(part: sp.Basic) -> str:
+    return _ASSUMED.sub(r"\1)", sp.srepr(part))
 
 
 def sentence(step: Step) -> str:

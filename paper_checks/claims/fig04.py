@@ -163,6 +163,8 @@ class LongRuns:
     """Sites that have stuck by the end, 2 % below each threshold."""
     above: tuple[int, ...]
     """The same 2 % above."""
+    joining: tuple[bool, ...]
+    """Whether, above, sites still joined in the second half of the run, or none was left."""
     gap: float
 
     @property
@@ -182,8 +184,8 @@ class LongRuns:
         return LONG
 
 
-def _reached(c: float, size: int, place: str) -> int:
-    """Return how many sites have stuck by the time the chain is full, or by `LONG`."""
+def _reached(c: float, size: int, place: str) -> tuple[int, bool]:
+    """Return how many sites have stuck by `LONG`, and whether the last of them did late, or all."""
     from theory.chains.nucleus import Place, nucleus_sites
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration
@@ -197,27 +199,39 @@ def _reached(c: float, size: int, place: str) -> int:
         run.advance_to(time)
         count = int(np.count_nonzero(~np.isnan(run.arrivals)))
         time = LONG if 0.6 * LONG < time < LONG else 1.5 * time
-    return count
+    latest = float(np.nanmax(run.arrivals))
+    return count, count == SITES or latest > 0.5 * LONG
 
 
 def long_runs() -> LongRuns:
     """Bisect with τ = 4000 for the first new site, then run 2 % aside until the chain is full."""
     found = tuple(_threshold(size, place, final_time=4000.0) for place, size in KINDS)
     pairs = list(zip(found, KINDS, strict=True))
+    below = [_reached((1.0 - ASIDE) * c, size, place) for c, (place, size) in pairs]
+    above = [_reached((1.0 + ASIDE) * c, size, place) for c, (place, size) in pairs]
     return LongRuns(
         thresholds=found,
-        below=tuple(_reached((1.0 - ASIDE) * c, size, place) for c, (place, size) in pairs),
-        above=tuple(_reached((1.0 + ASIDE) * c, size, place) for c, (place, size) in pairs),
+        below=tuple(count for count, _ in below),
+        above=tuple(count for count, _ in above),
+        joining=tuple(late for _, late in above),
         gap=disagreement(chain_of((1.0 + ASIDE) * found[0], 5), (1,), 400.0),
     )
 
 
 def rule_divides(e: LongRuns) -> Ruling:
-    """Ask: below each threshold the nucleus alone sticks; above it every site of the chain does."""
+    """Rule: below each threshold the nucleus alone sticks; above it the front does not stop.
+
+    It has filled the chain, or goes on taking in sites, since the sentence sets no time.
+    """
     stay = all(n == size for n, (_, size) in zip(e.below, KINDS, strict=True))
-    if stay and all(n == SITES for n in e.above) and e.gap < 1e-3:
+    if (
+        stay
+        and all(n > size for n, (_, size) in zip(e.above, KINDS, strict=True))
+        and all(e.joining)
+        and e.gap < 1e-3
+    ):
         return holds()
-    return fails("beside a threshold a nucleus spreads over a part of the chain only.")
+    return fails("beside a threshold a nucleus spreads over a part of the chain and stops.")
 
 
 METHODS = (

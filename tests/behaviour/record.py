@@ -128,8 +128,8 @@ derive-55 | derive --equation 55 | refused
 stress-list | stress --list | the quantities
 stress-no-points | stress --quantity c-pin --points 0 | refused
 check-list | check --list | the claims
-check-quick | check fig03-front fig07-decay fig08-assumptions fig16-admissible fig17-single \
-    fig18-forward models-cells text-cell text-extraction text-two-values | judged anew
+check-quick | check fig03-front fig07-decay fig08-assumptions fig16-admissible fig16-limits \
+    fig18-any text-topology text-extraction text-small | judged anew
 check-nothing | check no-such-claim | refused
 bench-list | bench --list | the quantities
 command-unknown | nothing | refused

@@ -111,6 +111,7 @@ def run_envelope(
 
     Examples
     --------
+    >>> from theory.chains.vdp import AveragedChain
     >>> chain = AveragedChain(a=2.5, b=0.5, c=0.1, sites=5)
     >>> start = np.full(5, 2.5, dtype=complex)
     >>> round(float(abs(run_envelope(chain, start, 100.0).phi[2])), 6)

@@ -26,12 +26,14 @@ def judgement_from(record: Mapping[str, Any]) -> Judgement:
     fields = record["finding"]
     if not isinstance(fields, dict):
         raise TypeError("finding")
-    first, second = fields["methods"]
+    methods = tuple(map(str, fields["methods"]))
+    if len(methods) not in (1, 2):
+        raise ValueError("methods")
     finding = Finding(
         **{
             **fields,
             "verdict": Verdict(fields["verdict"]),
-            "methods": (first, second),
+            "methods": methods,
             "pictures": tuple(Picture(**picture) for picture in fields["pictures"]),
             "formulas": tuple(Formula(**formula) for formula in fields["formulas"]),
             "erratum": _erratum(fields["erratum"]),

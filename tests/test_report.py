@@ -280,8 +280,9 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, mo
         assert markup in words
     assert page.tags.count("script") == 1
     assert page.tags.count("b") == 5  # the counts
-    # A formula, an erratum as printed and corrected, and a reason, twice, with two in its words.
-    assert page.tags.count("math") == 3 + 2 * 2
+    # A formula, an erratum as printed and corrected, and a reason with two in its words: on top,
+    # beside the sentence of the paper and in its row.
+    assert page.tags.count("math") == 3 + 3 * 2
     assert page.tags.count("i") == 2 * 6  # "The paper:" and "Ours:" in each row
     assert not {"img", "link", "iframe", "object", "u"} & set(page.tags)
     assert len(page.ids) == len(set(page.ids))

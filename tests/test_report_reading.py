@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 import pytest
 
 from fronts.cli import main
+from fronts.commands.check import STORE
 from paper_checks import discover
 from paper_checks.claim import Claim, Verdict
 from paper_checks.discover import Entry

@@ -168,16 +168,21 @@ def _bands(
     derivations: tuple[Derivation, ...], edges: Mapping[str, tuple[str, ...]],
     columns: Mapping[str, int],
 ) -> tuple[dict[str, tuple[int, float]], list[tuple[float, str]]]:  # fmt: skip
-    """Place each key in its column, in the band of the first derivation that has it."""
+    """Place each key in its column, in the band of the first derivation that has it.
+
+    What the derivations take from elsewhere has a band of its own, above theirs.
+    """
     places: dict[str, tuple[int, float]] = {}
     titles: list[tuple[float, str]] = []
     top = 0.0
-    for derivation in derivations:
-        keys = [key for key in dict.fromkeys(map(key_of, derivation.steps))
-                if key in edges and key not in places]  # fmt: skip
+    bands = [(each.title, list(dict.fromkeys(map(key_of, each.steps)))) for each in derivations]
+    own = {key for _, keys in bands for key in keys}
+    bands.insert(0, ("From other derivations", [key for key in edges if key not in own]))
+    for title, listed in bands:
+        keys = [key for key in listed if key in edges and key not in places]
         if not keys:
             continue
-        titles.append((top, derivation.title))
+        titles.append((top, title))
         taken: dict[int, int] = {}
         for key in sorted(keys, key=lambda key: (columns[key], *_order(key))):
             row = taken.get(columns[key], 0)

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+import sympy as sp
 
 from derivations import catalogue
 from fronts.cli import main
@@ -74,7 +75,7 @@ def test_one_equation_shows_its_check_and_its_verdict(capsys):
 def test_second_order(capsys):
     code, out, _ = run(capsys, "multiple-scales", "--order", "2")
     assert code == 0
-    assert "second order, chain" in out
+    assert "'quarter turns to second order' at the sites" in out
 
 
 def test_a_new_cell(capsys):
@@ -152,7 +153,8 @@ def test_another_chain_on_the_command_line(capsys):
     by_number = {step["number"]: step for step in data["steps"] if step["number"]}
     assert sorted(by_number) == list(range(8, 31))
     assert "g" in by_number[30]["expression"]
-    assert "a" not in by_number[29]["expression"].replace("alpha_0", "").replace("Eq", "")
+    names = {q.name for q in sp.sympify(by_number[29]["expression"]).free_symbols}
+    assert "a" not in names
     code, out, _ = run(capsys, "averaging", "--weights", "1, w", "--equation", "34", "--json")
     assert code == 0
     assert "varphi(n - 2, t)" in json.loads(out)["steps"][0]["expression"]

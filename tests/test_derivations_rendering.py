@@ -13,6 +13,7 @@ from derivations import catalogue
 from derivations.algebra import rendering
 from derivations.algebra.equations import parts_of
 from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.sums import SumOver
 from derivations.cell.envelope import derive_envelope
 from derivations.cell.steps import derive as derive_cell
 
@@ -67,6 +68,8 @@ def _plain(expression):
             lambda q: isinstance(q, AppliedUndef) and q.func.assumptions0,
             lambda q: sp.Function(q.func.__name__)(*q.args),
         )
+    # A sum over roots is an unknown function to SymPy.
+    expression = expression.replace(SumOver, sp.Function("SumOver"))
     names = {q: sp.Symbol(q.name) for q in expression.atoms(sp.Symbol)}
     return expression.xreplace(names)
 

@@ -78,7 +78,7 @@ def equation_expression(equation: sp.Basic) -> str:
 
     Relations are written unevaluated, so that none collapses to true or false; ``str`` is used
     where no name has a meaning of its own in SymPy, else ``srepr``. Symbols have their names
-    only, without assumptions, in both.
+    only, without assumptions, in both; a sum over roots comes back as an unknown function.
 
     Examples
     --------

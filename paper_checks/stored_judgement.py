@@ -34,6 +34,7 @@ def judgement_from(record: Mapping[str, Any]) -> Judgement:
             **fields,
             "verdict": Verdict(fields["verdict"]),
             "methods": methods,
+            "remarks": tuple(map(str, fields["remarks"])),
             "pictures": tuple(Picture(**picture) for picture in fields["pictures"]),
             "formulas": tuple(Formula(**formula) for formula in fields["formulas"]),
             "erratum": _erratum(fields["erratum"]),

@@ -23,8 +23,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paper_checks.claim import Claim, Finding, Verdict
+from paper_checks.claim import Claim, Finding, Method, Verdict
 from paper_checks.discover import Entry
+from paper_checks.ruling import holds
 from paper_checks.run import run
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
@@ -64,9 +65,35 @@ def swept(folder: Path) -> bytes:
     return (folder / "out.csv").read_bytes()
 
 
+class Ready(Claim):
+    """A claim whose evidence is its finding."""
+
+    def judge(self) -> Finding:
+        finding: Finding = self.evidence()
+        return finding
+
+
 def _claim(key: str) -> Entry:
-    finding = Finding(Verdict.REPRODUCED, key * 50, "0", ("one", "two"), "none", "Because.")
-    claim = Claim(key, "Fig. 1", "So.", None, Verdict.REPRODUCED, "true", lambda: finding)
+    finding = Finding(
+        verdict=Verdict.REPRODUCED,
+        value=key * 50,
+        error="0",
+        methods=("one", "two"),
+        tolerance="none",
+        explanation="Because.",
+    )
+    claim = Ready(
+        key=key,
+        place="Fig. 1",
+        quote="So.",
+        statement="So.",
+        recorded=Verdict.REPRODUCED,
+        command="true",
+        evidence=lambda: finding,
+        rule=lambda _: holds(),
+        text=__name__,
+        methods=(Method("one", "m:f"),),
+    )
     return Entry("fig1", claim)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from verification.breathers.nucleus import Nucleus, outward_pattern
 
+from theory.chains.nucleus import Nucleus, outward_pattern
 from verification.breathers import phase_locked
 from verification.breathers.phase_locked import MARGIN, follow, follow_to, locked_breathers
 
@@ -43,7 +43,7 @@ def test_the_jacobian_is_the_slope_of_the_residual() -> None:
 
 @pytest.mark.parametrize("size", [1, 3])
 def test_folds_are_those_of_the_continuation_of_the_averaged_chain(size: int) -> None:
-    from verification.thresholds.breather import breather_threshold
+    from verification.thresholds.continuation import breather_threshold
 
     from theory.chains.vdp import VdpChain
 

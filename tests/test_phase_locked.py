@@ -43,11 +43,13 @@ def test_the_jacobian_is_the_slope_of_the_residual() -> None:
 
 @pytest.mark.parametrize("size", [1, 3])
 def test_folds_are_those_of_the_continuation_of_the_averaged_chain(size: int) -> None:
+    from theory.chains.vdp import VdpChain
     from verification.thresholds.continuation import breather_threshold
 
-    from theory.chains.vdp import VdpChain
-
-    other = breather_threshold(VdpChain(A, B, 0.0, 0.01), Nucleus(size, outward_pattern(size)))
+    chain = VdpChain(a=A, b=B, c=0.0, eps=0.01)
+    other = breather_threshold(chain, Nucleus(size, outward_pattern(size)))
+        VdpChain(a=A, b=B, c=0.0, eps=0.01), Nucleus(size, outward_pattern(size))
+    )
     ends = [follow(found, A, B).c_end for found in locked_breathers(size, A, B)]
     assert min(abs(end - other.c) for end in ends) < 2e-7
 

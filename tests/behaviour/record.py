@@ -119,10 +119,6 @@ cell-negative | cell friction --v-d -1 | refused
 derive-names | derive | the list
 derive-34 | derive --equation 34 | print agrees
 derive-2 | derive --equation 2 | print does not
-derive-averaging | derive averaging | step by step
-derive-friction | derive friction | step by step
-derive-linearisation | derive linearisation | step by step
-derive-cell | derive cell --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=0.5 | one's own
 derive-sine | derive cell --damping "sin(y)" | refused
 derive-55 | derive --equation 55 | refused
 stress-list | stress --list | the quantities

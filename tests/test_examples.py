@@ -8,9 +8,15 @@ import sys
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 
+from theory.cells.vdp import threshold_ratio
 from theory.chains.chain import CHAINS
+from theory.chains.friction import FrictionChain
+from theory.piecewise.sums.series import sum_by_roots
+from verification.references.friction_events import run_events
+from verification.runs.excite import excite
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -54,3 +60,19 @@ def test_the_example_gives_its_number_and_its_picture(
         finally:
             CHAINS.pop("nagumo-example", None)  # an example may define a model
     assert picture.stat().st_size > 10
+
+
+def test_the_velocity_of_the_curve_solves_the_kinetic_relation_by_another_sum() -> None:
+    size = abs(sum_by_roots(EXPECTED["kinetic_curve"][0], 1.0, digits=30).value)
+    assert float(size) == pytest.approx(2.0 * threshold_ratio(0.03125), abs=1e-11)
+
+
+def test_the_arrival_is_that_of_the_event_located_integrator_of_scipy() -> None:
+    chain = FrictionChain(c=0.02, v_d=1.25, sites=21)
+    run = run_events(
+        chain, excite(chain, [1]), 695.0, times=np.array([0.0, 695.0]), tolerance=1e-10,
+        longest_step=0.2,
+    )  # fmt: skip
+    sticks = run.log[(run.log[:, 1] == 11) & (run.log[:, 2] == 0), 0]
+    value, tolerance, _ = EXPECTED["stick_slip_front"]
+    assert sticks[0] == pytest.approx(value, abs=tolerance)

@@ -11,6 +11,10 @@ LATEST = 1e9
 """Latest end time of a run."""
 
 
+_MAX_SHOWN = 500
+"""Characters of a value that a message shows, at most."""
+
+
 class ParameterError(ValueError):
     """A quantity outside the range where the theory is defined.
 
@@ -33,7 +37,8 @@ class ParameterError(ValueError):
         self.value = value
         self.allowed = allowed
         self.remedy = remedy
-        super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
+        shown = _in_one_line(str(value), _MAX_SHOWN)
+        super().__init__(f"{quantity} = {shown} is not allowed: it must be {allowed}; {remedy}.")
 
 
 class RunError(ArithmeticError):
@@ -66,6 +71,28 @@ excitation-fronts[certify]' installs it.
             f"'pip install excitation-fronts[{extra}]' installs it.",
             name=package,
         )
+
+
+def number(
+    quantity: str, value: object, allowed: str = "a number", remedy: str = "give a number"
+) -> float:
+    """Return a value as a float if it is one number; NaN and infinities are numbers here.
+
+    Raises
+    ------
+    ParameterError
+        If it is an array of several, a complex number, text that is no number, or anything else.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> number("coupling c", Fraction(1, 4)), number("coupling c", "0.25")
+    (0.25, 0.25)
+    """
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(quantity, value, allowed, remedy) from None
 
 
 def positive(
@@ -105,6 +132,8 @@ def within(
     ParameterError
         If it is not a number, not finite, or outside the range.
     """
+    if type(value) is float and low <= value <= high:  # the words cost more than the check
+        return value
     return _checked(
         quantity,
         value,
@@ -196,8 +225,13 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
 
 def _shown(value: object) -> str:
     """Return what is not a number in few characters and one line."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return _in_one_line(repr(value), 60)
+
+
+def _in_one_line(text: str, most: int) -> str:
+    """Return a text without line breaks, cut where it is very long."""
+    text = " ".join(text.split())
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def end_time(quantity: str, value: float) -> float:
@@ -222,10 +256,7 @@ def _checked(
     remedy: str,
     accept: Callable[[float], bool],
 ) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise ParameterError(quantity, value, allowed, remedy) from None
-    if not math.isfinite(number) or not accept(number):
+    found = number(quantity, value, allowed, remedy)
+    if not math.isfinite(found) or not accept(found):
         raise ParameterError(quantity, value, allowed, remedy)
-    return number
+    return found

@@ -13,24 +13,25 @@ At r = 0 one root of λ³ - κλ + ½ = 0 has negative real part, at r_s two roo
 λ³ - κλ + f'(r_s) = 0 have positive real part: a curve meets a surface in three dimensions, at
 isolated κ. Since v - c grows more slowly than c, v is asymptotically linear in c, with slope one.
 
-Where κ < 0 (η above 0.0567) the front is slower than c and overtaken by phase waves from behind;
-the law is then that of a front with the staggered wave behind it for ever.
+Where κ < 0 (η above 0.05667, `wave_fast_eta`) the front is slower than c and overtaken by phase
+waves from behind; the law is then that of a front with the staggered wave behind it for ever.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import solve_banded
 
-from theory.parameters import ParameterError, within
+from theory.parameters import RunError, within
 from theory.piecewise.dispersion import FloatArray
 
 _SMALLEST_ETA = 1e-4
-_LARGEST_ETA = 0.085
-_SCAN = 80
+_LARGEST_ETA = 0.11
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class StrongCouplingFront:
     kappa : float
         κ(η), dimensionless.
     error : float
-        Width of the interval in which κ was enclosed, plus the effect of the start.
+        Bound on the error of κ, from a coarser grid and from rounding.
     """
 
     eta: float
@@ -63,78 +64,136 @@ class StrongCouplingFront:
 
 @lru_cache(maxsize=256)
 def strong_coupling_front(eta: float) -> StrongCouplingFront:
-    """Return κ(η), by shooting backward from r = 0 and bisection on the side it leaves r_s.
+    """Return κ(η), by Newton's method on differences of high order.
+
+    Lengths are in units of f'(r_s)^{-1/3}, in which the front changes little with η; it is followed
+    from the η at which κ is nearly zero, where Newton's method converges from a hyperbolic tangent.
 
     Parameters
     ----------
     eta : float
-        η = b/a², from 1e-4 to 0.085. Beyond, the side on which the solution finally leaves does
-        not tell on which side it left r_s, and the bisection would end at another front.
+        η = b/a², from 1e-4 to 0.11.
 
     Raises
     ------
     ParameterError
         If η is out of range.
+    RunError
+        If Newton's method does not converge.
+
+    References
+    ----------
+    B. Fornberg (1988), Generation of finite difference formulas on arbitrarily spaced grids, Math.
+    Comp. 51, 699.
 
     Examples
     --------
     >>> front = strong_coupling_front(0.03125)
-    >>> round(front.kappa, 6), front.error < 1e-8
-    (0.493112, True)
+    >>> round(front.kappa, 10), front.error < 1e-10
+    (0.4931123548, True)
     """
     within("eta = b/a^2", eta, _SMALLEST_ETA, _LARGEST_ETA, "measure the front instead")
-    # From far above, where the solution leaves upwards, down to the first κ where it does not.
-    grid = np.linspace(2.0 + 0.5 * eta ** (-2.0 / 3.0), -1.0, _SCAN)
-    below = next((i for i, k in enumerate(grid) if not _leaves_upwards(k, eta, 1e-7)), 0)
-    if below == 0:
-        raise ParameterError(
-            "eta = b/a^2", eta, "one where a strongly coupled front is found", "try another eta"
-        )
-    ends = []
-    for start in (1e-7, 1e-6):
-        upper, lower = float(grid[below - 1]), float(grid[below])
-        while upper - lower > 4e-12 * max(1.0, upper):
-            middle = 0.5 * (lower + upper)
-            if _leaves_upwards(middle, eta, start):
-                upper = middle
-            else:
-                lower = middle
-        ends.append(0.5 * (lower + upper))
-    return StrongCouplingFront(eta, ends[0], 1e-10 + abs(ends[1] - ends[0]))
+    coarse, fine = (_followed(eta, spacing) for spacing in _SPACINGS)
+    rounding = 1e-12 * max(1.0, abs(fine))
+    return StrongCouplingFront(eta, fine, 2.0 * abs(fine - coarse) + rounding)
 
 
-@dataclass(frozen=True)
-class _Passes:
-    """Event of scipy that ends the integration: r passes a value."""
+@lru_cache(maxsize=1)
+def wave_fast_eta() -> tuple[float, float]:
+    """Return the η at which κ = 0 and strongly coupled fronts are as fast as waves, and its error.
 
-    value: float
-    terminal: bool = True
+    Below it fronts outrun all waves; above it they are overtaken from behind.
 
-    def __call__(self, _: float, x: FloatArray) -> float:
-        return float(x[0] - self.value)
+    Examples
+    --------
+    >>> eta, error = wave_fast_eta()
+    >>> round(eta, 9), error < 1e-11
+    (0.056665326, True)
+    """
+    low, high = 0.0566, 0.0567
+    for _ in range(8):  # secants; κ is smooth
+        one, two = strong_coupling_front(low), strong_coupling_front(high)
+        slope = (two.kappa - one.kappa) / (high - low)
+        low, high = high, high - two.kappa / slope
+        if abs(high - low) < 1e-10:
+            break
+    last = strong_coupling_front(high)
+    return high, (abs(last.kappa) + last.error) / abs(slope)
 
 
-def _leaves_upwards(kappa: float, eta: float, start: float) -> bool:
-    """Tell on which side of r_s the solution that ends at r = 0 comes from."""
-    from scipy.integrate import solve_ivp
+_SPACINGS = 0.175, 0.125
+_EXTENT = 76.0
+"""Half the length of the grid: tails fall at least like e^{-s/2}."""
+_REACH = 6
+"""Points on either side of a difference: its error is of order ten."""
+_FIRST_ETA, _FACTOR = 0.0567, 1.5
+"""Where fronts are followed from, and by which factor of η."""
 
-    r_s = math.sqrt((1.0 + math.sqrt(1.0 - 8.0 * eta)) / eta)  # a = 1, b = η
-    roots = np.roots([1.0, 0.0, -kappa, 0.5])
-    rate = float(min(roots, key=lambda root: root.real).real)
 
-    def backward(_: float, x: FloatArray) -> list[float]:
-        r = x[0]
-        f = 0.5 * r * (1.0 - r * r / 4.0 + eta * r**4 / 8.0)
-        return [-x[1], -x[2], -(kappa * x[1] - f)]
+def _followed(eta: float, spacing: float) -> float:
+    s = spacing * np.arange(-round(_EXTENT / spacing), round(_EXTENT / spacing) + 1)
+    rho, kappa, here, factor = 0.5 * (1.0 - np.tanh(0.35 * s)), 0.0, _FIRST_ETA, _FACTOR
+    found = _solved(here, rho, kappa, spacing)
+    while found is not None and here != eta:
+        rho, kappa = found
+        there = min(here * factor, eta) if eta > here else max(here / factor, eta)
+        following = _solved(there, rho, kappa, spacing)
+        if following is not None:
+            found, here = following, there
+        elif factor < 1.01:
+            found = None
+        else:
+            factor = math.sqrt(factor)
+    if found is None:
+        raise RunError(f"no strongly coupled front was found at eta = {eta:.6g}: try another eta.")
+    return found[1]
 
-    r = start * r_s
-    solved = solve_ivp(
-        backward,
-        (0.0, 400.0),
-        [r, rate * r, rate * rate * r],
-        method="DOP853",
-        rtol=1e-11,
-        atol=1e-14 * r_s,
-        events=(_Passes(1.4 * r_s), _Passes(-0.4 * r_s)),
-    )
-    return solved.t_events is not None and bool(solved.t_events[0].size)
+
+def _solved(
+    eta: float, rho: FloatArray, kappa: float, spacing: float
+) -> tuple[FloatArray, float] | None:
+    """Solve the equation of the front for ρ = r/r_s and κ; None where Newton's method fails."""
+    root = math.sqrt(1.0 - 8.0 * eta)
+    square, gamma = (1.0 + root) / eta, math.cbrt((1.0 + root) * root / (4.0 * eta))
+    unstable, middle = math.sqrt((1.0 - root) / (1.0 + root)), rho.size // 2
+    first = _odd_difference(1) * gamma / spacing
+    third = _odd_difference(3) * (gamma / spacing) ** 3
+    for _ in range(30):
+        whole = np.concatenate([np.ones(_REACH), rho, np.zeros(_REACH)])
+        slope = np.correlate(whole, first, "valid")
+        r2 = square * rho * rho
+        loss = 0.5 * rho * (1.0 - 0.25 * r2 + 0.125 * eta * r2 * r2)
+        value = np.correlate(whole, third, "valid") - kappa * slope + loss
+        bands = np.repeat((third - kappa * first)[::-1, None], rho.size, axis=1)
+        bands[_REACH] += 0.5 - 0.375 * r2 + 0.3125 * eta * r2 * r2
+        change, by_kappa = solve_banded((_REACH, _REACH), bands, np.stack([value, -slope], 1)).T
+        step = (rho[middle] - unstable - change[middle]) / by_kappa[middle]
+        change += step * by_kappa
+        size = max(float(np.abs(change).max()), abs(step))
+        if not math.isfinite(size):
+            return None
+        part = min(1.0, 0.5 / size)
+        rho, kappa = rho - part * change, kappa + part * float(step)
+        if size < 1e-9 * max(1.0, abs(kappa)):
+            return rho, kappa
+    return None
+
+
+@lru_cache(maxsize=2)
+def _odd_difference(order: int) -> FloatArray:
+    """Return the weights of the points from -6 to 6 for a derivative of odd order, spacing one.
+
+    Of Σ_j 2 w_j j^{2i+1} = order! δ in whole numbers: rounding of a weight would act as a κ.
+    """
+    rows = [
+        [Fraction(2 * j ** (2 * i + 1)) for j in range(1, _REACH + 1)]
+        + [Fraction(math.factorial(order) if 2 * i + 1 == order else 0)]
+        for i in range(_REACH)
+    ]
+    for i in range(_REACH):  # the leading minors of such a matrix are not zero
+        rows[i] = [x / rows[i][i] for x in rows[i]]
+        for k in range(_REACH):
+            if k != i:
+                rows[k] = [x - rows[k][i] * y for x, y in zip(rows[k], rows[i], strict=True)]
+    right = [float(row[-1]) for row in rows]
+    return np.array([*(-x for x in reversed(right)), 0.0, *right])

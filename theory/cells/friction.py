@@ -1,6 +1,8 @@
-"""Model I, one cell (Eqs. 2-7): friction law, steady sliding, its stability, the stick phase.
+"""Model I, one cell (Eqs. 2-7): steady sliding, its stability, the stick phase.
 
     ÿ + 2ξẏ + y = F(ẏ - v_d),   F = -sgn(v_rel) μ(v_rel) in slip,  |F| ≤ μ_st in stick.
+
+The paper's μ is (2); others are in ``theory.cells.friction_law``.
 
 All quantities are dimensionless (Eq. 4).
 """
@@ -9,7 +11,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
+from theory.cells.friction_law import FrictionCurve, FrictionLaw
 from theory.parameters import ParameterError, real_number
 
 LARGEST = 1e300
@@ -30,17 +34,25 @@ class FrictionCell:
         Reference velocity of (2), positive.
     xi : float
         Damping ratio, zero or positive.
+    law : FrictionLaw or str
+        How friction falls with velocity; by default as in (2).
+    v_s : float
+        Stribeck velocity, positive; of the law ``stribeck`` alone.
+    viscous : float
+        Coefficient κ of a part κ|v_rel| of μ, zero or positive; of every law.
 
     Raises
     ------
     ParameterError
-        If one is out of range.
+        If one is out of range, or is none of this law.
 
     Examples
     --------
     >>> cell = FrictionCell()
     >>> round(cell.steady_sliding, 6), round(cell.hopf_velocity, 6), cell.release
     (0.541042, 1.151293, 0.875)
+    >>> FrictionCell(law="coulomb").steady_sliding
+    0.5
     """
 
     v_d: float = 1.25
@@ -48,6 +60,9 @@ class FrictionCell:
     mu_d: float = 0.5
     v0: float = 0.5
     xi: float = 0.05
+    law: FrictionLaw = FrictionLaw.EXPONENTIAL
+    v_s: float = 0.5
+    viscous: float = 0.0
 
     def __post_init__(self) -> None:
         def check(name: str, quantity: str, low: float, high: float, remedy: str) -> float:
@@ -60,6 +75,7 @@ class FrictionCell:
             ("v_d", "belt velocity v_d"),
             ("mu_st", "static friction mu_st"),
             ("v0", "reference velocity v0"),
+            ("v_s", "Stribeck velocity v_s"),
         )
         for name, quantity in names:
             if check(name, quantity, 0.0, LARGEST, remedy) == 0.0:
@@ -72,6 +88,29 @@ class FrictionCell:
             )  # fmt: skip
         remedy = "give a damping that is zero or positive"
         check("xi", "damping ratio xi", 0.0, 1e3, remedy)
+        check("viscous", "viscous friction", 0.0, 1e3, "give a value in this range")
+        self._check_law()
+
+    def _check_law(self) -> None:
+        """Store the law as a member; refuse a velocity that it does not have."""
+        words = [each.value for each in FrictionLaw]
+        if not isinstance(self.law, str) or self.law not in words:
+            raise ParameterError("friction law", self.law, f"one of {', '.join(words)}", "name one")
+        object.__setattr__(self, "law", FrictionLaw(self.law))
+        for name, law in (("v0", FrictionLaw.EXPONENTIAL), ("v_s", FrictionLaw.STRIBECK)):
+            if self.law is not law and getattr(self, name) != getattr(FrictionCell, name):
+                raise ParameterError(
+                    name, getattr(self, name), f"given with the law {law.value} only",
+                    f"leave {name} out, or take that law",
+                )  # fmt: skip
+
+    @cached_property
+    def curve(self) -> FrictionCurve:
+        """The friction coefficient as a function of velocity, with its derivative."""
+        scale = self.v_s if self.law is FrictionLaw.STRIBECK else self.v0
+        return FrictionCurve(
+            law=self.law, mu_st=self.mu_st, mu_d=self.mu_d, scale=scale, viscous=self.viscous
+        )
 
     @property
     def steady_sliding(self) -> float:
@@ -85,13 +124,31 @@ class FrictionCell:
 
     @property
     def hopf_velocity(self) -> float:
-        """v₀ ln[(μ_st - μ_d)/(2ξv₀)], above which steady sliding is stable.
+        """v_d above which steady sliding is stable: the larger root of 2ξ + μ'(v_d) = 0.
 
-        0 if it is stable for every v_d, infinite if (ξ = 0) for none.
+        v₀ ln[(μ_st - μ_d)/((2ξ + κ)v₀)] for the law of (2). 0 if sliding is stable for every v_d,
+        infinite if (2ξ + κ = 0) for none.
+
+        Raises
+        ------
+        ParameterError
+            For Coulomb's law, which has no Hopf bifurcation.
         """
-        if self.xi == 0.0:
-            return math.inf
-        return self.v0 * max(0.0, math.log((self.mu_st - self.mu_d) / (2.0 * self.xi * self.v0)))
+        if self.law is FrictionLaw.COULOMB:
+            raise ParameterError(
+                "Hopf velocity", "asked of Coulomb's law", "that of a law that falls with velocity",
+                "steady sliding is stable at every v_d: mu does not fall while the cell slides",
+            )  # fmt: skip
+        return self.curve.unstable_sliding(2.0 * self.xi).high
+
+    @property
+    def stability_margin(self) -> float:
+        """How far v_d is from velocities at which steady sliding is unstable; at most v_d.
+
+        Zero or negative if v_d is one of them.
+        """
+        low, high, _ = self.curve.unstable_sliding(2.0 * self.xi)
+        return min(self.v_d, max(self.v_d - high, low - self.v_d) if high > 0.0 else self.v_d)
 
     @property
     def release(self) -> float:
@@ -105,9 +162,9 @@ def check_sliding_stable(cell: FrictionCell) -> None:
     Raises
     ------
     ParameterError
-        If v_d is not above the Hopf velocity.
+        If v_d is not above the Hopf velocity, nor below where friction begins to fall steeply.
     """
-    if cell.v_d <= cell.hopf_velocity:
+    if cell.stability_margin <= 0.0:
         raise ParameterError(
             "belt velocity v_d",
             cell.v_d,
@@ -118,7 +175,7 @@ def check_sliding_stable(cell: FrictionCell) -> None:
 
 
 def friction_coefficient(cell: FrictionCell, v_rel: float) -> float:
-    """Return μ(v_rel) of (2), corrected: μ_d + (μ_st - μ_d) e^{-|v_rel|/v₀}.
+    """Return μ(v_rel) in slip; that of (2), corrected, is μ_d + (μ_st - μ_d) e^{-|v_rel|/v₀}.
 
     Print has μ_st in front, which contradicts both of its stated limits.
 
@@ -127,12 +184,12 @@ def friction_coefficient(cell: FrictionCell, v_rel: float) -> float:
     >>> friction_coefficient(FrictionCell(), 0.0)
     1.0
     """
-    return cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp(-abs(v_rel) / cell.v0)
+    return cell.curve.coefficient(abs(v_rel))
 
 
 def friction_slope(cell: FrictionCell, speed: float) -> float:
-    """Return dμ/d|v_rel| at a speed |v_rel|; never positive."""
-    return -(cell.mu_st - cell.mu_d) / cell.v0 * math.exp(-abs(speed) / cell.v0)
+    """Return dμ/d|v_rel| at a speed |v_rel|; not positive without a viscous part."""
+    return cell.curve.slope(abs(speed))
 
 
 def friction_force(cell: FrictionCell, v_rel: float) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from theory.parameters import ParameterError, at_least, within
+from theory.parameters import ParameterError, at_least, number, within
 
 ETA_END = 0.125
 """The two cycles meet at η = 1/8; beyond it the cell has no limit cycle."""
@@ -36,8 +36,10 @@ def eta_from_damping(a: float, b: float) -> float:
     >>> eta_from_damping(4, 0.5)
     0.03125
     """
-    for name, value in (("a", a), ("b", b)):
+    a, b = (
         within(f"damping coefficient {name}", value, 1e-100, 1e100)
+        for name, value in (("a", a), ("b", b))
+    )
     return b / a**2
 
 
@@ -56,6 +58,21 @@ def checked_eta(eta: float) -> float:
 def is_bistable(eta: float) -> bool:
     """Return whether the cell has two limit cycles: 0 < η < 1/8."""
     return 0 < eta < ETA_END
+
+
+def bistable_eta(eta: float) -> float:
+    """Return η as a float if the cell has two limit cycles, or they just meet.
+
+    Raises
+    ------
+    ParameterError
+        If η is not in (0, 1/8].
+    """
+    allowed, remedy = "greater than 0 and at most 1/8", "beyond 1/8 there are no cycles"
+    found = number("eta = b/a^2", eta, allowed, remedy)
+    if not 0 < found <= ETA_END:
+        raise ParameterError("eta = b/a^2", eta, allowed, remedy)
+    return found
 
 
 def threshold_ratio(eta: float) -> float:
@@ -85,10 +102,7 @@ def threshold_ratio(eta: float) -> float:
     >>> round(threshold_ratio(0.03125), 12)
     0.267949192431
     """
-    if not 0 < eta <= ETA_END:
-        raise ParameterError(
-            "eta = b/a^2", eta, "greater than 0 and at most 1/8", "beyond 1/8 there are no cycles"
-        )
+    eta = bistable_eta(eta)
     return math.sqrt(8.0 * eta) / (1.0 + math.sqrt(1.0 - 8.0 * eta))
 
 

@@ -10,13 +10,16 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from enum import StrEnum
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.parameters import ParameterError, real_number, whole_number
 from theory.status import Status
+
+if TYPE_CHECKING:
+    from theory.chains.coupling import Network
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -37,6 +40,7 @@ class Ends(Status):
         "The missing neighbours are zero, as (5) stands: the coupling of site 1 is c(2y_1 - y_2), "
         "a spring to a wall.",
     )
+    FIXED = "fixed", "The missing neighbours are held at rest: springs to walls at both ends."
 
 
 class Site(NamedTuple):
@@ -46,11 +50,11 @@ class Site(NamedTuple):
     w: float
 
 
-Kernel = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
+Kernel = Callable[..., tuple[Any, Any]]
 """Right-hand side of a site: (site, left neighbour, right neighbour, parameters) → (y', w')."""
 
 
-def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING) -> Any:
+def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING, kind: str = "") -> Any:
     """Return a dataclass field with the help text and the symbol from which options are made.
 
     Parameters
@@ -61,8 +65,12 @@ def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING) -> Any
         As it stands in the equations.
     default : optional
         Value if it is not given.
+    kind : str, optional
+        How the command line reads it (``fronts.signatures``), where its type does not say it.
     """
-    metadata = {"help": text, "symbol": symbol}
+    metadata = {"help": text, "symbol": symbol} | ({"kind": kind} if kind else {})
+    if isinstance(default, dict):
+        return dataclasses.field(default_factory=lambda: dict(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -145,7 +153,7 @@ class Chain(ABC):
                 raise ParameterError("parameter", name, f"one of {', '.join(names)}", "rename it")
         return dataclasses.replace(self, **changes)  # type: ignore[type-var]
 
-    def parameters(self) -> dict[str, float | int | str | None]:
+    def parameters(self) -> dict[str, Any]:
         """Return the model and its parameters, as JSON can hold them.
 
         Examples
@@ -154,7 +162,7 @@ class Chain(ABC):
         >>> VdpChain(a=4, b=0.5, c=0.6).parameters()
         {'model': 'vdp', 'a': 4.0, 'b': 0.5, 'c': 0.6, 'eps': 0.01, 'sites': 31, 'ends': 'free'}
         """
-        found: dict[str, float | int | str | None] = {"model": self.model}
+        found: dict[str, Any] = {"model": self.model}
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
             value = getattr(self, each.name)
             found[each.name] = value.value if isinstance(value, StrEnum) else value
@@ -206,6 +214,13 @@ class SmoothChain(Chain):
        is an oscillation of period about 2π in that time, by :attr:`oscillates`.
     5. Where waves run behind a front, give :attr:`trailing_wave_velocity`; where excited sites
        follow each other with a phase step, :attr:`front_phase_step`.
+    6. Where a site is coupled to others than its two neighbours, return the weights from
+       :attr:`network`. The kernel then takes (site, pull, p, n, N): ``pull`` is the pair of
+       Σ_j W_nj (y_n - y_j), a wall included, and the same of w; ``p`` is the whole array of
+       parameters, n the site and N their number. :attr:`kernel_layout` says how many numbers stand
+       at the beginning of ``p``, the fourth of which is the number of weights, and how many
+       parameters of N values follow, and whether ``pull`` of w is needed (1 or 0); then come
+       total, weights, starts and sites (:meth:`theory.chains.coupling.Network.packed`).
 
     Attributes
     ----------
@@ -226,8 +241,18 @@ class SmoothChain(Chain):
         """Return the right-hand side of one site; see the guidelines of the class."""
 
     @abstractmethod
-    def kernel_parameters(self) -> tuple[float, ...]:
+    def kernel_parameters(self) -> tuple[float, ...] | FloatArray:
         """Return the numbers that the kernel takes as ``p``."""
+
+    @property
+    def kernel_layout(self) -> tuple[int, ...]:
+        """How many numbers the kernel takes; of a network see the guidelines of the class."""
+        return (len(self.kernel_parameters()),)
+
+    @property
+    def network(self) -> Network | None:
+        """The coupling where it is not to the two neighbours; None if it is."""
+        return None
 
     @property
     def kernel_rate(self) -> float:

@@ -6,11 +6,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import ClassVar
 
 from theory.cells.friction import FrictionCell
+from theory.cells.friction_law import FrictionLaw
 from theory.chains.chain import MAX_COUPLING, MAX_SITES, Chain, Ends, Site, parameter
 from theory.parameters import ParameterError
 
@@ -26,8 +27,10 @@ class FrictionChain(Chain, model="friction"):
     ----------
     c : float
         Coupling, from 0 to 1e6.
-    v_d, mu_st, mu_d, v0, xi : float
+    v_d, mu_st, mu_d, v0, xi, v_s, viscous : float
         As in :class:`theory.cells.friction.FrictionCell`.
+    law : FrictionLaw or str
+        How friction falls with velocity: ``exponential`` as in (2), ``stribeck`` or ``coulomb``.
     sites : int
         Number of oscillators, from 1 to 1 000 000.
     ends : Ends
@@ -42,6 +45,8 @@ class FrictionChain(Chain, model="friction"):
     --------
     >>> FrictionChain(c=0.02).sites, round(FrictionChain(c=2.0).largest_group_velocity, 12)
     (31, 1.0)
+    >>> FrictionChain(c=0.02, law="stribeck", v_s=0.3, viscous=0.01).cell.curve.scale
+    0.3
     """
 
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.LITERAL)
@@ -52,6 +57,9 @@ class FrictionChain(Chain, model="friction"):
     mu_d: float = parameter("dynamic friction, not negative", "μ_d", FrictionCell.mu_d)
     v0: float = parameter("reference velocity of (2), positive", "v_0", FrictionCell.v0)
     xi: float = parameter("damping ratio, zero or positive", "ξ", FrictionCell.xi)
+    law: FrictionLaw = parameter("how friction falls with velocity", "law", FrictionCell.law)
+    v_s: float = parameter("velocity of the law stribeck, positive", "v_s", FrictionCell.v_s)
+    viscous: float = parameter("viscous part of friction", "κ", FrictionCell.viscous)
     sites: int = parameter("number of sites, from 1", "N", 31)
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
 
@@ -59,8 +67,8 @@ class FrictionChain(Chain, model="friction"):
         remedy = "give a coupling that is zero or positive"
         self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
         cell = self.cell
-        for name in ("v_d", "mu_st", "mu_d", "v0", "xi"):
-            object.__setattr__(self, name, getattr(cell, name))
+        for each in fields(cell):
+            object.__setattr__(self, each.name, getattr(cell, each.name))
         self._check_count("sites", "number of sites n", 1, MAX_SITES)
         self._check_ends()
 
@@ -75,21 +83,14 @@ class FrictionChain(Chain, model="friction"):
         >>> FrictionChain.of(FrictionCell(v_d=2.0), c=0.02, sites=5).v_d
         2.0
         """
-        return cls(
-            c=c,
-            v_d=cell.v_d,
-            mu_st=cell.mu_st,
-            mu_d=cell.mu_d,
-            v0=cell.v0,
-            xi=cell.xi,
-            sites=sites,
-            ends=ends,
-        )
+        own = {each.name: getattr(cell, each.name) for each in fields(cell)}
+        return cls(c=c, sites=sites, ends=ends, **own)
 
     @cached_property
     def cell(self) -> FrictionCell:
         """One oscillator alone."""
-        return FrictionCell(v_d=self.v_d, mu_st=self.mu_st, mu_d=self.mu_d, v0=self.v0, xi=self.xi)
+        own = {each.name: getattr(self, each.name) for each in fields(FrictionCell)}
+        return FrictionCell(**own)
 
     @property
     def rest_state(self) -> Site:

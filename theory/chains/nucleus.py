@@ -9,7 +9,7 @@ nucleus of three or more sites stays in phase. An even one has K free at this or
 
 from __future__ import annotations
 
-import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,6 +77,16 @@ class Nucleus:
     def phases(self) -> NDArray[np.float64]:
         """Return the phases θ_n of the excited sites, the first one zero."""
         return np.concatenate([[0.0], np.cumsum([STEPS[sign] for sign in self.pattern])])
+
+    def quarter_turns(self) -> list[int]:
+        """Return the phases of the excited sites in quarters of a turn, rounded to whole ones.
+
+        Examples
+        --------
+        >>> Nucleus(3, "-+").quarter_turns()
+        [0, -1, 0]
+        """
+        return [round(turn) for turn in (self.phases() / (0.5 * math.pi)).tolist()]
 
     def excited(self, sites: int) -> tuple[int, ...]:
         """Return the excited sites of a chain, counted from 1.
@@ -154,17 +164,6 @@ def outward_pattern(size: int) -> str:
         )
     half = (size - 1) // 2
     return "-" * half + "+" * half
-
-
-def right_angle_patterns(size: int) -> tuple[str, ...]:
-    """Return the 2^{size-1} patterns of steps ±π/2.
-
-    Examples
-    --------
-    >>> right_angle_patterns(3)
-    ('++', '+-', '-+', '--')
-    """
-    return tuple("".join(signs) for signs in itertools.product("+-", repeat=size - 1))
 
 
 def sites_for(size: int, margin: int = MARGIN) -> int:

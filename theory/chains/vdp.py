@@ -184,7 +184,7 @@ class VdpChain(VanDerPolChain, model="vdp"):
     Attributes
     ----------
     a, b, c, eps, sites, ends
-        As in :class:`VanDerPolChain`.
+        As in :class:`~theory.chains.vdp.VanDerPolChain`.
 
     Examples
     --------
@@ -215,7 +215,7 @@ class AveragedChain(VanDerPolChain, model="averaged"):
     Attributes
     ----------
     a, b, c, eps, sites, ends
-        As in :class:`VanDerPolChain`.
+        As in :class:`~theory.chains.vdp.VanDerPolChain`.
 
     Examples
     --------

@@ -1,8 +1,16 @@
 """Whether a front obeys its own assumption (47): |φ| > φ_us behind and |φ| < φ_us ahead, for all ζ.
 
-Far out a bound on the tails proves it (``front_profile.tail_bound``). Between, |φ|² - r² and its
-exact slope, from (48), are taken at points a fraction of a site apart, and a cell is divided until
-twice its slopes cannot bring it below zero by more than the tolerance, or a violation is seen.
+Far out a bound on the tails proves it. Between, |φ|² - r² and its exact slope, from (48), are taken
+at points a fraction of a site apart, and a cell is divided until its slopes cannot bring it below
+zero by more than the tolerance, or a violation is seen: those at its ends, twice, and with the sums
+below also a bound on all within.
+
+* Where the quadrature of ``theory.piecewise.profile`` is short, values come from it, over the whole
+  way to where its ``tail_bound`` suffices.
+* Where it is long, at strong coupling or high velocity, φ is the sum (49) over the roots, of which
+  those with a label up to a few c/v are taken and the rest is bounded. Values are needed only
+  within two sites of ζ = 0 and where margins are thin. Beyond, a few terms vary slowly, over
+  about √c sites, and the sum of the moduli of all others falls with |ζ| (``_Side.proven``).
 """
 
 from __future__ import annotations
@@ -14,11 +22,29 @@ import numpy as np
 
 from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.profile import ProfileGrid, profile_slope, tail_bound
-from theory.piecewise.sums.result import PrecisionError
+from theory.piecewise.roots import LARGEST, SMALLEST, labelled_roots
+from theory.piecewise.sums.integral import sums
 
+TOLERANCE = 1e-11
+"""What a front may violate (47) by unseen, in |φ/φ_s|²."""
 _PER_SITE = 8
-_TOLERANCE = 1e-11
 _SHORTEST = 1e-7
+_NEGLIGIBLE = 1e-11
+"""Sum of the moduli of terms that are left out as they are small."""
+_ORDERS = 5
+"""Times that what is left out of a sum is summed by parts."""
+_LONGEST_GRID = 1200
+"""Points of the quadrature from which the sum over roots is shorter."""
+_NEAR = 2.0
+"""Sites about ζ = 0 where values are always taken."""
+_LABELS = 9.0
+"""Largest label of a root, over c/v; a third of it beyond ``_FEW_LABELS``."""
+_FEW_LABELS = 400
+_SLOW = 24
+"""Terms of each sum that are followed beyond ``_NEAR``."""
+_MOST_CELLS = 20_000
+_AT_ONCE = 1 << 20
+"""Exponentials held in memory."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +54,8 @@ class Admissibility:
     Attributes
     ----------
     admissible : bool or None
-        None where the tails reach too far to be followed (v or c above some 10⁴).
+        None where too many margins are too thin to be told, or |v| is beyond 1e12; ``reason`` says
+        so.
     fails_at : float or None
         The violation nearest ζ = 0 that was seen, in sites, to within an eighth of a site; 0 where
         the slope at ζ = 0 is already wrong; None if there is none.
@@ -36,12 +63,15 @@ class Admissibility:
         (Z₋, Z₊): for ζ < -Z₋ and ζ > Z₊ the tail bound proves (47).
     points : int
         Values of φ computed.
+    reason : str or None
+        Why it is not decided.
     """
 
     admissible: bool | None
     fails_at: float | None
     proven_beyond: tuple[float, float]
     points: int
+    reason: str | None = None
 
 
 def check_admissible(v: float, c: float, r: float) -> Admissibility:
@@ -61,24 +91,265 @@ def check_admissible(v: float, c: float, r: float) -> Admissibility:
     True
     """
     speed, retreating = abs(v), v < 0
+    if not SMALLEST <= speed <= LARGEST:
+        reason = f"velocities beyond {LARGEST:g} are not looked at"
+        return Admissibility(None, None, (math.inf, math.inf), 0, reason)
     rate_behind, size_behind = tail_bound(speed, c, ahead=False)
     rate_ahead, size_ahead = tail_bound(speed, c, ahead=True)
+    if 30.0 / min(rate_behind, rate_ahead) > _LONGEST_GRID:
+        return _check_by_roots(v, c, r)
     if retreating:
         rate_behind, rate_ahead = rate_ahead, rate_behind
         size_behind, size_ahead = size_ahead, size_behind
     left = max(1.0, math.ceil(math.log(max(size_behind / (1.0 - r), 1.0)) / rate_behind))
     right = max(1.0, math.ceil(math.log(max(size_ahead / r, 1.0)) / rate_ahead))
-    try:
-        grid = ProfileGrid.make(speed, c, max(left, right) + 2.0, _TOLERANCE)
-    except PrecisionError:
-        return Admissibility(None, None, (left, right), 0)
+    grid = ProfileGrid.make(speed, c, max(left, right) + 2.0, TOLERANCE)
     shape = _Shape(grid, retreating)
     zeta, phi = shape.sampled(left + 1.0, right + 1.0)
     outer = slice(_PER_SITE, -_PER_SITE)
     slope = shape.slope(zeta[outer], phi[outer], phi[2 * _PER_SITE :] + phi[: -2 * _PER_SITE])
-    fails_at, more = _first_violation(shape, zeta[outer], phi[outer], slope, r)
+    fails_at, more = _first_violation(shape, zeta[outer], (phi[outer], slope), r)
     points = grid.points * _PER_SITE + more
     return Admissibility(fails_at is None, fails_at, (left, right), points)
+
+
+def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
+    """Decide by the sums over roots."""
+    shape = _SumShape.make(v, c)
+    smallest = 0.02 * min(1.0, abs(v) / c)
+    near = np.geomspace(smallest, _NEAR, 2 + math.ceil(3.0 * math.log(_NEAR / smallest)))
+    zeta = np.concatenate([-near[::-1], [0.0], near])
+    fails_at, points = _first_violation(shape, zeta, _with_slope(shape, zeta), r)
+    beyond = (shape.behind.reach(r)[1], shape.ahead.reach(r)[1])
+    points += 3 * zeta.size
+    if fails_at is not None:
+        return Admissibility(False, fails_at, beyond, points)
+    sides = [shape.behind.proven(r), shape.ahead.proven(r)]
+    decided, farther = True, []
+    for side, sign in zip(sides, (-1.0, 1.0), strict=True):
+        farther += [sign * side.fails_at] if side.fails_at is not None else []
+        decided &= side.thin.shape[1] <= _MOST_CELLS
+        if side.thin.size and side.thin.shape[1] <= _MOST_CELLS:
+            ends = np.sort(sign * side.thin, axis=0)
+            g, d = _margin(ends.ravel(), *_with_slope(shape, ends.ravel()), r)
+            pairs = np.stack([ends, g.reshape(2, -1), d.reshape(2, -1)])
+            found, more = _divide(shape, np.concatenate([pairs[:, 0], pairs[:, 1]]), r)
+            points += more + 3 * ends.size
+            farther += [found] if found is not None else []
+    if farther:
+        return Admissibility(False, min(farther, key=abs), beyond, points)
+    if decided and max(beyond) < math.inf:
+        return Admissibility(True, None, beyond, points)
+    reason = "margins are below the bound on the terms left out over too many sites"
+    return Admissibility(None, None, beyond, points, reason)
+
+
+@dataclass(frozen=True)
+class _Proven:
+    """What the bound on all but a few terms says of one side, at distances from ``_NEAR`` on.
+
+    Attributes
+    ----------
+    fails_at : float or None
+        Least distance at which (47) was seen to fail.
+    thin : ndarray of float, shape (2, n)
+        Stretches before it where the margin is within the bound, from and to.
+    """
+
+    fails_at: float | None
+    thin: FloatArray
+
+
+@dataclass(frozen=True)
+class _Side:
+    """φ/φ_s on one side of ζ = 0: limit + Σ_j terms_j e^{rates_j a}, a = |ζ|.
+
+    Attributes
+    ----------
+    limit : float
+        0 ahead, 1 behind.
+    terms, rates : ndarray of complex, shape (n,)
+        The largest at a = ``_NEAR`` first; Re rates < 0.
+    tail : float
+        Bound on the sum of the moduli of all that is left out, at a = 0.
+    differences : ndarray of float, shape (m,)
+        Sums of the moduli of first, second, … differences, over the label, of what is left out.
+    slopes : tuple of ndarray of float, shapes (p,)
+        Distances, ascending from 0, and a bound on |dφ/da| from each of them on.
+    """
+
+    limit: float
+    terms: ComplexArray
+    rates: ComplexArray
+    tail: float
+    differences: FloatArray
+    slopes: tuple[FloatArray, FloatArray]
+
+    @classmethod
+    def make(cls, speed: float, c: float, upper: bool, limit: float) -> _Side:
+        """Take the roots of one half-plane, those of the upper two thirds of labels in part.
+
+        Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
+        with a faster than 9^{-a}. The part taken goes down to 0 smoothly, which leaves between the
+        sites an error far below the sum of moduli.
+        """
+        most = _LABELS * c / speed
+        most = max(64, math.ceil(max(min(most, _FEW_LABELS), most / 3.0)))
+        labels = np.arange(-most, most + 1)
+        k = labelled_roots(speed, c, labels, upper).k
+        terms = (0.5j if limit == 1.0 else -0.5j) / (k * (speed + c * np.sin(k)))
+        rates = 1j * k if upper else -1j * k
+        t = np.clip(1.5 * np.abs(labels) / most - 0.5, 0.0, 1.0)
+        left_out = t**5 * (126.0 - t * (420.0 - t * (540.0 - t * (315.0 - 70.0 * t))))
+        rest = left_out * terms
+        differences = _sums_of_differences(rest[most:]) + _sums_of_differences(rest[most::-1])
+        terms = terms * (1.0 - left_out)
+        order = np.argsort(-np.abs(terms) * np.exp(_NEAR * rates.real))
+        tail = 1.0 / (math.pi**2 * speed * (most // 3 - 0.5))
+        terms, rates = terms[order], rates[order]
+        knots = np.append(0.0, np.geomspace(1e-3 * min(1.0, speed / c), _NEAR, 48))
+        steep = np.concatenate(
+            [np.exp(np.outer(some, rates.real)) @ np.abs(terms * rates) for some in knots[:, None]]
+        )
+        return cls(limit, terms, rates, tail, differences, (knots, steep))
+
+    def steepness(self, a: FloatArray) -> FloatArray:
+        """Return a bound on |dφ/da| from the distances a on."""
+        knots, steep = self.slopes
+        bound: FloatArray = steep[np.searchsorted(knots, a, side="right") - 1]
+        return bound
+
+    def error(self, a: FloatArray) -> FloatArray:
+        """Bound what is left out at distances a.
+
+        By moduli, and by summation by parts, |Σ b_n e^{2πina}| ≤ Σ|Δ^m b_n|/|2 sin πa|^m.
+        """
+        apart = np.maximum(2.0 * np.abs(np.sin(np.pi * a)), 1e-30)
+        orders = np.arange(1, _ORDERS + 1)
+        by_parts = np.min(self.differences / apart[:, None] ** orders, axis=1)
+        bound: FloatArray = np.minimum(self.tail * 9.0**-a, by_parts) + _NEGLIGIBLE
+        return bound
+
+    def at(self, a: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at distances a ≥ 0, without the tail, shape (n,)."""
+        value = np.full(a.shape, self.limit, dtype=complex)
+        order = np.argsort(a)
+        size = np.abs(self.terms)
+        negligible = 0.5 * _NEGLIGIBLE / self.terms.size
+        for some in np.array_split(order, 1 + a.size * self.terms.size // _AT_ONCE + a.size // 32):
+            if some.size:
+                kept = size * np.exp(self.rates.real * a[some[0]]) > negligible
+                value[some] += np.exp(np.outer(a[some], self.rates[kept])) @ self.terms[kept]
+        return value
+
+    def reach(self, r: float) -> tuple[float, float]:
+        """Return how far to look, and from where on (47) is proven by the sum of all moduli."""
+        room = r if self.limit == 0.0 else 1.0 - r
+        size, decay = np.abs(self.terms), self.rates.real
+        far = _NEAR
+        tail = self.tail * 9.0**-_NEAR
+        least = max(room - tail, tail)  # where the tail is no proof, a look at the rest
+        while float(size @ np.exp(decay * far)) >= least:
+            far *= 1.5
+        return far, far if tail < 0.5 * room else math.inf
+
+    def proven(self, r: float) -> _Proven:
+        """Follow the few slow terms outwards: their slope and the other moduli bound |φ|."""
+        far, none = self.reach(r)[0], np.empty((2, 0))
+        if far == _NEAR:
+            return _Proven(None, none)
+        size, decay = np.abs(self.terms), self.rates.real
+        knots = np.geomspace(_NEAR, far, 64)
+        rest = np.exp(np.outer(knots, decay[_SLOW:])) @ size[_SLOW:]
+        rest += self.tail * 9.0**-_NEAR
+        terms, rates = self.terms[:_SLOW], self.rates[:_SLOW]
+        steepness = np.abs(terms * rates)
+        a, b = knots[:-1], knots[1:]
+        nearest, thin = math.inf, [none]
+        while a.size:
+            middle, width = 0.5 * (a + b), b - a
+            size_ = np.abs(self.limit + np.exp(np.outer(middle, rates)) @ terms)
+            margin = size_ - r if self.limit else r - size_
+            others = rest[np.searchsorted(knots, a, side="right") - 1]  # falls with a
+            slope = np.exp(np.outer(a, rates.real)) @ steepness
+            failed = margin + others < 0.0
+            if failed.any():
+                nearest = min(nearest, float(middle[failed].min()))
+            open_ = (margin <= 0.5 * slope * width + others) & (a < nearest)
+            short = width < 1.0 / _PER_SITE
+            thin.append(np.stack([a, b])[:, open_ & short & ~failed])
+            open_ &= ~short
+            a, middle, b = a[open_], middle[open_], b[open_]
+            a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
+            if a.size > _MOST_CELLS:
+                thin.append(np.stack([a, b]))
+                break
+        stretches = np.concatenate(thin, axis=1)
+        stretches = stretches[:, stretches[0] < nearest]
+        return _Proven(nearest if nearest < math.inf else None, stretches)
+
+
+def _sums_of_differences(terms: ComplexArray) -> FloatArray:
+    """Return Σ|Δ^m b_n| for each order, doubled for the factor that falls with n at a > 0."""
+    found = []
+    for _ in range(_ORDERS):
+        # Beyond the last label they fall: their sum is the last one of an order lower.
+        beyond = float(abs(terms[-1]))
+        terms = np.diff(terms)
+        found.append(2.0 * (float(np.abs(terms).sum()) + beyond))
+    return np.array(found)
+
+
+@dataclass(frozen=True)
+class _SumShape:
+    """The front φ(ζ)/φ_s of either direction, as sums over roots."""
+
+    velocity: float
+    c: float
+    behind: _Side
+    ahead: _Side
+    at_origin: complex
+
+    @classmethod
+    def make(cls, v: float, c: float) -> _SumShape:
+        """Sum over the roots of both half-planes."""
+        speed, advancing = abs(v), v > 0
+        at_origin = -0.5 * complex(sums(np.array([speed]), np.array([c]), 1e-14).value[0])
+        return cls(
+            v,
+            c,
+            _Side.make(speed, c, not advancing, 1.0),
+            _Side.make(speed, c, advancing, 0.0),
+            at_origin if advancing else 1.0 - at_origin,
+        )
+
+    @property
+    def shortest(self) -> float:
+        """Length of a cell that is not divided."""
+        return _SHORTEST * min(1.0, abs(self.velocity) / self.c)
+
+    def tolerance(self, zeta: FloatArray, r: float) -> FloatArray:
+        """Bound the error of |φ|² - r² near 0."""
+        a = np.abs(zeta)
+        error = np.where(zeta < 0, self.behind.error(a), self.ahead.error(a))
+        return np.where(zeta == 0.0, _NEGLIGIBLE * r, 3.0 * r * error)
+
+    def steepness(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """Bound |dφ/dζ| between pairs of positions on one side."""
+        a = np.minimum(np.abs(start), np.abs(end))
+        bound: FloatArray = np.where(start < 0, self.behind.steepness(a), self.ahead.steepness(a))
+        return bound
+
+    def at(self, zeta: FloatArray) -> ComplexArray:
+        """Return φ at ζ, shape (n,)."""
+        phi = np.full(zeta.shape, self.at_origin)
+        for side, mine in ((self.behind, zeta < 0), (self.ahead, zeta > 0)):
+            phi[mine] = side.at(np.abs(zeta[mine]))
+        return phi
+
+    def slope(self, zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray) -> ComplexArray:
+        """Return dφ/dζ; at ζ = 0 just ahead."""
+        return profile_slope(zeta, phi, neighbours, self.velocity, self.c)
 
 
 @dataclass(frozen=True)
@@ -91,6 +362,21 @@ class _Shape:
     @property
     def velocity(self) -> float:
         return -self.grid.v if self.retreating else self.grid.v
+
+    @property
+    def shortest(self) -> float:
+        """Length of a cell that is not divided."""
+        return _SHORTEST
+
+    def tolerance(self, zeta: FloatArray, r: float) -> FloatArray:
+        """Bound the error of |φ|² - r² near 0."""
+        del r
+        return np.full(zeta.shape, TOLERANCE)
+
+    def steepness(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """Return 0: the slopes at the ends of a cell are what is known here."""
+        del end
+        return np.zeros(start.shape)
 
     def sampled(self, left: float, right: float) -> tuple[FloatArray, ComplexArray]:
         """Return ζ and φ at eight points a site from -left to right, both included."""
@@ -111,13 +397,32 @@ class _Shape:
         return profile_slope(zeta, phi, neighbours, self.velocity, self.grid.c)
 
 
+def _with_slope(shape: _Shape | _SumShape, zeta: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return φ and dφ/dζ at ζ."""
+    here, after, before = shape.at(np.concatenate([zeta, zeta + 1.0, zeta - 1.0])).reshape(3, -1)
+    return here, shape.slope(zeta, here, after + before)
+
+
+def _margin(
+    zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return what (47) asks to be positive, |φ|² - r² behind and its negative ahead, and slope."""
+    side = np.where(zeta < 0, 1.0, -1.0)
+    return side * (np.abs(phi) ** 2 - r * r), side * 2.0 * np.real(np.conj(phi) * slope)
+
+
 def _first_violation(
-    shape: _Shape, zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float
+    shape: _Shape | _SumShape,
+    zeta: FloatArray,
+    values: tuple[ComplexArray, ComplexArray],
+    r: float,
 ) -> tuple[float | None, int]:
-    """Return the violation nearest 0, if any, and the further values of φ computed."""
-    side = np.where(zeta < 0, 1.0, -1.0)  # g > 0 is what (47) asks for
-    g = side * (np.abs(phi) ** 2 - r * r)
-    d = side * 2.0 * np.real(np.conj(phi) * slope)
+    """Return the violation nearest 0, if any, and the further values of φ computed.
+
+    ``values`` are φ and its slope at ζ, which ascends through 0.
+    """
+    phi, slope = values
+    g, d = _margin(zeta, phi, slope, r)
     origin = int(np.searchsorted(zeta, 0.0))
     # At ζ = 0 the threshold is crossed: g = 0, and the slope behind differs from the one ahead by
     # the jump of θ in (48). Where either has the wrong sign (47) fails at once.
@@ -127,37 +432,49 @@ def _first_violation(
     g[origin] = 0.0
     ahead = _cells(zeta[origin:], g[origin:], d[origin:])
     behind = _cells(zeta[: origin + 1], g[: origin + 1], np.append(d[:origin], d_behind))
-    cells = np.concatenate([behind, ahead], axis=1)
-    wrong = zeta[g < -_TOLERANCE]
-    worst = float(wrong[np.argmin(np.abs(wrong))]) if wrong.size else math.inf
+    return _divide(shape, np.concatenate([behind, ahead], axis=1), r)
+
+
+def _room(zeta: FloatArray, g: FloatArray, r: float) -> FloatArray:
+    """Return ||φ| - r| where (47) holds, less than 0 where it does not."""
+    side = np.where(zeta < 0, 1.0, -1.0)
+    room: FloatArray = side * (np.sqrt(np.maximum(r * r + side * g, 0.0)) - r)
+    return room
+
+
+def _divide(shape: _Shape | _SumShape, cells: FloatArray, r: float) -> tuple[float | None, int]:
+    """Divide cells (rows ζ, g, dg/dζ at both ends) until each is safe or a violation is seen.
+
+    Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
+    """
     computed = 0
+    wrong = cells[0::3][cells[1::3] < -shape.tolerance(cells[0::3].ravel(), r).reshape(2, -1)]
+    worst = float(wrong[np.argmin(np.abs(wrong))]) if wrong.size else math.inf
     while True:
         za, ga, da, zb, gb, db = cells
         width = zb - za
-        steepest = np.maximum(np.abs(da), np.abs(db))
-        # Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
-        safe = np.minimum(ga, gb) - width * steepest > -_TOLERANCE
+        tolerance_a, tolerance_b = shape.tolerance(za, r), shape.tolerance(zb, r)
+        least = np.minimum(ga + tolerance_a, gb + tolerance_b)
+        safe = least > width * np.maximum(np.abs(da), np.abs(db))
+        safe &= _room(za, ga + tolerance_a, r) + _room(zb, gb + tolerance_b, r) > (
+            width * shape.steepness(za, zb)
+        )
         # The cell that touches ζ = 0 rises from the threshold, monotonically.
         rising = ((za == 0.0) & (da > 0) & (db > 0)) | ((zb == 0.0) & (da < 0) & (db < 0))
         safe |= rising & (np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db)))
-        open_ = ~safe & (np.minimum(ga, gb) >= -_TOLERANCE) & (width > _SHORTEST)
+        open_ = ~safe & (least >= 0.0) & (width > shape.shortest)
         open_ &= np.minimum(np.abs(za), np.abs(zb)) < abs(worst)
         cells = cells[:, open_]
         if cells.shape[1] == 0:
             return (None if worst == math.inf else worst), computed
         middle = 0.5 * (cells[0] + cells[3])
-        whole = shape.at(np.concatenate([middle, middle + 1.0, middle - 1.0])).reshape(3, -1)
-        computed += whole.size
-        here, neighbours = whole[0], whole[1] + whole[2]
-        side = np.where(middle < 0, 1.0, -1.0)
-        g_middle = side * (np.abs(here) ** 2 - r * r)
-        d_middle = shape.slope(middle, here, neighbours)
-        d_middle = side * 2.0 * np.real(np.conj(here) * d_middle)
-        wrong = middle[g_middle < -_TOLERANCE]
+        computed += 3 * middle.size
+        g, d = _margin(middle, *_with_slope(shape, middle), r)
+        wrong = middle[g < -shape.tolerance(middle, r)]
         if wrong.size:
             nearest = float(wrong[np.argmin(np.abs(wrong))])
             worst = nearest if abs(nearest) < abs(worst) else worst
-        half = np.stack([middle, g_middle, d_middle])
+        half = np.stack([middle, g, d])
         cells = np.concatenate(
             [np.concatenate([cells[:3], half]), np.concatenate([half, cells[3:]])], axis=1
         )

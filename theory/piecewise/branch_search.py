@@ -26,7 +26,7 @@ from theory.piecewise.sums.result import PrecisionError
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-_TOLERANCE = 1e-13
+_TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _COARSEST = 0.25
 MOST_POINTS = 200_000
@@ -123,6 +123,10 @@ def _first_points(c: float, target: float, shift: float, refine: float) -> Float
     low = _lowest_velocity(c, target, shift)
     # |Σ| ≤ 2c(1 + 2c)/v: |¼ - A²| ≤ c(1 - cos k)(1 + 2c) and |A² + v²k²| ≥ ¼ on the real line.
     high = max(2.0 * c * (1.0 + 2.0 * c) / abs(target - shift), 2.0 * low)
+    if high > 1e12:
+        # From v = 3c on |A² + v²k²| also exceeds 0.36 v²k², whence |Σ| ≤ 1.1 c(1 + 2c)/v². So far
+        # out the other bound would lead to where c/v is rounding.
+        high = max(3.0 * c, 1.1 * math.sqrt(c * (1.0 + 2.0 * c) / abs(target - shift)), 2.0 * low)
     wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
     spacing = _COARSEST / refine
     turn = min(max(spacing / wiggle, low), high)
@@ -138,7 +142,9 @@ def _first_points(c: float, target: float, shift: float, refine: float) -> Float
         centre, width = np.array(velocities), np.array(widths) / refine
         near = np.concatenate([centre, centre - width, centre + width])
         points.append(np.log(near[(near > low) & (near < high)]))
-    return np.unique(np.concatenate(points))
+    t: FloatArray = np.sort(np.concatenate(points))
+    distinct: FloatArray = t[np.append(True, np.diff(t) > 0.0)]
+    return distinct
 
 
 def _wiggle_points(
@@ -195,7 +201,7 @@ _LENGTH = 0.25 / np.abs(np.cosh(_SIGMA + 0.25j * np.pi)) / np.pi
 
 
 def _distance_on_contour(v: float, c: float) -> float:
-    """Return the bound of ``static_sum_distance`` taken pointwise on the graded contour."""
+    """Return the bound of ``static_sum_distance`` pointwise on the path of ``sums.precise``."""
     A = 0.5 - 2j * c * _X
     e = np.exp(-A.real / v)
     return float(np.sum(_LENGTH * e * (np.abs(1.0 - 2.0 * _X) + e) / (np.abs(A) * (1.0 - e) ** 2)))

@@ -64,7 +64,7 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     CertificationError
         If an enclosure or the count fails, or the two disagree.
     """
-    flint = _flint()
+    flint = ball_arithmetic("a certified root")
     before = flint.ctx.prec
     flint.ctx.prec = _BITS
     try:
@@ -84,11 +84,18 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     return CertifiedRoots(roots, counted, _BITS)
 
 
-def _flint() -> Any:
+def ball_arithmetic(purpose: str) -> Any:
+    """Return the module python-flint.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed; ``purpose`` is what needs it.
+    """
     try:
         import flint
     except ImportError:
-        raise MissingPackageError("python-flint", "certify", "a certified root") from None
+        raise MissingPackageError("python-flint", "certify", purpose) from None
     return flint
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from theory.cells.vdp import eta_from_ratio, threshold_ratio
+from theory.cells.vdp import bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import within
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.limits import pinning_coupling, pinning_eta, static_sum
@@ -68,7 +68,7 @@ def fold_coupling(eta: float) -> Fold | None:
     >>> fold.value < pinning_coupling(0.03125) and fold.error < 1e-11
     True
     """
-    return fold_couplings([eta])[0]
+    return fold_couplings([bistable_eta(eta)])[0]
 
 
 def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
@@ -143,7 +143,7 @@ def _maxima(c: float) -> FloatArray:
     fastest = 2.0 * math.sqrt(c) + 1.0
     wiggle = math.pi / (4.0 * c + 1.0) / 2.0
     even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, wiggle)
-    v = np.unique(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
+    v = np.sort(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
     size = np.abs(sums(v, c, 1e-14).value)
     still = abs(static_sum(c))
     # Which is the highest shows at the tops only: the scan meets one of them and passes another by.
@@ -159,13 +159,17 @@ def _maxima(c: float) -> FloatArray:
 
 
 def _climb(t: FloatArray, c: FloatArray) -> FloatArray:
-    """Return ln v of the maximum of |Σ| near t: Newton on its slope, which is exact."""
+    """Return ln v of the maximum of |Σ| near t: secants on its slope, which is exact."""
+    before, slope_before = t, _height(t, c)[1]
+    t = t + 1e-4
+    bend = np.full(t.shape, -np.inf)
     for _ in range(20):
         slope = _height(t, c)[1]
-        ahead, behind = _height(t + 1e-4, c)[1], _height(t - 1e-4, c)[1]
-        bend = np.minimum((ahead - behind) / 2e-4, -1e-300)
+        moved = t != before
+        change = (slope - slope_before) / np.where(moved, t - before, 1.0)
+        bend = np.where(moved, np.minimum(change, -1e-300), bend)
         step = np.clip(slope / bend, -0.05, 0.05)
-        t = t - step
+        before, slope_before, t = t, slope, t - step
         if np.all(np.abs(step) < 1e-9):  # the height is quadratic there: 1e-18
             break
     return t

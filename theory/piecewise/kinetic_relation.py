@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import groupby
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -49,7 +50,8 @@ class Branch(Result):
     slope : int
         Sign of d|Σ|/d|v|: -1 on the branch that a direct run follows.
     by_coupling, by_eta : float
-        ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
+        ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold. They come without a
+        bound on their errors, which grow like that of v towards a fold.
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
@@ -98,6 +100,8 @@ class KineticRelation(Result):
         Values of Σ computed.
     seconds : float
         Wall time.
+    limit_shown : bool
+        Whether ``c_stable`` and its error are in the JSON object.
     """
 
     c: float
@@ -114,6 +118,7 @@ class KineticRelation(Result):
     method: str
     terms: int
     seconds: float
+    limit_shown: bool = field(default=False, repr=False, metadata={"json": None})
 
     @property
     def c_stable(self) -> float | None:
@@ -122,10 +127,21 @@ class KineticRelation(Result):
         Computed when it is first asked for, in a fraction of a second
         (`theory.piecewise.stability.stability_limit`).
         """
-        if self.c_fold is None:
-            return None
-        limit = stability_limit(self.eta)
+        limit = None if self.c_fold is None else stability_limit(self.eta)
         return None if limit is None else limit.c
+
+    @property
+    def c_stable_error(self) -> float | None:
+        """Bound on the error of ``c_stable``."""
+        limit = None if self.c_fold is None else stability_limit(self.eta)
+        return None if limit is None else limit.error
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result for JSON; ``c_stable`` is in it where it was asked for."""
+        found = super().to_dict()
+        if self.limit_shown:
+            found |= {"c_stable": self.c_stable, "c_stable_error": self.c_stable_error}
+        return found
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a branch, or a single one without a velocity; see `Result.columns`."""

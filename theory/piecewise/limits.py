@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from theory.cells.vdp import ETA_END, eta_from_ratio, threshold_ratio
+from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import positive, within
 
 ETA_PIN_END = 2.0 / 25.0
@@ -65,6 +65,7 @@ def pinning_coupling(eta: float) -> float | None:
     >>> pinning_coupling(0.08) is None
     True
     """
+    eta = bistable_eta(eta)
     r2, gap = threshold_ratio(eta) ** 2, _ratio_gap(eta)
     if eta >= ETA_PIN_END or gap <= 0.0:
         return None
@@ -93,6 +94,7 @@ def pinning_error(eta: float) -> float | None:
     >>> pinning_error(0.03125) < 1e-14 < 1e-3 < pinning_error(0.079999)
     True
     """
+    eta = bistable_eta(eta)
     of = pinning_coupling if eta < ETA_PIN_END else retreat_coupling
     value = of(eta)
     if value is None:
@@ -115,6 +117,7 @@ def retreat_coupling(eta: float) -> float | None:
     >>> abs(abs(2 + static_sum(c)) - 2 * threshold_ratio(0.11)) < 1e-14
     True
     """
+    eta = bistable_eta(eta)
     r2, gap = threshold_ratio(eta) ** 2, -_ratio_gap(eta)
     if eta <= ETA_PIN_END or gap <= 0.0:
         return None
@@ -168,6 +171,7 @@ def strong_coupling_velocity(eta: float) -> float | None:
     >>> bool(abs(abs(strong_coupling_sum(V)) - 2 * threshold_ratio(0.03125)) < 1e-13)
     True
     """
+    eta = bistable_eta(eta)
     target = 2.0 * threshold_ratio(eta)
     if eta >= ETA_PIN_END or target >= 1.0:
         return None

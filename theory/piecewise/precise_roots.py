@@ -26,7 +26,7 @@ def exact(value: float | str | mp.mpf) -> mp.mpf:
     ...     print(exact("0.3"), exact(0.3))
     0.3 0.299999999999999988897769753748
     """
-    return mp.mpf(value)
+    return mp.mpf(value if isinstance(value, (str, mp.mpf)) else float(value))
 
 
 def precise_roots(

@@ -22,14 +22,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
-from theory.parameters import within
+from theory.parameters import number, within
 from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.dispersion import FloatArray, onsite
@@ -59,6 +59,11 @@ class FrontStability:
 
     Attributes
     ----------
+    floor : float
+        e^{-1/4v}, below which no multiplier is looked for; the memory of earlier switchings fades
+        like its square.
+    terms : int
+        Terms p_k of the symbol.
     stable : bool or None
         Whether every disturbance of the switching times decays; None where it was not decided:
         a multiplier lies on the unit circle to within rounding, or the series is too long
@@ -70,19 +75,14 @@ class FrontStability:
         Its argument, in radians per site from 0 to π; π is a disturbance that alternates.
     error : float or None
         Bound on the error of ``multiplier``.
-    floor : float
-        e^{-1/4v}, below which no multiplier is looked for; the memory of earlier switchings fades
-        like its square.
-    terms : int
-        Terms p_k of the symbol.
     """
 
-    stable: bool | None
-    multiplier: float | None
-    angle: float | None
-    error: float | None
     floor: float
     terms: int
+    stable: bool | None = None
+    multiplier: float | None = None
+    angle: float | None = None
+    error: float | None = None
 
 
 def front_stability(v: float, c: float) -> FrontStability:
@@ -111,39 +111,28 @@ def front_stability(v: float, c: float) -> FrontStability:
     >>> front_stability(0.300992350758521, 0.5).stable
     True
     """
-    within("velocity |v|", abs(v), 1e-12, 1e12)
-    within("coupling c", c, 1e-12, 1e12)
-    speed = abs(v)
-    floor = math.exp(-0.25 / speed)
+    v = number("velocity v", v)
+    speed = within("velocity |v|", abs(v), 1e-12, 1e12)
+    c = within("coupling c", c, 1e-12, 1e12)
     terms = _terms(speed)
+    found = FrontStability(floor=math.exp(-0.25 / speed), terms=terms)
     points = _mean_points(terms, speed, c)
     if terms * points > _MOST_PRODUCTS:
-        return _undecided(floor, terms)
+        return found
     p = symbol_coefficients(v, c, terms, points)
     q = np.cumsum(p[::-1])[::-1].copy()
     if q[0] <= 0.0:
-        return FrontStability(
-            stable=False, multiplier=None, angle=None, error=None, floor=floor, terms=terms
-        )
+        return replace(found, stable=False)
     uncertainty = _uncertainty(speed)
     inside = _zeros_within(q, 1.0 - _ROOM, uncertainty)
     outside = _zeros_within(q, 1.0 + _ROOM, uncertainty)
-    stable = None if inside is None or inside != outside else inside == 0
-    nearest = _nearest_zero(q, 1.0 / floor, uncertainty)
+    found = replace(found, stable=None if inside is None or inside != outside else inside == 0)
+    nearest = _nearest_zero(q, 1.0 / found.floor, uncertainty)
     if nearest is None:
-        return FrontStability(
-            stable=stable, multiplier=None, angle=None, error=None, floor=floor, terms=terms
-        )
+        return found
     w, error = nearest
     modulus = 1.0 / abs(w)
-    return FrontStability(
-        stable=stable,
-        multiplier=modulus,
-        angle=abs(cmath.phase(w)),
-        error=error * modulus**2,
-        floor=floor,
-        terms=terms,
-    )
+    return replace(found, multiplier=modulus, angle=abs(cmath.phase(w)), error=error * modulus**2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -316,7 +305,7 @@ def _nearest_zero(q: FloatArray, reach: float, uncertainty: float) -> tuple[comp
             continue
         w = complex(zeros[np.argmin(np.abs(zeros))])
         if abs(w) <= 1.5 * radius and _zeros_within(q, 0.999 * abs(w), uncertainty) == 0:
-            value, derivative = (abs(complex(_polynomial(each, w))) for each in (q, slope))
+            value, derivative = (abs(_polynomial(each, w)[0]) for each in (q, slope))
             return w, 2.0 * (uncertainty + value) / derivative + 4.0 * _EPS * abs(w)
     return None
 
@@ -342,9 +331,10 @@ def _polynomial(
     coefficients: FloatArray, w: npt.NDArray[np.complex128] | complex
 ) -> npt.NDArray[np.complex128]:
     """Return Σ coefficients_j w^j."""
-    values: npt.NDArray[np.complex128] = np.asarray(
-        np.polynomial.polynomial.polyval(np.asarray(w), coefficients), dtype=complex
-    )
+    powers = np.empty((coefficients.size, np.size(w)), dtype=complex)
+    powers[0], powers[1:] = 1.0, w
+    np.multiply.accumulate(powers, axis=0, out=powers)
+    values: npt.NDArray[np.complex128] = coefficients.astype(complex) @ powers
     return values
 
 
@@ -410,12 +400,12 @@ def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit 
         step = size / slope
         if not abs(step) > 1e-13 * here.c:
             break
-    derivative = abs(complex(_polynomial(_slope(here.q), w)))
+    derivative = abs(_polynomial(_slope(here.q), w)[0])
     shift = _uncertainty(here.v) / derivative + abs(size)
     error = 2.0 * shift / abs(slope) + 2.0 * here.error + 4.0 * _EPS * here.c
     if not error < _NARROW * here.c or not check_admissible(here.v, here.c, r).admissible:
         return None
-    return StabilityLimit(c=here.c, error=error, v=here.v, angle=abs(cmath.phase(w)))
+    return StabilityLimit(c=here.c, error=float(error), v=here.v, angle=abs(cmath.phase(w)))
 
 
 def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit | None:
@@ -436,15 +426,9 @@ def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit
     if not check_admissible(here.v, here.c, r).admissible:
         return None
     # Beside a fold g = |Σ| - 2r is zero to within its own error in an interval of c of that width.
-    return StabilityLimit(c=low, error=(high - low) + _FOLD_ERROR * low, v=here.v, angle=0.0)
+    return StabilityLimit(c=low, error=float((high - low) + _FOLD_ERROR * low), v=here.v, angle=0.0)
 
 
 def _slope(q: FloatArray) -> FloatArray:
     """Return the coefficients of E'."""
     return np.arange(1, q.size) * q[1:]
-
-
-def _undecided(floor: float, terms: int) -> FrontStability:
-    return FrontStability(
-        stable=None, multiplier=None, angle=None, error=None, floor=floor, terms=terms
-    )

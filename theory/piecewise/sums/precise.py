@@ -1,4 +1,12 @@
-"""Σ(v, c) by the periodised integral of ``sums.integral`` to any number of digits."""
+"""Σ(v, c) by the periodised integral of ``sums.integral`` to any number of digits.
+
+Where the strip without roots is wide, equispaced points on the real axis. Elsewhere points with
+tan(k/2) = e^{σ + iπ/4}, equispaced in σ: equally many on every scale of k, on the side of the axis
+where Re A grows. The poles of the integrand lie near Im σ = ±π/4 or farther off, but for minus
+those roots below the axis near Re k = -2c/v, where such roots turn away from it; a pole at σ_p that
+belongs above the path makes the rule with step h wrong by t/(e^{-2πiσ_p/h} - 1), t = 1/(k L_k),
+wherever it lies, and this is taken away.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +16,13 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
+import numpy.typing as npt
 
 from theory.parameters import count_within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.precise_roots import MOST_DIGITS, exact, precise_roots
 from theory.piecewise.roots import checked_velocity_and_coupling
-from theory.piecewise.sums.graded_contour import departing_labels
 from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
 
 _MOST_POINTS = 200_000
@@ -65,7 +73,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     lost = math.log10(2.0 + c_ / v_) + math.log10(2.0 + v_)
     strip = 0.9 * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)
-    # The bound of theory.piecewise.sums.integral.equispaced_points: 2M/(e^{Nσ} - 1).
+    # The bound of theory.piecewise.sums.rules.plain_points: 2M/(e^{Nσ} - 1).
     peak = 1.0 / (math.tanh(0.5 * (gap - v_ * strip) / v_) * 2.0 * gap)
     equispaced = 2 * math.ceil((math.log(2.0 * peak) + (digits + 1) * math.log(10.0)) / strip / 2.0)
     step = math.pi**2 / 2.0 / ((digits + 3) * math.log(10.0)) * 0.8
@@ -107,9 +115,20 @@ def _equispaced(v: Any, c: Any, count: int) -> Any:
     return total / count - 1
 
 
+def departing_labels(v: float, c: float) -> npt.NDArray[np.int64]:
+    """Return the labels of the three roots below the axis nearest Re k = -2c/v.
+
+    The one in the strip (2πn, 2πn + 2π) leaves as its Re k passes (2n + 1)π, when
+    v (2|n| - 1)π = c (1 + cosh(1/2v)) (fact 4 of ``theory.piecewise.dispersion``).
+    """
+    crossing = -(c / v) * (1.0 + math.cosh(min(0.5 / v, 30.0)))
+    middle = int(min(max(math.floor(crossing / (2.0 * math.pi)), -1e12), -2.0))
+    return np.array([middle - 1, middle, middle + 1], dtype=np.int64)
+
+
 def _correction(v: Any, c: Any, step: Any) -> Any:
-    """Return the effect of the departing roots, as in ``theory.piecewise.sums.graded_contour``."""
-    labels = departing_labels(np.array([float(v)]), np.array([float(c)]))[0]
+    """Return the effect of the departing roots."""
+    labels = departing_labels(float(v), float(c))
     total = mp.mpc(0)
     for k in precise_roots(v, c, labels, False, mp.mp.dps):
         residue = 1 / (-1j * k * (v + c * mp.sin(k)))

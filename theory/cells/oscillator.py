@@ -1,0 +1,273 @@
+"""Cycles of any oscillator ÿ + g(y) + εh(y, ẏ)ẏ = 0, to leading order in ε, and of ẏ + g(y) = 0.
+
+At ε = 0 the energy E = ẏ²/2 + V(y), V' = g, is conserved. Over one turn it falls by
+
+    εΔ(A) = ε ∮ h(y, ẏ) ẏ dy,    V(A) = E,                                     (Melnikov)
+
+so that for small ε a cycle of amplitude A is a zero of Δ, stable where Δ grows. For g = ω²y this
+is the averaged equation r' = -(r/2)H(r²) of (34) without coupling.
+
+References
+----------
+J. Guckenheimer, P. Holmes (1983), Nonlinear Oscillations, Dynamical Systems, and Bifurcations of
+Vector Fields.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq, minimize_scalar
+
+from theory.cells.averaging import mean_of_powers
+from theory.parameters import ParameterError
+
+FloatArray = npt.NDArray[np.float64]
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
+_SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600
+"""Amplitudes between which the sign of Δ is looked at where it is no polynomial, and how often."""
+_ZERO = 1e-12
+_CLOSE = 4.0 * float(np.finfo(float).eps)
+"""Smallest relative tolerance that scipy takes."""
+
+
+class Cycle(NamedTuple):
+    """A cycle of one cell: its largest y, its largest ẏ, its period, and whether it is stable."""
+
+    amplitude: float
+    velocity: float
+    period: float
+    stable: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class OscillatorCell:
+    """One cell, by its coefficients; dimensionless.
+
+    Attributes
+    ----------
+    stiffness : mapping of int to float
+        g(y): coefficient of each power of y.
+    damping : mapping of (int, int) to float
+        h(y, v): coefficient of each yⁱvʲ.
+    overdamped : bool
+        Whether it is ẏ + g(y) = 0 instead.
+
+    Raises
+    ------
+    ParameterError
+        If y = 0 is not a rest state that restores, or large motion grows without bound.
+
+    Examples
+    --------
+    >>> cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -1.0, (2, 0): 1.0})
+    >>> [(round(each.amplitude, 12), each.stable) for each in cell.cycles]
+    [(2.0, True)]
+    """
+
+    stiffness: Mapping[int, float]
+    damping: Mapping[tuple[int, int], float]
+    overdamped: bool = False
+
+    def __post_init__(self) -> None:
+        g = {power: value for power, value in self.stiffness.items() if value != 0.0}
+        object.__setattr__(self, "stiffness", g)
+        if 0 in g:
+            raise ParameterError(
+                "stiffness at y = 0", f"{g[0]:g}", "zero: the chain is at rest there",
+                "measure y from a rest state of the cell, if it has one",
+            )  # fmt: skip
+        if not g.get(1, 0.0) > 0.0:
+            raise ParameterError(
+                "slope of the stiffness at y = 0", f"{g.get(1, 0.0):g}", "positive, so that the "
+                "rest state is a minimum of the potential", "measure y from such a state",
+            )  # fmt: skip
+        highest = max(g)
+        if highest % 2 == 0 or g[highest] < 0.0:
+            raise ParameterError(
+                "stiffness", f"{g[highest]:g} y**{highest} at large y", "of odd degree with a "
+                "positive coefficient, so that motion stays bounded", "add a stiffer term",
+            )  # fmt: skip
+        if not self.overdamped and self._loss_at_large() < 0.0:
+            raise ParameterError(
+                "damping", "negative over large cycles", "positive there, so that motion stays "
+                "bounded", "add a higher even power with a positive coefficient",
+            )  # fmt: skip
+
+    @property
+    def harmonic(self) -> bool:
+        """Whether g = ω²y."""
+        return set(self.stiffness) == {1}
+
+    @property
+    def frequency(self) -> float:
+        """ω of small motion."""
+        return math.sqrt(self.stiffness[1])
+
+    @cached_property
+    def mean_damping(self) -> FloatArray:
+        """Coefficients, by rising power of s = A², of H: A' = -(εA/2)H(A²) where g = ω²y."""
+        found = np.zeros(1 + max((i + j for i, j in self.damping), default=0) // 2)
+        for (i, j), value in self.damping.items():
+            if i % 2 == 0 and j % 2 == 0:
+                moment = 2.0 * float(mean_of_powers(i, j + 2))
+                found[(i + j) // 2] += value * self.frequency**j * moment
+        return found
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """All cycles, inner to outer; of an overdamped cell its rest states at y > 0."""
+        if self.overdamped:
+            found = _positive_crossings(_ascending(self.stiffness)[1:])  # of g/y: where g does
+            return tuple(Cycle(y, 0.0, math.inf, stable) for y, stable in found)
+        if self.harmonic:
+            found = _positive_crossings(self.mean_damping)
+            return tuple(self._cycle(math.sqrt(s), stable) for s, stable in found)
+        return tuple(
+            self._cycle(
+                float(brentq(self.loss, low, high, xtol=1e-14, rtol=1e-14)), self.loss(high) > 0.0
+            )
+            for low, high in self._brackets()
+        )
+
+    def _brackets(self) -> list[tuple[float, float]]:
+        """Return intervals of amplitude in each of which Δ changes sign once, ascending.
+
+        A pair of cycles between two amplitudes that are tried is found by the extremum of Δ there.
+        """
+        tried = np.geomspace(_SMALL, _LARGE, _TRIED)
+        lost = np.array([self.loss(amplitude) for amplitude in tried])
+        edges = [float(tried[0])]
+        for at in range(1, _TRIED):
+            sign = math.copysign(1.0, lost[at - 1])
+            inner = at + 1 < _TRIED and sign * lost[at + 1] > 0.0
+            if inner and 0.0 < sign * lost[at] <= min(sign * lost[at - 1], sign * lost[at + 1]):
+                lowest = minimize_scalar(
+                    lambda amplitude, sign=sign: sign * self.loss(amplitude),
+                    bounds=(tried[at - 1], tried[at + 1]), method="bounded",
+                    options={"xatol": 1e-9 * tried[at]},
+                )  # fmt: skip
+                if lowest.fun < 0.0:
+                    edges += [float(lowest.x), float(tried[at + 1])]
+                    continue
+            if sign * lost[at] < 0.0:
+                edges += [float(tried[at - 1]), float(tried[at])]
+        signs = [self.loss(each) > 0.0 for each in edges]
+        return [
+            (low, high)
+            for low, high, one, other in zip(edges, edges[1:], signs, signs[1:], strict=False)
+            if one != other
+        ]
+
+    @property
+    def rest_is_stable(self) -> bool:
+        """Whether a small motion decays: H(0) = h(0, 0) > 0, or g'(0) > 0 without inertia."""
+        return self.overdamped or self.damping.get((0, 0), 0.0) > 0.0
+
+    def potential(self, y: FloatArray | float) -> FloatArray:
+        """Return V(y), V(0) = 0."""
+        powers = np.polynomial.polynomial.polyint(_ascending(self.stiffness))
+        return np.asarray(np.polynomial.polynomial.polyval(y, powers))
+
+    def velocity(self, amplitude: float) -> float:
+        """Return the largest ẏ of the motion of this amplitude at ε = 0, at y = 0."""
+        return math.sqrt(2.0 * float(self.potential(amplitude)))
+
+    def loss(self, amplitude: float) -> float:
+        """Return Δ/A², the energy lost in a turn of this amplitude, by quadrature."""
+        y, v, dy = self._turn(amplitude)
+        even = sum(
+            (value * y**i * v**j for (i, j), value in self.damping.items() if j % 2 == 0),
+            np.zeros_like(y),
+        )
+        return 2.0 * float(np.sum(dy * even * v)) / amplitude**2
+
+    def period(self, amplitude: float) -> float:
+        """Return the period of the motion of this amplitude at ε = 0."""
+        if self.harmonic:
+            return 2.0 * math.pi / self.frequency
+        _, v, dy = self._turn(amplitude)
+        return 2.0 * float(np.sum(dy / v))
+
+    def _turn(self, amplitude: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return y, v and weights dy of a half turn, in an angle in which v is smooth."""
+        energy = float(self.potential(amplitude))
+        low = self._other_end(amplitude, energy)
+        angle = 0.5 * math.pi * _NODES
+        middle, half = 0.5 * (amplitude + low), 0.5 * (amplitude - low)
+        y = middle + half * np.sin(angle)
+        v = np.sqrt(2.0 * np.maximum(energy - self.potential(y), 1e-300))
+        return y, v, 0.5 * math.pi * _WEIGHTS * half * np.cos(angle)
+
+    def _other_end(self, amplitude: float, energy: float) -> float:
+        """Return the negative y at which the motion turns."""
+        if all(power % 2 for power in self.stiffness):
+            return -amplitude
+        low = -amplitude
+        while float(self.potential(low)) < energy:
+            low *= 1.5
+        return float(brentq(lambda y: float(self.potential(y)) - energy, low, 0.0, xtol=1e-15))
+
+    def _cycle(self, amplitude: float, stable: bool) -> Cycle:
+        return Cycle(amplitude, self.velocity(amplitude), self.period(amplitude), stable)
+
+    def _loss_at_large(self) -> float:
+        """Return a number of the sign of Δ at large amplitudes; 0 where it vanishes."""
+        if self.harmonic:
+            top = np.flatnonzero(np.abs(self.mean_damping) > 0.0)
+            return float(self.mean_damping[top[-1]]) if top.size else 0.0
+        found = self.loss(10.0 * _LARGE)
+        return 0.0 if abs(found) < _ZERO else found
+
+
+def _ascending(coefficients: Mapping[int, float]) -> FloatArray:
+    found = np.zeros(max(coefficients) + 1)
+    for power, value in coefficients.items():
+        found[power] = value
+    return found
+
+
+def _positive_crossings(ascending: FloatArray) -> list[tuple[float, bool]]:
+    """Return the simple positive roots of a polynomial, ascending, and whether it grows there."""
+    rate = np.polynomial.polynomial.polyder(ascending)
+    return [
+        (x, float(np.polynomial.polynomial.polyval(x, rate)) > 0.0)
+        for x in _positive_roots(ascending)
+    ]
+
+
+def _positive_roots(ascending: FloatArray) -> list[float]:
+    """Return the simple positive roots of a polynomial, ascending."""
+    top = np.flatnonzero(ascending != 0.0)
+    if not top.size:
+        return []
+    if top[-1] == 2:  # the closed form, without the rounding of an eigenvalue
+        c, b, a = (float(each) for each in ascending[:3])
+        below = b * b - 4.0 * a * c
+        if below <= 0.0:
+            return []
+        q = -0.5 * (b + math.copysign(math.sqrt(below), b))
+        roots = [each for each in (q / a, c / q if q else 0.0) if each > 0.0]
+        return sorted(roots)
+    # Between two stationary points there is at most one root.
+    coefficients = ascending[top[0] : top[-1] + 1]
+    slope = np.asarray(np.polynomial.polynomial.polyder(coefficients), dtype=float)
+    largest = 1.0 + float(np.max(np.abs(coefficients / coefficients[-1])))  # Cauchy's bound
+    edges = [0.0, *(each for each in _positive_roots(slope) if each < largest), largest]
+
+    def value(x: float) -> float:
+        return float(np.polynomial.polynomial.polyval(x, coefficients))
+
+    return [
+        float(brentq(value, low, high, xtol=1e-300, rtol=_CLOSE))
+        for low, high in pairwise(edges)
+        if value(low) * value(high) < 0.0
+    ]

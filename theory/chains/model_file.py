@@ -1,0 +1,58 @@
+"""Model files: the attributes of a chain in TOML."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from theory.chains.coupling import is_file
+from theory.chains.site_values import pairs
+from theory.parameters import ParameterError
+
+
+def read_model(
+    path: Path, known: Sequence[str], changes: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return the attributes in a model file, with some changed; single values change by name.
+
+    Parameters
+    ----------
+    path : Path
+        In TOML; a file of weights is looked for beside it.
+    known : sequence of str
+        Names of the attributes.
+    changes : mapping, optional
+        Attributes in place of those in the file.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be read, or a key is none of the attributes.
+    """
+    try:
+        found = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise ParameterError(
+            "model file", path, f"readable TOML: {why}", "mend it, or name another"
+        ) from None
+    for key in found:
+        if key not in known:
+            raise ParameterError(
+                f"key in {path.name}", key, f"one of {', '.join(known)}", "rename it"
+            )
+    coupling = found.get("coupling", "")
+    if is_file(coupling):
+        found["coupling"] = str(path.parent / coupling)
+    sites = found.get("sites")
+    if isinstance(sites, str):
+        parts = sites.split("x")
+        if not all(part.isdigit() for part in parts):
+            raise ParameterError("sites", repr(sites), "rows x columns", "as in 60x60")
+        found["sites"] = tuple(int(part) for part in parts)
+    for key, value in (changes or {}).items():
+        named = key in ("values", "disorder") and key in found
+        found[key] = {**pairs(key, found[key]), **pairs(key, value)} if named else value
+    return found

@@ -1,0 +1,137 @@
+"""Right-hand sides of a site, generated as text from the polynomials of a cell.
+
+Names of the cell's parameters never begin with ``_``, those of the text do. The text is made of
+numbers, names and the operations of `Polynomial.source` only.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from types import FunctionType
+from typing import Any
+
+from theory.cells.averaging import (
+    FREQUENCY,
+    mean_damping,
+    mean_shift_of_damping,
+    mean_shift_of_stiffness,
+)
+from theory.cells.polynomial import Polynomial
+from theory.chains.chain import Kernel
+
+OWN = 5
+"""Numbers at the beginning of a kernel's parameters: c, ε, d, the number of weights, ω."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KernelText:
+    """What the text of a right-hand side depends on.
+
+    Attributes
+    ----------
+    stiffness, damping : Polynomial
+        g and h.
+    scalars, arrays : sequence of str
+        Named parameters of one value, and of one a site.
+    neighbours : bool
+        Whether a site is given its two neighbours, and not the pull of a network.
+    velocity_coupling, overdamped : bool
+        Whether velocities are coupled; whether there is no inertia.
+    """
+
+    stiffness: Polynomial
+    damping: Polynomial
+    scalars: Sequence[str]
+    arrays: Sequence[str]
+    neighbours: bool
+    velocity_coupling: bool
+    overdamped: bool
+
+    @property
+    def _values(self) -> list[str]:
+        """The lines that read the parameters."""
+        head = OWN + len(self.scalars)
+        lines = [f"    _c, _eps, _d, {FREQUENCY} = _p[0], _p[1], _p[2], _p[4]"]
+        lines += [f"    {name} = _p[{OWN + at}]" for at, name in enumerate(self.scalars)]
+        lines += [f"    {name} = _p[{head} + {at} * _sites + _n]"
+                  for at, name in enumerate(self.arrays)]  # fmt: skip
+        return lines
+
+    @property
+    def _signature(self) -> str:
+        return "_site, _left, _right, _p" if self.neighbours else "_site, _pull, _p, _n, _sites"
+
+    def _pull(self, at: int, own: str) -> str:
+        if self.neighbours:
+            return f"(2.0*{own} - (_left[{at}] + _right[{at}]))"
+        return f"_pull[{at}]"
+
+    def full(self) -> str:
+        """Return the functions ``cell`` and ``slopes``, its derivatives by y and v."""
+        own = f"-({self.stiffness.source()})"
+        if not self.overdamped:
+            own += f" - _eps*v*({self.damping.source()})"
+        force = f"{own} - _eps*_c*{self._pull(0, 'y')}"
+        if self.velocity_coupling:
+            force += f" - _eps*_c*_d*{self._pull(1, 'v')}"
+        rate = f"{force}, -v" if self.overdamped else f"v, {force}"
+        by_y = f"-({self.stiffness.derivative('y').source()})"
+        damped = self.damping.times("v")
+        if not self.overdamped:
+            by_y += f" - _eps*({damped.derivative('y').source()})"
+        by_v = "-1.0" if self.overdamped else f"-_eps*({damped.derivative('v').source()})"
+        return "\n".join(
+            [f"def cell({self._signature}):", "    y, v = _site", *self._values,
+             f"    return {rate}",
+             "def slopes(y, v, _p, _n, _sites):", *self._values, f"    return {by_y}, {by_v}", ""]
+        )  # fmt: skip
+
+    def averaged(self) -> str:
+        """Return ``cell`` of (Im φ, Re φ) per unit of εt (``theory.cells.averaging``).
+
+        Coupling averages to (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j).
+        """
+        shift = mean_shift_of_stiffness(self._beyond_frequency())
+        left = "" if self._linear_is_frequency() else f" - 0.5*{FREQUENCY}*{FREQUENCY}"
+        real, imaginary = self._pull(1, "_re"), self._pull(0, "_im")
+        return "\n".join(
+            [f"def cell({self._signature}):", "    _im, _re = _site", *self._values,
+             "    y = _im*_im + _re*_re",
+             f"    _less = -0.5*({mean_damping(self.damping).source()})",
+             f"    _turn = (({shift.source()}){left})/({FREQUENCY}*_eps)"
+             f" + ({mean_shift_of_damping(self.damping).source()})",
+             f"    _a, _b = 0.5*_c/{FREQUENCY}, 0.5*_c*_d",
+             f"    _pull_im, _pull_re = {imaginary}, {real}",
+             "    return (_less*_im + _turn*_re + _a*_pull_re - _b*_pull_im,",
+             "            _less*_re - _turn*_im - _a*_pull_im - _b*_pull_re)", ""]
+        )  # fmt: skip
+
+    def _linear_is_frequency(self) -> bool:
+        """Whether the linear part of the stiffness is ω²y at every site."""
+        linear = [each for each in self.stiffness.terms if dict(each).get("y") == 1]
+        return not any(name in self.arrays for each in linear for name, _ in each)
+
+    def _beyond_frequency(self) -> Polynomial:
+        """Return the stiffness without its linear part, where that is ω²y everywhere."""
+        if not self._linear_is_frequency():
+            return self.stiffness
+        terms = self.stiffness.terms.items()
+        return Polynomial({each: value for each, value in terms if dict(each).get("y") != 1})
+
+
+@lru_cache(maxsize=256)
+def functions_of(source: str) -> dict[str, Kernel]:
+    """Return the functions of a generated text by name, named after its content."""
+    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+    names: dict[str, Any] = {"__name__": __name__}
+    exec(compile(source, f"<cell {digest}>", "exec"), names)
+    found: dict[str, Kernel] = {}
+    for name in ("cell", "slopes"):
+        if name in names:
+            function: FunctionType = names[name]
+            function.__name__ = function.__qualname__ = f"{name}_{digest}"
+            found[name] = function
+    return found

@@ -1,0 +1,219 @@
+"""c_pin, c_retreat and c_fold of one η, each proven to lie in an interval.
+
+c_pin and c_retreat are closed forms (``theory.piecewise.limits``), evaluated in balls.
+
+c_fold is the infimum of the couplings at which a front moves. That it is below some c₊ takes one
+value: |Σ(v, c₊)| > 2r at some v, since |Σ| → 0 as v → ∞. That it is above some c₋ takes a proof
+that |Σ(v, c)| < 2r for all v > 0 and 0 < c ≤ c₋:
+
+* c ≤ c₀ with 8c₀(1 + 2c₀) < 2r: in the form of ``theory.piecewise.certified_velocities``, the first
+  factor of the denominator is at least ¼, and |u² + iu| ≤ 2c(1 + 2c).
+* v below or above the bounds of that module at c₋. They hold for c < c₋ too: |Σ(0⁺, c)| grows with
+  c, since 2r² = p(p - 1)/(2p² - 1) grows with p, and p with c (``limits.pinning_coupling``).
+* c = c₋: the mean-value form of |Σ|² - 4r² is negative on every cell of v.
+* The rest is divided into boxes. On each either |Σ| < 2r, by the derivatives over the box, or
+  ∂|Σ|²/∂c > 0: then |Σ| < 2r follows from the box above it, and in the end from c = c₋.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from theory.piecewise.certified_sum import ball_static_sum
+from theory.piecewise.certified_velocities import (
+    Enclosure,
+    Relation,
+    fast_bound,
+    highest_velocity,
+    lowest_velocity,
+    static_distance,
+    steepest,
+)
+from theory.piecewise.folds import fold_coupling
+from theory.piecewise.limits import ETA_PIN_END
+
+_CLOSED_BITS = 320
+_NARROWEST = 1e-12
+_ROUNDED = 1.0 + 1e-12
+_MAX_WORK = 100_000
+_WIDENED = (1.0, 10.0, 100.0)
+_LEAST_ERROR = 1e-15
+_STRONG_ERROR = 1e-6
+"""Of a fold at pinning where c is not small: a narrower interval costs too much."""
+
+
+def ball_ratio(flint: Any, eta: float) -> Any:
+    """Return r(η) = √(8η)/(1 + √(1 - 8η)) as a ball, of η as the exact binary number."""
+    eta_ = flint.arb(eta)
+    return (8 * eta_).sqrt() / (1 + (1 - 8 * eta_).sqrt())
+
+
+def enclose_static_end(flint: Any, eta: float) -> Enclosure | None:
+    """Return an interval that holds c_pin(η), or beyond η = 2/25 c_retreat(η).
+
+    Both are ½ p √(p² - 1) with |1 - 4r²| p² ∓ p ± 2r² = 0, p > 1.
+
+    Returns
+    -------
+    Enclosure or None
+        None where the ball is too wide to be a number: η within rounding of 2/25.
+    """
+    with flint.ctx.workprec(_CLOSED_BITS):
+        r2 = ball_ratio(flint, eta) ** 2
+        gap = 1 - 4 * r2
+        if gap.contains(0):
+            return None
+        p = (1 + (1 - 8 * r2 * gap).sqrt()) / (2 * abs(gap))
+        return Enclosure.of(p * (p * p - 1).sqrt() / 2)
+
+
+def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
+    """Return an interval that holds c_fold(η), η < 2/25, or None if it could not be proven.
+
+    Parameters
+    ----------
+    flint : module
+        python-flint; its working precision is the caller's.
+    eta : float
+        η = b/a².
+    pin : Enclosure
+        Of c_pin at this η.
+
+    Raises
+    ------
+    WorkLimitError
+        If the proof takes too long: strong coupling.
+    """
+    fold = fold_coupling(eta) if eta < ETA_PIN_END else None
+    if fold is None:
+        return None
+    target = 2 * ball_ratio(flint, eta)
+    for wider in _WIDENED:
+        least = _LEAST_ERROR if fold.velocity > 0.0 or fold.value < 0.5 else _STRONG_ERROR
+        reach = wider * max(fold.error, least * fold.value)
+        low = min(fold.value, pin.lower) - reach
+        if low > 0.0 and _never_moves(flint, low, target, fold.velocity):
+            break
+    else:
+        return None
+    for wider in _WIDENED if fold.velocity > 0.0 else ():
+        high = fold.value + wider * max(fold.error, _LEAST_ERROR * fold.value)
+        relation = Relation(flint, flint.arb(high), target)
+        if relation.sign(fold.velocity) > 0:
+            return Enclosure(lower=low, upper=min(high, pin.upper))
+    return Enclosure(lower=low, upper=pin.upper)  # beyond c_pin |Σ(0⁺)| > 2r
+
+
+def _never_moves(flint: Any, c: float, target: Any, peak: float) -> bool:
+    """Tell whether |Σ(v, c')| < 2r is proven for all v > 0 and 0 < c' ≤ c.
+
+    ``peak`` is about where |Σ(v, c)| is greatest, 0 if that is at v = 0.
+    """
+    relation = Relation(flint, flint.arb(c), target, most_work=_MAX_WORK)
+    low, high = lowest_velocity(relation), highest_velocity(relation)
+    if low == 0.0 or not abs(ball_static_sum(flint, relation.c)) < target:
+        return False
+    smallest = 0.5 * c
+    while not 8 * flint.arb(smallest) * (1 + 2 * flint.arb(smallest)) < target:
+        smallest *= 0.5
+    if low >= high:
+        return True
+    line = _below_on_line(relation, low, high, peak)
+    return line and _below_on_boxes(relation, (low, high), (smallest, c))
+
+
+def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> bool:
+    """Tell whether |Σ| < 2r is proven at the relation's coupling, for v from low to high."""
+    cells = [(low, high)]
+    if low < peak < high:
+        left, right = _below_about_peak(relation, peak)
+        cells = [(low, left), (right, high)]
+    c = math.nextafter(float(relation.c.upper()), math.inf)
+    while cells:
+        a, b = cells.pop()
+        middle = 0.5 * (a + b)
+        half = (b - middle) * _ROUNDED
+        if b < 1.5 * a:
+            centre = relation.resolved(relation.flint.arb(middle))
+            distance = relation.distance(centre)
+            if distance + half * steepest(a, b, c, c)[0] < 0:
+                continue
+            slope, rate = relation.steepness(a, b)
+            if distance + half * rate < 0 or relation.height(centre) + half * abs(slope) < 0:
+                continue
+        if b - a < _NARROWEST * b:
+            return False
+        cells += [(middle, b), (a, middle)]
+    return True
+
+
+def _below_about_peak(relation: Relation, peak: float) -> tuple[float, float]:
+    """Return an interval about the highest |Σ| on which |Σ| < 2r is proven, maybe an empty one.
+
+    Where ∂²|Σ|²/∂v² < 0, the tangent at any point lies above. That at the peak is nearly level.
+    """
+    flint = relation.flint
+    v = flint.arb(peak)
+    half = 0.25 * peak
+    while half > 1e-4 * peak:
+        cell = flint.arb(peak - half).union(flint.arb(peak + half))
+        if _bend(relation, cell)[1] < 0:
+            break
+        half *= 0.5
+    else:
+        return peak, peak
+    for _ in range(6):
+        slope, bend = _bend(relation, v)
+        v = (v - slope / bend).mid()
+    slope, _ = _bend(relation, v)
+    top = relation.height(relation.sum(v, relation.tolerances[-1]).value)
+    proven = bool(top + 2.0 * half * abs(slope) < 0)
+    return (peak - half, peak + half) if proven else (peak, peak)
+
+
+def _bend(relation: Relation, v: Any) -> tuple[Any, Any]:
+    """Return ∂h/∂v and ∂²h/∂v²."""
+    found = relation.sum(v, relation.tolerances[-1], 2)
+    squares = found.by_v.real**2 + found.by_v.imag**2
+    slope = relation.slope(found.value, found.by_v)
+    return slope, 2 * squares + relation.slope(found.value, found.by_vv)
+
+
+def _below_on_boxes(
+    relation: Relation, velocities: tuple[float, float], couplings: tuple[float, float]
+) -> bool:
+    """Tell whether on each box |Σ| < 2r or ∂|Σ|²/∂c > 0 is proven."""
+    flint = relation.flint
+    coarse = 1e-3 * float(relation.target)
+    boxes = [(*velocities, *couplings)]
+    while boxes:
+        a, b, low, high = boxes.pop()
+        middle, level = 0.5 * (a + b), 0.5 * (low + high)
+        if b - a < _NARROWEST * b and high - low < _NARROWEST * high:
+            return False
+        across, along = math.log(b / a), math.log(high / low)
+        if _below_by_bounds(relation, a, b, high):
+            continue
+        if across < 0.6 and along < 0.7:
+            by_v, by_c = steepest(a, b, low, high)
+            across, along = (b - middle) * by_v, (high - level) * by_c
+            centre = relation.sum(flint.arb(middle), coarse, c=flint.arb(level)).value
+            if relation.distance(centre) + (across + along) * _ROUNDED < 0:
+                continue
+            v, c = flint.arb(a).union(flint.arb(b)), flint.arb(low).union(flint.arb(high))
+            wide = relation.sum(v, coarse, 1, c=c)
+            if relation.slope(wide.value, wide.by_c) > 0:
+                continue
+        if across >= along:
+            boxes += [(a, middle, low, high), (middle, b, low, high)]
+        else:
+            boxes += [(a, b, low, level), (a, b, level, high)]
+    return True
+
+
+def _below_by_bounds(relation: Relation, low: float, high: float, c: float) -> bool:
+    """Tell whether the bounds at small and large v prove |Σ| < 2r for these v, up to coupling c."""
+    flint, c_ = relation.flint, relation.flint.arb(c)
+    slow = abs(ball_static_sum(flint, c_)) + static_distance(flint, high)
+    return bool(slow < relation.target) or bool(fast_bound(flint, low, c_) < relation.target)

@@ -4,6 +4,8 @@
     The compiled integration methods.
 ``runs``, ``fronts``, ``breathers``, ``thresholds``, ``maps``, ``cells``, ``piecewise``
     What is measured on a chain.
+``continuation``
+    Newton's method and pseudo-arclength, for breathers, orbits and fronts.
 ``references``
     Independent methods that share nothing with the steppers.
 ``quantities``

@@ -15,7 +15,7 @@ from verification.breathers.run import NOISE, BreatherRun
 from verification.runs.envelope_run import run_envelope
 
 BLOCK = 5.0
-"""Slow time between two looks at the state."""
+"""Slow time between two checks of the state."""
 
 
 def run_averaged_breather(

@@ -27,7 +27,6 @@ from theory.chains.chain import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, RunError
-from verification.breathers.continuation import Branch, Fold, arrive, trace
 from verification.breathers.exponents import (
     Exponents,
     exponents,
@@ -35,7 +34,8 @@ from verification.breathers.exponents import (
     stability_monitor,
     unpack,
 )
-from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
+from verification.continuation.branch import Branch, Fold, arrive, trace
+from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -203,18 +203,28 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Envelope
                 seconds=seconds,
             )
         point = arrive(system, branch, chain.c)
+    return describe_envelope(chain, nucleus, point, started, fold)
+
+
+def describe_envelope(
+    chain: VanDerPolChain,
+    nucleus: Nucleus,
+    point: BranchPoint,
+    started: float,
+    fold: Fold | None = None,
+) -> EnvelopeBreather:
+    """Measure a breather that has been solved for: exponents and error."""
+    here = replace(chain, c=point.c)
     phi, omega = unpack(point.u)
-    stability = exponents(phi, omega, chain, nucleus.mirrored(chain.sites))
-    seconds = time.perf_counter() - started
     return EnvelopeBreather(
         status=BreatherStatus.EXISTS,
         phi=phi,
         detuning=omega,
-        exponents=stability,
+        exponents=exponents(phi, omega, here, nucleus.mirrored(chain.sites)),
         fold=fold,
-        error=2.0 * point.correction + _rounding(phi, chain),
+        error=2.0 * point.correction + _rounding(phi, here),
         residual=point.residual,
-        seconds=seconds,
+        seconds=time.perf_counter() - started,
     )
 
 

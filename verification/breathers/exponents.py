@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from theory.averaged.envelope import envelope_jacobian
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
-from verification.breathers.continuation import Monitor
+from verification.continuation.branch import Monitor
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

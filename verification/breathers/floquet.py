@@ -65,6 +65,7 @@ def floquet_multipliers(
     monodromy: Real,
     period: float,
     eps: float,
+    *,
     parity: int = 0,
     error: float = 0.0,
     direction: Real | None = None,
@@ -173,4 +174,6 @@ def approximate_multipliers(
             "take a smaller one, or a larger eta",
         )  # fmt: skip
     error = float(np.abs(matrices[1] - matrices[0]).max())
-    return floquet_multipliers(matrices[1], 2.0 * math.pi / breather.frequency, chain.eps, 1, error)
+    return floquet_multipliers(
+        matrices[1], 2.0 * math.pi / breather.frequency, chain.eps, parity=1, error=error
+    )

@@ -10,7 +10,9 @@ import cmath
 import contextlib
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +22,12 @@ from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError, RunError
-from verification.breathers.continuation import Branch, Fold, Monitor, arrive, trace
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.floquet import MARGINAL, Multipliers, floquet_multipliers
-from verification.breathers.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.steppers.variational import STEPS, integrate_variations
+from verification.continuation.branch import Branch, Fold, Monitor, Steps, arrive, trace
+from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
+from verification.steppers.variational import STEPS, Flow, integrate_variations
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,6 +35,7 @@ Complex = NDArray[np.complex128]
 STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in order of trial:
 at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
+FIRST_STEPS = Steps(length=0.3)
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
 
@@ -188,21 +191,32 @@ def orbit_branch(
     ParameterError
         If no orbit was found at small c.
     """
+    point = start_of_orbits(chain, nucleus, c_end, steps)
     system = shooting_system(chain, nucleus.centre(chain.sites), steps)
-    point = None
-    for start in STARTS if c_end > STARTS[0] else (0.5 * c_end,):
-        if start < c_end and point is None:
-            with contextlib.suppress(NotConvergedError):
-                point = _from_small_eps(replace(chain, c=start), nucleus, steps)
-    if point is None:
-        raise ParameterError(
-            "small parameter eps",
-            chain.eps,
-            f"small enough for an orbit with the pattern '{nucleus.pattern}'",
-            "take a smaller one, or another pattern",
-        )
     monitor = stability_monitor(chain, nucleus, steps) if monitored else None
-    return trace(system, point, c_end, monitor, length=0.3)
+    return trace(system, point, c_end, monitor, FIRST_STEPS)
+
+
+def start_of_orbits(
+    chain: VdpChain, nucleus: Nucleus, c_end: float, steps: int | None = None
+) -> BranchPoint:
+    """Return an orbit at small c.
+
+    Raises
+    ------
+    ParameterError
+        If none was found.
+    """
+    for start in STARTS if c_end > STARTS[0] else (0.5 * c_end,):
+        if start < c_end:
+            with contextlib.suppress(NotConvergedError):
+                return _from_small_eps(replace(chain, c=start), nucleus, steps)
+    raise ParameterError(
+        "small parameter eps",
+        chain.eps,
+        f"small enough for an orbit with the pattern '{nucleus.pattern}'",
+        "take a smaller one, or another pattern",
+    )
 
 
 def _from_small_eps(
@@ -235,7 +249,7 @@ def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int | None = Non
     def monitor(u: Real, c: float) -> tuple[float, ...]:
         flow = integrate_variations(replace(chain, c=c), u[:-1], float(u[-1]), count)
         parity = _parity(u[:-1], nucleus, chain.sites)
-        found = floquet_multipliers(flow.monodromy, float(u[-1]), chain.eps, parity)
+        found = floquet_multipliers(flow.monodromy, float(u[-1]), chain.eps, parity=parity)
         own = found.growth if found.symmetric is None else found.symmetric
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - MARGINAL, own - MARGINAL, other - MARGINAL
@@ -293,27 +307,64 @@ def describe_orbit(
     fold: Fold | None = None,
 ) -> Orbit:
     """Measure an orbit that has been solved for: amplitudes, harmonics, multipliers, error."""
-    state, period = point.u[:-1], float(point.u[-1])
-    here = replace(chain, c=point.c)
-    centre = nucleus.centre(chain.sites)
+    here, centre = replace(chain, c=point.c), nucleus.centre(chain.sites)
     count = steps or steps_for(chain)
-    coarse = integrate_variations(here, state, period, count)
-    value, slope, _ = shooting_system(here, centre, 2 * count)(point.u, point.c)
-    error = float(np.abs(np.linalg.solve(slope, value)).max()) + point.correction
-    fine = integrate_variations(here, state, period, max(SAMPLES, 2 * count))
-    change = float(np.abs(fine.monodromy - coarse.monodromy).max())
-    multipliers = floquet_multipliers(
-        fine.monodromy, period, chain.eps, _parity(state, nucleus, chain.sites), change
+    return measured_orbit(
+        point,
+        partial(integrate_variations, here),
+        shooting_system(here, centre, 2 * count),
+        count,
+        eps=chain.eps,
+        parity=_parity(point.u[:-1], nucleus, chain.sites),
+        fold=fold,
+        started=started,
     )
+
+
+def measured_orbit(
+    point: BranchPoint,
+    integrate: Callable[[Real, float, int], Flow],
+    finer: System,
+    count: int,
+    *,
+    eps: float,
+    parity: int = 0,
+    fold: Fold | None = None,
+    started: float,
+) -> Orbit:
+    """Measure an orbit of any chain that has been solved for.
+
+    Parameters
+    ----------
+    point : BranchPoint
+        State and period.
+    integrate : callable
+        From a state, a time and a number of steps to a `Flow`.
+    finer : System
+        The equations at twice the steps, which show the error.
+    count : int
+        Steps a period with which it was solved for.
+    eps, parity
+        As of `floquet_multipliers`.
+    fold : Fold, optional
+        Of its branch, where that was followed.
+    started : float
+        ``time.perf_counter()`` at the beginning.
+    """
+    state, period = point.u[:-1], float(point.u[-1])
+    coarse = integrate(state, period, count)
+    fine = integrate(state, period, max(SAMPLES, 2 * count))
+    change = float(np.abs(fine.monodromy - coarse.monodromy).max())
+    value, slope, _ = finer(point.u, point.c)
     return Orbit(
         status=BreatherStatus.EXISTS,
         state=state,
         duration=period,
         amplitudes=largest_displacements(fine.samples),
         harmonics=first_harmonics(fine.samples),
-        multipliers=multipliers,
+        multipliers=floquet_multipliers(fine.monodromy, period, eps, parity=parity, error=change),
         residual=float(np.abs(coarse.state - state).max()),
-        error=error,
+        error=float(np.abs(np.linalg.solve(slope, value)).max()) + point.correction,
         fold=fold,
         seconds=time.perf_counter() - started,
     )

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
-from theory.chains.vdp import VanDerPolChain
 from theory.result import Result, plain
 from theory.status import Status
 
@@ -34,7 +33,7 @@ class Breather(Result):
 
     Attributes
     ----------
-    chain : VdpChain or AveragedChain
+    chain : VdpChain, AveragedChain or OscillatorChain
         Whose solution it is to be: `error` is the distance from a solution of this chain.
     nucleus : Nucleus
         Which sites oscillate, and their phase steps.
@@ -76,7 +75,7 @@ class Breather(Result):
         Wall-clock time.
     """
 
-    chain: VanDerPolChain
+    chain: Any
     nucleus: Nucleus
     method: BreatherMethod
     status: BreatherStatus
@@ -154,7 +153,7 @@ class BreatherComparison(Result):
         Wall-clock time of all.
     """
 
-    chain: VanDerPolChain
+    chain: Any
     nucleus: Nucleus
     methods: Mapping[str, Breather]
     seconds: float

@@ -122,18 +122,29 @@ def run_breather(
     steps = _steps(chain)
     period, elapsed = 2.0 * math.pi, 0.0
     drifts: list[float] = []
-    while elapsed * chain.eps < slow_time:
+    status = BreatherStatus.UNSETTLED
+    while status is BreatherStatus.UNSETTLED and elapsed * chain.eps < slow_time:
         state = integrate_chain(chain, state, rounds * period, rounds * steps, ORDER).state
         elapsed += rounds * period
-        if np.hypot(state[:sites], state[sites:])[outside].max(initial=0.0) > (
-            chain.unstable_amplitude
-        ):
-            return _measured(chain, state, period, BreatherStatus.ESCAPED, drifts, elapsed, started)
+        amplitude = np.hypot(state[:sites], state[sites:])
+        if amplitude[outside].max(initial=0.0) > chain.unstable_amplitude:
+            status = BreatherStatus.ESCAPED
+            break
         period, drift = _period(chain, state, period, 2 * steps)
         drifts.append(drift)
         if drift < tolerance:
-            return _measured(chain, state, period, BreatherStatus.SETTLED, drifts, elapsed, started)
-    return _measured(chain, state, period, BreatherStatus.UNSETTLED, drifts, elapsed, started)
+            status = BreatherStatus.SETTLED
+    samples = integrate_chain(chain, state, period, SAMPLES).samples
+    return BreatherRun(
+        status=status,
+        amplitudes=largest_displacements(samples),
+        harmonics=first_harmonics(samples),
+        frequency=2.0 * math.pi / period,
+        drift=drifts[-1] if drifts else math.inf,
+        error=_error(drifts) if status is BreatherStatus.SETTLED else math.inf,
+        time=elapsed,
+        seconds=time.perf_counter() - started,
+    )
 
 
 def _steps(chain: VdpChain) -> int:
@@ -159,29 +170,9 @@ def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[flo
     return period, float(np.abs(after - state).max()) / (chain.eps * period)
 
 
-def _measured(
-    chain: VdpChain,
-    state: Real,
-    period: float,
-    status: BreatherStatus,
-    drifts: list[float],
-    elapsed: float,
-    started: float,
-) -> BreatherRun:
-    samples = integrate_chain(chain, state, period, SAMPLES).samples
-    drift = drifts[-1] if drifts else math.inf
-    error = math.inf
-    if status is BreatherStatus.SETTLED and len(drifts) > 1:
-        # Drift falls by a factor each block of 5 units of T.
-        factor = min(drifts[-1] / max(drifts[-2], 1e-300), 0.99)
-        error = max(5.0 * drift / (1.0 - factor), 1e-12)
-    return BreatherRun(
-        status=status,
-        amplitudes=largest_displacements(samples),
-        harmonics=first_harmonics(samples),
-        frequency=2.0 * math.pi / period,
-        drift=drift,
-        error=error,
-        time=elapsed,
-        seconds=time.perf_counter() - started,
-    )
+def _error(drifts: list[float]) -> float:
+    """Return how far the run is from what it settles on: drift falls by a factor each block."""
+    if len(drifts) < 2:
+        return math.inf
+    factor = min(drifts[-1] / max(drifts[-2], 1e-300), 0.99)
+    return max(5.0 * drifts[-1] / (1.0 - factor), 1e-12)

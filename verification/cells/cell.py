@@ -27,7 +27,8 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
     Returns
     -------
     Cell
-        A `BeltCell` for friction, with the belt velocities at which its states begin and end.
+        A `BeltCell` for friction, with the belt velocities at which its states begin and end;
+        displacements, velocities and periods are dimensionless.
 
     Raises
     ------

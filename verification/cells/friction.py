@@ -16,7 +16,8 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from theory.cells.friction import FrictionCell
-from theory.parameters import within
+from theory.cells.friction_law import FrictionLaw
+from theory.parameters import ParameterError, within
 from verification.cells.friction_cycles import (
     ROUND_OFF,
     largest_after_release,
@@ -52,7 +53,8 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     Raises
     ------
     ParameterError
-        If the tolerance or v_d is out of range, or the cell slips both ways and never sticks.
+        If the tolerance or v_d is out of range, the law is not that of (2), or the cell slips both
+        ways and never sticks.
     """
     begin = perf_counter()
     within("tolerance", tolerance, 1e-14, 1e-4)
@@ -106,12 +108,22 @@ def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:
     Infinite for ξ = 0: slow departure from v_rel = 0 gains energy and nothing loses any. 0 if
     there is no cycle even at small v_d.
 
+    Raises
+    ------
+    ParameterError
+        If the law is not that of (2), with or without a viscous part.
+
     Examples
     --------
     >>> end = cycle_end_velocity(FrictionCell())
     >>> stick_slip_cycle(FrictionCell(v_d=0.9999 * end)).stick_time < 0.03
     True
     """
+    if cell.law is not FrictionLaw.EXPONENTIAL:
+        raise ParameterError(
+            "friction law", cell.law.value, "exponential for both cycles of a cell and their end",
+            "simulate a chain of one site with this law instead",
+        )  # fmt: skip
 
     def excess(v_d: float) -> float:
         return largest_after_release(replace(cell, v_d=v_d), tolerance)
@@ -119,7 +131,7 @@ def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:
     low = 1e-3 * min(1.0, cell.v0)
     if excess(low) <= 0.0:
         return 0.0
-    if cell.xi == 0.0:
+    if cell.xi == cell.viscous == 0.0:
         return math.inf
     high = low
     while excess(high) > 0.0:

@@ -9,20 +9,15 @@ time; its largest y is a fixed point of the map from one maximum to the next.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
-import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
 from theory.cells.friction import FrictionCell, friction_slope, stick_phase
 from theory.parameters import ParameterError
 from verification.cells.result import Cycle
 from verification.steppers import friction_cell_phase as phases
-from verification.steppers.friction_series import binomials
+from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room
 from verification.steppers.taylor import taylor_order
-
-FloatArray = npt.NDArray[np.float64]
 
 _LONGEST = 1e4
 _MOST_TURNS = 100
@@ -32,31 +27,33 @@ _SMALL = 1e-3
 """Relative to v₀: below it the unstable cycle is taken from its expansion at the Hopf velocity."""
 
 
-@lru_cache(maxsize=64)
-def _binomials(order: int) -> FloatArray:
-    return binomials(order)
-
-
 def _phase(
     cell: FrictionCell,
     y: float,
     w: float,
     released: bool,
     end: int,
+    *,
     tolerance: float,
     direction: float = -1.0,
 ) -> tuple[float, float, float]:
     """Return τ, y, w at the end of a phase of slip; direction 1 is slip forwards."""
     flip = -direction
-    numbers = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, flip * cell.v_d, 0.0])
     # Small cycles are as wide as v_d, large ones as the larger of v_d and μ_st.
     local = tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
     local = max(_FINEST, local)
-    order = taylor_order(local)
-    t, y, w = phases.phase(
-        numbers, flip * y, flip * w, released, end, local, order, _binomials(order), _LONGEST
+    numbers = new_numbers(cell, 0.0, local)
+    numbers[V_D] *= flip
+    phase = phases.Phase(
+        numbers=numbers,
+        law=law_of(cell),
+        room=new_room(taylor_order(local)),
+        released=released,
+        end=end,
+        longest=_LONGEST,
     )
-    return float(t), flip * float(y), flip * float(w)
+    t, y, w = phases.follow(phase, flip * y, flip * w)
+    return t, flip * y, flip * w
 
 
 def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
@@ -71,7 +68,7 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
     (-0.76708, 1.995817)
     """
     low, high = (
-        _phase(cell, cell.release, 0.0, True, end, tolerance)[1]
+        _phase(cell, cell.release, 0.0, True, end, tolerance=tolerance)[1]
         for end in (phases.LOWEST, phases.HIGHEST)
     )
     return low, high
@@ -79,7 +76,7 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
 
 def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
     """Return the first maximum of ẏ - v_d after release; below 0 if there is none."""
-    t, _, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance)
+    t, _, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance=tolerance)
     return w if t >= 0.0 or w > 0.0 else -cell.v_d
 
 
@@ -94,18 +91,22 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     y, slip, speed, direction, released = cell.release, 0.0, cell.v_d, -1.0, True
     lows, highs = [], []
     for _ in range(_MOST_TURNS):
-        t, end, _ = _phase(cell, y, 0.0, released, phases.TOUCH, tolerance, direction)
+        t, end, _ = _phase(
+            cell, y, 0.0, released, phases.TOUCH, tolerance=tolerance, direction=direction
+        )
         if t < 0.0:
             return None
         if direction < 0.0:
             low, high = (
-                _phase(cell, y, 0.0, released, turn, tolerance)[1]
+                _phase(cell, y, 0.0, released, turn, tolerance=tolerance)[1]
                 for turn in (phases.LOWEST, phases.HIGHEST)
             )
             lows.append(low)
             highs.append(high)
         else:
-            fastest = _phase(cell, y, 0.0, released, phases.SLOWEST, tolerance, direction)[2]
+            fastest = _phase(
+                cell, y, 0.0, released, phases.SLOWEST, tolerance=tolerance, direction=direction
+            )[2]
             speed = max(speed, cell.v_d + fastest)
         y, slip, released = end, slip + t, False
         stick = stick_phase(cell, y)
@@ -151,7 +152,7 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     fine = max(_FINEST, tolerance * min(1.0, small * small))
 
     def following(y: float, end: int) -> tuple[float, float, float]:
-        return _phase(cell, y, -cell.v_d, False, end, fine)
+        return _phase(cell, y, -cell.v_d, False, end, tolerance=fine)
 
     def growth(y: float) -> float:
         t, top, _ = following(y, phases.HIGHEST)
@@ -192,7 +193,7 @@ def _amplitude_near_hopf(cell: FrictionCell) -> float:
 
     Averaging ü + u = -δu̇ + F₂u̇²/2 + F₃u̇³/6 over a cycle u̇ = -A sin τ.
     """
-    third = -friction_slope(cell, cell.v_d) / cell.v0**2
+    third = (cell.viscous - friction_slope(cell, cell.v_d)) / cell.v0**2
     return math.sqrt(8.0 * cell.effective_damping / third) if third > 0.0 else math.inf
 
 
@@ -201,7 +202,7 @@ def _expanded(cell: FrictionCell, amplitude: float) -> Cycle:
 
     The quadratic term shifts both turning points by F₂A²/3 (mean 1/4, second harmonic 1/12).
     """
-    second = -friction_slope(cell, cell.v_d) / cell.v0
+    second = (cell.viscous - friction_slope(cell, cell.v_d)) / cell.v0
     shift = second * amplitude**2 / 3.0
     centre = cell.steady_sliding + shift
     period = 2.0 * math.pi

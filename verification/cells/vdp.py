@@ -75,7 +75,14 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> Cell:
         # |φ_us|² and |φ_s|² with a = 1: neither cancels.
         squares = 8.0 / (1.0 + root), (1.0 + root) / eta
         unstable, stable = (
-            _cycle(eta, eps, math.sqrt(each), (squares[0] * squares[1]) ** 0.25, a, tolerance)
+            _cycle(
+                eta,
+                eps,
+                math.sqrt(each),
+                between=(squares[0] * squares[1]) ** 0.25,
+                a=a,
+                tolerance=tolerance,
+            )
             for each in squares
         )
     return Cell(
@@ -154,7 +161,7 @@ def _check_stiffness(eta: float, eps: float) -> None:
 
 
 def _cycle(
-    eta: float, eps: float, averaged: float, between: float, a: float, tolerance: float
+    eta: float, eps: float, averaged: float, *, between: float, a: float, tolerance: float
 ) -> Cycle:
     """Return one cycle in y, from that in y√a at two tolerances."""
     (y, period), (coarse, other) = (

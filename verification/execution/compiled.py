@@ -4,35 +4,32 @@ numba by itself looks only at the file in which a compiled function stands: afte
 function that it calls from another file, the old code would go on being used, in silence.
 
 It also calls the machine code of a function by the function's name and a number that counts the
-functions of the process. Two functions of one name that processes of their own have compiled, as
-the right-hand sides of two chains that one factory makes, can thus have one symbol; a third process
-that loads the code of both from disk gets one of them in both places. So a function that is made
-inside another one is named after its content here.
+functions of the process, from 1. Code from disk brings along what it calls, under the names of the
+process that compiled it; where two such names meet, as of the right-hand sides of two chains that
+one factory makes, the linker takes the first, and a chain would be stepped with the right-hand side
+of another. So the count begins at a random number here.
 """
 
 from __future__ import annotations
 
 import atexit
-import hashlib
+import itertools
 import logging
 import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import CodeType
-from typing import Any, TypeVar, overload
 
-import numba
+from numba import njit
 from numba.core import caching, config
+from numba.core.bytecode import FunctionIdentity
 
 from verification.execution.digest import digest_of_files
 
-__all__ = ["njit"]
-
-Function = TypeVar("Function", bound=Callable[..., Any])
+__all__ = ["DISTINCT_NAMES", "njit"]
 
 logger = logging.getLogger(__name__)
 
@@ -41,60 +38,16 @@ _PREFIX, _OPTION = "compiled-", "CACHE_DIR"
 _WEEK = 7 * 86400.0
 
 
-@overload
-def njit(function: Function, /) -> Function: ...
+def _count_from_random() -> bool:
+    """Let numba count functions from a random number; return whether this numba can do so."""
+    if not isinstance(getattr(FunctionIdentity, "_unique_ids", None), itertools.count):
+        return False
+    FunctionIdentity._unique_ids = itertools.count(int.from_bytes(os.urandom(6), "big"))
+    return True
 
 
-@overload
-def njit(**options: Any) -> Callable[[Function], Function]: ...
-
-
-def njit(*function: Callable[..., Any], **options: Any) -> Any:
-    """Compile as ``numba.njit`` does, by a name that tells functions of other content apart.
-
-    Parameters
-    ----------
-    *function : callable
-        The function, where it is used without options.
-    **options
-        Of ``numba.njit``.
-
-    Returns
-    -------
-    callable
-        The compiled function, or what compiles it.
-    """
-    compiler = numba.njit(**options)
-    if function:
-        return compiler(_named(function[0]))
-    return lambda later: compiler(_named(later))
-
-
-def _named(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Put a digest of its content into the name of a function that is made inside another one."""
-    if "<locals>" in function.__qualname__ and "#" not in function.__qualname__:
-        digest = hashlib.sha256(_content(function).encode()).hexdigest()[:16]
-        function.__qualname__ += f"#{digest}"
-    return function
-
-
-def _content(of: Any) -> str:
-    """Return what a function does, as text: its code, and what it closes over."""
-    plain = getattr(of, "py_func", of)
-    if isinstance(plain, CodeType):
-        parts = (plain.co_code, plain.co_names, *map(_content, plain.co_consts))
-        return repr(parts)
-    if isinstance(plain, (list, tuple)):
-        return repr(tuple(map(_content, plain)))
-    if hasattr(plain, "__code__"):
-        closed = [cell.cell_contents for cell in plain.__closure__ or ()]
-        name = f"{plain.__module__}.{plain.__qualname__}"
-        return repr((name, _content(plain.__code__), *map(_content, closed)))
-    if hasattr(plain, "tobytes"):
-        return repr((plain.dtype.str, plain.shape, plain.tobytes()))
-    if isinstance(plain, (int, float, complex, str, bytes, type(None))):
-        return repr(plain)
-    return f"{type(plain).__name__} {getattr(plain, '__name__', plain)}"
+DISTINCT_NAMES = _count_from_random()
+"""Whether functions have names of their own; if not, nothing that calls closures is stored."""
 
 
 def source_digest(folder: Path = _HOME) -> str:

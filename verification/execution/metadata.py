@@ -6,6 +6,7 @@ import functools
 import os
 import platform
 from collections.abc import Collection, Iterable, Mapping
+from contextvars import ContextVar
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -95,6 +96,10 @@ class Code:
         """Return the code of modules as it is now; parameters as of `digest_of_code`."""
         names = tuple(sorted(set(modules)))
         return cls(modules=names, digest=digest_of_code(names, packages))
+
+
+COMMAND_LINE: ContextVar[str] = ContextVar("COMMAND_LINE", default="")
+"""The command line that is carried out, for the files of what it computes; empty in Python."""
 
 
 @dataclass(frozen=True, kw_only=True)

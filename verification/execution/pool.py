@@ -11,21 +11,28 @@ import ctypes
 import multiprocessing
 import os
 import pickle
+import re
 import signal
 import sys
 import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, nullcontext
 from typing import Any, TypeVar
 
-from theory.parameters import ParameterError, count_within
+from theory.parameters import MissingPackageError, ParameterError, count_within
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 MAX_WORKERS = 1024
+MAX_PENDING = 4 * MAX_WORKERS
+"""Items handed over and not yet answered: enough for every pool, so memory does not grow with them.
+"""
+CLUSTER_TIMEOUT = 5.0
+"""Seconds in which a scheduler must answer, and then have a worker."""
+
 _PR_SET_PDEATHSIG = 1
 
 
@@ -74,6 +81,53 @@ def worker_pool(workers: int | None = None) -> Iterator[Executor]:
             child.join()
         raise
     pool.shutdown()
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """Give the workers of a running dask cluster as an executor; they run on afterwards.
+
+    Parameters
+    ----------
+    address : str
+        Of its scheduler, as in ``tcp://host:8786``.
+
+    Raises
+    ------
+    MissingPackageError
+        If dask.distributed is not installed.
+    ParameterError
+        If there is no such scheduler, or it has no workers.
+
+    References
+    ----------
+    Rocklin (2015), Dask: parallel computation with blocked algorithms and task scheduling,
+    Proc. 14th Python in Science Conf., 126-132.
+    """
+    try:
+        import distributed
+    except ModuleNotFoundError:
+        raise MissingPackageError("distributed", "cluster", "a dask cluster") from None
+    unknown = ParameterError(
+        "scheduler", address, "the address of a dask scheduler that answers, as in tcp://host:8786",
+        "start one with 'dask scheduler', which prints its address",
+    )  # fmt: skip
+    if not re.fullmatch(r"(tcp|tls)://\S+:\d+", address):
+        raise unknown
+    try:
+        client = distributed.Client(address, timeout=CLUSTER_TIMEOUT, set_as_default=False)
+    except OSError:
+        raise unknown from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=CLUSTER_TIMEOUT)
+        except TimeoutError:
+            raise ParameterError(
+                "scheduler", address, "one with at least one worker",
+                f"start some with 'dask worker {address}'",
+            ) from None  # fmt: skip
+        # Each point is a task of its own: its key need not be a digest of its arguments.
+        yield client.get_executor(pure=False)
 
 
 def worker_count(workers: int | None) -> int:
@@ -186,17 +240,28 @@ def _side_by_side(
                 futures[pool.submit(function, item)] = index
             except BrokenProcessPool:
                 yield index, WorkerDiedError()
-        for future in as_completed(futures):
-            try:
-                answer: Answer | Exception = future.result()
-            except BrokenProcessPool:
-                answer = WorkerDiedError()
-            except Exception as error:
-                answer = error
-            yield futures[future], answer
+            if len(futures) >= MAX_PENDING:
+                yield from _first_done(futures)
+        while futures:
+            yield from _first_done(futures)
     finally:
         for future in futures:
             future.cancel()
+
+
+def _first_done(
+    futures: dict[Future[Answer], int],
+) -> Iterator[tuple[int, Answer | Exception]]:
+    """Wait for the first answers, take them from the dictionary, and yield them."""
+    for future in wait(futures, return_when=FIRST_COMPLETED).done:
+        index = futures.pop(future)
+        try:
+            answer: Answer | Exception = future.result()
+        except BrokenProcessPool:
+            answer = WorkerDiedError()
+        except Exception as error:
+            answer = error
+        yield index, answer
 
 
 def _sendable(function: Callable[..., Any]) -> bool:

@@ -2,21 +2,21 @@
 
 In a terminal a live line (by rich) says what is running, how much of it is done, and how long it
 will take: the first estimate comes with the second report, so that compiling, which is over by the
-first one, does not count. In a file, as under ``nohup``, there is a line a minute; in a pipe
-nothing, since somebody reads it.
+first one, does not count. In a notebook a bar (by tqdm) says the same. Without either, as under
+``nohup`` or in the log of another program, there is a line after ten seconds and then one a minute.
+A progress that is ``quiet``, as that of ``--json``, shows itself in a terminal only.
 """
 
 from __future__ import annotations
 
 import io
 import os
-import stat
 import sys
 import threading
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import TYPE_CHECKING, TextIO, TypeAlias
+from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Live
@@ -27,6 +27,9 @@ ProgressCallback: TypeAlias = Callable[[float], None]
 
 PERIOD = 60.0
 """Seconds between two lines where there is no terminal."""
+
+FIRST = 10.0
+"""Seconds before the first of them."""
 
 SETTLING = 1.0
 """Seconds of work before the time left is estimated."""
@@ -41,6 +44,10 @@ class Progress:
         What is running.
     steps : int, optional
         Number of steps that are to be named one by one as they end; 0 for a fraction only.
+    at_once : int, optional
+        How many of them run side by side. Of more that have begun the others wait.
+    quiet : bool, optional
+        Whether to show nothing outside a terminal and a notebook.
     stream : file, optional
         By default standard error.
 
@@ -50,21 +57,33 @@ class Progress:
     ...     progress.report(0.5)
     """
 
-    def __init__(self, name: str, *, steps: int = 0, stream: TextIO | None = None) -> None:
-        self._name, self._steps = name, steps
+    def __init__(
+        self,
+        name: str,
+        *,
+        steps: int = 0,
+        at_once: int = 1,
+        quiet: bool = False,
+        stream: TextIO | None = None,
+    ) -> None:
+        self._name, self._steps, self._at_once, self._quiet = name, steps, at_once, quiet
         self._stream = stream or sys.stderr or _nowhere()
         self._live: Live | None = None
         self._task: TaskID | None = None
-        self._logs = not _is_terminal(self._stream) and _is_file(self._stream)
+        self._bar: Any = None
+        self._logs = not quiet and not _is_terminal(self._stream) and _is_of_system(self._stream)
         self._remaining = Remaining()
-        self._begin = self._logged = time.monotonic()
+        self._begin = time.monotonic()
+        self._next_line = self._begin + FIRST
         self._running: dict[str, float] = {}
         self._lock = threading.Lock()
         self.finished = 0
         """Number of steps that have ended."""
 
     def __enter__(self) -> Progress:
-        if _is_terminal(self._stream):
+        if _in_notebook():
+            self._bar = _notebook_bar(self._name)
+        elif _is_terminal(self._stream):
             self._live = _live_line(self._stream)
             self._task = self._live.add_task(self._name, total=1.0, left="")
             self._live.start()
@@ -79,15 +98,21 @@ class Progress:
         if self._live is not None:
             self._live.stop()
             self._live = None
+        if self._bar is not None:
+            self._bar.close()
+            self._bar = None
 
     def report(self, fraction: float) -> None:
         """Show the fraction done; may be called as often as is convenient."""
         self._remaining.add(fraction)
+        done = min(max(fraction, 0.0), 1.0)
         if self._live is not None and self._task is not None:
-            done = min(max(fraction, 0.0), 1.0)
             self._live.update(self._task, completed=done, left=self._left())
-        elif self._logs and time.monotonic() - self._logged >= PERIOD:
-            self._logged = time.monotonic()
+        elif self._bar is not None:
+            self._bar.n = round(100.0 * done)
+            self._bar.set_postfix_str(self._left().removeprefix(", "))
+        elif self._logs and time.monotonic() >= self._next_line:
+            self._next_line = time.monotonic() + PERIOD
             self._print(f"{self._name}: {100.0 * fraction:.0f} %{self._left()}")
 
     def begin(self, step: str) -> None:
@@ -96,9 +121,14 @@ class Progress:
             self._running[step] = time.monotonic()
             self._describe()
 
-    def end(self, step: str, said: str) -> None:
-        """Print that a step has ended, and how."""
+    def end(self, step: str, said: str, *, computed: bool = True) -> None:
+        """Print that a step has ended, and how.
+
+        One that was not computed, but read from a store, says nothing of the pace of the others.
+        """
         with self._lock:
+            if not computed:
+                self._remaining = Remaining()
             self._running.pop(step, None)
             self.finished += 1
             digits = len(str(self._steps))
@@ -107,7 +137,7 @@ class Progress:
                 f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {said}"
             )
             self._describe()
-        if self._live is not None:
+        if self._live is not None or self._bar is not None:
             self.report(self.finished / max(self._steps, 1))
 
     def _left(self) -> str:
@@ -118,14 +148,16 @@ class Progress:
         if self._live is None or self._task is None:
             return
         first = next(iter(self._running), self._name)
-        others = len(self._running) - 1
+        others = min(len(self._running), self._at_once) - 1
         name = f"{first} and {others} more" if others > 0 else first
         self._live.update(self._task, description=name, refresh=True)
 
     def _print(self, line: str) -> None:
         if self._live is not None:
             self._live.console.print(line, markup=False, highlight=False, soft_wrap=True)
-        else:
+        elif self._bar is not None:
+            self._bar.write(line)
+        elif not self._quiet:
             print(line, file=self._stream, flush=True)
 
 
@@ -188,8 +220,27 @@ def _is_terminal(stream: TextIO) -> bool:
     return not stream.closed and stream.isatty()
 
 
-def _is_file(stream: TextIO) -> bool:
+def _is_of_system(stream: TextIO) -> bool:
+    """Whether a stream is a file, a pipe or a socket, and not an object of this process."""
     try:
-        return stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+        os.fstat(stream.fileno())
     except (OSError, ValueError):  # closed, or not of the system
         return False
+    return True
+
+
+def _in_notebook() -> bool:
+    """Whether this runs in a kernel of Jupyter."""
+    found = sys.modules.get("IPython")
+    shell = None if found is None else found.get_ipython()
+    return type(shell).__name__ == "ZMQInteractiveShell"
+
+
+def _notebook_bar(name: str) -> Any:
+    """Return a bar of tqdm in per cent, or None where tqdm is not installed."""
+    try:
+        from tqdm.auto import tqdm
+    except ModuleNotFoundError:
+        return None
+    form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} {postfix}"  # our estimate, not tqdm's
+    return tqdm(total=100, desc=name, bar_format=form, leave=False)

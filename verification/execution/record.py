@@ -30,9 +30,10 @@ class Record:
        must not be those of the metadata.
     2. Name its ``kind`` in one word, which is held against the file when it is read.
     3. Give `Metadata` its command, parameters and `Code.of` the modules it came from.
-    4. `save` it; `load` it again, or be told in one sentence why the file cannot be used. Whether
-       its code is that which is here is said by `verification.execution.metadata.staleness`; what
-       to do then (compute anew, show with a remark, refuse) is for the caller to decide.
+    4. `save` it; `load` it again, which refuses a file that cannot be used, in one sentence.
+       Whether its code is that which is here is said by
+       `verification.execution.metadata.staleness`; what to do then (compute anew, show with a
+       remark, refuse) is for the caller to decide.
 
     Attributes
     ----------

@@ -139,13 +139,6 @@ class Store:
         except sqlite3.Error as error:
             raise self._sentence(error) from None
 
-    def discard(self, key: str) -> None:
-        """Remove a result, if it is there."""
-        try:
-            self._connection.execute("DELETE FROM results WHERE key = ?", (key,))
-        except sqlite3.Error as error:
-            raise self._sentence(error) from None
-
     def close(self) -> None:
         """Close the file; the lock ends."""
         # What cannot be moved from the journal into the file now is moved when it is next opened.

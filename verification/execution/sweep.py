@@ -27,7 +27,7 @@ import numpy as np
 from theory.parameters import ParameterError
 from verification.execution.digest import code_of_objects, digest_of, digest_of_arrays
 from verification.execution.interruption import terminated_as_interrupted
-from verification.execution.metadata import Code, Metadata
+from verification.execution.metadata import COMMAND_LINE, Code, Metadata
 from verification.execution.pool import answers
 from verification.execution.progress import ProgressCallback
 from verification.execution.store import Store
@@ -123,7 +123,15 @@ def sweep(
     with store or nullcontext(), terminated_as_interrupted() if out else nullcontext():
         found = {} if store is None else _found(store, len(asked))
         resumed = len(found)
-        failures = _compute(function, asked, found, store, workers, executor, progress)
+        failures = _compute(
+            function,
+            asked,
+            found=found,
+            store=store,
+            workers=workers,
+            executor=executor,
+            progress=progress,
+        )
         if failures:
             raise _failed([(asked[index], failures[index]) for index in sorted(failures)])
         rows = [{**point, **found[index]} for index, point in enumerate(asked)]
@@ -170,6 +178,7 @@ def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> tup
 def _compute(
     function: Task,
     points: Sequence[Point],
+    *,
     found: dict[int, dict[str, Scalar]],
     store: Store | None,
     workers: int | None,
@@ -256,7 +265,11 @@ def _metadata(function: Task, points: Sequence[Point], command: str, needed: boo
         "function": name,
         "points": {"count": len(points), "digest": digest_of(rows)},
     }
-    return Metadata(command=command or f"sweep({name}, ...)", parameters=parameters, code=code)
+    return Metadata(
+        command=command or COMMAND_LINE.get() or f"sweep({name}, ...)",
+        parameters=parameters,
+        code=code,
+    )
 
 
 def _identity(metadata: Metadata) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -157,21 +158,40 @@ class Table(Result):
     def save(self, path: Path) -> None:
         """Write the CSV, whole or not at all, and its record beside it in ``<path>.json``.
 
+        Lines at the end of the CSV that begin with ``#`` say command, parameters and versions; read
+        it with ``pandas.read_csv(path, comment="#")``. The record has them as JSON, with the date,
+        the machine, the digest of the code, and what `load_table` needs.
+
         Raises
         ------
         FileError
             If they cannot be written.
         """
-        text = self.as_csv()
+        metadata = self.metadata or Metadata()
+        text = self.as_csv() + commented(metadata.to_dict(), ("command", "parameters", "versions"))
         about = {
             "columns": {name: column.dtype.kind for name, column in self.arrays.items()},
             "digest": digest_of(text),
             "seconds": self.seconds,
             "resumed": self.resumed,
         }
-        metadata = self.metadata or Metadata()
         Record(kind="table", content={"table": about}, metadata=metadata).save(record_path(path))
         write_text(path, text)
+
+
+def commented(entries: Mapping[str, Any], names: Iterable[str]) -> str:
+    r"""Return entries as lines ``# name: value`` for the end of a CSV file.
+
+    Examples
+    --------
+    >>> commented({"command": "fronts map", "parameters": {"c": 0.5}}, ["parameters"])
+    '# parameters: {"c": 0.5}\n'
+    """
+    values = {name: entries[name] for name in names}
+    return "".join(
+        f"# {name}: {value if isinstance(value, str) else json.dumps(value)}\n"
+        for name, value in values.items()
+    )
 
 
 def load_table(path: Path) -> Table | None:
@@ -189,7 +209,7 @@ def load_table(path: Path) -> Table | None:
             "b": lambda word: word == "True",
         }
         kinds = [reads[kind] for kind in about["columns"].values()]
-        lines = [line.split(",") for line in text.splitlines()[1:]]
+        lines = [line.split(",") for line in text.splitlines()[1:] if not line.startswith("#")]
         rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
         named = [dict(zip(about["columns"], row, strict=True)) for row in rows]
         return table_of(named, record.metadata, float(about["seconds"]), len(rows))

@@ -83,6 +83,7 @@ class Settled:
 
 def settle(
     trial: Callable[[int], Trial],
+    *,
     sites: int,
     max_sites: int,
     accuracy: float,
@@ -112,7 +113,9 @@ def settle(
 
     Examples
     --------
-    >>> settle(lambda n: Trial(None, np.arange(n) / 2.0, np.arange(n) / 2.0, n), 32, 99, 1e-3, 0).v
+    >>> def trial(sites):
+    ...     return Trial(None, np.arange(sites) / 2.0, np.arange(sites) / 2.0, sites)
+    >>> settle(trial, sites=32, max_sites=99, accuracy=1e-3, seen=0.0).v
     2.0
     """
     steps = 0

@@ -13,6 +13,7 @@ all models (``arrival_fit``, ``watch``). What differs is in :class:`Preparation`
 * The friction chain starts from sites on the stick-slip cycle, and a site is reached when it first
   sticks. Arrivals come in steps of about one period of the cycle, so that v is a mean over many
   sites: hence the coarser accuracy.
+* Of (43) the wave itself can be solved for instead (``wave``): v to 1e-11 and its multipliers.
 * The piecewise-linear chain (44) is infinite, and moved exactly from switching to switching
   (``verification.piecewise``).
 """
@@ -23,7 +24,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import singledispatch
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -31,12 +32,18 @@ import numpy.typing as npt
 from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import Chain, Ends, SmoothChain
 from theory.chains.friction import FrictionChain
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
+from theory.chains.vdp import AveragedChain
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Settled, Trial, settle
+from verification.fronts.network import planar, spread, velocity_of
+from verification.fronts.resting import StaticFold, static_fold
 from verification.fronts.result import Front, LeftBoundary
+from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Watch
+from verification.fronts.wave import FrontWave, NoFrontError, front_wave
 from verification.runs.excite import StartPoint, excite, excite_edge
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.integration import Integration
@@ -50,9 +57,10 @@ OUTRUNS = 1.01
 MAX_EXCITED = 1000
 
 
-def measure_front(
+def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     chain: Chain,
     *,
+    method: Literal["run", "wave"] = "run",
     accuracy: float | None = None,
     tolerance: float | None = None,
     excited: int | None = None,
@@ -60,6 +68,7 @@ def measure_front(
     stall_time: float | None = None,
     left_boundary: LeftBoundary = LeftBoundary.FREE,
     point: StartPoint | float = StartPoint.MAXIMUM,
+    directions: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Front:
     """Return the velocity of a front of (8), (43), (44), (5), or a smooth chain of your own.
@@ -69,6 +78,9 @@ def measure_front(
     chain : Chain
         Parameters, with free ends. Its ``sites`` is the length tried first: beyond the excited
         sites of a smooth chain, at least 32; of a friction chain in all.
+    method : {"run", "wave"}, optional
+        ``run``: arrivals on a running chain. ``wave``, of (43) only: the travelling wave itself,
+        solved for, with its multipliers; all other options are for runs.
     accuracy : float, optional
         Relative error of v below which the front counts as steady, from 1e-10 to 0.1; by default
         1e-3, and 1e-2 for the friction chain. Of (44) the relative spread of the period, 1e-12.
@@ -88,12 +100,16 @@ def measure_front(
         What is to the left of the first site of a smooth chain.
     point : StartPoint or float
         Where on the cycle, or at which y, the excited sites of a friction chain start.
+    directions : int, optional
+        Of a lattice: excite its middle and find v in so many directions, 4 to 360; by default a
+        planar front runs across its rows. Neither a lattice nor a network is made longer.
     progress : callable, optional
         Called now and then with the part of the present chain that has been passed.
 
     Returns
     -------
     Front
+        Its ``v`` and ``error`` are in sites a unit of the chain's slow time, dimensionless.
 
     Raises
     ------
@@ -112,6 +128,10 @@ def measure_front(
     ('steady', True, True)
     """
     begin = perf_counter()
+    if method not in ("run", "wave"):
+        raise ParameterError("method", method, "run or wave", "name one of them")
+    if method == "wave":
+        return wave_front(chain)
     if accuracy is not None:
         within("accuracy", accuracy, 1e-13, 0.1)
     if stall_time is not None:
@@ -126,9 +146,68 @@ def measure_front(
         stall_time=stall_time,
         left_boundary=LeftBoundary(left_boundary),
         point=point,
+        directions=directions,
         progress=progress,
     )
+    lattice = isinstance(chain, OscillatorChain) and chain.shape is not None
+    if directions is not None:
+        if not lattice:
+            raise ParameterError(
+                "directions", directions, "left out where there is no lattice", "leave it out"
+            )
+        count_within("directions", directions, 4, 360)
     return replace(_measured(chain, request), seconds=perf_counter() - begin)
+
+
+def wave_front(chain: Chain, wave: FrontWave | None = None) -> Front:
+    """Return the front of (43) as a solution, or as one that has been solved for.
+
+    Raises
+    ------
+    ParameterError
+        If the chain is another one, or η is out of range.
+    NoFrontError
+        If the front travels, but more slowly than 1e-3.
+    """
+    if not isinstance(chain, AveragedChain):
+        raise ParameterError(
+            "method", "wave", f"run for the model {chain.model}: a wave of (43) is solved for",
+            "take the model averaged",
+        )  # fmt: skip
+    begin = perf_counter()
+    found: FrontWave | StaticFold | None = wave
+    if found is None:
+        try:
+            found = front_wave(chain.c, chain.eta)
+        except NoFrontError:
+            found = static_fold(chain.eta)
+            if chain.c > found.c:
+                raise
+    front = Front(
+        chain=chain,
+        status=FrontStatus.PINNED,
+        v=0.0,
+        error=0.0,
+        excited=None,
+        left_boundary=LeftBoundary.WAVE,
+        outruns_waves=False,
+        arrivals=np.empty(0),
+        method="wave",
+        counts={},
+        seconds=perf_counter() - begin,
+        detail=found,
+    )
+    if isinstance(found, StaticFold):
+        return front
+    return replace(
+        front,
+        status=FrontStatus.STEADY,
+        v=found.v,
+        error=found.error,
+        outruns_waves=found.v > OUTRUNS * chain.c,
+        counts={"steps": found.steps, "iterations": found.iterations},
+        seconds=found.seconds,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,6 +221,7 @@ class Request:
     stall_time: float | None
     left_boundary: LeftBoundary
     point: StartPoint | float
+    directions: int | None
     progress: ProgressCallback | None
 
 
@@ -210,12 +290,12 @@ def _settled(preparation: Preparation, progress: ProgressCallback | None) -> Set
 
     return settle(
         trial,
-        preparation.sites,
-        preparation.max_sites,
-        preparation.accuracy,
-        1.0 / preparation.stall_time,
-        preparation.enough,
-        preparation.doubt,
+        sites=preparation.sites,
+        max_sites=preparation.max_sites,
+        accuracy=preparation.accuracy,
+        seen=1.0 / preparation.stall_time,
+        enough=preparation.enough,
+        doubt=preparation.doubt,
     )
 
 
@@ -255,6 +335,63 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
     free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), doubt=found.v)
     slower = _settled(free, request.progress)
     return _front(free, slower, request.left_boundary, False, found.steps)
+
+
+@_measured.register
+def _own_front(chain: OscillatorChain, request: Request) -> Front:
+    """Of a chain as of any other; of a lattice or a network from the middle outwards."""
+    word, _, weights = str(chain.coupling).partition(":")
+    if not isinstance(chain.coupling, str) or word not in ("chain", "ring", "next-nearest"):
+        return _spreading_front(chain, request)
+    if any(np.ndim(each) for each in chain.values.values()):
+        raise ParameterError(
+            "values", "an array", "one number each for a front, whose chain is made longer",
+            "give disorder by its spread and seed",
+        )  # fmt: skip
+    straight = f"chain:{weights}" if weights else "chain"
+    free = chain.replace(coupling=straight, ends=Ends.FREE)
+    if free.network is None:
+        return _smooth_front(free, request)
+    if request.left_boundary is LeftBoundary.WAVE:
+        raise ParameterError(
+            "left boundary", "wave", "free where sites differ or have more than two neighbours",
+            "leave it out",
+        )  # fmt: skip
+    prepared = _prepare_smooth(free, request, LeftBoundary.FREE)
+    found = _settled(prepared, request.progress)
+    outruns = found.v is not None and found.v > OUTRUNS * free.trailing_wave_velocity
+    return _front(prepared, found, LeftBoundary.FREE, outruns)
+
+
+def _spreading_front(chain: OscillatorChain, request: Request) -> Front:
+    stall = 60.0 if request.stall_time is None else request.stall_time
+    options: dict[str, Any] = {
+        "tolerance": 1e-8 if request.tolerance is None else request.tolerance,
+        "stall": stall * chain.time_unit,
+        "progress": request.progress,
+    }
+    if request.excited is not None:
+        options["excited"] = request.excited
+    if chain.shape is not None and request.directions is None:
+        found = planar(chain, **options)
+    else:
+        found = spread(chain, directions=request.directions or 4, **options)
+    v, error = velocity_of(found, chain)
+    pinned = found.status is FrontStatus.PINNED
+    return Front(
+        chain=chain,
+        status=found.status,
+        v=0.0 if pinned else v,
+        error=1.0 / stall if pinned else error,
+        excited=int(np.count_nonzero(found.spread.arrivals == 0.0)),
+        left_boundary=None,
+        outruns_waves=False,
+        arrivals=np.sort(found.spread.arrivals[found.spread.arrivals > 0.0]),
+        method=SmoothIntegration.method,
+        counts={"steps": found.steps},
+        seconds=0.0,
+        detail=found.spread,
+    )
 
 
 def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary) -> Preparation:

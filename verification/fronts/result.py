@@ -16,12 +16,6 @@ from verification.fronts.status import FrontStatus
 FloatArray = npt.NDArray[np.float64]
 
 
-_OF_SWITCHINGS = (
-    "period_spread", "events_per_site", "sliding_events", "repeat", "margin", "truncation",
-)  # fmt: skip
-"""What a run of (44) knows of its front beyond a velocity."""
-
-
 class LeftBoundary(Status):
     """What is to the left of the first site; of consequence only where waves overtake the front."""
 
@@ -59,7 +53,9 @@ class Front(Result):
     seconds : float
         Run time.
     detail : object or None
-        What the method knows beyond this (of (44) a ``verification.piecewise.run.FrontRun``).
+        What the method knows beyond this: of (44) a ``verification.piecewise.run.FrontRun``, of a
+        wave a ``verification.fronts.wave.FrontWave``, of a lattice or network a
+        ``verification.fronts.network.Spread``. What its ``shown`` names is in the JSON.
     """
 
     chain: Any
@@ -97,7 +93,7 @@ class Front(Result):
         group_velocity = getattr(self.chain, "largest_group_velocity", None)
         if group_velocity is not None:
             found["largest_group_velocity"] = group_velocity
-        for name in _OF_SWITCHINGS if self.detail is not None else ():
+        for name in getattr(self.detail, "shown", ()):
             found[name] = plain(getattr(self.detail, name))
         return found
 

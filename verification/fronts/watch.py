@@ -14,14 +14,17 @@ import numpy.typing as npt
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Trial
 from verification.fronts.status import FrontStatus
-from verification.runs.comparison import COARSER
+from verification.runs.comparison import coarser_tolerance
 from verification.runs.integration import Integration
 
 FloatArray = npt.NDArray[np.float64]
 
 MARGIN = 8
-"""Sites at the far end that need not be reached, and of which v is not made: the end itself speeds
-the front up."""
+"""Sites at the far end that need not be reached, and of which v is not made.
+
+What runs ahead of the front is reflected there and speeds it up. At a distance d from the end that
+is twice damped by the decay ahead of the front, so it falls off as the square of what arrives; from
+c = 0.6 to 1000, four sites less or more change v by less than its error."""
 
 BUDGET = 5000
 """Sites times steps between the first two checks; it doubles while that is short."""
@@ -29,7 +32,46 @@ BUDGET = 5000
 CHECKS = 40
 """Checks in a stall time that are enough."""
 
-_MAX_TOLERANCE = 1e-2
+
+class Stall:
+    """Whether a run in which sites are reached has stopped; asked again and again as it goes on.
+
+    Parameters
+    ----------
+    run : Integration
+        The run.
+    time : float
+        Time without an arrival after which the amplitudes are noted, and twice that before the
+        motion is called pinned or creeping.
+    settling_tolerance : float
+        Change of an amplitude, from the first time to the second, below which it is pinned.
+    """
+
+    def __init__(self, run: Integration, time: float, settling_tolerance: float) -> None:
+        self.run, self.time, self.settling_tolerance = run, time, settling_tolerance
+        self.reached, self.since = 0, 0.0
+        self.early: FloatArray | None = None
+
+    def note(self, reached: int) -> None:
+        """Note how far the motion has come; it begins to wait anew if that is farther."""
+        if reached > self.reached:
+            self.reached, self.since, self.early = reached, self.run.time, None
+
+    @property
+    def waited(self) -> float:
+        """Time since the motion came farther."""
+        return self.run.time - self.since
+
+    def status(self) -> FrontStatus | None:
+        """Return what has become of the motion if it has stopped."""
+        if self.run.going_to_rest():
+            return FrontStatus.COLLAPSED
+        if self.waited > self.time and self.early is None:
+            self.early = self.run.amplitude
+        if self.waited <= 2.0 * self.time or self.early is None:
+            return None
+        change = float(np.max(np.abs(self.run.amplitude - self.early)))
+        return FrontStatus.PINNED if change < self.settling_tolerance else FrontStatus.CREEPING
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,15 +80,13 @@ class Watch:
 
     Attributes
     ----------
-    stall_time : float
-        Time without an arrival after which the amplitudes are noted, and twice that before the
-        front is called pinned or creeping.
-    settling_tolerance : float
-        Change of an amplitude, from the first time to the second, below which it is pinned.
+    stall_time, settling_tolerance : float
+        As in :class:`Stall`.
     first : int
         First site of which v is made, counted from 0; before it sites are excited.
     progress : callable, optional
-        Called now and then with the part of the chain that has been reached.
+        Called now and then with the part of the chain that has been reached or, where that is
+        more, of the time that is waited for a front that stands.
     """
 
     stall_time: float
@@ -57,9 +97,8 @@ class Watch:
     def follow(self, run: Integration) -> FrontStatus | None:
         """Step until the far end is reached (None), or until the front has stopped."""
         sites = run.state.shape[1]
-        furthest, when = 0, 0.0
-        early: FloatArray | None = None
-        budget, before = BUDGET, 0.0
+        stall = Stall(run, self.stall_time, self.settling_tolerance)
+        budget, before, part = BUDGET, 0.0, 0.0
         while True:
             run.advance(budget)
             if run.time - before < self.stall_time / CHECKS:
@@ -68,24 +107,18 @@ class Watch:
             reached = int(np.flatnonzero(~np.isnan(run.arrivals)).max(initial=0))
             if reached >= sites - MARGIN - 1:
                 return None
+            stall.note(reached)
             if self.progress is not None:
-                self.progress(reached / sites)
-            if reached > furthest:
-                furthest, when, early = reached, run.time, None
-            if run.going_to_rest():
-                return FrontStatus.COLLAPSED
-            waited = run.time - when
-            if waited > self.stall_time and early is None:
-                early = run.amplitude
-            if waited > 2.0 * self.stall_time and early is not None:
-                change = float(np.max(np.abs(run.amplitude - early)))
-                settled = change < self.settling_tolerance
-                return FrontStatus.PINNED if settled else FrontStatus.CREEPING
+                part = max(part, reached / sites, stall.waited / (2.0 * self.stall_time))
+                self.progress(min(1.0, part))
+            status = stall.status()
+            if status is not None:
+                return status
 
     def trial(self, begin: Callable[[float], Integration], tolerance: float) -> Trial:
         """Follow a front at a tolerance and, if it reaches the far end, at a hundred times it."""
         runs: list[Integration] = []
-        for each in (tolerance, min(_MAX_TOLERANCE, COARSER * tolerance)):
+        for each in (tolerance, coarser_tolerance(tolerance)):
             runs.append(begin(each))
             stopped = self.follow(runs[-1])
             if stopped is not None:

@@ -299,12 +299,16 @@ def state_map(
     *,
     refine: float = 1.0 / 16.0,
     workers: int | None = None,
+    executor: Executor | None = None,
     out: Path | None = None,
     resume: bool = False,
     progress: ProgressCallback | None = None,
     **axes: Sequence[float],
 ) -> StateMap:
-    """Name the state of a chain at every point of a grid, and bisect where it changes.
+    """Name the state of a chain (5), (8) or (43) at every point of a grid (Figs. 6, 15).
+
+    Where the state changes between neighbouring points, the boundary is bisected. All parameters
+    are dimensionless.
 
     Parameters
     ----------
@@ -314,6 +318,8 @@ def state_map(
         Boundaries are bisected to this part of the spacing of the grid; 0 leaves them.
     workers : int, optional
         Processes, by default one a core that may be used.
+    executor : concurrent.futures.Executor, optional
+        Used in place of own processes, and left open: that of a cluster, for instance.
     out : Path, optional
         CSV file for the map; the boundaries go beside it, see `boundary_path`.
     resume : bool, optional
@@ -327,6 +333,7 @@ def state_map(
     Returns
     -------
     StateMap
+        One row a point, and the boundaries.
 
     Raises
     ------
@@ -347,15 +354,17 @@ def state_map(
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
     points = state_points(task, axes)
-    with _pool(workers, len(points)) as executor:
-        states = _swept(task, points, out, resume, executor, progress)
+    with _pool(workers, len(points)) if executor is None else nullcontext(executor) as pool:
+        states = _swept(task, points, out=out, resume=resume, executor=pool, progress=progress)
         map_seconds = perf_counter() - begin
         boundary = None
         if refine > 0.0:
             lines = boundary_lines(states, tuple(axes))
             edge = None if out is None else boundary_path(out)
             bisection = Bisection(task.alone(), refine)
-            boundary = _swept(bisection, lines, edge, resume, executor, progress)
+            boundary = _swept(
+                bisection, lines, out=edge, resume=resume, executor=pool, progress=progress
+            )
     return StateMap(
         task=task,
         axes=tuple(axes),
@@ -386,6 +395,7 @@ def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor |
 def _swept(
     task: Task,
     points: tuple[Point, ...],
+    *,
     out: Path | None,
     resume: bool,
     executor: Executor | None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -62,6 +63,10 @@ class FrontRun:
     method : str
         How it was computed.
     """
+
+    shown: ClassVar[tuple[str, ...]] = (
+        "period_spread", "events_per_site", "sliding_events", "repeat", "margin", "truncation",
+    )  # fmt: skip
 
     coupling: float
     threshold: float

@@ -31,7 +31,7 @@ from verification.quantities.quantity import (
 
 FloatArray = npt.NDArray[np.float64]
 
-OWN_ROWS = ("vdp", "averaged")
+OWN_ROWS = ("vdp", "averaged", "chain", "averaged-chain")
 """Smooth models whose runs are held against a right side written a second time."""
 
 _END = 10.0

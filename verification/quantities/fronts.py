@@ -43,11 +43,10 @@ def _front(at: Mapping[str, float], full: bool) -> StatedValue:
     from verification.fronts.measure import measure_front
     from verification.fronts.result import LeftBoundary
     from verification.fronts.status import FrontStatus
-    from verification.runs.model import Model
 
-    model = Model.FULL if full else Model.ENVELOPE
+    chain = _chain(at)
     found = measure_front(
-        model.chain_of(_chain(at)), left_boundary=LeftBoundary.WAVE, stall_time=_STALL_TIME
+        chain if full else chain.averaged(), left_boundary=LeftBoundary.WAVE, stall_time=_STALL_TIME
     )
     settled = found.status in (FrontStatus.STEADY, FrontStatus.PINNED)
     if not settled or found.v is None or found.error is None:
@@ -59,7 +58,14 @@ def _check_averaged(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
     """Step the real amplitudes behind which phases are locked at a quarter of a turn a site."""
     chain = _chain(at)
     start = np.where(np.arange(_SITES) < _FILLED, chain.stable_amplitude, 0.0)
-    return _by_scipy(chain, stated, quarter_turn_rate(chain, wave=True), start, 1.0, np.abs)
+    return _by_scipy(
+        chain,
+        stated,
+        rate=quarter_turn_rate(chain, wave=True),
+        start=start,
+        scale=1.0,
+        amplitude=np.abs,
+    )
 
 
 def _check_full(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -68,13 +74,19 @@ def _check_full(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     turns = 1j * (-1j) ** np.arange(_SITES)  # each site a quarter of a turn behind the one before
     psi = np.where(np.arange(_SITES) < _FILLED, chain.stable_amplitude * turns, 0.0)
     return _by_scipy(
-        chain, stated, full_rate(chain, wave=True), as_state(psi), chain.eps, amplitude_of
+        chain,
+        stated,
+        rate=full_rate(chain, wave=True),
+        start=as_state(psi),
+        scale=chain.eps,
+        amplitude=amplitude_of,
     )
 
 
 def _by_scipy(
     chain: VdpChain,
     stated: StatedValue,
+    *,
     rate: Rate,
     start: FloatArray,
     scale: float,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 
 from theory.parameters import count_within
+from theory.result import Result
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
 from verification.execution.table import Point, Table
@@ -51,8 +53,11 @@ class StabilityRow:
     slowest: float
 
 
+_OF_A_ROW = ("quantity", "points", "random", "tightest", "slowest")
+
+
 @dataclass(frozen=True, kw_only=True)
-class Stability:
+class Stability(Result):
     """The table and what is wrong with it.
 
     Attributes
@@ -64,11 +69,22 @@ class Stability:
         known of them.
     table : Table
         Every point.
+    seconds : float
+        Wall-clock time.
     """
 
     lines: tuple[StabilityRow, ...]
     bad: tuple[dict[str, object], ...]
-    table: Table
+    table: Table = field(metadata={"json": None})
+    seconds: float
+
+    derived = ("counts",)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a quantity: points, those of each outcome, tightest, slowest."""
+        of = {name: [getattr(line, name) for line in self.lines] for name in _OF_A_ROW}
+        of |= {o.value: [line.counts[o.value] for line in self.lines] for o in Outcome}
+        return {name: np.array(values) for name, values in of.items()}
 
     @property
     def counts(self) -> dict[str, int]:
@@ -133,6 +149,7 @@ def stability(
     >>> found.bad, found.counts["exceeded"]
     ((), 0)
     """
+    begin = perf_counter()
     count_within("seed", seed, 0, 2**31 - 1)
     table = sweep(
         RobustnessTask(seed),
@@ -145,7 +162,7 @@ def stability(
     lines = tuple(_line(computation, table) for computation in chosen(names))
     bad = {outcome.value for outcome in BAD}
     wrong = tuple(dict[str, object](row) for row in table.rows() if row["outcome"] in bad)
-    return Stability(lines=lines, bad=wrong, table=table)
+    return Stability(lines=lines, bad=wrong, table=table, seconds=perf_counter() - begin)
 
 
 def _line(computation: Computation, table: Table) -> StabilityRow:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.quantities.chains import vdp_chain
+from verification.quantities.own_chains import RUN_OF_OWN_CHAIN
 from verification.quantities.quantity import (
     Axis,
     Computation,
@@ -189,6 +190,7 @@ QUANTITIES = (
         default="Runge-Kutta 8 (default)",
         useful=(1e-9, 1e-3),
         computations=(
+            RUN_OF_OWN_CHAIN,
             Computation(
                 name="run-vdp",
                 title="state of the chain (8) at t = 30 from one displaced site",

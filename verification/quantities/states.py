@@ -52,20 +52,33 @@ def _label(at: Mapping[str, float], full: bool) -> StatedValue:
 def _check_averaged(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Step (43) as complex numbers."""
     chain = _chain(at)
-    return _promise_kept(chain, stated, averaged_rate(chain), stated.extra[1], 1.0, np.abs)
+    return _label_holds(
+        chain,
+        stated,
+        rate=averaged_rate(chain),
+        start=stated.extra[1],
+        scale=1.0,
+        amplitude_of=np.abs,
+    )
 
 
 def _check_full(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Step (8)."""
     chain = _chain(at)
-    return _promise_kept(
-        chain, stated, full_rate(chain), as_state(stated.extra[1]), chain.eps, amplitude_of
+    return _label_holds(
+        chain,
+        stated,
+        rate=full_rate(chain),
+        start=as_state(stated.extra[1]),
+        scale=chain.eps,
+        amplitude_of=amplitude_of,
     )
 
 
-def _promise_kept(
+def _label_holds(
     chain: VdpChain,
     stated: StatedValue,
+    *,
     rate: Any,
     start: npt.NDArray[Any],
     scale: float,
@@ -90,15 +103,15 @@ def _promise_kept(
     level = chain.unstable_amplitude if chain.bistable else np.inf
     above = amplitude > level
     if stated.note == "front":
-        kept = bool(above[0].all())
+        held = bool(above[0].all())
     elif stated.note == "breather":
         steady = np.ptp(amplitude, axis=1).max() < (_RIPPLE + 4.0 * chain.eps) * level
-        kept = bool(above.any(axis=0).all() and not above[0].any() and steady)
+        held = bool(above.any(axis=0).all() and not above[0].any() and steady)
     else:
         early, late = np.split(np.linalg.norm(amplitude, axis=0), 2)
-        kept = bool(late.mean() < early.mean() and not above.any())
+        held = bool(late.mean() < early.mean() and not above.any())
     return ReferenceCheck(
-        distance=0.0 if kept else 1.0, method="scipy's DOP853, to more than twice the time"
+        distance=0.0 if held else 1.0, method="scipy's DOP853, to more than twice the time"
     )
 
 

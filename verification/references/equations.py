@@ -254,7 +254,7 @@ def piecewise_rate(
 
 
 def dynamic_friction(speed: Any, cell: FrictionCell, exp: Callable[[Any], Any] = np.exp) -> Any:
-    """Return μ = μ_d + (μ_st - μ_d) e^{-|v|/v₀} of (6) at a speed |v|.
+    """Return μ of (6) at a speed |v|: μ_d + (μ_st - μ_d) e^{-|v|/v₀}, or of another law.
 
     A negative speed continues the curve smoothly, as a test of a grazing orbit needs it.
 
@@ -263,7 +263,13 @@ def dynamic_friction(speed: Any, cell: FrictionCell, exp: Callable[[Any], Any] =
     >>> float(dynamic_friction(0.0, FrictionCell()))
     1.0
     """
-    return cell.mu_d + (cell.mu_st - cell.mu_d) * exp(-speed / cell.v0)
+    if cell.law == "exponential":
+        falling = exp(-speed / cell.v0)
+    elif cell.law == "stribeck":
+        falling = exp(-((speed / cell.v_s) ** 2))
+    else:
+        falling = 0.0
+    return cell.mu_d + (cell.mu_st - cell.mu_d) * falling + cell.viscous * speed
 
 
 def load(y: FloatArray, velocity: Any, chain: FrictionChain) -> FloatArray:

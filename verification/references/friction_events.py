@@ -205,12 +205,12 @@ def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -
             raise ArithmeticError(f"site {n + 1} starts on an event: start off it")
         for k in range(_CHECKS):
             if values[k, n] > 0.0 >= values[k + 1, n]:
-                found.append(_located(law, dense, modes, n, times[k], times[k + 1]))
+                found.append(_located(law, dense, modes, n, low=times[k], high=times[k + 1]))
                 break
     return min(found, default=None)
 
 
-def _located(law: _Law, dense: Any, modes: IntArray, n: int, low: float, high: float) -> float:
+def _located(law: _Law, dense: Any, modes: IntArray, n: int, *, low: float, high: float) -> float:
     def value(t: float) -> float:
         return float(law.distance(dense(t), modes)[n])
 

@@ -82,7 +82,7 @@ def run_regularised(
     tolerance : float
         Relative tolerance; the absolute one is a thousandth of it.
     samples : int
-        States kept, evenly spaced.
+        States sampled, evenly spaced.
 
     Examples
     --------

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -96,7 +97,7 @@ def run_switch(
     band : float
         Half-width of the stick band in v_rel, positive.
     samples : int
-        States kept, evenly spaced.
+        States sampled, evenly spaced.
 
     Raises
     ------
@@ -122,28 +123,38 @@ def run_switch(
     longest = min(t_end, 1.0 / (math.sqrt(1.0 + 4.0 * chain.c) + 2.0 * cell.xi))
     if step is not None and not 0.0 < step <= longest:
         raise ParameterError("step", step, f"positive, at most {longest:.3g}", "give a smaller one")
-    times = np.linspace(0.0, t_end, samples)
-    kept = np.zeros((samples, 2, chain.sites))
-    arrivals = np.full(chain.sites, np.nan)
-    counters = np.zeros(3, dtype=np.int64)
+    law = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c, band])
     fixed = 0.0 if step is None else t_end / math.ceil(t_end / step - 1e-9)
-    reached = _trapezoid(
-        np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c, band]),
-        chain.ends is Ends.FREE,
-        np.array(start, dtype=float),
-        t_end,
-        fixed,
-        relative,
-        absolute,
-        times,
-        kept,
-        arrivals,
-        counters,
-    )
+    rule = _Rule(law, chain.ends is Ends.FREE, t_end, fixed, relative, absolute)
+    kept = np.zeros((samples, 2, chain.sites))
+    counters = np.zeros(4, dtype=np.int64)
+    arrivals = np.full(chain.sites, np.nan)
+    record = _Record(np.linspace(0.0, t_end, samples), kept, arrivals, counters)
+    reached = _trapezoid(rule, np.array(start, dtype=float), record)
     return SwitchRun(
-        times, kept[:, 0], kept[:, 1], arrivals, int(counters[0]), int(counters[1]),
+        record.times, kept[:, 0], kept[:, 1], arrivals, int(counters[0]), int(counters[1]),
         int(counters[2]), float(reached), perf_counter() - begin,
     )  # fmt: skip
+
+
+class _Rule(NamedTuple):
+    """Parameters; whether ends are free; the end; the step, 0 for chosen ones; tolerances."""
+
+    law: FloatArray
+    free: bool
+    t_end: float
+    fixed: float
+    relative: float
+    absolute: float
+
+
+class _Record(NamedTuple):
+    """Times and states of samples, arrivals, and steps, rejected, unconverged, samples taken."""
+
+    times: FloatArray
+    states: FloatArray
+    arrivals: FloatArray
+    counters: IntArray
 
 
 @njit(cache=True)
@@ -179,85 +190,112 @@ def _right_side(
             sticks[n] = 1
 
 
+Pair = tuple[FloatArray, FloatArray]
+"""States or their derivatives at the beginning and the end of a step, each of shape (2, N)."""
+
+
 @njit(cache=True)
-def _trapezoid(
-    parameters: FloatArray,
-    free: bool,
-    z: FloatArray,
-    t_end: float,
-    fixed: float,
-    relative: float,
-    absolute: float,
-    times: FloatArray,
-    kept: FloatArray,
-    arrivals: FloatArray,
-    counters: IntArray,
+def _solve_step(
+    rule: _Rule, z: FloatArray, now: FloatArray, h: float, sticks: IntArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return the state after h, its derivative, and the last change in the iteration."""
+    following = z + h * now
+    later = np.zeros(z.shape)
+    change = math.inf
+    for _ in range(_ITERATIONS):
+        _right_side(following, rule.law, rule.free, later, sticks)
+        change = 0.0
+        for i in range(2):
+            for n in range(z.shape[1]):
+                value = z[i, n] + 0.5 * h * (now[i, n] + later[i, n])
+                change = max(change, abs(value - following[i, n]))
+                following[i, n] = value
+        if not change > _CONVERGED:
+            break
+    _right_side(following, rule.law, rule.free, later, sticks)
+    return following, later, change
+
+
+@njit(cache=True)
+def _error_of_step(
+    rule: _Rule, states: Pair, before: FloatArray, slopes: Pair, lengths: tuple[float, float]
 ) -> float:
-    """Integrate; ``fixed`` is the step, 0 for chosen ones; return the time reached."""
-    sites = z.shape[1]
-    now, later, before = np.zeros((2, sites)), np.zeros((2, sites)), np.zeros((2, sites))
-    following = np.zeros((2, sites))
-    sticks = np.zeros(sites, dtype=np.int64)
-    _right_side(z, parameters, free, now, sticks)
-    for n in range(sites):
-        if sticks[n] == 1:
-            arrivals[n] = 0.0
-    t, sampled, past = 0.0, 0, 0.0
+    """Return h³/12 times the third derivative over the tolerance.
+
+    ``before`` is the derivative at the beginning of the step before, and ``lengths`` are those of
+    that step, 0 if there is none, and of this one.
+    """
+    past, h = lengths
+    worst = 0.0
+    for i in range(2):
+        for n in range(before.shape[1]):
+            third = (slopes[1][i, n] - slopes[0][i, n]) / h
+            if past > 0.0:
+                third = 2.0 * (third - (slopes[0][i, n] - before[i, n]) / past) / (h + past)
+            size = rule.absolute + rule.relative * max(abs(states[0][i, n]), abs(states[1][i, n]))
+            worst = max(worst, abs(third) * h**3 / 12.0 / size)
+    return worst
+
+
+@njit(cache=True)
+def _take_samples(
+    record: _Record, states: Pair, slopes: Pair, step: tuple[float, float], last: bool
+) -> None:
+    """Take the samples within the step, (t, h), all that are left at the last one, by cubics."""
+    times, counters = record.times, record.counters
+    t, h = step
+    while counters[3] < times.size and (times[counters[3]] <= t + h or last):
+        s = min(1.0, (times[counters[3]] - t) / h)
+        a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2
+        record.states[counters[3]] = (
+            a * states[0]
+            + b * h * slopes[0]
+            + (1.0 - a) * states[1]
+            + s * s * (s - 1.0) * h * slopes[1]
+        )
+        counters[3] += 1
+
+
+@njit(cache=True)
+def _note_arrivals(arrivals: FloatArray, sticks: IntArray, t: float) -> None:
+    for n in range(sticks.size):
+        if sticks[n] == 1 and math.isnan(arrivals[n]):
+            arrivals[n] = t
+
+
+@njit(cache=True)
+def _trapezoid(rule: _Rule, z: FloatArray, record: _Record) -> float:
+    """Integrate from the state z; return the time reached."""
+    sticks = np.zeros(z.shape[1], dtype=np.int64)
+    now, before = np.zeros(z.shape), np.zeros(z.shape)
+    _right_side(z, rule.law, rule.free, now, sticks)
+    _note_arrivals(record.arrivals, sticks, 0.0)
+    t, past, fixed = 0.0, 0.0, rule.fixed
     h = fixed if fixed > 0.0 else 1e-4
-    while t < t_end:
-        h = min(h, t_end - t) if fixed == 0.0 else fixed
-        if h < _SHORTEST and t_end - t > _SHORTEST:
+    while t < rule.t_end:
+        h = min(h, rule.t_end - t) if fixed == 0.0 else fixed
+        if h < _SHORTEST and rule.t_end - t > _SHORTEST:
             return t
-        following[:] = z + h * now
-        change = math.inf
-        for _ in range(_ITERATIONS):
-            _right_side(following, parameters, free, later, sticks)
-            change = 0.0
-            for i in range(2):
-                for n in range(sites):
-                    value = z[i, n] + 0.5 * h * (now[i, n] + later[i, n])
-                    change = max(change, abs(value - following[i, n]))
-                    following[i, n] = value
-            if not change > _CONVERGED:
-                break
+        following, later, change = _solve_step(rule, z, now, h, sticks)
         if not math.isfinite(change):
             return t
-        if change > _CONVERGED:
-            counters[2] += 1
-        _right_side(following, parameters, free, later, sticks)
+        record.counters[2] += change > _CONVERGED
         factor = 1.0
         if fixed == 0.0:
-            worst = 0.0
-            for i in range(2):
-                for n in range(sites):
-                    third = (later[i, n] - now[i, n]) / h
-                    if past > 0.0:
-                        third = 2.0 * (third - (now[i, n] - before[i, n]) / past) / (h + past)
-                    size = absolute + relative * max(abs(z[i, n]), abs(following[i, n]))
-                    worst = max(worst, abs(third) * h**3 / 12.0 / size)
+            worst = _error_of_step(rule, (z, following), before, (now, later), (past, h))
             factor = 0.9 * worst ** (-1.0 / 3.0) if worst > 0.0 else 5.0
             factor = min(5.0, max(0.2, factor))
             if worst > 1.0:
-                counters[1] += 1
+                record.counters[1] += 1
                 h *= min(factor, 0.9)
                 continue
         # Fixed steps add up to the end but for round-off.
-        last = t + h >= t_end - 0.5 * fixed
-        while sampled < times.size and (times[sampled] <= t + h or last):
-            s = min(1.0, (times[sampled] - t) / h)
-            a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2
-            kept[sampled] = (
-                a * z + b * h * now + (1.0 - a) * following + s * s * (s - 1.0) * h * later
-            )
-            sampled += 1
-        t = t_end if last else t + h
-        counters[0] += 1
-        for n in range(sites):
-            if sticks[n] == 1 and math.isnan(arrivals[n]):
-                arrivals[n] = t
-        z[:] = following
-        before[:] = now
-        now[:] = later
+        last = t + h >= rule.t_end - 0.5 * fixed
+        _take_samples(record, (z, following), (now, later), (t, h), last)
+        t = rule.t_end if last else t + h
+        record.counters[0] += 1
+        _note_arrivals(record.arrivals, sticks, t)
+        z, before, now = following, now, later
         past = h
         h = fixed if fixed > 0.0 else h * factor
     return t

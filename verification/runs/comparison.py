@@ -1,15 +1,15 @@
-"""The error of a run, by comparison with the same run at two other, larger tolerances.
+"""The error of a run, by comparison with the same run at a tenth of its tolerance.
 
-They are a hundred and a thousand times the tolerance. The error is twice the larger of the
-difference from the first and a tenth of the difference from the second: an event may make one
-difference small by accident, and where rounding decides, such a run is no worse than the run
-itself. The first of them also starts a few units in the last place away. Where motion is unstable,
-rounding alone grows by e^{λt}, and no tolerance helps; so the error says it.
+The error of the other run is about a tenth, so that the difference is the error itself within some
+ten per cent. Three times the difference is stated: now and then, where steps are limited by
+stability or a site wakes up between two of them, the finer run is hardly better. The other run also
+starts a few units in the last place away. Where motion is unstable, rounding alone grows by e^{λt},
+and no tolerance helps; so the error says it. Where the tolerance is so small that a tenth of it
+would be rounding, the other run has ten times the tolerance instead, and the error is some tens of
+times too large.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -17,34 +17,46 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 COARSER = 100.0
-"""The first run at another tolerance has the tolerance times this."""
+"""Tolerance over that of a run for comparison, where an event is timed and not a state."""
 
 PERTURBATION = 8
-"""Units in the last place by which the start of that run is perturbed."""
+"""Units in the last place by which the start of the other run is perturbed."""
 
-_SECOND = 1000.0
-_SHARES = (1.0, COARSER / _SECOND)
-_MAX_TOLERANCE = 0.1
+_RATIO = 10.0
+_SAFETY = 3.0
+_FINEST, _COARSEST = 1e-14, 1e-2
 
 
-def coarser_tolerances(tolerance: float) -> list[float]:
-    """Return the tolerances of both runs for comparison, at most 0.1.
+def other_tolerance(tolerance: float) -> float:
+    """Return the tolerance of the run for comparison.
 
     Examples
     --------
-    >>> coarser_tolerances(2.0**-10)
-    [0.09765625, 0.1]
+    >>> round(other_tolerance(1e-6), 12), round(other_tolerance(1e-14), 18)
+    (1e-07, 1e-13)
     """
-    return [min(_MAX_TOLERANCE, factor * tolerance) for factor in (COARSER, _SECOND)]
+    finer = tolerance / _RATIO
+    return finer if finer >= _FINEST else _RATIO * tolerance
 
 
-def error_by_sample(samples: FloatArray, others: Sequence[FloatArray]) -> FloatArray:
+def coarser_tolerance(tolerance: float) -> float:
+    """Return the tolerance of the run for comparison where an event is timed.
+
+    Examples
+    --------
+    >>> coarser_tolerance(1e-3)
+    0.01
+    """
+    return min(_COARSEST, COARSER * tolerance)
+
+
+def error_by_sample(samples: FloatArray, other: FloatArray) -> FloatArray:
     """Return the error of each sample, a bound on √(Δy² + Δw²) of every site.
 
     Parameters
     ----------
-    samples, others : ndarray, shape (M, 2, N), and a pair of such
-        States of the run, and of the runs at the other tolerances.
+    samples, other : ndarray, shape (M, 2, N)
+        States of the run, and of the run for comparison.
 
     Returns
     -------
@@ -53,25 +65,23 @@ def error_by_sample(samples: FloatArray, others: Sequence[FloatArray]) -> FloatA
     Examples
     --------
     >>> state = np.zeros((1, 2, 1))
-    >>> error_by_sample(state, [state + 0.25, state]).round(6).tolist()
-    [0.707107]
+    >>> error_by_sample(state, state + 0.25).round(6).tolist()
+    [1.06066]
     """
-    apart = [np.hypot(*np.moveaxis(samples - other, 1, 0)).max(axis=-1) for other in others]
-    worst: FloatArray = 2.0 * np.max([s * a for s, a in zip(_SHARES, apart, strict=True)], axis=0)
-    return worst
+    apart: FloatArray = np.hypot(*np.moveaxis(samples - other, 1, 0)).max(axis=-1)
+    return _SAFETY * apart
 
 
-def arrival_error_from(run: FloatArray, others: Sequence[FloatArray]) -> float:
-    """Return the error of arrival times; inf if one run saw an arrival that another did not.
+def arrival_error_from(run: FloatArray, other: FloatArray) -> float:
+    """Return the error of arrival times; inf if one run saw an arrival that the other did not.
 
     Examples
     --------
     >>> one = np.array([1.0, np.nan])
-    >>> arrival_error_from(one, [one + 0.5, one])
-    1.0
+    >>> arrival_error_from(one, one + 0.5)
+    1.5
     """
-    apart = [difference(run, other) for other in others]
-    return 2.0 * max(share * each for share, each in zip(_SHARES, apart, strict=True))
+    return _SAFETY * difference(run, other)
 
 
 def difference(first: FloatArray, second: FloatArray) -> float:

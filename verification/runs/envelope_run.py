@@ -60,7 +60,7 @@ def escape(take_step: Step) -> Condition:
     """
 
     @fast
-    def escaped(
+    def escaped(  # noqa: PLR0917  (as a Condition)
         t: float,
         h: float,
         before: FloatArray,

@@ -120,6 +120,11 @@ def _(
 def _(
     chain: FrictionChain, displacement: float | None, turn: int, point: StartPoint
 ) -> tuple[float, float]:
+    if turn:
+        raise ParameterError(
+            "phase steps", turn, "0 for the friction chain, whose sites start in phase",
+            "leave them out",
+        )  # fmt: skip
     return (cycle_point(chain.cell, point) if displacement is None else displacement), 0.0
 
 

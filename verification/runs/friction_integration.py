@@ -22,7 +22,19 @@ from verification.runs.integration import (
     integration,
 )
 from verification.steppers import friction
-from verification.steppers.friction_series import binomials
+from verification.steppers.friction_series import (
+    ARRIVAL,
+    CLOCK,
+    HIGHEST,
+    LOWEST,
+    MODE,
+    REST,
+    WATCHED,
+    W,
+    Y,
+    law_of,
+    new_numbers,
+)
 from verification.steppers.stop_code import StopCode
 from verification.steppers.taylor import taylor_order
 
@@ -54,7 +66,7 @@ class FrictionIntegration(Integration):
     watched : sequence of int, optional
         Sites from 1 to N whose arrivals count for :meth:`advance_to`; by default all.
     logged_events : int
-        Events that are kept in ``log``, from 0 to 1e8.
+        Events that are listed in ``log``, from 0 to 1e8.
 
     Raises
     ------
@@ -85,48 +97,49 @@ class FrictionIntegration(Integration):
         self.times = np.asarray(times, dtype=float)
         self.end = (float(self.times[-1]) if self.times.size else math.inf) if end is None else end
         logged = count_within("events logged", logged_events, 0, 10**8)
-        parameters = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c])
-        free = chain.ends is Ends.FREE
-        y, w = state[0].copy(), state[1] - cell.v_d
-        modes = friction.initial_modes(y, w, parameters, free)
-        self._run = friction.new_run(y, w, modes, self.times.size, logged)
-        self._run.counters[friction.HI] = chain.sites
-        rest = self._close_window(_REST * tolerance) if active_window and free else -1.0
-        marked = np.ones(chain.sites, dtype=bool)
-        if watched is not None:
-            marked[:] = False
-            marked[[site - 1 for site in watched]] = True
+        own = np.full(chain.sites, 2.0)
+        if chain.ends is Ends.FREE:
+            own[0] -= 1.0
+            own[-1] -= 1.0
         self.order = taylor_order(tolerance)
-        self._task = friction.Task(
-            parameters,
-            free,
-            tolerance,
-            self.order,
-            binomials(self.order),
-            rest,
-            cell.steady_sliding,
-            marked,
-            self.times,
+        self._run = friction.new_run(
+            new_numbers(cell, chain.c, tolerance),
+            law_of(cell),
+            state,
+            own,
+            times=self.times,
+            logged=logged,
+            order=self.order,
         )
+        if watched is not None:
+            self._run.mode[WATCHED] = 0
+            self._run.mode[WATCHED, list(watched)] = 1
+        if active_window and chain.ends is Ends.FREE:
+            self._close_window(_REST * tolerance)
 
-    def _close_window(self, rest: float) -> float:
-        """Close the window around what moves; return the distance up to which a site is at rest."""
-        cell, sites, run = self.chain.cell, self.chain.sites, self._run
-        away = np.maximum(np.abs(run.y - cell.steady_sliding), np.abs(run.w + cell.v_d))
-        moving = np.flatnonzero(away > rest)
+    def _close_window(self, rest: float) -> None:
+        """Close the window around what moves: what is nearer than that to sliding is at rest."""
+        cell, run = self.chain.cell, self._run
+        y, velocity = self.state
+        away = np.maximum(np.abs(y - cell.steady_sliding), np.abs(velocity))
+        moving = np.flatnonzero(away > rest) + 1
         if moving.size == 0 or cell.effective_damping <= 0.0:
-            return -1.0
-        low = max(0, int(moving[0]) - friction.MARGIN)
-        high = min(sites, int(moving[-1]) + friction.MARGIN + 1)
+            return
+        low = max(1, int(moving[0]) - friction.MARGIN)
+        high = min(self.chain.sites + 1, int(moving[-1]) + friction.MARGIN + 1)
+        run.numbers[REST] = rest
         run.counters[friction.LO], run.counters[friction.HI] = low, high
-        for part in (slice(0, low), slice(high, sites)):
-            run.y[part], run.w[part] = cell.steady_sliding, -cell.v_d
-        return rest
+        for part in (slice(1, low), slice(high, -1)):
+            run.site[Y, part], run.site[W, part] = cell.steady_sliding, -cell.v_d
+
+    def _row(self, row: int) -> FloatArray:
+        """One quantity of all sites, a view of shape (N,)."""
+        return self._run.site[row, 1:-1]
 
     @property
     def time(self) -> float:
         """τ reached."""
-        return float(self._run.clock[0])
+        return float(self._run.numbers[CLOCK])
 
     @property
     def finished(self) -> bool:
@@ -136,7 +149,15 @@ class FrictionIntegration(Integration):
     @property
     def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
-        return dict(self._run._asdict())
+        run = self._run
+        return {
+            "numbers": run.numbers,
+            "site": run.site,
+            "mode": run.mode,
+            "counters": run.counters,
+            "samples": run.samples,
+            "log": run.log,
+        }
 
     @property
     def metadata(self) -> dict[str, Any]:
@@ -144,7 +165,7 @@ class FrictionIntegration(Integration):
         return {
             **self.chain.parameters(),
             "tolerance": self.tolerance,
-            "rest": self._task.rest,
+            "rest": float(self._run.numbers[REST]),
             "t_end": self.end,
             "times": digest_of_arrays({"times": self.times})[:16],
             "logged_events": len(self._run.log),
@@ -155,11 +176,11 @@ class FrictionIntegration(Integration):
         """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
         counters = self._run.counters
         first, last, sampled = (int(n) for n in counters[:3])
-        if not np.all(np.isfinite(self._run.clock)):
+        if not np.isfinite(self._run.numbers[CLOCK]):
             raise ValueError("a clock that is finite")
         logged = int(counters[friction.LOGGED])
         if not (
-            0 <= first <= last <= self.chain.sites
+            1 <= first <= last <= self.chain.sites + 1
             and 0 <= sampled <= self.times.size
             and 0 <= logged <= len(self._run.log)
         ):
@@ -168,18 +189,18 @@ class FrictionIntegration(Integration):
     @property
     def state(self) -> FloatArray:
         """(y, ẏ) now, shape (2, N); ẏ is exactly v_d in stick."""
-        return np.array([self._run.y, self._run.w + self.chain.cell.v_d])
+        return np.array([self._row(Y), self._row(W) + self.chain.cell.v_d])
 
     @property
     def stuck(self) -> npt.NDArray[np.bool_]:
         """Sites that stick now, shape (N,)."""
-        stuck: npt.NDArray[np.bool_] = self._run.modes == 0
+        stuck: npt.NDArray[np.bool_] = self._run.mode[MODE, 1:-1] == 0
         return stuck
 
     @property
     def amplitude(self) -> FloatArray:
         """Half of last maximum minus last minimum of y, shape (N,); 0 before there are both."""
-        half = 0.5 * (self._run.extremes[0] - self._run.extremes[1])
+        half = 0.5 * (self._row(HIGHEST) - self._row(LOWEST))
         amplitude: FloatArray = np.nan_to_num(np.abs(half), nan=0.0)
         return amplitude
 
@@ -198,24 +219,27 @@ class FrictionIntegration(Integration):
     @property
     def arrivals(self) -> FloatArray:
         """τ at which each site first stuck, shape (N,); nan where it did not."""
-        return self._run.arrivals
+        return self._row(ARRIVAL)
 
     @property
     def arrived(self) -> int:
         """Watched sites that have stuck at some time."""
-        return int(np.count_nonzero(~np.isnan(self._run.arrivals) & self._task.watched))
+        return int(
+            np.count_nonzero(~np.isnan(self.arrivals) & (self._run.mode[WATCHED, 1:-1] != 0))
+        )
 
     def forget_arrivals(self) -> None:
         """Count arrivals anew from now on."""
-        self._run.arrivals[:] = np.nan
+        self._row(ARRIVAL)[:] = np.nan
 
     @property
     def counts(self) -> dict[str, int]:
-        """Steps, and sites times steps."""
+        """Frames (``steps``), sites times frames, and series begun within frames."""
         counters = self._run.counters
         return {
-            "steps": int(counters[friction.STEPS]),
-            "site_steps": int(counters[friction.SITE_STEPS]),
+            "steps": int(counters[friction.FRAMES]),
+            "site_steps": int(counters[friction.SITE_FRAMES]),
+            "local_series": int(counters[friction.LOCAL]),
         }
 
     @property
@@ -232,7 +256,6 @@ class FrictionIntegration(Integration):
     def log(self) -> FloatArray:
         """Rows (τ, site from 1, kind) of the first events."""
         log: FloatArray = self._run.log[: int(self._run.counters[friction.LOGGED])].copy()
-        log[:, 1] += 1
         return log
 
     @classmethod
@@ -267,7 +290,7 @@ class FrictionIntegration(Integration):
         while ended is StopCode.BUDGET_SPENT and left > 0:
             steps = min(left, 1 + _PIECE // self.chain.sites)
             left -= steps
-            ended = StopCode(friction.advance(self._task, self._run, stop, required, steps))
+            ended = StopCode(friction.advance(self._run, stop, required, steps))
         if ended is StopCode.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at tau = {self.time:.6g}; start from a smaller displacement."
@@ -282,17 +305,17 @@ class FrictionIntegration(Integration):
         """Whether every site is so near to stable steady sliding that none will stick again.
 
         Sufficient: the energy about steady sliding is below that at which a site could reach the
-        velocity ``share`` v_d; there the friction curve is convex and all damping positive.
+        velocity ``share`` v_d; at all velocities between all damping is positive.
         """
         cell, c = self.chain.cell, self.chain.c
-        if cell.effective_damping <= 0.0 or not self._task.free:
+        if cell.effective_damping <= 0.0 or self.chain.ends is not Ends.FREE:
             return False
         y, velocity = self.state
         away = y - cell.steady_sliding
         energy = 0.5 * float(velocity @ velocity + away @ away)
         energy += 0.5 * c * float(np.sum(np.diff(away) ** 2))
         # Energy falls while every |ẏ| < u, for which the damping at v_d - u must be positive.
-        u = min(share * cell.v_d, 0.5 * (cell.v_d - cell.hopf_velocity))
+        u = min(share * cell.v_d, 0.5 * cell.stability_margin)
         return energy < 0.5 * u * u and math.isfinite(energy)
 
 

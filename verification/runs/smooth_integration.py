@@ -22,7 +22,7 @@ from verification.runs.integration import (
     integration,
 )
 from verification.steppers import smooth
-from verification.steppers.active import FOLLOWING, FREE, RING
+from verification.steppers.active import FOLLOWING, FREE, NETWORK, RING
 from verification.steppers.stop_code import StopCode
 
 FloatArray = npt.NDArray[np.float64]
@@ -80,7 +80,7 @@ class SmoothIntegration(Integration):
 
     method: ClassVar[str] = "DOP853"
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  (all but three by name)
         self,
         chain: SmoothChain,
         start: npt.ArrayLike,
@@ -100,11 +100,7 @@ class SmoothIntegration(Integration):
         memory: FloatArray | None = None,
     ) -> None:
         state = checked_state(chain, start)
-        ring = chain.ends is Ends.PERIODIC
-        if chain.ends not in {Ends.FREE, Ends.PERIODIC}:
-            raise ParameterError("ends", chain.ends.value, "free or periodic", "take such ends")
-        if trailing_sites and ring:
-            raise ParameterError("trailing sites", trailing_sites, "0 on a ring", "take free ends")
+        first = _beyond_first_site(chain, trailing_sites, left_boundary_wave)
         self.chain, self.tolerance = chain, tolerance
         self.times = np.asarray(times, dtype=float)
         self.end = float(self.times[-1]) if end is None else end
@@ -115,7 +111,6 @@ class SmoothIntegration(Integration):
         self._start = state.copy()
         self._size = float(np.hypot(*state).max())
         self._left_boundary_wave = left_boundary_wave
-        parameters = np.array(chain.kernel_parameters())
         self._run = smooth.Run(
             state,
             np.zeros(5),
@@ -125,14 +120,15 @@ class SmoothIntegration(Integration):
             np.zeros(1) if memory is None else memory,
         )
         self._run.arrivals[np.hypot(*state) >= self.level] = 0.0
-        self._margin = 2 * MARGIN if getattr(chain, "c", math.inf) > WEAK_COUPLING else MARGIN
-        self._rest = self._close_window() if active_window and not ring else -1.0
+        self._margin, self._watch = _margin(chain), watch
+        local = first != RING and self._margin < chain.sites
+        self._rest = self._close_window() if active_window and local else -1.0
         if self._rest < 0.0:
             self._run.counters[smooth.HI] = chain.sites
         self._task = smooth.Task(
-            parameters,
+            np.array(chain.kernel_parameters()),
             self._drift(drift or {}),
-            RING if ring else FOLLOWING if left_boundary_wave else FREE,
+            first,
             self.end * self._rate,
             0.0 if step is not None else tolerance,
             STIFF_STEP if self._stiff else shortest_step,
@@ -144,7 +140,6 @@ class SmoothIntegration(Integration):
             self.trailing_sites,
             self.times * self._rate,
         )
-        self._watch = watch
 
     def _drift(self, rates: dict[str, float]) -> FloatArray:
         """Return the rates of the kernel's parameters, per unit of kernel time."""
@@ -332,6 +327,30 @@ class SmoothIntegration(Integration):
             counters[smooth.LO] = min(first, max(0, moving[0] - self._margin))
             counters[smooth.HI] = max(last, min(sites, moving[-1] + self._margin + 1))
         counters[smooth.STIFF_STEPS] += piece.times.size - 1
+
+
+def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> int:
+    """Return what is beyond the first site (``steppers.active``)."""
+    if chain.network is not None:
+        if trailing_sites or wave:
+            raise ParameterError(
+                "left boundary", "a wave", "free where sites are coupled to others than their "
+                "neighbours", "leave it out",
+            )  # fmt: skip
+        return NETWORK
+    if chain.ends is Ends.PERIODIC:
+        if trailing_sites:
+            raise ParameterError("trailing sites", trailing_sites, "0 on a ring", "take free ends")
+        return RING
+    if chain.ends is not Ends.FREE:
+        raise ParameterError("ends", chain.ends.value, "free or periodic", "take such ends")
+    return FOLLOWING if wave else FREE
+
+
+def _margin(chain: SmoothChain) -> int:
+    """Return how many sites at rest are stepped beyond the last moving one."""
+    margin = 2 * MARGIN if getattr(chain, "c", math.inf) > WEAK_COUPLING else MARGIN
+    return margin if chain.network is None else margin * max(1, chain.network.reach)
 
 
 @integration.register

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -117,8 +118,8 @@ def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     return total < quiet
 
 
-def named_state(take_step: Step) -> Condition:
-    """Return the stop condition; its memory is laid out in ``_LEVEL`` and the names after it."""
+def _to_section_of(take_step: Step) -> Any:
+    """Return the compiled search for a section, by steps of this kind."""
 
     @njit(error_model="numpy")
     def to_section(
@@ -145,36 +146,73 @@ def named_state(take_step: Step) -> Condition:
             else:
                 high, at_high, at_low = middle, value, 0.5 * at_low
 
-    @njit(error_model="numpy")
-    def take_sample(sample: FloatArray, memory: FloatArray) -> None:
-        """Note the amplitudes of a sample."""
-        sites = sample.size // 2
-        above = 0
-        for n in range(sites):
-            amplitude = math.hypot(sample[n], sample[sites + n])
-            above += amplitude > memory[_LEVEL]
-            low, high = _SITES + n, _SITES + sites + n
-            if memory[_COUNT] == 0.0:
-                memory[low] = memory[high] = amplitude
-            memory[low] = min(memory[low], amplitude)
-            memory[high] = max(memory[high], amplitude)
-        memory[_ABOVE] = above
-        memory[_COUNT] += 1.0
-        memory[_NEXT] += memory[_WINDOW] / SAMPLES
+    return to_section
 
-    @njit(error_model="numpy")
-    def settled(sites: int, memory: FloatArray) -> bool:
-        """Return whether no amplitude changed in the window, and some site is above the level."""
-        if memory[_ABOVE] == 0.0 or memory[_ARRIVED] >= 0.0:
+
+@njit(cache=True)
+def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
+    """Note the amplitudes of a sample."""
+    sites = sample.size // 2
+    above = 0
+    for n in range(sites):
+        amplitude = math.hypot(sample[n], sample[sites + n])
+        above += amplitude > memory[_LEVEL]
+        low, high = _SITES + n, _SITES + sites + n
+        if memory[_COUNT] == 0.0:
+            memory[low] = memory[high] = amplitude
+        memory[low] = min(memory[low], amplitude)
+        memory[high] = max(memory[high], amplitude)
+    memory[_ABOVE] = above
+    memory[_COUNT] += 1.0
+    memory[_NEXT] += memory[_WINDOW] / SAMPLES
+
+
+@njit(cache=True)
+def _settled(sites: int, memory: FloatArray) -> bool:
+    """Return whether no amplitude changed in the window, and some site is above the level."""
+    if memory[_ABOVE] == 0.0 or memory[_ARRIVED] >= 0.0:
+        return False
+    for n in range(sites):
+        low, high = memory[_SITES + n], memory[_SITES + sites + n]
+        if high - low > memory[_SETTLED] or low <= memory[_LEVEL] <= high:
             return False
-        for n in range(sites):
-            low, high = memory[_SITES + n], memory[_SITES + sites + n]
-            if high - low > memory[_SETTLED] or low <= memory[_LEVEL] <= high:
-                return False
+    return True
+
+
+@njit(cache=True)
+def _arrived(t: float, far: float, memory: FloatArray) -> bool:
+    """Note since when the far end has been above the level; return whether for long enough."""
+    if far <= memory[_LEVEL]:
+        memory[_ARRIVED] = -1.0
+    elif memory[_ARRIVED] < 0.0:
+        memory[_ARRIVED] = t
+    else:
+        return bool(t - memory[_ARRIVED] >= memory[_HOLD])
+    return False
+
+
+@njit(cache=True)
+def _stays(t: float, sites: int, memory: FloatArray) -> bool:
+    """At the end of a window, begin another; return whether windows were settled long enough."""
+    if t - memory[_BEGIN] < memory[_WINDOW] or memory[_COUNT] < SAMPLES // 2:
+        return False
+    if not _settled(sites, memory):
+        memory[_FIRST] = -1.0
+    elif memory[_FIRST] < 0.0:
+        memory[_FIRST] = t
+    elif t >= 2.0 * memory[_FIRST]:
         return True
+    memory[_BEGIN], memory[_COUNT] = t, 0.0
+    memory[_NEXT] = t
+    return False
+
+
+def named_state(take_step: Step) -> Condition:
+    """Return the stop condition; its memory is laid out in ``_LEVEL`` and the names after it."""
+    to_section = _to_section_of(take_step)
 
     @njit(error_model="numpy")
-    def named(
+    def named(  # noqa: PLR0917  (as a Condition)
         t: float,
         h: float,
         before: FloatArray,
@@ -192,24 +230,12 @@ def named_state(take_step: Step) -> Condition:
                 to_section(parameters, before, h, K, room)
             else:
                 put(before, room)
-            take_sample(room, memory)
+            _take_sample(room, memory)
         t += h
-        if math.hypot(after[0], after[sites]) > memory[_LEVEL]:
-            if memory[_ARRIVED] < 0.0:
-                memory[_ARRIVED] = t
-            elif t - memory[_ARRIVED] >= memory[_HOLD]:
-                return _FRONT
-        else:
-            memory[_ARRIVED] = -1.0
-        if t - memory[_BEGIN] >= memory[_WINDOW] and memory[_COUNT] >= SAMPLES // 2:
-            if not settled(sites, memory):
-                memory[_FIRST] = -1.0
-            elif memory[_FIRST] < 0.0:
-                memory[_FIRST] = t
-            elif t >= 2.0 * memory[_FIRST]:
-                return _BREATHER
-            memory[_BEGIN], memory[_COUNT] = t, 0.0
-            memory[_NEXT] = t
+        if _arrived(t, math.hypot(after[0], after[sites]), memory):
+            return _FRONT
+        if _stays(t, sites, memory):
+            return _BREATHER
         if at_rest_for_ever(after, memory[_STIFFNESS], memory[_QUIET]):
             memory[_ABOVE] = 0.0
             return _FIXED_POINT

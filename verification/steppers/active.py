@@ -13,9 +13,10 @@ from verification.execution.compiled import njit
 
 FloatArray = npt.NDArray[np.float64]
 
-REST, FREE, RING, FOLLOWING = 0, 1, 2, 3
+REST, FREE, RING, FOLLOWING, NETWORK = 0, 1, 2, 3, 4
 """Beyond an end there is rest; nothing; the other end; or, on the left, a wave that goes on with
-φ = iφ of its neighbour."""
+φ = iφ of its neighbour. A network has no ends: what it takes in their place is the first active
+site and the number of all sites."""
 
 
 @njit(cache=True)
@@ -28,12 +29,14 @@ def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tupl
         First active site, last one + 1, all sites.
     first : int
         What is beyond the first site of the chain: FREE, FOLLOWING or RING; on a ring all sites
-        are active.
+        are active. Or NETWORK.
     following : bool
         Whether a wave goes on to the left of lo > 0.
     """
     if first == RING:
         return RING, RING
+    if first == NETWORK:
+        return lo, sites
     left = first if lo == 0 else FOLLOWING if following else REST
     return left, FREE if hi == sites else REST
 

@@ -34,20 +34,23 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
     """
     make = {8: dop853_step, 4: classical_step}[order]
     code = RING if chain.ends is Ends.PERIODIC else FREE
+    ends = (code, code) if chain.network is None else (0, chain.sites)
     parameters = np.array(chain.kernel_parameters())
     x = np.ascontiguousarray(state).ravel()
-    _loop(make(slope_of(chain)))(x, parameters, code, h, steps)
+    _loop(make(slope_of(chain)))(x, parameters, *ends, h, steps)
     state[...] = x.reshape(state.shape)
 
 
 @lru_cache(maxsize=16)
 def _loop(step: Step) -> Any:
     @njit
-    def run(x: FloatArray, parameters: FloatArray, code: int, h: float, steps: int) -> None:
+    def run(
+        x: FloatArray, parameters: FloatArray, left: int, right: int, h: float, steps: int
+    ) -> None:
         out = np.zeros(x.size)
         K = np.zeros((STAGES, x.size))
         for _ in range(steps):
-            step(x, parameters, code, code, h, K, out)
+            step(x, parameters, left, right, h, K, out)
             put(out, x)
 
     return run

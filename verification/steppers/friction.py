@@ -1,15 +1,37 @@
-"""The friction chain (5) from event to event: Taylor steps that end at the earliest event.
+"""The friction chain (5) from event to event, each site with a Taylor series of its own.
 
 A site is in exactly one mode: stick (ẏ = v_d exactly), slip backwards (ẏ < v_d, s = -1), or slip
-forwards (ẏ > v_d, s = +1). Within a step no mode changes. The step ends at the first of
+forwards (ẏ > v_d, s = +1). Its mode changes at events:
 
 * slip: w = ẏ - v_d reaches 0. Stick begins if the static force G = 2ξv_d + y + c(…) is within
   ±μ_st; if it is beyond on the far side the site slips on with the other sign (reversal);
 * stick: G leaves [-μ_st, μ_st]; the site is released with ẇ = 0 and slips against G.
 
-Both are first roots of polynomials, found to round-off. All roots within a few units of round-off
+Both are first roots of polynomials, found to round-off. All events within a few units of round-off
 of the first are taken together; whether a site sticks depends on positions alone, so their order
 does not matter. All quantities are dimensionless.
+
+Time goes in frames. At the beginning of a frame every site gets a new series. When a site changes
+its mode, or its series expires before the frame does, new series are made for it and for d
+neighbours on either side; all other sites keep theirs, which enter the new ones shifted in time.
+
+What is neglected there. Let the series of site 0 be replaced, and let τ be the time left in the
+frame. Up to its end the acceleration of site 0 differs from that of its old series by at most J,
+which is read from the coefficients of both series. While modes are kept, the difference δ of the
+others from their old series grows no faster than the solution z of
+
+    z̈_m = Lż_m + (1 + 2c)z_m + c(z_{m-1} + z_{m+1}) + Jδ_{m0},   z = ż = 0 at first,
+
+with L the Lipschitz constant of friction and damping, since all its terms are positive. With
+q = s² - Ls - (1 + 2c) its Laplace transform is (J/s) Σ_k C(m + 2k, k) c^{m+2k} / q^{m+2k+1}, and
+the inverse of 1/(s q^j) is at most e^{λτ} τ^{2j}/(2j)!, where λ is the positive root of q. The sum
+over k is at most cosh(cτ²) times its first term, so that
+
+    |δ_m| ≤ J e^{λτ} cosh(cτ²) c^m τ^{2m+2}/(2m + 2)!
+
+Sites up to d are given new series. So what is computed solves (5) exactly but for a force at site
+d + 1 of at most c|δ_d|, and d is the smallest number for which this is a hundredth of the
+tolerance. If there is none up to the order, the frame ends at the event and all sites begin anew.
 """
 
 from __future__ import annotations
@@ -22,19 +44,45 @@ import numpy.typing as npt
 
 from verification.execution.compiled import njit
 from verification.steppers.friction_series import (
+    ARRIVAL,
+    BEYOND,
+    CLOCK,
+    DRAG,
+    DUE,
+    END,
+    EVENT,
+    FIRST,
+    HIGHEST,
+    KEPT,
+    LOWEST,
+    MODE,
     MU_ST,
-    V0,
+    OWN,
+    POLYNOMIAL,
+    RELEASED,
+    REST,
+    SLIDING,
+    START,
+    STEEPEST,
+    TOLERANCE,
     V_D,
+    WATCHED,
     XI,
     C,
-    allowed_remainder,
-    coefficients,
+    Law,
+    W,
+    Y,
+    absolute_sum,
+    expand,
     first_root,
-    horner,
+    inlined,
+    inner,
+    new_room,
     resolved,
+    shift,
     site_value,
+    term_length,
 )
-from verification.steppers.rows import put
 from verification.steppers.stop_code import StopCode
 
 FloatArray = npt.NDArray[np.float64]
@@ -51,395 +99,536 @@ REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION = (
     int(StopCode.CONDITION),
 )
 
-LO, HI, SAMPLED, STEPS, SITE_STEPS, LOGGED, STANDING = 0, 1, 2, 3, 4, 5, 6
-"""Places in ``counters``; the number of events of each kind follows from ``KINDS`` on."""
+LO, HI, SAMPLED, FRAMES, SITE_FRAMES, LOGGED, STANDING, ARRIVED, LOCAL = 0, 1, 2, 3, 4, 5, 6, 7, 8
+"""Places in ``counters``; the number of events of each kind follows from ``KINDS`` on.
 
-KINDS = 7
+Sites LO … HI - 1 are stepped; SAMPLED and LOGGED are rows filled; SITE_FRAMES and LOCAL are series
+begun with a frame and within one; STANDING is how often time has stood still."""
+
+KINDS = 9
 MARGIN = 8
 _TOGETHER = 8.9e-16
-_LEVELS = 3
-
-
-@njit(cache=True)
-def _static_force(y: FloatArray, n: int, parameters: FloatArray, free: bool) -> float:
-    """Return G of site n: the friction force that would hold it on the belt."""
-    last = y.size - 1
-    own = 2.0
-    near = 0.0
-    if n > 0 and n < last:
-        near = y[n - 1] + y[n + 1]
-    elif last == 0:
-        own = 0.0 if free else 2.0
-    else:
-        own = 1.0 if free else 2.0
-        near = y[1] if n == 0 else y[last - 1]
-    bend = own * y[n] - near
-    return float(2.0 * parameters[XI] * parameters[V_D] + y[n] + parameters[C] * bend)
-
-
-@njit(cache=True)
-def initial_modes(y: FloatArray, w: FloatArray, parameters: FloatArray, free: bool) -> IntArray:
-    """Return the mode of every site; with w = 0 it sticks if it can be held."""
-    modes = np.zeros(y.size, dtype=np.int64)
-    for n in range(y.size):
-        if w[n] != 0.0:
-            modes[n] = 1 if w[n] > 0.0 else -1
-        else:
-            force = _static_force(y, n, parameters, free)
-            if abs(force) > parameters[MU_ST]:
-                modes[n] = -1 if force > 0.0 else 1
-    return modes
-
-
-@njit(cache=True)
-def _step_length(
-    Y: FloatArray, W: FloatArray, order: int, tolerance: float, lo: int, hi: int
-) -> float:
-    """Return h at which the last two terms of y and w are within the tolerance; nan if not finite.
-
-    See :func:`friction_series.resolved` for what the last two terms cannot see.
-    """
-    h = math.inf
-    for k in (order - 1, order):
-        term = 0.0
-        for n in range(lo, hi):
-            size = abs(W[k, n]) + abs(Y[k, n])
-            if not math.isfinite(size):
-                return math.nan
-            term = max(term, size)
-        if term > 0.0:
-            h = min(h, (tolerance / term) ** (1.0 / k))
-    return h
-
-
-@njit(cache=True)
-def _shortened(
-    W: FloatArray, modes: IntArray, order: int, h: float, lo: int, hi: int, row: FloatArray
-) -> float:
-    """Return a time up to h by which some site has surely left slip, if one is easily seen."""
-    for level in range(_LEVELS + 1):
-        trial = h * 0.5 ** (_LEVELS - level)
-        horner(W, order, trial, lo, hi, row)
-        for n in range(lo, hi):
-            if modes[n] != 0 and modes[n] * row[n] < 0.0:
-                return trial
-    return h
-
-
-@njit(cache=True)
-def together(first: float, t: float) -> float:
-    """Return up to when, after t, events count as simultaneous with one a time ``first`` after."""
-    return first + _TOGETHER * max(first, abs(t))
-
-
-@njit(cache=True)
-def _event_times(
-    Y: FloatArray,
-    W: FloatArray,
-    modes: IntArray,
-    order: int,
-    h: float,
-    lo: int,
-    hi: int,
-    parameters: FloatArray,
-    free: bool,
-    f: FloatArray,
-    work: FloatArray,
-    binomial: FloatArray,
-    t: float,
-    out: FloatArray,
-) -> float:
-    """Put the first event of each site before the earliest so far into out; return the earliest.
-
-    Each is looked for a few units of round-off beyond the earliest, so that none of those that
-    belong together is missed.
-    """
-    limit, c = parameters[MU_ST], parameters[C]
-    last = modes.size - 1
-    first = h
-    for n in range(lo, hi):
-        out[n] = math.inf
-        until = together(first, t)
-        if modes[n] != 0:
-            size = 0.0
-            for k in range(order, 0, -1):
-                size = (size + abs(W[k, n])) * until
-            if size < abs(W[0, n]):
-                continue
-            s = float(modes[n])
-            for k in range(order + 1):
-                f[k] = s * W[k, n]
-            out[n] = first_root(f, order, until, work, binomial)
-        else:
-            own = 2.0 if (0 < n < last or not free) else (1.0 if last > 0 else 0.0)
-            for side in (1.0, -1.0):
-                for k in range(order + 1):
-                    near = (Y[k, n - 1] if n > 0 else 0.0) + (Y[k, n + 1] if n < last else 0.0)
-                    f[k] = -side * (Y[k, n] + c * (own * Y[k, n] - near))
-                f[0] += limit - side * 2.0 * parameters[XI] * parameters[V_D]
-                out[n] = min(out[n], first_root(f, order, until, work, binomial))
-        first = min(first, out[n])
-    return first
-
-
-@njit(cache=True)
-def _extreme(Y: FloatArray, W: FloatArray, order: int, h: float, n: int, v_d: float) -> float:
-    """Return y where ẏ = 0 within the step, by bisection; ẏ has other signs at its ends."""
-    rising = W[0, n] + v_d > 0.0
-    low, high = 0.0, h
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        if (site_value(W, order, middle, n) + v_d > 0.0) == rising:
-            low = middle
-        else:
-            high = middle
-    return site_value(Y, order, high, n)
-
-
-@njit(cache=True)
-def _wider(
-    y: FloatArray, w: FloatArray, rest: float, y0: float, v_d: float, lo: int, hi: int
-) -> tuple[int, int]:
-    """Return the window widened so that MARGIN sites at rest lie inside it on either side."""
-    new_lo, new_hi = lo, hi
-    for n in range(lo, min(hi, lo + MARGIN)):
-        if abs(y[n] - y0) > rest or abs(w[n] + v_d) > rest:
-            new_lo = max(0, n - MARGIN)
-            break
-    for n in range(hi - 1, max(lo, hi - MARGIN) - 1, -1):
-        if abs(y[n] - y0) > rest or abs(w[n] + v_d) > rest:
-            new_hi = min(y.size, n + MARGIN + 1)
-            break
-    return min(lo, new_lo), max(hi, new_hi)
-
-
-class Task(NamedTuple):
-    """What :func:`advance` has to do; it does not change.
-
-    Attributes
-    ----------
-    parameters : ndarray, shape (6,)
-        μ_st, μ_d, v₀, ξ, v_d, c.
-    free : bool
-        Free ends; else the missing neighbours are zero.
-    tolerance, order
-        Local error, absolute, and order of the series.
-    binomial : ndarray
-        ``friction_series.binomials(order)``.
-    rest, sliding : float
-        Sites within ``rest`` of steady sliding at y = ``sliding``, at the ends of the window
-        LO … HI, are not stepped; negative for all sites always.
-    watched : ndarray of bool, shape (N,)
-        Sites whose arrivals are counted.
-    times : ndarray, shape (M,)
-        Where samples are required, ascending.
-    """
-
-    parameters: FloatArray
-    free: bool
-    tolerance: float
-    order: int
-    binomial: FloatArray
-    rest: float
-    sliding: float
-    watched: npt.NDArray[np.bool_]
-    times: FloatArray
+_SLOW_SHARE = 16
+_NEGLECTED = 0.01
 
 
 class Run(NamedTuple):
-    """What :func:`advance` changes; all in place.
+    """A run of (5) in progress; changed in place, and valid between frames.
 
     Attributes
     ----------
-    y, w, modes : ndarray, shape (N,)
-        Position, ẏ - v_d, mode.
-    released : ndarray of bool, shape (N,)
-        Sites that have been released at this very time.
-    clock : ndarray, shape (1,)
-        Time.
-    counters : ndarray of int, shape (10,)
+    numbers, law, site, mode, series, room
+        See ``friction_series``; ``series`` and ``room`` hold nothing between frames.
+    counters : ndarray of int, shape (12,)
         See ``LO`` and the names after it.
-    arrivals : ndarray, shape (N,)
-        Time of the first stick; nan before.
-    extremes : ndarray, shape (2, N)
-        Last maximum and last minimum of y; nan before the first.
+    queue : ndarray, shape (2 P,)
+        Tournament tree: leaf P + n has the time at which site n is due, for an event or because
+        its series expires before the frame does; each node the earlier of the two below it.
+    times : ndarray, shape (M,)
+        Where samples are required, ascending.
     samples : ndarray, shape (M, 3, N)
         (y, w, half of the last maximum minus the last minimum); filled as times are passed.
     log : ndarray, shape (K, 3)
         Time, site, kind of the first K events.
     """
 
-    y: FloatArray
-    w: FloatArray
-    modes: IntArray
-    released: npt.NDArray[np.bool_]
-    clock: FloatArray
+    numbers: FloatArray
+    law: Law
+    site: FloatArray
+    mode: IntArray
+    series: FloatArray
+    room: FloatArray
     counters: IntArray
-    arrivals: FloatArray
-    extremes: FloatArray
+    queue: FloatArray
+    times: FloatArray
     samples: FloatArray
     log: FloatArray
 
 
-@njit(cache=True)
-def advance(task: Task, run: Run, stop: float, required: int, max_steps: int) -> int:
-    """Step until ``stop``; return a ``StopCode``.
+def new_run(
+    numbers: FloatArray,
+    law: Law,
+    start: FloatArray,
+    own: FloatArray,
+    *,
+    times: FloatArray,
+    logged: int,
+    order: int,
+) -> Run:
+    """Return a run that begins; with w = 0 a site sticks if it can be held.
 
     Parameters
     ----------
-    task, run
-        What to do, and the state.
+    numbers : ndarray
+        ``friction_series.new_numbers``.
+    law : tuple
+        ``friction_series.law_of``.
+    start : ndarray, shape (2, N)
+        y and ẏ.
+    own : ndarray, shape (N,)
+        Number of neighbours to which a site is coupled: 2, and 1 or 0 at free ends.
+    times : ndarray, shape (M,)
+        Where samples are required, ascending.
+    logged : int
+        Events that are kept.
+    order : int
+        Order of the series.
+    """  # fmt: skip
+    sites = own.size
+    site, mode = (
+        np.zeros((LOWEST + 1, sites + 2)),
+        np.zeros((BEYOND + 1, sites + 2), dtype=np.int64),
+    )
+    site[Y, 1:-1], site[W, 1:-1], site[OWN, 1:-1] = start[0], start[1] - numbers[V_D], own
+    site[ARRIVAL], site[HIGHEST], site[LOWEST], site[END] = np.nan, np.nan, np.nan, np.inf
+    y, w = site[Y], site[W, 1:-1]
+    bend = own * y[1:-1] - (y[:-2] + y[2:])
+    force = 2.0 * numbers[XI] * numbers[V_D] + y[1:-1] + numbers[C] * bend
+    slipping = np.where(np.abs(force) > numbers[MU_ST], -np.sign(force), 0.0)
+    mode[MODE, 1:-1] = np.where(w != 0.0, np.sign(w), slipping)
+    mode[WATCHED, 1:-1] = 1
+    counters = np.zeros(KINDS + 3, dtype=np.int64)
+    counters[LO], counters[HI] = 1, sites + 1
+    return Run(
+        numbers=numbers,
+        law=law,
+        site=site,
+        mode=mode,
+        series=np.zeros((3 + len(law), order + 1, sites + 2)),
+        room=new_room(order),
+        counters=counters,
+        queue=np.full(2 << (sites + 1).bit_length(), np.inf),
+        times=times,
+        samples=np.zeros((times.size, 3, sites)),
+        log=np.zeros((logged, 3)),
+    )
+
+
+def advance(run: Run, stop: float, required: int, max_steps: int) -> int:
+    """Go on until ``stop``; return a ``StopCode``.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
     stop : float
         Time to reach.
     required : int
         Watched arrivals at which to end; 0 for never.
     max_steps : int
-        Steps after which to return. A run that goes on from there is the same to the last bit.
+        Frames after which to return. A run that goes on from there is the same to the last bit.
     """
-    parameters, free, tolerance, order = task.parameters, task.free, task.tolerance, task.order
-    binomial, rest, sliding = task.binomial, task.rest, task.sliding
-    watched, times = task.watched, task.times
-    y, w, modes, released = run.y, run.w, run.modes, run.released
-    clock, counters, arrivals, extremes = run.clock, run.counters, run.arrivals, run.extremes
-    samples, log = run.samples, run.log
-    sites = y.size
-    v_d = parameters[V_D]
-    lo, hi = counters[LO], counters[HI]
-    Y, W = np.zeros((order + 1, sites)), np.zeros((order + 1, sites))
-    E, D = np.zeros((order + 1, sites)), np.zeros((order + 1, sites))
-    room = np.zeros((5, sites))
-    lap, signs, row = room[0], room[1:4], room[4]
-    event = np.full(sites, np.inf)
-    f, work = np.zeros(order + 1), np.zeros((50, order + 1))
-    put(y, Y[0])
-    put(w, W[0])
-    ended, steps = REACHED, 0
-    allowed = allowed_remainder(order, tolerance)
-    arrived = 0
-    for n in range(sites):
-        if modes[n] == 0 and math.isnan(arrivals[n]):
-            arrivals[n] = clock[0]
-        if watched[n] and not math.isnan(arrivals[n]):
-            arrived += 1
-    while clock[0] < stop:
-        if 0 < required <= arrived:
-            ended = CONDITION
-            break
-        if steps >= max_steps:
-            ended = BUDGET
-            break
-        for n in range(lo, hi):
-            Y[0, n] = y[n]
-            W[0, n] = w[n]
-        coefficients(Y, W, E, D, lap, modes, released, signs, parameters, free, order, lo, hi)
-        h = _step_length(Y, W, order, tolerance, lo, hi)
-        if math.isnan(h):
-            ended = NOT_FINITE
-            break
-        t = clock[0]
-        h = min(h, stop - t)
-        for n in range(lo, hi):
-            if modes[n] != 0:
-                h = resolved(W, order, h, n, float(modes[n]), parameters[V0], allowed)
-        if t + h == t:
-            ended = TOO_SHORT
-            break
-        shorter = _shortened(W, modes, order, h, lo, hi, row)
-        first = _event_times(
-            Y, W, modes, order, shorter, lo, hi, parameters, free, f, work, binomial, t, event
-        )
-        happens = first < h
-        h = first if happens else h
-        while counters[SAMPLED] < times.size and times[counters[SAMPLED]] <= t + h:
-            sample = samples[counters[SAMPLED]]
-            for n in range(sites):
-                sample[0, n] = y[n]
-                sample[1, n] = w[n]
-                sample[2, n] = 0.5 * abs(extremes[0, n] - extremes[1, n])
-            horner(Y, order, times[counters[SAMPLED]] - t, lo, hi, sample[0])
-            horner(W, order, times[counters[SAMPLED]] - t, lo, hi, sample[1])
-            counters[SAMPLED] += 1
-        if h > 0.0:
-            horner(Y, order, h, lo, hi, y)
-            horner(W, order, h, lo, hi, w)
-            for n in range(lo, hi):
-                if modes[n] == -1 and (W[0, n] + v_d > 0.0) != (w[n] + v_d > 0.0):
-                    kind = 0 if W[0, n] + v_d > 0.0 else 1
-                    extremes[kind, n] = _extreme(Y, W, order, h, n, v_d)
-                released[n] = False
-            counters[STANDING] = 0
-        else:
-            counters[STANDING] += 1
-            if counters[STANDING] > 4 * sites + 16:
-                ended = TOO_SHORT
+    arrival, inside = run.site[ARRIVAL, 1:-1], np.s_[1:-1]
+    arrival[(run.mode[MODE, inside] == 0) & np.isnan(arrival)] = run.numbers[CLOCK]
+    arrived = ~np.isnan(arrival) & (run.mode[WATCHED, inside] != 0)
+    run.counters[ARRIVED] = np.count_nonzero(arrived)
+    run.series[Y, 0], run.series[W, 0] = run.site[Y], run.site[W]
+    return int(_advance(run, stop, required, max_steps))
+
+
+@njit(cache=True, error_model="numpy")
+def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
+    """Take frames until the time to reach, or a reason to return before; return a ``StopCode``."""
+    counters, numbers = run.counters, run.numbers
+    last = counters[FRAMES] + max_steps
+    while True:
+        if 0 < required <= counters[ARRIVED]:
+            return CONDITION
+        if numbers[CLOCK] >= stop:
+            return REACHED
+        if counters[FRAMES] >= last:
+            return BUDGET
+        longest = stop - numbers[CLOCK]
+        length = _begin(run, longest)
+        if not length > 0.0:
+            return TOO_SHORT if length == 0.0 else NOT_FINITE
+        end = _events(run, length, required)
+        if end < 0.0:
+            return TOO_SHORT if math.isinf(end) else NOT_FINITE
+        _finish(run, end)
+        reached = numbers[CLOCK] + end
+        numbers[CLOCK] = stop if end == longest or reached > stop else reached
+        counters[FRAMES] += 1
+        if numbers[REST] >= 0.0:
+            _widen(run.site, numbers, counters)
+
+
+@inlined
+def _begin(run: Run, longest: float) -> float:
+    """Give all sites new series; return the length of the frame.
+
+    0 if time would stand still, nan if a series is not finite.
+    """
+    for node in range(run.queue.size):
+        run.queue[node] = math.inf
+    run.counters[SITE_FRAMES] += run.counters[HI] - run.counters[LO]
+    return _renew(run, run.counters[LO], run.counters[HI], 0.0, -longest)
+
+
+@inlined
+def _frame_length(ends: FloatArray, longest: float) -> float:
+    """Return a length so that a sixteenth of the series at most expire before it."""
+    shortest = longest
+    for n in range(ends.size):
+        shortest = min(shortest, ends[n])
+    if shortest == 0.0:
+        return 0.0
+    found = np.zeros(64, dtype=np.int64)
+    for n in range(ends.size):
+        found[int(min(63.0, 2.0 * math.log2(ends[n] / shortest)))] += 1
+    place, slow = 0, found[0]
+    while place < 63 and slow <= ends.size // _SLOW_SHARE:
+        place += 1
+        slow += found[place]
+    return float(min(longest, shortest * 2.0 ** (0.5 * place)))
+
+
+@inlined
+def _expanded(run: Run, lo: int, hi: int) -> bool:
+    """Give sites lo … hi - 1 series from their states; return whether all are finite.
+
+    END is how long each holds, by its last terms.
+    """
+    series, site = run.series, run.site
+    for n in range(lo, hi):
+        series[Y, 0, n] = site[Y, n]
+        series[W, 0, n] = site[W, n]
+    expand(series, site, run.mode, run.numbers, run.law, lo, hi)
+    finite = True
+    for n in range(lo, hi):
+        site[END, n] = term_length(series, n, run.numbers[TOLERANCE])
+        finite = finite and not math.isnan(site[END, n])
+    return finite
+
+
+@inlined
+def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
+    """Set until when new series hold and find their events; return whether time goes on.
+
+    What decides when a site in stick leaves it are the series of its neighbours, and a site next
+    to one that has kept its series is computed from that: neither holds for longer than those.
+    """
+    site, mode, series, numbers = run.site, run.mode, run.series, run.numbers
+    goes_on = True
+    for n in range(lo, hi):
+        h = min(site[END, n], length - now)
+        if mode[MODE, n] != 0:
+            h = resolved(series, numbers, run.law, n, float(mode[MODE, n]), h)
+        time = numbers[CLOCK] + now
+        goes_on = goes_on and (h >= length - now or time + h > time)
+        site[START, n] = now
+        site[END, n] = min(length, now + h)
+    for n in range(lo, hi):
+        end = site[END, n]
+        for m in (n - 1, n + 1):
+            if m < lo or m >= hi or (mode[MODE, n] == 0 and mode[MODE, m] != 0):
+                end = min(end, max(now, site[END, m]))
+        site[END, n] = min(site[END, n], end)
+        site[EVENT, n] = now + _first_event(run, n, end - now)
+        run.queue[run.queue.size // 2 + n] = min(site[EVENT, n], end if end < length else math.inf)
+    return goes_on
+
+
+@inlined
+def _first_event(run: Run, n: int, h: float) -> float:
+    """Return how long after its series begins site n has its first event; inf if not within h.
+
+    A site in slip has one function of time to watch, a site in stick one on either side.
+    """
+    p, series, f = run.numbers, run.series, run.room[POLYNOMIAL]
+    order, mode = series.shape[1] - 1, run.mode[MODE, n]
+    if mode != 0:
+        for k in range(order + 1):
+            f[k] = float(mode) * series[W, k, n]
+        return first_root(run.room, order, h)
+    first = math.inf
+    for side in (1.0, -1.0):
+        for k in range(order + 1):
+            y = series[Y, k]
+            bend = run.site[OWN, n] * y[n] - (y[n - 1] + y[n + 1])
+            f[k] = -side * (y[n] + p[C] * bend)
+        f[0] += p[MU_ST] - side * 2.0 * p[XI] * p[V_D]
+        first = min(first, first_root(run.room, order, h))
+    return first
+
+
+@inner
+def _next_due(queue: FloatArray, n: int, until: float) -> int:
+    """Return the first site from n on that is due by a time; -1 if there is none."""
+    leaves = queue.size // 2
+    node = leaves + n
+    while not queue[node] <= until:
+        while node % 2 == 1:  # the right one of its pair: on to the right of both
+            node //= 2
+        if node == 0:
+            return -1
+        node += 1
+    while node < leaves:
+        node = 2 * node if queue[2 * node] <= until else 2 * node + 1
+    return node - leaves
+
+
+@inlined
+def _events(run: Run, length: float, required: int) -> float:
+    """Go through the events of a frame; return when the frame ends.
+
+    -inf if time stands still, -1 if a series is not finite.
+    """
+    numbers, counters = run.numbers, run.counters
+    passed = 0.0
+    while run.queue[1] <= length:
+        now = run.queue[1]
+        counters[STANDING] = 0 if now > passed else counters[STANDING] + 1
+        if counters[STANDING] > 4 * run.site.shape[1] + 16:
+            return -math.inf
+        passed = now
+        due, change = _switched(run, now, length)
+        if 0 < required <= counters[ARRIVED]:
+            return float(now)
+        while True:
+            radius = _reach(numbers, run.series.shape[1] - 1, change, length - now)
+            if radius < 0:
+                return float(now)
+            goes_on = _renewed(run, due, radius, now, length)
+            if not goes_on > 0.0:
+                return -math.inf if goes_on == 0.0 else -1.0
+            needed = change
+            for i in range(due):
+                needed = max(needed, 2.0 * _rate(run.series[W], run.mode[DUE, i], length - now))
+            if needed == change:
                 break
-        clock[0] = stop if t + h >= stop and not happens else t + h
-        steps += 1
-        counters[STEPS] += 1
-        counters[SITE_STEPS] += hi - lo
-        if happens:
-            until = together(first, t)
-            for n in range(lo, hi):
-                if event[n] <= until:
-                    kind = _switch(n, y, w, modes, released, parameters, free)
-                    if kind < 0:
-                        continue
-                    counters[KINDS + kind] += 1
-                    if counters[LOGGED] < log.shape[0]:
-                        log[counters[LOGGED], 0] = clock[0]
-                        log[counters[LOGGED], 1] = n
-                        log[counters[LOGGED], 2] = kind
-                        counters[LOGGED] += 1
-                    if kind == STICK_BEGINS and math.isnan(arrivals[n]):
-                        arrivals[n] = clock[0]
-                        arrived += 1 if watched[n] else 0
-        if rest >= 0.0 and (lo > 0 or hi < sites):
-            lo, hi = _wider(y, w, rest, sliding, v_d, lo, hi)
-            counters[LO], counters[HI] = lo, hi
-            for n in range(lo, hi):
-                Y[0, n] = y[n]
-    return ended
+            change = 2.0 * needed
+    if length > passed:
+        counters[STANDING] = 0
+    return length
 
 
-@njit(cache=True)
-def _switch(
-    n: int,
-    y: FloatArray,
-    w: FloatArray,
-    modes: IntArray,
-    released: npt.NDArray[np.bool_],
-    parameters: FloatArray,
-    free: bool,
-) -> int:
-    """Give site n its new mode at an event; return the kind of event, -1 for a graze."""
-    force = _static_force(y, n, parameters, free)
-    w[n] = 0.0
-    if modes[n] == 0:
-        modes[n] = -1 if force > 0.0 else 1
-        released[n] = True
-        return STICK_ENDS
-    if abs(force) <= parameters[MU_ST]:
-        modes[n] = 0
-        return STICK_BEGINS
-    if (force > 0.0) == (modes[n] == 1):
-        modes[n] = -modes[n]
-        return REVERSAL
-    released[n] = True
+@inner
+def _rate(w: FloatArray, n: int, h: float) -> float:
+    """Return a bound on |ẇ| of site n up to a time h after its series begins."""
+    rate = 0.0
+    for k in range(w.shape[0] - 1, 0, -1):
+        rate = rate * h + k * abs(w[k, n])
+    return rate
+
+
+@inlined
+def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
+    """Return d of the module's docstring for J = ``change`` and τ = h; -1 if there is none."""
+    growth = p[DRAG] + p[STEEPEST]
+    growth = 0.5 * growth + math.sqrt(0.25 * growth * growth + 1.0 + 2.0 * p[C])
+    x = p[C] * h * h
+    if growth * h > 300.0 or x > 300.0:
+        return -1
+    force = change * math.exp(growth * h) * math.cosh(x)
+    for d in range(order + 1):
+        force *= x / ((2 * d + 2) * (2 * d + 1))
+        if force <= _NEGLECTED * p[TOLERANCE]:
+            return max(d, 1)
     return -1
 
 
-def new_run(y: FloatArray, w: FloatArray, modes: IntArray, samples: int, logged: int) -> Run:
-    """Return the state of a run that begins, with fresh arrays for its bookkeeping."""
-    sites = y.size
-    return Run(
-        y,
-        w,
-        modes,
-        np.zeros(sites, dtype=bool),
-        np.zeros(1),
-        np.zeros(KINDS + 3, dtype=np.int64),
-        np.full(sites, np.nan),
-        np.full((2, sites), np.nan),
-        np.zeros((samples, 3, sites)),
-        np.zeros((logged, 3)),
-    )
+@inlined
+def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
+    """Give new modes to the sites that have an event now; return how many sites are due, and J.
+
+    DUE has the sites that are, because of an event or because their series expires. J counts the
+    old series, and for the new ones what they have at once: a change of the friction force.
+    """
+    site, due = run.site, run.mode[DUE]
+    until = now + _TOGETHER * max(now, abs(run.numbers[CLOCK]))
+    count, change = 0, 4.0 * run.numbers[MU_ST]
+    n = _next_due(run.queue, run.counters[LO], until)
+    while n >= 0:
+        due[count] = n
+        count += 1
+        change = max(change, 2.0 * _rate(run.series[W], n, length - site[START, n]))
+        n = _next_due(run.queue, n + 1, until)
+    for i in range(count):
+        for m in range(max(due[i] - 1, run.counters[LO]), min(due[i] + 2, run.counters[HI])):
+            _bring(run, m, now)
+    for i in range(count):
+        if site[EVENT, due[i]] <= until:
+            _switch(run, due[i], run.numbers[CLOCK] + now)
+            site[EVENT, due[i]] = math.inf
+    return count, change
+
+
+@inlined
+def _switch(run: Run, n: int, time: float) -> None:
+    """Give site n its new mode at an event, and count the event; a graze is none."""
+    site, mode, p, counters = run.site, run.mode, run.numbers, run.counters
+    bend = site[OWN, n] * site[Y, n] - (site[Y, n - 1] + site[Y, n + 1])
+    force = 2.0 * p[XI] * p[V_D] + site[Y, n] + p[C] * bend
+    site[W, n] = 0.0
+    if mode[MODE, n] == 0:
+        kind = STICK_ENDS
+        mode[MODE, n] = -1 if force > 0.0 else 1
+        mode[RELEASED, n] = 1
+    elif abs(force) <= p[MU_ST]:
+        kind = STICK_BEGINS
+        mode[MODE, n] = 0
+    elif (force > 0.0) == (mode[MODE, n] == 1):
+        kind = REVERSAL
+        mode[MODE, n] = -mode[MODE, n]
+    else:
+        mode[RELEASED, n] = 1
+        return
+    counters[KINDS + kind] += 1
+    if counters[LOGGED] < run.log.shape[0]:
+        row = counters[LOGGED]
+        run.log[row, 0], run.log[row, 1], run.log[row, 2] = time, float(n), float(kind)
+        counters[LOGGED] += 1
+    if kind == STICK_BEGINS and math.isnan(site[ARRIVAL, n]):
+        site[ARRIVAL, n] = time
+        counters[ARRIVED] += mode[WATCHED, n]
+
+
+@inlined
+def _renewed(run: Run, due: int, radius: int, now: float, length: float) -> float:
+    """Give new series to the sites within a radius of those that are due.
+
+    Ranges of sites that touch are one; between two ranges there is a site that keeps its series,
+    so that their order does not matter. Returns as :func:`_renew`.
+    """
+    mode, count = run.mode, 0
+    for i in range(due):
+        lo = max(run.counters[LO], mode[DUE, i] - radius)
+        hi = min(run.counters[HI], mode[DUE, i] + radius + 1)
+        if count > 0 and mode[BEYOND, count - 1] >= lo:
+            count -= 1
+            lo = mode[FIRST, count]
+        mode[FIRST, count], mode[BEYOND, count] = lo, hi
+        count += 1
+    for i in range(count):
+        lo, hi = mode[FIRST, i], mode[BEYOND, i]
+        run.counters[LOCAL] += hi - lo
+        length = _renew(run, lo, hi, now, length)
+        if not length > 0.0:
+            break
+    return length
+
+
+@inner
+def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
+    """Give sites lo … hi - 1 new series now, from the series of the sites beside them.
+
+    Returns the length of the frame; 0 if time stands still, nan if a series is not finite. A
+    negative ``length`` asks for one, of the opposite at most.
+    """
+    y, site, room, queue = run.series[Y], run.site, run.room, run.queue
+    for n in range(lo, hi):
+        _bring(run, n, now)
+    for side in range(2):
+        beside = lo - 1 if side == 0 else hi
+        for k in range(y.shape[0]):
+            room[KEPT + side, k] = y[k, beside]
+        shift(y, beside, now - site[START, beside], room[POLYNOMIAL])
+        for k in range(y.shape[0]):
+            y[k, beside] = room[POLYNOMIAL, k]
+    if not _expanded(run, lo, hi):
+        return math.nan
+    if length < 0.0:
+        length = _frame_length(site[END, lo:hi], -length)
+    goes_on = length > 0.0 and _found(run, lo, hi, now, length)
+    for side in range(2):
+        beside = lo - 1 if side == 0 else hi
+        for k in range(y.shape[0]):
+            y[k, beside] = room[KEPT + side, k]
+    for n in range(lo, hi):
+        node = (queue.size // 2 + n) // 2
+        while node >= 1:
+            queue[node] = min(queue[2 * node], queue[2 * node + 1])
+            node //= 2
+    return length if goes_on else 0.0
+
+
+@inner
+def _bring(run: Run, n: int, now: float) -> None:
+    """Take the state of site n, and what is sampled of it, up to a time; its series stays."""
+    site, series = run.site, run.series
+    start = site[START, n]
+    h = now - start
+    if h <= 0.0:
+        return
+    passed = 0.0
+    while run.mode[MODE, n] == -1:
+        turn, kind = _turning_point(run, n, passed, h)
+        if turn > h:
+            break
+        _sample(run, n, start + passed, start + turn)
+        site[HIGHEST + kind, n] = site_value(series[Y], n, turn)
+        passed = turn
+    _sample(run, n, start + passed, now)
+    site[Y, n] = site_value(series[Y], n, h)
+    site[W, n] = site_value(series[W], n, h)
+    run.mode[RELEASED, n] = 0
+    site[START, n] = now
+
+
+@inlined
+def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int]:
+    """Return when, after a time and by h, y of site n turns next, and 0 for a maximum or 1.
+
+    Times count from the beginning of the series. A site that begins at rest does not turn there.
+    """
+    w, f, v_d = run.series[W], run.room[POLYNOMIAL], run.numbers[V_D]
+    if after == 0.0 and absolute_sum(w, n, h) < abs(w[0, n] + v_d):
+        return math.inf, 0
+    shift(w, n, after, f)
+    f[0] = f[0] + v_d if after == 0.0 else 0.0
+    if f[0] == 0.0 and f[1] == 0.0:
+        return math.inf, 0
+    rising = f[0] > 0.0 or (f[0] == 0.0 and f[1] > 0.0)
+    if not rising:
+        for k in range(w.shape[0]):
+            f[k] = -f[k]
+    return after + first_root(run.room, w.shape[0] - 1, h - after), 0 if rising else 1
+
+
+@inlined
+def _sample(run: Run, n: int, begin: float, end: float) -> None:
+    """Sample site n at the times required from begin to end."""
+    site, series, times = run.site, run.series, run.times
+    i = run.counters[SAMPLED]
+    while i < times.size:
+        at = max(0.0, times[i] - run.numbers[CLOCK])
+        if at > end:
+            return
+        if at >= begin:
+            row = run.samples[i]
+            row[0, n - 1] = site_value(series[Y], n, at - site[START, n])
+            row[1, n - 1] = site_value(series[W], n, at - site[START, n])
+            row[2, n - 1] = 0.5 * abs(site[HIGHEST, n] - site[LOWEST, n])
+        i += 1
+
+
+@inlined
+def _finish(run: Run, end: float) -> None:
+    """Take all sites to the end of the frame."""
+    site, times, lo, hi = run.site, run.times, run.counters[LO], run.counters[HI]
+    for n in range(lo, hi):
+        _bring(run, n, end)
+        site[START, n] = 0.0
+    while run.counters[SAMPLED] < times.size:
+        i = run.counters[SAMPLED]
+        if max(0.0, times[i] - run.numbers[CLOCK]) > end:
+            return
+        for n in range(1, site.shape[1] - 1):
+            if n < lo or n >= hi:
+                run.samples[i, 0, n - 1] = site[Y, n]
+                run.samples[i, 1, n - 1] = site[W, n]
+        run.counters[SAMPLED] += 1
+
+
+@inlined
+def _widen(site: FloatArray, numbers: FloatArray, counters: IntArray) -> None:
+    """Widen the window so that MARGIN sites at rest lie inside it on either side."""
+    lo, hi = counters[LO], counters[HI]
+    for n in range(lo, hi):
+        away = max(abs(site[Y, n] - numbers[SLIDING]), abs(site[W, n] + numbers[V_D]))
+        if away > numbers[REST]:
+            if n < lo + MARGIN:
+                counters[LO] = min(counters[LO], max(1, n - MARGIN))
+            if n >= hi - MARGIN:
+                counters[HI] = max(counters[HI], min(site.shape[1] - 1, n + MARGIN + 1))

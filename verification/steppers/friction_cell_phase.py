@@ -7,18 +7,27 @@ largest velocity after release" is a smooth function of the parameters even wher
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from verification.execution.compiled import njit
 from verification.steppers.friction_series import (
-    V0,
+    MODE,
+    POLYNOMIAL,
+    RELEASED,
+    TOLERANCE,
     V_D,
-    allowed_remainder,
-    coefficients,
+    Law,
+    W,
+    Y,
+    expand,
     first_root,
+    inner,
     resolved,
+    site_value,
+    term_length,
     value_at,
 )
 
@@ -32,81 +41,99 @@ FAILED = -1.0
 """Time returned if the end is not reached."""
 
 
-@njit(cache=True)
-def phase(
-    parameters: FloatArray,
-    y: float,
-    w: float,
-    released: bool,
-    end: int,
-    tolerance: float,
-    order: int,
-    binomial: FloatArray,
-    longest: float,
-) -> tuple[float, float, float]:
-    """Return τ, y and w = ẏ - v_d where a backward slip phase first fulfils ``end``.
+class Phase(NamedTuple):
+    """What a phase of slip is computed from.
 
-    Parameters
+    Attributes
     ----------
-    parameters : ndarray, shape (6,)
-        μ_st, μ_d, v₀, ξ, v_d, 0.
-    y, w : float
-        State at τ = 0, which does not count as an end itself.
+    numbers : ndarray
+        ``friction_series.new_numbers`` for coupling 0.
+    law : tuple
+        ``friction_series.law_of``.
+    room : ndarray
+        ``friction_series.new_room``.
     released : bool
-        Whether stick ends there: ẇ = 0.
+        Whether stick ends at τ = 0: there ẇ is what friction falls by, 0 where it is continuous.
     end : int
         HIGHEST, LOWEST, TOUCH, FASTEST or SLOWEST.
-    tolerance, order
-        Local error, absolute, and order of the series.
-    binomial : ndarray
-        ``friction_series.binomials(order)``.
     longest : float
         Time at which to give up.
     """
-    Y, W = np.zeros((order + 1, 1)), np.zeros((order + 1, 1))
-    E, D = np.zeros((order + 1, 1)), np.zeros((order + 1, 1))
-    lap, signs = np.zeros(1), np.zeros((3, 1))
-    modes = np.full(1, -1, dtype=np.int64)
-    fresh = np.full(1, released)
-    f, work = np.zeros(order + 1), np.zeros((50, order + 1))
-    allowed = allowed_remainder(order, tolerance)
+
+    numbers: FloatArray
+    law: Law
+    room: FloatArray
+    released: bool
+    end: int
+    longest: float
+
+
+def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
+    """Return τ, y and w = ẏ - v_d where a backward slip phase first fulfils its end.
+
+    Parameters
+    ----------
+    phase : Phase
+        The phase.
+    y, w : float
+        State at τ = 0, which does not count as an end itself.
+    """
+    found = np.array([0.0, y, w])
+    _follow(phase, found)
+    return float(found[0]), float(found[1]), float(found[2])
+
+
+@njit(cache=True)
+def _follow(phase: Phase, found: FloatArray) -> None:
+    """Put τ, y and w at the end of the phase into ``found``, which holds 0 and the start."""
+    numbers, law, room = phase.numbers, phase.law, phase.room
+    end, longest = phase.end, phase.longest
+    order, f = room.shape[1] - 1, room[POLYNOMIAL]
+    series, site = np.zeros((3 + len(law), order + 1, 3)), np.zeros((11, 3))
+    mode = np.zeros((6, 3), dtype=np.int64)
+    mode[MODE, 1], mode[RELEASED, 1] = -1, 1 if phase.released else 0
+    last = series.shape[2] - 1  # not written as constants, for which numba would compile anew
     t = 0.0
-    sign = -1.0 if end in (LOWEST, TOUCH, SLOWEST) else 1.0  # f goes from positive to negative
     armed = False  # f has been positive, or is positive just after the start
     while t < longest:
-        Y[0, 0], W[0, 0] = y, w
-        coefficients(Y, W, E, D, lap, modes, fresh, signs, parameters, True, order, 0, 1)
-        fresh[0] = False
-        h = 0.5
-        for k in (order - 1, order):
-            term = max(abs(W[k, 0]), abs(Y[k, 0]))
-            if not math.isfinite(term):
-                return FAILED, y, w
-            if term > 0.0:
-                h = min(h, (tolerance / term) ** (1.0 / k))
-        h = resolved(W, order, h, 0, -1.0, parameters[V0], allowed)
+        series[Y, 0, 1], series[W, 0, 1] = found[1], found[2]
+        expand(series, site, mode, numbers, law, last - 1, last)
+        mode[RELEASED, 1] = 0
+        h = term_length(series, 1, numbers[TOLERANCE])
+        if math.isnan(h):
+            break
+        h = resolved(series, numbers, law, 1, -1.0, min(h, 0.5))
         if t + h == t:
-            return FAILED, y, w
-        degree = order
-        for k in range(order + 1):
-            f[k] = sign * W[k, 0]
-        if end in (HIGHEST, LOWEST):
-            f[0] += sign * parameters[V_D]
-        if end in (FASTEST, SLOWEST):
-            degree = order - 1
-            for k in range(order):
-                f[k] = sign * (k + 1) * W[k + 1, 0]
+            break
+        degree = _watched(series[W], numbers[V_D], end, f)
         if t == 0.0:
             for k in range(degree + 1):
                 if f[k] != 0.0:
                     armed = f[k] > 0.0
                     break
         after = value_at(f, degree, h)
-        if armed or f[0] > 0.0:
-            root = first_root(f, degree, h, work, binomial)
-            if root <= h:
-                return t + root, value_at(Y[:, 0], order, root), value_at(W[:, 0], order, root)
+        root = first_root(room, degree, h) if armed or f[0] > 0.0 else math.inf
+        h = min(root, h)
+        found[1], found[2] = site_value(series[Y], 1, h), site_value(series[W], 1, h)
+        if root == h:
+            found[0] = t + root
+            return
         armed = armed or after > 0.0
-        y, w = value_at(Y[:, 0], order, h), value_at(W[:, 0], order, h)
         t += h
-    return FAILED, y, w
+    found[0] = FAILED
+
+
+@inner
+def _watched(w: FloatArray, v_d: float, end: int, f: FloatArray) -> int:
+    """Put into f what goes from positive to negative at the end of a phase; return its degree."""
+    degree = int(w.shape[0]) - 1
+    sign = -1.0 if end in (LOWEST, TOUCH, SLOWEST) else 1.0
+    if end in (FASTEST, SLOWEST):
+        for k in range(degree):
+            f[k] = sign * (k + 1) * w[k + 1, 1]
+        return degree - 1
+    for k in range(degree + 1):
+        f[k] = sign * w[k, 1]
+    if end in (HIGHEST, LOWEST):
+        f[0] += sign * v_d
+    return degree

@@ -1,156 +1,223 @@
 """Taylor coefficients in time of the friction chain (5), and the first root of a polynomial.
 
-While no site changes its mode (5) is smooth, with E = e^{-|v_rel|/v₀} as a third unknown:
+While no site changes its mode (5) is smooth, with E, which falls with speed, as a third unknown:
 
-    w = ẏ - v_d,  ẏ = w + v_d,  Ė = -(s/v₀) ẇ E,
-    ẇ = -s(μ_d + (μ_st - μ_d)E) - 2ξ(w + v_d) - y - c(…),   s = sgn(w) fixed;   in stick ẇ = 0.
+    w = ẏ - v_d,  ẏ = w + v_d,  s = sgn(w) fixed;   in stick ẇ = 0;   in slip
+    ẇ = -s(μ_d + ΔE) - κw - 2ξ(w + v_d) - y - c(…),
+    E = e^{-sw/v₀},  Ė = -(s/v₀) ẇ E   or, under Stribeck's law,   E = e^{-q/v_s²},  q = w².
+
+Δ is μ_st - μ_d; under Coulomb's law it is 0, and ẇ jumps by s(μ_st - μ_d) when stick ends.
 
 w is stepped and not ẏ, so that it keeps all its digits near stick. All quantities are
-dimensionless. Shapes: coefficients (order + 1, N); ``modes`` (N,): STICK 0, slip s = -1 or +1.
+dimensionless.
+
+Compiled functions get few arrays of many rows, since numba's time to compile a function grows with
+the number of arrays that it is given. Site n, from 1 to N, is column n; columns 0 and N + 1 are the
+neighbours that the end sites do not have, and stay zero.
+
+Stribeck's law is known by its type when functions are compiled, so that it costs the others
+nothing: ``law`` is () or (v_s,).
+
+``numbers``, shape (14,)
+    Parameters, and what else is one number; places ``MU_ST`` and the names after it.
+``series``, shape (3 + len(law), order + 1, N + 2)
+    Taylor coefficients of y and w, and room for those of E and q.
+``site``, shape (11, N + 2)
+    Rows ``Y`` and the names after it.
+``mode``, shape (6, N + 2)
+    Whole numbers, rows ``MODE`` and the names after it.
+``room``, shape (order + 54, order + 1)
+    A polynomial, two kept columns, a table of binomial coefficients, and work rows.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from theory.cells.friction import FrictionCell
+from theory.cells.friction_law import FrictionLaw
 from verification.execution.compiled import njit
-from verification.steppers.rows import put
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 MU_ST, MU_D, V0, XI, V_D, C = 0, 1, 2, 3, 4, 5
-"""Places in the array of parameters."""
+"""Places in ``numbers``: the parameters of (5)."""
+
+TOLERANCE, REST, SLIDING, CLOCK = 6, 7, 8, 9
+"""Local error; how near to steady sliding is at rest, and y there; time."""
+
+DROP, DRAG, STEEPEST, JUMP = 10, 11, 12, 13
+"""Δ; 2ξ + κ; the largest slope of ΔE; by how much friction falls at once when stick ends."""
+
+Y, W, E, Q = 0, 1, 2, 3
+"""Quantities in ``series``; the first two are rows of ``site`` as well."""
+
+OWN, SIGN, BEND, START, END, EVENT, ARRIVAL, HIGHEST, LOWEST = 2, 3, 4, 5, 6, 7, 8, 9, 10
+"""Rows of ``site``: number of neighbours coupled to; direction of slip and coupling term (room);
+from when to when its series holds, and when it has its next event, within the frame; time of the
+first stick; last maximum and minimum of y."""
+
+MODE, RELEASED, WATCHED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4, 5
+"""Rows of ``mode``: 0 in stick, else the sign of w; whether stick has ended at this very time;
+whether arrivals count; room for the sites that are due and for ranges of sites."""
+
+POLYNOMIAL, KEPT, BINOMIALS = 0, 1, 3
+"""Rows of ``room``; the work rows follow the binomial coefficients."""
 
 _DEPTH = 48
 _LOOKS = 16
 
 
-@njit(cache=True)
-def exponential(parameters: FloatArray, speed: float) -> float:
-    """Return E = e^{-speed/v₀}; below the normal numbers 0, which costs nothing to multiply.
-
-    A negative speed continues a slip phase smoothly beyond its end.
-    """
-    e = math.exp(-speed / parameters[V0])
-    return e if e > 1e-300 else 0.0
+def inner(function: Function) -> Function:
+    """Compile what only compiled functions call: without wrappers, a sixth less to compile."""
+    return _compiled(function, cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def coupling_row(out: FloatArray, row: FloatArray, free: bool, lo: int, hi: int) -> None:
-    """Put 2u_n - (u_{n-1} + u_{n+1}), with the end condition, into out[lo:hi].
-
-    The sum in brackets keeps a mirror-symmetric chain symmetric to the last bit.
-    """
-    last = row.size - 1
-    if last == 0:
-        out[0] = 0.0 if free else 2.0 * row[0]
-        return
-    first, beyond = max(lo, 1), min(hi, last)
-    target, here = out[first:beyond], row[first:beyond]
-    left, right = row[first - 1 : beyond - 1], row[first + 1 : beyond + 1]
-    for n in range(beyond - first):
-        target[n] = 2.0 * here[n] - (left[n] + right[n])
-    own = 1.0 if free else 2.0
-    if lo == 0:
-        out[0] = own * row[0] - row[1]
-    if hi == last + 1:
-        out[last] = own * row[last] - row[last - 1]
+def vectorised(function: Function) -> Function:
+    """Compile as :func:`inner` does, with products and sums contracted."""
+    options = {"cache": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return _compiled(function, **options, fastmath={"contract"})
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def coefficients(
-    Y: FloatArray,
-    W: FloatArray,
-    E: FloatArray,
-    D: FloatArray,
-    lap: FloatArray,
-    modes: IntArray,
-    released: npt.NDArray[np.bool_],
-    signs: FloatArray,
-    parameters: FloatArray,
-    free: bool,
-    order: int,
+def inlined(function: Function) -> Function:
+    """Compile what has one caller as a part of it, and not once more beside it."""
+    return _compiled(function, inline="always")
+
+
+def _compiled(function: Function, **options: Any) -> Function:
+    compiled: Function = njit(error_model="numpy", **options)(function)
+    return compiled
+
+
+Law = tuple[float, ...]
+
+
+def law_of(cell: FrictionCell) -> Law:
+    """Return (v_s,) under Stribeck's law, else ()."""
+    return (cell.v_s,) if cell.law is FrictionLaw.STRIBECK else ()
+
+
+def new_numbers(cell: FrictionCell, c: float, tolerance: float) -> FloatArray:
+    """Return ``numbers`` for a chain of such cells."""
+    curve = cell.curve
+    v0 = cell.v0 if cell.law is FrictionLaw.EXPONENTIAL else math.inf
+    own = [cell.mu_st, cell.mu_d, v0, cell.xi, cell.v_d, c]
+    derived = [curve.drop, 2.0 * cell.xi + cell.viscous, curve.steepest]
+    jump = cell.mu_st - cell.mu_d - curve.drop
+    return np.array([*own, tolerance, -1.0, cell.steady_sliding, 0.0, *derived, jump])
+
+
+def new_room(order: int) -> FloatArray:
+    """Return ``room`` for series of an order."""
+    room = np.zeros((BINOMIALS + order + 1 + _DEPTH + 2, order + 1))
+    for n in range(order + 1):
+        room[BINOMIALS + n] = [math.comb(n, k) for k in range(order + 1)]
+    return room
+
+
+@vectorised
+def expand(
+    series: FloatArray,
+    site: FloatArray,
+    mode: IntArray,
+    numbers: FloatArray,
+    law: Law,
     lo: int,
     hi: int,
 ) -> None:
-    """Fill Y[k], W[k], k = 1 … order, on lo:hi from Y[0], W[0].
+    """Fill the coefficients 1 … order of the sites lo … hi - 1 from those of order 0.
 
-    Parameters
-    ----------
-    Y, W : ndarray, shape (order + 1, N)
-        Coefficients of y and of w = ẏ - v_d.
-    E, D : ndarray, shape (order + 1, N)
-        Room for E and ẇ.
-    lap : ndarray, shape (N,)
-        Room for the coupling term.
-    modes : ndarray of int, shape (N,)
-        0 in stick, else the sign of w.
-    released : ndarray of bool, shape (N,)
-        Sites whose stick ends at this very time: there ẇ = 0 exactly.
-    signs : ndarray, shape (3, N)
-        Room.
+    The columns beside them have to hold the series of the neighbours about the same time. The sum
+    of both neighbours keeps a mirror-symmetric chain symmetric to the last bit.
     """
-    v_d, c = parameters[V_D], parameters[C]
-    drag = 2.0 * parameters[XI]
-    static, slope = parameters[MU_D], parameters[MU_ST] - parameters[MU_D]
-    free_rate, gain, rate = signs[0], signs[1], signs[2]
-    for n in range(lo, hi):
-        s = float(modes[n])
-        free_rate[n] = 1.0 if modes[n] != 0 else 0.0
-        gain[n] = -s * slope
-        rate[n] = -s / parameters[V0]
-        E[0, n] = exponential(parameters, s * W[0, n]) if modes[n] != 0 else 0.0
+    order, c, drag = series.shape[1] - 1, numbers[C], numbers[DRAG]
+    drop, v0 = numbers[DROP], numbers[V0]
+    own, sign, bend = site[OWN, lo:hi], site[SIGN, lo:hi], site[BEND, lo:hi]
+    for n in range(hi - lo):
+        sign[n] = float(mode[MODE, lo + n])
+        speed = sign[n] * series[W, 0, lo + n] / v0
+        if len(law) == 1:
+            speed = (series[W, 0, lo + n] / law[0]) ** 2
+        falling = math.exp(-speed) if sign[n] != 0.0 else 0.0
+        series[E, 0, lo + n] = falling if falling > 1e-300 else 0.0
     for k in range(order):
         factor = 1.0 / (k + 1)
-        y, w, e = Y[k, lo:hi], W[k, lo:hi], E[k, lo:hi]
-        next_y, next_w, next_e = Y[k + 1, lo:hi], W[k + 1, lo:hi], E[k + 1, lo:hi]
-        d, bend = D[k, lo:hi], lap[lo:hi]
-        moving, times, scale = free_rate[lo:hi], gain[lo:hi], rate[lo:hi]
-        coupling_row(lap, Y[k], free, lo, hi)
+        y, w, e = series[Y, k, lo:hi], series[W, k, lo:hi], series[E, k, lo:hi]
+        left, right = series[Y, k, lo - 1 : hi - 1], series[Y, k, lo + 1 : hi + 1]
+        next_y, next_w = series[Y, k + 1, lo:hi], series[W, k + 1, lo:hi]
         for n in range(hi - lo):
-            d[n] = moving[n] * (times[n] * e[n] - drag * w[n] - y[n] - c * bend[n])
             next_y[n] = factor * w[n]
+            bend[n] = own[n] * y[n] - (left[n] + right[n])
+            pull = -(sign[n] * drop) * e[n] - drag * w[n] - y[n] - c * bend[n]
+            next_w[n] = (sign[n] * sign[n]) * factor * pull
         if k == 0:
+            belt = 2.0 * numbers[XI] * numbers[V_D]
             for n in range(hi - lo):
-                d[n] = moving[n] * (d[n] - drag * v_d) - float(modes[lo + n]) * static
-                next_y[n] += v_d
-                if released[lo + n]:
-                    d[n] = 0.0
-        next_e[:] = 0.0
+                next_y[n] += numbers[V_D]
+                next_w[n] -= sign[n] * numbers[MU_D] + (sign[n] * sign[n]) * belt
+                if mode[RELEASED, lo + n] != 0:
+                    next_w[n] = sign[n] * numbers[JUMP] + 0.0
+        if len(law) == 1:
+            _expand_gaussian(series, lo, hi, k, law[0])
+            continue
+        next_e = series[E, k + 1, lo:hi]
+        for n in range(hi - lo):
+            next_e[n] = 0.0
         for j in range(k + 1):
-            u, f = D[j, lo:hi], E[k - j, lo:hi]
+            u, f, times = series[W, j + 1, lo:hi], series[E, k - j, lo:hi], j + 1.0
             for n in range(hi - lo):
-                next_e[n] += u[n] * f[n]
+                next_e[n] += (times * u[n]) * f[n]
         for n in range(hi - lo):
-            next_w[n] = factor * d[n]
-            next_e[n] *= factor * scale[n]
+            next_e[n] *= -(factor / v0) * sign[n]
 
 
-@njit(cache=True, fastmath={"contract"})
-def horner(P: FloatArray, order: int, h: float, lo: int, hi: int, out: FloatArray) -> None:
-    """Put the value a time h after the expansion point into out[lo:hi]."""
-    target = out[lo:hi]
-    put(P[order, lo:hi], target)
-    for k in range(order - 1, -1, -1):
-        row = P[k, lo:hi]
+@vectorised
+def _expand_gaussian(series: FloatArray, lo: int, hi: int, k: int, v_s: float) -> None:
+    """Fill coefficient k + 1 of q = w² and of E = e^{-q/v_s²}, for which Ė = -q̇E/v_s²."""
+    next_q, next_e = series[Q, k + 1, lo:hi], series[E, k + 1, lo:hi]
+    for n in range(hi - lo):
+        next_q[n] = 0.0
+        next_e[n] = 0.0
+    for j in range(k + 2):
+        u, f = series[W, j, lo:hi], series[W, k + 1 - j, lo:hi]
         for n in range(hi - lo):
-            target[n] = target[n] * h + row[n]
+            next_q[n] += u[n] * f[n]
+    for j in range(k + 1):
+        u, f, times = series[Q, j + 1, lo:hi], series[E, k - j, lo:hi], j + 1.0
+        for n in range(hi - lo):
+            next_e[n] += (times * u[n]) * f[n]
+    for n in range(hi - lo):
+        next_e[n] *= -1.0 / ((k + 1) * v_s * v_s)
 
 
-@njit(cache=True)
-def site_value(P: FloatArray, order: int, h: float, n: int) -> float:
-    """Return the value of site n a time h after the expansion point."""
-    value = P[order, n]
-    for k in range(order - 1, -1, -1):
+@inner
+def shift(P: FloatArray, column: int, x: float, out: FloatArray) -> None:
+    """Put the coefficients of a series about a time x after its own into out: a Taylor shift."""
+    order = P.shape[0] - 1
+    for k in range(order + 1):
+        out[k] = P[k, column]
+    for k in range(order if x != 0.0 else 0):
+        for i in range(order - 1, k - 1, -1):
+            out[i] += x * out[i + 1]
+
+
+@inner
+def site_value(P: FloatArray, n: int, h: float) -> float:
+    """Return the value of site n a time h after its series begins."""
+    value = P[P.shape[0] - 1, n]
+    for k in range(P.shape[0] - 2, -1, -1):
         value = value * h + P[k, n]
     return float(value)
 
 
-@njit(cache=True)
+@inner
 def value_at(f: FloatArray, degree: int, h: float) -> float:
     """Return Σ f_k h^k."""
     value = f[degree]
@@ -159,64 +226,90 @@ def value_at(f: FloatArray, degree: int, h: float) -> float:
     return float(value)
 
 
-@njit(cache=True)
+@inner
+def term_length(series: FloatArray, n: int, tolerance: float) -> float:
+    """Return h at which the last two terms of y and w are within the tolerance; nan if not finite.
+
+    See :func:`resolved` for what the last two terms cannot see.
+    """
+    order, h = series.shape[1] - 1, math.inf
+    for k in (order - 1, order):
+        term = abs(series[W, k, n]) + abs(series[Y, k, n])
+        if not math.isfinite(term):
+            return math.nan
+        if term > 0.0:
+            h = min(h, (tolerance / term) ** (1.0 / k))
+    return h
+
+
+@inner
 def resolved(
-    W: FloatArray, order: int, h: float, n: int, s: float, v0: float, allowed: float
+    series: FloatArray, numbers: FloatArray, law: Law, n: int, s: float, h: float
 ) -> float:
-    """Return h, halved until the series of site n in slip sees the growth of E = e^{-s w/v₀}.
+    """Return h, halved until the series of a site in slip sees the growth of E.
 
     Far from stick E is too small to leave a trace in the coefficients; still it can be of order
-    one at the end of the step. The remainder of its series, E(nearest w) x^order/order! with
-    x = (w's approach)/v₀, is held below the tolerance.
+    one at the end of the step. The remainder of its series is held below the tolerance. With
+    x = (w's approach)/v₀ and u = (w nearest to stick)/v₀ it is e^{-u} x^order/order!; under
+    Stribeck's law, with v_s for v₀, at most 1.09 e^{-u²/2} (√2 x)^order/√order! by Cramér's bound
+    on Hermite polynomials (Abramowitz and Stegun 1964, 22.14.17).
 
     Parameters
     ----------
-    W : ndarray, shape (order + 1, N)
-        Coefficients of w.
-    order : int
-        Order.
-    h : float
-        Step proposed.
+    series, numbers, law
+        As everywhere here.
     n : int
         Site.
     s : float
         Its direction of slip.
-    v0, allowed : float
-        Reference velocity, and :func:`allowed_remainder`.
+    h : float
+        Step proposed.
     """
-    start = s * W[0, n]
+    w, order = series[W], series.shape[1] - 1
+    if len(law) == 0 and absolute_sum(w, n, h) <= numbers[V0]:
+        return h
+    start = s * w[0, n]
+    allowed = math.log(numbers[TOLERANCE]) + math.lgamma(order + 1.0)
     while h > 0.0:
-        size = 0.0
-        for k in range(order, 0, -1):
-            size = (size + abs(W[k, n])) * h
-        if size <= v0:
-            return h
-        nearest = max(0.0, start - size)
-        if start - nearest <= v0 or _remainder(nearest, start, v0, order) <= allowed:
+        nearest = max(0.0, start - absolute_sum(w, n, h))
+        if _seen(numbers, law, order, nearest, start, allowed):
             return h
         nearest = start
         for i in range(1, _LOOKS + 1):
-            nearest = min(nearest, s * site_value(W, order, h * i / _LOOKS, n))
-        nearest = max(0.0, nearest)
-        if start - nearest <= v0 or _remainder(nearest, start, v0, order) <= allowed:
+            nearest = min(nearest, s * site_value(w, n, h * i / _LOOKS))
+        if _seen(numbers, law, order, max(0.0, nearest), start, allowed):
             return h
         h *= 0.5
     return h
 
 
-@njit(cache=True)
-def allowed_remainder(order: int, tolerance: float) -> float:
-    """Return the largest logarithm of order! times a remainder within the tolerance."""
-    return math.log(tolerance) + math.lgamma(order + 1.0)
+@inner
+def absolute_sum(P: FloatArray, n: int, h: float) -> float:
+    """Return Σ_{k≥1} |P_k| h^k: how far the polynomial can have gone by h, at most."""
+    size = 0.0
+    for k in range(P.shape[0] - 1, 0, -1):
+        size = (size + abs(P[k, n])) * h
+    return size
 
 
-@njit(cache=True)
-def _remainder(nearest: float, start: float, v0: float, order: int) -> float:
-    """Return the logarithm of order! times the remainder of the series of E."""
-    return order * math.log((start - nearest) / v0) - nearest / v0
+@inner
+def _seen(
+    numbers: FloatArray, law: Law, order: int, nearest: float, start: float, allowed: float
+) -> bool:
+    """Whether the remainder of the series of E is allowed between these distances from stick."""
+    if len(law) == 1:
+        x, u = (start - nearest) / law[0], nearest / law[0]
+        if x <= 0.0:
+            return True
+        hermite = 0.09 + 0.5 * (order * math.log(2.0) + math.lgamma(order + 1.0))
+        return bool(hermite + order * math.log(x) - 0.5 * u * u <= allowed)
+    v0 = numbers[V0]
+    if start - nearest <= v0:
+        return True
+    return bool(order * math.log((start - nearest) / v0) - nearest / v0 <= allowed)
 
 
-@njit(cache=True)
+@inner
 def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
     """Return the root between low, where f > 0, and high, where f <= 0: Newton, safeguarded."""
     x = 0.5 * (low + high)
@@ -238,10 +331,8 @@ def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
     return float(x)
 
 
-@njit(cache=True)
-def first_root(
-    f: FloatArray, degree: int, h: float, work: FloatArray, binomial: FloatArray
-) -> float:
+@inner
+def first_root(room: FloatArray, degree: int, h: float) -> float:
     """Return the first time in [0, h] at which f, positive before, becomes negative; else inf.
 
     f(0) <= 0 counts as zero: then the sign just after is that of the first coefficient that is
@@ -250,17 +341,15 @@ def first_root(
 
     Parameters
     ----------
-    f : ndarray, shape (degree + 1,)
-        Coefficients; overwritten.
+    room : ndarray
+        ``new_room``; its first row has the coefficients of f, and is overwritten.
     degree : int
         Degree.
     h : float
         End of the interval.
-    work : ndarray, shape (_DEPTH + 2, degree + 1)
-        Room.
-    binomial : ndarray, shape (degree + 1, degree + 1)
-        Binomial coefficients.
     """
+    f, binomial = room[POLYNOMIAL], room[BINOMIALS : BINOMIALS + room.shape[1]]
+    work = room[BINOMIALS + room.shape[1] :]
     while f[0] <= 0.0:
         if degree == 0 or f[1] < 0.0:
             return 0.0 if degree > 0 else math.inf
@@ -308,23 +397,10 @@ def first_root(
     return math.inf
 
 
-@njit(cache=True)
+@inner
 def _width_of(left: float) -> float:
     """Return the width of the dyadic interval that begins at ``left``, after a left neighbour."""
     width = 1.0
     while left % width != 0.0:
         width *= 0.5
     return width
-
-
-def binomials(degree: int) -> FloatArray:
-    """Return the table of binomial coefficients up to a degree.
-
-    Examples
-    --------
-    >>> binomials(2)[2]
-    array([1., 2., 1.])
-    """
-    return np.array(
-        [[math.comb(n, k) for k in range(degree + 1)] for n in range(degree + 1)], dtype=float
-    )

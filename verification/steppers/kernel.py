@@ -45,9 +45,9 @@ def slope_of(chain: SmoothChain) -> Slope:
     >>> out.tolist()
     [0.0, 0.0, -1.0, -1.0]
     """
-    return compiled_slope(
-        chain.kernel(), len(chain.kernel_parameters()), -chain.front_phase_step % 4
-    )
+    if chain.network is not None:
+        return network_slope(chain.kernel(), *chain.kernel_layout)
+    return compiled_slope(chain.kernel(), *chain.kernel_layout, -chain.front_phase_step % 4)
 
 
 @lru_cache(maxsize=64)
@@ -99,6 +99,63 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
             next_y[n], next_w[n] = site((y[n], w[n]), before, after, p)
         for n in range(1, end):
             next_y[n], next_w[n] = site((y[n], w[n]), (y[n - 1], w[n - 1]), (y[n + 1], w[n + 1]), p)
+
+    found: Slope = slope
+    return found
+
+
+@lru_cache(maxsize=64)
+def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) -> Slope:
+    """Return the right-hand side of a chain that is coupled by compressed rows.
+
+    Its ``left`` is the first active site, and its ``right`` the number of all sites (``active``).
+
+    Parameters
+    ----------
+    kernel : callable
+        Right-hand side of a site: (site, pull, p, n, N).
+    header : int
+        Numbers at the beginning of the parameters; the fourth is the number of weights.
+    arrays : int
+        Parameters of N values that follow them.
+    on_velocities : int
+        Whether the kernel takes the pull on velocities: 1, or 0 for zero in its place.
+    """
+    plain: Any = getattr(kernel, "py_func", kernel)
+    site: Any = njit(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
+
+    # Sums first, then sites: the second loop is done for several sites at once by the processor.
+    # Unsigned numbers are never counted from the end, which saves a comparison each.
+    @fast
+    def slope(x: FloatArray, p: FloatArray, lo: int, sites: int, out: FloatArray) -> None:
+        m = x.size // 2
+        y, w, next_y, next_w = x[:m], x[m:], out[:m], out[m:]
+        count = int(p[3])
+        first = header + arrays * sites
+        total, weights = p[first : first + sites], p[first + sites : first + sites + count]
+        at = first + sites + count
+        rows = (sites + 2) // 2
+        starts = p[at : at + rows].view(np.uint32)
+        others = p[at + rows : at + rows + (count + 1) // 2].view(np.uint32)
+        whole = m == sites
+        for i in range(m):
+            n = np.uint64(lo + i)
+            near_y = near_w = 0.0
+            for k in range(np.uint64(starts[n]), np.uint64(starts[n + np.uint64(1)])):
+                j = np.uint64(others[k])
+                if not whole:
+                    if j < np.uint64(lo) or j >= np.uint64(lo + m):
+                        continue
+                    j -= np.uint64(lo)
+                near_y += weights[k] * y[j]
+                if on_velocities:
+                    near_w += weights[k] * w[j]
+            next_y[i] = total[n] * y[i] - near_y
+            if on_velocities:
+                next_w[i] = total[n] * w[i] - near_w
+        for i in range(m):
+            pull = (next_y[i], next_w[i] if on_velocities else 0.0)
+            next_y[i], next_w[i] = site((y[i], w[i]), pull, p, lo + i, sites)
 
     found: Slope = slope
     return found

@@ -45,6 +45,10 @@ _FIRST = 0.5
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
 _LAZY = 0.25
 _MAX_TRIALS, _MET = 60, 0.01
+_FEW = 4
+"""Arrivals within a step that are located one by one; more of them together, by interpolation."""
+_PARTS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
+"""Parts of a step between whose states is interpolated: the polynomial is of the order of steps."""
 
 
 class Task(NamedTuple):
@@ -123,6 +127,29 @@ class Run(NamedTuple):
     memory: FloatArray
 
 
+class Rows(NamedTuple):
+    """The sites of the window, as rows (``active``), and room.
+
+    Attributes
+    ----------
+    x, new, inside : ndarray, shape (2m,)
+        State before and after the step, and at a time within it.
+    K : ndarray, shape (STAGES, 2m)
+        Slopes.
+    room : ndarray, shape (3, 2m)
+        Of ``step_error``.
+    """
+
+    x: FloatArray
+    new: FloatArray
+    inside: FloatArray
+    K: FloatArray
+    room: FloatArray
+
+
+Ends = tuple[int, int]
+"""What is beyond the left and the right end of the window."""
+
 Condition = Callable[..., int]
 """Of (t, h, before, after, parameters, K, room, memory): 0 to go on, else what to end with.
 
@@ -165,119 +192,235 @@ def _widened(
 
 
 @njit(cache=True)
+def _try_steps(
+    take_step: Step, task: Task, clock: FloatArray, p: FloatArray, rows: Rows, ends: Ends
+) -> float:
+    """Put the state after a step within the tolerance into ``rows.new``; return its length.
+
+    What is returned is below ``task.shortest`` if no such step is found.
+    """
+    size = largest(rows.x)
+    h = clock[1] if clock[1] > 0.0 else _FIRST * task.tolerance**0.125
+    h = task.longest if task.tolerance == 0.0 else min(h, task.longest)
+    drifting = np.any(task.drift != 0.0)
+    while h >= task.shortest:
+        if drifting:
+            for i in range(p.size):
+                p[i] = task.parameters[i] + task.drift[i] * (clock[0] + clock[4] + 0.5 * h)
+        take_step(rows.x, p, ends[0], ends[1], h, rows.K, rows.new)
+        if task.tolerance == 0.0:
+            break
+        ratio = step_error(rows.K, h, rows.room, size) / task.tolerance
+        if ratio <= 1.0:
+            clock[2] = max(clock[2], ratio)
+            break
+        h *= max(_SHRINK, _SAFETY * ratio ** (-0.125)) if math.isfinite(ratio) else _SHRINK
+    return h
+
+
+@njit(cache=True)
+def _take_samples(
+    take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
+) -> None:
+    """Take the samples that lie within the step, by shorter steps from its beginning."""
+    clock, counters = run.clock, run.counters
+    lo, hi = counters[LO], counters[HI]
+    m = hi - lo
+    while counters[SAMPLED] < task.times.size and task.times[counters[SAMPLED]] <= clock[0] + h:
+        part = task.times[counters[SAMPLED]] - clock[0] - clock[4]
+        take_step(rows.x, p, ends[0], ends[1], part, rows.K, rows.inside)
+        sample = run.samples[counters[SAMPLED]]
+        put(run.state[0], sample[0])
+        put(run.state[1], sample[1])
+        put(rows.inside[:m], sample[0, lo:hi])
+        put(rows.inside[m:], sample[1, lo:hi])
+        counters[SAMPLED] += 1
+
+
+@njit(cache=True)
+def _interpolated(values: FloatArray, part: float) -> float:
+    """Return the polynomial through values at ``_PARTS`` of a step (barycentric formula)."""
+    above = below = 0.0
+    last = _PARTS.size - 1
+    for j in range(last + 1):
+        away = part - _PARTS[j]
+        if away == 0.0:
+            return float(values[j])
+        weight = (1.0 if j % 2 == 0 else -1.0) / away
+        if j in (0, last):
+            weight *= 0.5
+        above += weight * values[j]
+        below += weight
+    return float(above / below)
+
+
+@njit(cache=True)
+def _note_many(
+    take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
+) -> int:
+    """Find the arrivals of many sites within the step; return the foremost of them.
+
+    They are found by interpolation between the states at a few times of the step.
+    """
+    x, new, lo = rows.x, rows.new, run.counters[LO]
+    m, square, last = x.size // 2, task.level * task.level, _PARTS.size - 1
+    values = np.zeros((last + 1, m))
+    for j in range(last + 1):
+        row = x if j == 0 else new if j == last else rows.inside
+        if 0 < j < last:
+            take_step(x, p, ends[0], ends[1], _PARTS[j] * h, rows.K, row)
+        for n in range(m):
+            values[j, n] = row[n] ** 2 + row[m + n] ** 2 - square
+    foremost = -1
+    for n in range(m):
+        if values[last, n] < 0.0 or not math.isnan(run.arrivals[lo + n]):
+            continue
+        low, high = 0.0, 1.0
+        for _ in range(52):  # bisection, to the last bit of the part
+            middle = 0.5 * (low + high)
+            if _interpolated(values[:, n], middle) < 0.0:
+                low = middle
+            else:
+                high = middle
+        run.arrivals[lo + n] = run.clock[0] + high * h
+        foremost = lo + n
+    return foremost
+
+
+@njit(cache=True)
+def _crossing(task: Task, run: Run, rows: Rows) -> int:
+    """Return how many sites pass the level within the step."""
+    new, lo = rows.new, run.counters[LO]
+    m, square, found = new.size // 2, task.level * task.level, 0
+    for n in range(m):
+        if new[n] ** 2 + new[m + n] ** 2 >= square and math.isnan(run.arrivals[lo + n]):
+            found += 1
+    return found
+
+
+@njit(cache=True)
+def _note_arrivals(
+    take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
+) -> int:
+    """Find when sites pass the level within the step; return the foremost of them, or -1.
+
+    Shorter steps are taken from the beginning of the step, by the Illinois rule: the secant, with
+    the value of an end that stays halved; but not where many sites pass it together.
+    """
+    if _crossing(task, run, rows) > _FEW:
+        return _note_many(take_step, task, run, p, rows, ends, h)
+    x, new, inside, lo = rows.x, rows.new, rows.inside, run.counters[LO]
+    m = x.size // 2
+    square, met = task.level * task.level, max(1e-15, _MET * task.tolerance)
+    foremost = -1
+    for n in range(m):
+        above = new[n] ** 2 + new[m + n] ** 2 - square
+        if above < 0.0 or not math.isnan(run.arrivals[lo + n]):
+            continue
+        low, high, part = 0.0, h, h
+        below = x[n] ** 2 + x[m + n] ** 2 - square
+        for _ in range(_MAX_TRIALS):
+            part = low + below / (below - above) * (high - low)
+            take_step(x, p, ends[0], ends[1], part, rows.K, inside)
+            value = inside[n] ** 2 + inside[m + n] ** 2 - square
+            if abs(value) <= met * square or high - low <= met * h:
+                break
+            if value < 0.0:
+                low, below, above = part, value, 0.5 * above
+            else:
+                high, above, below = part, value, 0.5 * below
+        run.arrivals[lo + n] = run.clock[0] + part
+        foremost = lo + n
+    return foremost
+
+
+@njit(cache=True)
+def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
+    """Add the step to the time; at a review, let the next step grow if the errors allow."""
+    t, whole = clock[0], h + clock[4]
+    clock[0] = t + whole
+    clock[4] = whole - (clock[0] - t)
+    if clock[0] >= clock[3]:
+        clock[3] = clock[0] + task.review
+        if clock[2] < _LAZY:
+            clock[1] = h * min(_GROW, _SAFETY * max(clock[2], 1e-8) ** (-0.125))
+        clock[2] = 0.0
+
+
+@njit(cache=True)
+def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[int, int]:
+    """Return the window for the next step."""
+    lo, hi, sites = run.counters[LO], run.counters[HI], run.state.shape[1]
+    wider_lo, wider_hi = lo, hi
+    if task.rest >= 0.0 and (lo > 0 or hi < sites):
+        wider_lo, wider_hi = _widened(x, task.rest, task.margin, lo, hi, sites)
+        if task.trailing > 0:
+            wider_lo = lo
+    if task.trailing > 0 and foremost - task.trailing > lo:
+        wider_lo = foremost - task.trailing
+    return wider_lo, wider_hi
+
+
+@njit(cache=True)
+def _unpacked(run: Run) -> Rows:
+    """Return rows for the sites of the window, with their state."""
+    lo, hi = run.counters[LO], run.counters[HI]
+    m = hi - lo
+    x, K, room = np.zeros(2 * m), np.zeros((STAGES, 2 * m)), np.zeros((3, 2 * m))
+    put(run.state[0, lo:hi], x[:m])
+    put(run.state[1, lo:hi], x[m:])
+    return Rows(x, np.zeros(2 * m), np.zeros(2 * m), K, room)
+
+
+@njit(cache=True)
+def _put_back(run: Run, x: FloatArray) -> None:
+    """Put the row of the window into the state."""
+    lo, hi = run.counters[LO], run.counters[HI]
+    put(x[: hi - lo], run.state[0, lo:hi])
+    put(x[hi - lo :], run.state[1, lo:hi])
+
+
+@njit(cache=True)
 def _advance(take_step: Step, stop: Condition, task: Task, run: Run, max_steps: int) -> int:
     """Step until the first step that reaches the end; return a ``StopCode``."""
-    state, clock, counters, arrivals, samples = (
-        run.state, run.clock, run.counters, run.arrivals, run.samples
-    )  # fmt: skip
-    times, trailing, tolerance = task.times, task.trailing, task.tolerance
-    sites = state.shape[1]
-    packed_lo = packed_hi = -1
+    clock, counters, sites = run.clock, run.counters, run.state.shape[1]
     p = task.parameters.copy()
-    drifting = False
-    for rate in task.drift:
-        drifting = drifting or rate != 0.0
-    square, met = task.level * task.level, max(1e-15, _MET * tolerance)
+    rows = _unpacked(run)
     ended = REACHED
     steps = 0
     while clock[0] < task.end:
         if steps >= max_steps:
             ended = BUDGET
             break
-        lo, hi = counters[LO], counters[HI]
-        if lo != packed_lo or hi != packed_hi:
-            m = hi - lo
-            x, new, inside = np.zeros(2 * m), np.zeros(2 * m), np.zeros(2 * m)
-            K = np.zeros((STAGES, 2 * m))
-            room = np.zeros((3, 2 * m))
-            put(state[0, lo:hi], x[:m])
-            put(state[1, lo:hi], x[m:])
-            packed_lo, packed_hi = lo, hi
-            left, right = end_codes(lo, hi, sites, task.first, trailing > 0)
-        if not finite(x):
+        if not finite(rows.x):
             ended = NOT_FINITE
             break
-        t = clock[0]
-        size = largest(x)
-        h = clock[1] if clock[1] > 0.0 else _FIRST * tolerance**0.125
-        h = task.longest if tolerance == 0.0 else min(h, task.longest)
-        while h >= task.shortest:
-            if drifting:
-                for i in range(p.size):
-                    p[i] = task.parameters[i] + task.drift[i] * (t + clock[4] + 0.5 * h)
-            take_step(x, p, left, right, h, K, new)
-            if tolerance == 0.0:
-                break
-            ratio = step_error(K, h, room, size) / tolerance
-            if ratio <= 1.0:
-                clock[2] = max(clock[2], ratio)
-                break
-            h *= max(_SHRINK, _SAFETY * ratio ** (-0.125)) if math.isfinite(ratio) else _SHRINK
+        lo, hi = counters[LO], counters[HI]
+        ends = end_codes(lo, hi, sites, task.first, task.trailing > 0)
+        h = _try_steps(take_step, task, clock, p, rows, ends)
         clock[1] = h
         if h < task.shortest:
             clock[1] = 0.0
             ended = TOO_SHORT
             break
-        while counters[SAMPLED] < times.size and times[counters[SAMPLED]] <= t + h:
-            part = times[counters[SAMPLED]] - t - clock[4]
-            take_step(x, p, left, right, part, K, inside)
-            sample = samples[counters[SAMPLED]]
-            put(state[0], sample[0])
-            put(state[1], sample[1])
-            put(inside[:m], sample[0, lo:hi])
-            put(inside[m:], sample[1, lo:hi])
-            counters[SAMPLED] += 1
-        foremost = -1
-        for n in range(m):
-            above = new[n] ** 2 + new[m + n] ** 2 - square
-            if above < 0.0 or not math.isnan(arrivals[lo + n]):
-                continue
-            # The Illinois rule: the secant, with the value of an end that stays halved.
-            low, high = 0.0, h
-            below = x[n] ** 2 + x[m + n] ** 2 - square
-            for _ in range(_MAX_TRIALS):
-                part = low + below / (below - above) * (high - low)
-                take_step(x, p, left, right, part, K, inside)
-                value = inside[n] ** 2 + inside[m + n] ** 2 - square
-                if abs(value) <= met * square or high - low <= met * h:
-                    break
-                if value < 0.0:
-                    low, below, above = part, value, 0.5 * above
-                else:
-                    high, above, below = part, value, 0.5 * below
-            arrivals[lo + n] = t + part
-            foremost = lo + n
-        found = stop(t, h, x, new, p, K, inside, run.memory)
-        put(new, x)
-        whole = h + clock[4]
-        clock[0] = t + whole
-        clock[4] = whole - (clock[0] - t)
-        if clock[0] >= clock[3]:
-            clock[3] = clock[0] + task.review
-            if clock[2] < _LAZY:
-                clock[1] = h * min(_GROW, _SAFETY * max(clock[2], 1e-8) ** (-0.125))
-            clock[2] = 0.0
+        _take_samples(take_step, task, run, p, rows, ends, h)
+        foremost = _note_arrivals(take_step, task, run, p, rows, ends, h)
+        found = stop(clock[0], h, rows.x, rows.new, p, rows.K, rows.inside, run.memory)
+        put(rows.new, rows.x)
+        _pass_time(task, clock, h)
         steps += 1
         counters[STEPS] += 1
-        counters[SITE_STEPS] += m
+        counters[SITE_STEPS] += hi - lo
         if found != 0:
             counters[OUTCOME] = found
             ended = CONDITION
             break
-        wider_lo, wider_hi = lo, hi
-        if task.rest >= 0.0 and (lo > 0 or hi < sites):
-            wider_lo, wider_hi = _widened(x, task.rest, task.margin, lo, hi, sites)
-            if trailing > 0:
-                wider_lo = lo
-        if trailing > 0 and foremost - trailing > lo:
-            wider_lo = foremost - trailing
+        wider_lo, wider_hi = _moved_window(task, run, rows.x, foremost)
         if wider_lo != lo or wider_hi != hi:
-            put(x[:m], state[0, lo:hi])
-            put(x[m:], state[1, lo:hi])
+            _put_back(run, rows.x)
             counters[LO], counters[HI] = wider_lo, wider_hi
-    if packed_hi > packed_lo and counters[LO] == packed_lo and counters[HI] == packed_hi:
-        put(x[:m], state[0, packed_lo:packed_hi])
-        put(x[m:], state[1, packed_lo:packed_hi])
+            rows = _unpacked(run)
+    _put_back(run, rows.x)
     return ended
 
 
@@ -324,12 +467,12 @@ def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
     Parameters
     ----------
     chain : SmoothChain
-        Only its kernel counts, the number of its parameters, and the phase step of its fronts.
+        Only its kernel counts, the layout of its parameters, and the phase step of its fronts.
     watch : callable, optional
         A function of a module that makes the stop condition; by default the run goes to its end.
     """
     kernel = chain.kernel()
-    key = (kernel, len(chain.kernel_parameters()), chain.front_phase_step)
+    key = (kernel, *chain.kernel_layout, chain.front_phase_step)
     if key not in _STEPS:
         step = dop853_step(slope_of(chain))
         mark = "-".join([source_mark(kernel), *map(str, key[1:])])

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import itertools
-import os
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -12,27 +10,8 @@ from types import FunctionType
 from typing import Any
 
 from numba import cfunc
-from numba.core.bytecode import FunctionIdentity
 
-import verification.execution.compiled  # noqa: F401  # it says where compiled code is stored
-
-
-def _name_apart() -> bool:
-    """Let the names of compiled code differ from those of other processes; return whether they do.
-
-    numba tells closures of one name apart by a number, counted from 1 in every process. Code from
-    disk brings along what it calls, under the names of the process that compiled it; where two
-    such names meet, the linker takes the first, and a chain would be stepped with the right-hand
-    side of another. So the count begins at a random number.
-    """
-    if not isinstance(getattr(FunctionIdentity, "_unique_ids", None), itertools.count):
-        return False
-    FunctionIdentity._unique_ids = itertools.count(int.from_bytes(os.urandom(6), "big"))
-    return True
-
-
-_STORED = _name_apart()
-"""Without distinct names, nothing that contains closures may be stored."""
+from verification.execution.compiled import DISTINCT_NAMES
 
 
 @lru_cache(maxsize=256)
@@ -75,4 +54,4 @@ def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
     copy = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
     copy.__module__ = function.__module__
     copy.__qualname__ = f"{function.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
-    return cfunc(signature, cache=_STORED)(copy)
+    return cfunc(signature, cache=DISTINCT_NAMES)(copy)

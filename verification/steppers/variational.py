@@ -18,6 +18,7 @@ adds -εV⋆δy.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +92,7 @@ def integrate_variations(
     >>> flow.state.round(6).tolist()
     [1.0, 0.0, 0.0, 0.0]
     """
-    return _integrate(chain, start, duration, steps, order, np.zeros((0, 0)), 0.0, 0.0)
+    return _integrate(chain, start, duration, steps, order)
 
 
 def integrate_along_sinusoids(
@@ -122,7 +123,8 @@ def integrate_along_sinusoids(
     start = np.concatenate([amplitudes * np.sin(phases), omega * amplitudes * np.cos(phases)])
     base = np.vstack([amplitudes, phases])
     extra = 1.0 if misprinted else 0.0
-    return _integrate(chain, start, 2.0 * np.pi / omega, steps, order, base, omega, extra)
+    forced = _Sinusoids(base, omega)
+    return _integrate(chain, start, 2.0 * np.pi / omega, steps, order, forced=forced, extra=extra)
 
 
 def integrate_chain(
@@ -146,9 +148,7 @@ def integrate_chain(
     ParameterError
         As `integrate_variations`.
     """
-    return _integrate(
-        chain, start, duration, steps, order, np.zeros((0, 0)), 0.0, 0.0, variations=False
-    )
+    return _integrate(chain, start, duration, steps, order, variations=False)
 
 
 def _integrate(
@@ -157,10 +157,9 @@ def _integrate(
     duration: float,
     steps: int,
     order: int,
-    base: Real,
-    omega: float,
-    extra: float,
     *,
+    forced: _Sinusoids | None = None,
+    extra: float = 0.0,
     variations: bool = True,
 ) -> Flow:
     sites = chain.sites
@@ -172,24 +171,10 @@ def _integrate(
         tangent_y[:, :sites] = np.eye(sites)
         tangent_v[:, sites:-1] = np.eye(sites)
     samples = np.zeros((steps, sites))
-    fine = _run(
-        state[:sites],
-        state[sites:],
-        tangent_y,
-        tangent_v,
-        samples,
-        duration / steps,
-        order,
-        chain.a,
-        chain.b,
-        chain.c,
-        chain.eps,
-        chain.ends is Ends.PERIODIC,
-        base,
-        omega,
-        extra,
-    )
-    if not fine:
+    equation = _Equation(chain.a, chain.b, chain.c, chain.eps, chain.ends is Ends.PERIODIC, extra)
+    run = _Run(state[:sites], state[sites:], tangent_y, tangent_v, samples)
+    forced = forced or _Sinusoids(np.zeros((0, 0)), 0.0)
+    if not _advance(equation, run, forced, duration / steps, order):
         raise ParameterError(
             "displacement",
             "too large",
@@ -201,27 +186,21 @@ def _integrate(
     return Flow(state, whole[:, :-1], by_c, samples, steps)
 
 
-@njit(cache=True)
-def _run(
-    y: Real,
-    v: Real,
-    ty: Real,
-    tv: Real,
-    samples: Real,
-    h: float,
-    order: int,
-    a: float,
-    b: float,
-    c: float,
-    eps: float,
-    ring: bool,
-    base: Real,
-    omega: float,
-    extra: float,
-) -> bool:
-    """Advance the state and its tangents in place; False if the solution is out of range.
+class _Equation(NamedTuple):
+    """The chain, whether it is a ring, and what is added to H: 1 for (42) as printed."""
 
-    Parameters
+    a: float
+    b: float
+    c: float
+    eps: float
+    ring: bool
+    extra: float
+
+
+class _Run(NamedTuple):
+    """What is advanced in place.
+
+    Attributes
     ----------
     y, v : ndarray, shape (N,)
         Displacements and velocities.
@@ -229,103 +208,175 @@ def _run(
         Tangents; the last column, if there is one, is the derivative by c.
     samples : ndarray, shape (steps, N)
         Filled with y at the beginning of each step.
-    h, order
-        Step and order of the series.
-    a, b, c, eps, ring
-        The chain.
-    base : ndarray, shape (2, N) or (0, 0)
-        Amplitudes and phases of the sinusoids that replace the solution, if any, of frequency
-        ``omega``.
-    extra : float
-        Added to H: 1 for the Jacobian (42) as printed.
     """
-    sites, columns = ty.shape
-    forced = base.shape[0] == 2
-    Y = np.zeros((order + 1, sites))
-    V = np.zeros((order + 1, sites))
-    S = np.zeros((order + 1, sites))
-    Q = np.zeros((order + 1, sites))
-    G = np.zeros((order + 1, sites))
-    H = np.zeros((order + 1, sites))
-    P = np.zeros((order + 1, sites))
-    DY = np.zeros((order + 1, sites, columns))
-    DV = np.zeros((order + 1, sites, columns))
-    row = np.zeros(columns)
-    for step in range(samples.shape[0]):
-        put(y, samples[step])
-        put(y, Y[0])
-        put(v, V[0])
+
+    y: Real
+    v: Real
+    ty: Real
+    tv: Real
+    samples: Real
+
+
+class _Sinusoids(NamedTuple):
+    """Amplitudes and phases, shape (2, N), of what replaces the solution, or (0, 0); frequency."""
+
+    base: Real
+    omega: float
+
+
+class _Series(NamedTuple):
+    """Taylor coefficients: those of the orbit of shape (order + 1, N), of its tangents with M."""
+
+    Y: Real
+    V: Real
+    S: Real
+    Q: Real
+    G: Real
+    H: Real
+    P: Real
+    W: Real
+    DY: Real
+    DV: Real
+
+
+@njit(cache=True)
+def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order: int) -> bool:
+    """Advance the state and its tangents by all steps; False if the solution is out of range."""
+    sites, columns = run.ty.shape
+    size = (order + 1, sites)
+    Y, V, S, Q = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
+    G, H, P, W = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
+    DY, DV = np.zeros((order + 1, sites, columns)), np.zeros((order + 1, sites, columns))
+    series = _Series(Y, V, S, Q, G, H, P, W, DY, DV)
+    row, spring = np.zeros(columns), np.zeros(sites)
+    for step in range(run.samples.shape[0]):
+        put(run.y, run.samples[step])
+        put(run.y, Y[0])
+        put(run.v, V[0])
         for n in range(sites):
-            put(ty[n], DY[0, n])
-            put(tv[n], DV[0, n])
+            put(run.ty[n], DY[0, n])
+            put(run.tv[n], DV[0, n])
         for k in range(order):
+            _add_products(equation, series, k)
             for n in range(sites):
-                s = 0.0
-                for j in range(k + 1):
-                    s += Y[j, n] * Y[k - j, n]
-                S[k, n] = s
-                q = 0.0
-                t = 0.0
-                for j in range(k + 1):
-                    q += S[j, n] * S[k - j, n]
-                    t += S[j, n] * Y[k - j, n]
-                Q[k, n] = q
-                G[k, n] = b * q - a * s
-                H[k, n] = 4.0 * b * t - 2.0 * a * Y[k, n]
-                if k == 0:
-                    G[k, n] += 1.0
-                    H[k, n] += extra
-                w = 0.0
-                p = 0.0
-                for j in range(k + 1):
-                    w += V[j, n] * G[k - j, n]
-                    p += V[j, n] * H[k - j, n]
-                P[k, n] = p
-                left, right = n - 1, n + 1
-                if ring:
-                    left = sites - 1 if n == 0 else left
-                    right = 0 if n == sites - 1 else right
+                left, right = _neighbours(equation.ring, sites, n)
                 # Two differences added: the same to the last bit after reflection.
-                spring = 0.0
+                spring[n] = 0.0
                 if left >= 0:
-                    spring += Y[k, n] - Y[k, left]
+                    spring[n] += Y[k, n] - Y[k, left]
                 if right < sites:
-                    spring += Y[k, n] - Y[k, right]
-                if forced:
-                    angle = omega * step * h + base[1, n] + 0.5 * np.pi * (k + 1)
-                    factor = 1.0
-                    for j in range(k + 1):
-                        factor *= omega / (j + 1)
-                    Y[k + 1, n] = base[0, n] * factor * np.sin(angle)
-                    V[k + 1, n] = base[0, n] * factor * omega * np.cos(angle)
-                else:
-                    Y[k + 1, n] = V[k, n] / (k + 1)
-                    V[k + 1, n] = (-Y[k, n] - eps * c * spring - eps * w) / (k + 1)
-                row[:] = 0.0
-                for j in range(k + 1):
-                    g = G[j, n]
-                    p = P[j, n]
-                    for m in range(columns):
-                        row[m] += g * DV[k - j, n, m] + p * DY[k - j, n, m]
-                if columns > 0:
-                    row[columns - 1] += spring
-                if left >= 0:
-                    for m in range(columns):
-                        row[m] += c * (DY[k, n, m] - DY[k, left, m])
-                if right < sites:
-                    for m in range(columns):
-                        row[m] += c * (DY[k, n, m] - DY[k, right, m])
-                for m in range(columns):
-                    DY[k + 1, n, m] = DV[k, n, m] / (k + 1)
-                    DV[k + 1, n, m] = (-DY[k, n, m] - eps * row[m]) / (k + 1)
-        for n in range(sites):
-            y[n] = _value(Y[:, n], h)
-            v[n] = _value(V[:, n], h)
-            if not abs(y[n]) < LARGEST:
-                return False
+                    spring[n] += Y[k, n] - Y[k, right]
+            if forced.base.shape[0] == 2:
+                _add_sinusoids(series, forced, forced.omega * step * h, k)
+            else:
+                _add_motion(equation, series, spring, k)
+            _add_tangents(equation, series, spring, row, k)
+        if not _sum_up(series, run, h):
+            return False
+    return True
+
+
+@njit(cache=True)
+def _neighbours(ring: bool, sites: int, n: int) -> tuple[int, int]:
+    """Return the sites beside one; -1 and ``sites`` where there is none."""
+    left, right = n - 1, n + 1
+    if ring:
+        left = sites - 1 if n == 0 else left
+        right = 0 if n == sites - 1 else right
+    return left, right
+
+
+@njit(cache=True)
+def _add_products(equation: _Equation, series: _Series, k: int) -> None:
+    """Fill the coefficients k of S, Q, G, H, P and W."""
+    Y, V, S, Q, G, H = series.Y, series.V, series.S, series.Q, series.G, series.H
+    a, b = equation.a, equation.b
+    for n in range(Y.shape[1]):
+        s = 0.0
+        for j in range(k + 1):
+            s += Y[j, n] * Y[k - j, n]
+        S[k, n] = s
+        q = 0.0
+        t = 0.0
+        for j in range(k + 1):
+            q += S[j, n] * S[k - j, n]
+            t += S[j, n] * Y[k - j, n]
+        Q[k, n] = q
+        G[k, n] = b * q - a * s
+        H[k, n] = 4.0 * b * t - 2.0 * a * Y[k, n]
+        if k == 0:
+            G[k, n] += 1.0
+            H[k, n] += equation.extra
+        w = 0.0
+        p = 0.0
+        for j in range(k + 1):
+            w += V[j, n] * G[k - j, n]
+            p += V[j, n] * H[k - j, n]
+        series.W[k, n] = w
+        series.P[k, n] = p
+
+
+@njit(cache=True)
+def _add_motion(equation: _Equation, series: _Series, spring: Real, k: int) -> None:
+    """Fill the coefficients k + 1 of Y and V from (8)."""
+    Y, V, W, eps = series.Y, series.V, series.W, equation.eps
+    for n in range(spring.size):
+        Y[k + 1, n] = V[k, n] / (k + 1)
+        V[k + 1, n] = (-Y[k, n] - eps * equation.c * spring[n] - eps * W[k, n]) / (k + 1)
+
+
+@njit(cache=True)
+def _add_sinusoids(series: _Series, forced: _Sinusoids, phase: float, k: int) -> None:
+    """Fill the coefficients k + 1 of Y and V with those of the sinusoids at ωt = ``phase``."""
+    base, omega = forced.base, forced.omega
+    factor = 1.0
+    for j in range(k + 1):
+        factor *= omega / (j + 1)
+    for n in range(base.shape[1]):
+        angle = phase + base[1, n] + 0.5 * np.pi * (k + 1)
+        series.Y[k + 1, n] = base[0, n] * factor * np.sin(angle)
+        series.V[k + 1, n] = base[0, n] * factor * omega * np.cos(angle)
+
+
+@njit(cache=True)
+def _add_tangents(equation: _Equation, series: _Series, spring: Real, row: Real, k: int) -> None:
+    """Fill the coefficients k + 1 of the tangents; ``row`` is room."""
+    G, P, DY, DV = series.G, series.P, series.DY, series.DV
+    sites, columns = spring.size, row.size
+    c, eps = equation.c, equation.eps
+    for n in range(sites):
+        left, right = _neighbours(equation.ring, sites, n)
+        row[:] = 0.0
+        for j in range(k + 1):
+            g = G[j, n]
+            p = P[j, n]
             for m in range(columns):
-                ty[n, m] = _value(DY[:, n, m], h)
-                tv[n, m] = _value(DV[:, n, m], h)
+                row[m] += g * DV[k - j, n, m] + p * DY[k - j, n, m]
+        if columns > 0:
+            row[columns - 1] += spring[n]
+        if left >= 0:
+            for m in range(columns):
+                row[m] += c * (DY[k, n, m] - DY[k, left, m])
+        if right < sites:
+            for m in range(columns):
+                row[m] += c * (DY[k, n, m] - DY[k, right, m])
+        for m in range(columns):
+            DY[k + 1, n, m] = DV[k, n, m] / (k + 1)
+            DV[k + 1, n, m] = (-DY[k, n, m] - eps * row[m]) / (k + 1)
+
+
+@njit(cache=True)
+def _sum_up(series: _Series, run: _Run, h: float) -> bool:
+    """Put the sums of the series at h into the state and tangents; False if out of range."""
+    sites, columns = run.ty.shape
+    for n in range(sites):
+        run.y[n] = _value(series.Y[:, n], h)
+        run.v[n] = _value(series.V[:, n], h)
+        if not abs(run.y[n]) < LARGEST:
+            return False
+        for m in range(columns):
+            run.ty[n, m] = _value(series.DY[:, n, m], h)
+            run.tv[n, m] = _value(series.DV[:, n, m], h)
     return True
 
 

@@ -15,8 +15,8 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import envelope as envelope_breather
 from verification.breathers import exponents, orbits
-from verification.breathers.continuation import Branch, Crossing, Monitor, first_crossing
-from verification.breathers.newton import System
+from verification.continuation.branch import Branch, Crossing, Monitor, first_crossing
+from verification.continuation.newton import System
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
@@ -84,7 +84,9 @@ def breather_threshold(
         sites=here.sites,
         c_stable=c_stable,
         error_stable=error_stable,
-        stability_lost_by=_mechanism(crossing, system, monitor, here, nucleus, branch),
+        stability_lost_by=_mechanism(
+            crossing, system, monitor, chain=here, nucleus=nucleus, branch=branch
+        ),
         growth=branch.monitored[at_half][0],
         growth_mirrored=branch.monitored[at_half][1] if mirrored else None,
         seconds=time.perf_counter() - started,
@@ -147,6 +149,7 @@ def _mechanism(
     crossing: Crossing | None,
     system: System,
     monitor: Monitor,
+    *,
     chain: VanDerPolChain,
     nucleus: Nucleus,
     branch: Branch,

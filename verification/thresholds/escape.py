@@ -183,6 +183,7 @@ def escape_range(
 def escape_threshold(
     chain: VanDerPolChain,
     preparation: Preparation,
+    *,
     low: float = 0.15,
     high: float = 0.25,
     duration: float = 2000.0,

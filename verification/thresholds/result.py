@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from theory.chains.chain import Ends
 from theory.chains.nucleus import Nucleus
 from theory.result import Result
 from theory.status import Status
+from verification.runs.excite import StartPoint
 
 
 class ThresholdMethod(Status):
@@ -163,6 +165,10 @@ class RunThreshold(Threshold):
         The interval for each seed of the noise.
     runs : int
         Runs made.
+    ends : Ends or None
+        Ends of the chain that was run; None for runs of (43) from an in-phase start.
+    start_point : StartPoint or None
+        Point of the cycle of a friction chain from which the excited sites started.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("bracket", "fuzzy_width")
@@ -178,6 +184,8 @@ class RunThreshold(Threshold):
         default_factory=dict, metadata={"json": "range_by_seed"}
     )
     runs: int
+    ends: Ends | None = None
+    start_point: StartPoint | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""

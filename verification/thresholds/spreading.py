@@ -26,7 +26,7 @@ import numpy as np
 from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import STEPS, Nucleus, Place
+from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError, count_within, positive, within
 from verification.runs import friction_integration, smooth_integration  # noqa: F401  (register)
 from verification.runs.comparison import COARSER
@@ -41,7 +41,7 @@ REACH = 0.2
 SEVERAL = 3
 """New sites on each side of the nucleus for ``Definition.SEVERAL``."""
 _BUDGET = 20_000
-"""Sites times steps between two looks at what has been reached."""
+"""Sites times steps between two checks of what has been reached."""
 
 
 @dataclass(frozen=True)
@@ -124,14 +124,17 @@ class Spreading:
     def start(self, chain: Chain) -> Any:
         """Return the start, (y, w) of every site."""
         sites = self.nucleus.excited(_sites(chain))
-        turns = np.cumsum([0.0, *(STEPS[sign] for sign in self.nucleus.pattern)]) / (0.5 * np.pi)
         return excite(
             chain,
             sites,
             self.displacement,
-            quarter_turns=[round(turn) for turn in turns],
+            quarter_turns=self.nucleus.quarter_turns(),
             point=self.point,
         )
+
+
+def _from_cycle(chain: Chain, spreading: Spreading) -> bool:
+    return isinstance(chain, FrictionChain) and spreading.displacement is None
 
 
 def _sites(chain: Chain) -> int:
@@ -173,6 +176,59 @@ def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None)
         if run.going_to_rest():
             return False
     return spread()
+
+
+class _Search:
+    """Runs at couplings, counted, and the bracket of the lowest coupling at which one spreads."""
+
+    def __init__(
+        self, chain: Chain, spreading: Spreading, accuracy: float, lowest: float, highest: float
+    ) -> None:
+        self._chain, self._spreading, self._accuracy = chain, spreading, accuracy
+        self._lowest, self._highest = lowest, highest
+        self._progress: Callable[[float], None] | None = None
+        self._expected = math.log(highest / lowest) / math.log(GROWTH)
+        self.runs = 0
+
+    def expect(self, runs: int, progress: Callable[[float], None] | None) -> None:
+        """Report progress, with so many runs besides the first search."""
+        self._expected += runs
+        self._progress = progress
+
+    def spreads(self, c: float, *, longer: float = 1.0, coarser: float = 1.0) -> bool:
+        """Run the chain at a coupling, with the final time and the tolerance times a factor."""
+        self.runs += 1
+        if self._progress is not None:
+            self._progress(self.runs / (self.runs + self._expected))
+        tolerance = min(1e-4, coarser * self._spreading.tolerance)
+        final = longer * self._spreading.final_time
+        spreading = replace(self._spreading, tolerance=tolerance)
+        return spreads(self._chain.replace(c=c), spreading, final)
+
+    def bracket(self, *, longer: float = 1.0, coarser: float = 1.0) -> tuple[float, float]:
+        """Search upwards by a factor from the lowest coupling, then bisect."""
+        low, high = self._lowest, self._lowest
+        while not self.spreads(high, longer=longer, coarser=coarser):
+            if high >= self._highest:
+                raise ParameterError(
+                    "highest coupling", self._highest, "one up to which the nucleus spreads",
+                    "take a wider nucleus, a later final time, or for friction a lower v_d",
+                )  # fmt: skip
+            low, high = high, min(self._highest, GROWTH * high)
+        if high == self._lowest:
+            if isinstance(self._chain, FrictionChain):
+                check_sliding_stable(self._chain.cell)
+            raise ParameterError(
+                "lowest coupling", self._lowest, "one at which the nucleus does not spread",
+                "lower it",
+            )  # fmt: skip
+        while high - low > self._accuracy and low < 0.5 * (low + high) < high:
+            middle = 0.5 * (low + high)
+            if self.spreads(middle, longer=longer, coarser=coarser):
+                high = middle
+            else:
+                low = middle
+        return low, high
 
 
 def spreading_threshold(
@@ -219,52 +275,19 @@ def spreading_threshold(
     within("highest coupling", highest, 1.01 * lowest, 1e6, "it must be above the lowest")
     within("accuracy", accuracy, 1e-12, 0.1)
     count_within("tests of monotony", tests, 0, 10_000)
-    runs = 0
-    expected = 2.0 * tests + math.log(highest / lowest) / math.log(GROWTH)
-
-    def at(c: float, longer: float, coarser: float) -> bool:
-        nonlocal runs
-        runs += 1
-        if progress is not None:
-            progress(runs / (runs + expected))
-        tolerance = min(1e-4, coarser * spreading.tolerance)
-        final = longer * spreading.final_time
-        return spreads(chain.replace(c=c), replace(spreading, tolerance=tolerance), final)
-
-    def first_above(start: float, longer: float, coarser: float) -> tuple[float, float]:
-        low, c = start, start
-        while not at(c, longer, coarser):
-            if c >= highest:
-                raise ParameterError(
-                    "highest coupling",
-                    highest,
-                    "one up to which the nucleus spreads",
-                    "take a wider nucleus, a later final time, or for friction a lower v_d",
-                )
-            low, c = c, min(highest, GROWTH * c)
-        if c == start:
-            if isinstance(chain, FrictionChain):
-                check_sliding_stable(chain.cell)
-            raise ParameterError(
-                "lowest coupling", start, "one at which the nucleus does not spread", "lower it"
-            )
-        high = c
-        while high - low > accuracy and low < 0.5 * (low + high) < high:
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if at(middle, longer, coarser) else (middle, high)
-        return low, high
-
-    low, high = first_above(lowest, 1.0, 1.0)
+    search = _Search(chain, spreading, accuracy, lowest, highest)
+    search.expect(2 * tests, progress)
+    low, high = search.bracket()
     c, error = 0.5 * (low + high), 0.5 * (high - low)
-    if at(low, 1.0, COARSER) or not at(high, 1.0, COARSER):
-        error += abs(c - 0.5 * sum(first_above(lowest, 1.0, COARSER)))
+    if search.spreads(low, coarser=COARSER) or not search.spreads(high, coarser=COARSER):
+        error += abs(c - 0.5 * sum(search.bracket(coarser=COARSER)))
     late, fuzzy, monotone = c, None, True
     if tests > 0:
-        if at(low, 2.0, 1.0):
-            late = 0.5 * sum(first_above(lowest, 2.0, 1.0))
+        if search.spreads(low, longer=2.0):
+            late = 0.5 * sum(search.bracket(longer=2.0))
         places = [REACH * c * (k + 1) / tests for k in range(tests)]
-        below = [c - place for place in places if at(c - place, 1.0, 1.0)]
-        above = [c + place for place in places if not at(c + place, 1.0, 1.0)]
+        below = [c - place for place in places if search.spreads(c - place)]
+        above = [c + place for place in places if not search.spreads(c + place)]
         monotone = not below and not above
         ends = (min([late, c, *below]), max([c, *above]))
         if ends[1] - ends[0] > 2.0 * accuracy:
@@ -281,9 +304,11 @@ def spreading_threshold(
         low=low,
         high=high,
         final_time=spreading.final_time,
+        ends=getattr(chain, "ends", None),
+        start_point=spreading.point if _from_cycle(chain, spreading) else None,
         late=late,
         fuzzy=fuzzy,
         monotone=monotone,
-        runs=runs,
+        runs=search.runs,
         seconds=perf_counter() - begin,
     )

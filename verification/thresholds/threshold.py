@@ -8,9 +8,11 @@ from dataclasses import replace
 
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.chains.chain import Chain
+from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, within
+from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range
 from verification.thresholds.preparation import Preparation
@@ -29,7 +31,7 @@ MAX_NUCLEUS = 41
 _BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
 
 
-def threshold(
+def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)
     chain: Chain,
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
     *,
@@ -41,11 +43,15 @@ def threshold(
     accuracy: float = 1e-6,
     tests: int = 12,
     displacement: float | None = None,
+    start_point: StartPoint | None = None,
     perturbation: float = 0.0,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> Threshold:
-    """Find the coupling at which a nucleus stops being localised.
+    """Find the coupling at which a nucleus stops being localised (Figs. 4, 11).
+
+    Couplings are dimensionless; (34) and (42) decide existence and stability of breathers, runs of
+    (5), (8) or (43) whether a nucleus spreads.
 
     Parameters
     ----------
@@ -71,6 +77,9 @@ def threshold(
         Bisection: couplings on each side at which monotony is tested.
     displacement : float, optional
         Bisection: of the excited sites; by default the excited state of one cell.
+    start_point : StartPoint, optional
+        Bisection of a friction chain: point of the cycle from which excited sites start; by default
+        the maximum.
     perturbation, seed : float and int, optional
         Sweep, hold: standard deviation of the noise on the start, up to 0.1, and its first seed.
     progress : callable, optional
@@ -108,7 +117,7 @@ def threshold(
     if how is ThresholdMethod.BISECTION:
         spreading = Spreading(
             nucleus.size, nucleus.place, what, final_time, pattern=nucleus.pattern,
-            displacement=displacement,
+            displacement=displacement, point=_start_point(chain, start_point, displacement),
         )  # fmt: skip
         return spreading_threshold(
             chain, spreading, lowest=lowest, highest=highest, accuracy=accuracy, tests=tests,
@@ -155,6 +164,17 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
         readings={reading.value: each.c for reading, each in folds.items()},
         seconds=time.perf_counter() - started,
     )
+
+
+def _start_point(chain: Chain, point: StartPoint | None, displacement: float | None) -> StartPoint:
+    if point is None:
+        return StartPoint.MAXIMUM
+    if displacement is not None or not isinstance(chain, FrictionChain):
+        raise ParameterError(
+            "start point", str(point), "absent beside a displacement, and for other chains than "
+            "the friction chain", "leave it out",
+        )  # fmt: skip
+    return StartPoint(point)
 
 
 def _method(chain: Chain, method: ThresholdMethod | str | None) -> ThresholdMethod:

@@ -7,7 +7,7 @@ import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
 from theory.cells.vdp import threshold_ratio
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain, VdpChain
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.simulation import simulate_front
 from verification.piecewise.window import (
@@ -19,7 +19,6 @@ from verification.piecewise.window import (
 )
 from verification.references.equations import piecewise_rate
 from verification.runs.excite import excite, excite_edge
-from verification.runs.model import Model
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
 from verification.work_reduction.comparison import Comparison, timed
@@ -156,15 +155,17 @@ def _stepped_switchings(
     return np.array(rows)
 
 
+CHAIN = VdpChain(a=4, b=0.5, c=0.6, sites=60)
+
+
 def sites_at_rest(
-    model: Model = Model.FULL, c: float = 0.6, end: float = 600.0, tolerance: float = 1e-9
+    chain: VanDerPolChain = CHAIN, end: float = 600.0, tolerance: float = 1e-9
 ) -> Comparison:
-    """Step the sites that move, and all 60."""
-    chain = VdpChain(a=4, b=0.5, c=c, sites=60)
+    """Step the sites that move, and all of them."""
     start = excite(chain, [1])
     few, whole = (
         simulate(
-            model.chain_of(chain), start, end, tolerance=tolerance, samples=5, active_window=window,
+            chain, start, end, tolerance=tolerance, samples=5, active_window=window,
             estimate_error=False)
         for window in (True, False)
     )  # fmt: skip
@@ -193,14 +194,3 @@ def _later(one: Trajectory, other: Trajectory) -> float:
     if np.any(missed != np.isnan(other.arrivals)):
         return float("inf")
     return float(np.max(np.abs(one.arrivals - other.arrivals)[~missed], initial=0.0))
-
-
-def saved_states(model: Model = Model.ENVELOPE, end: float = 3000.0) -> Comparison:
-    """Keep the first and the last state, and one for every step."""
-    chain = VdpChain(a=4, b=0.5, c=0.6, sites=60)
-    start = excite_edge(chain, 24)
-    few = simulate(model.chain_of(chain), start, end, samples=2, estimate_error=False)
-    many = simulate(model.chain_of(chain), start, end, samples=few.steps, estimate_error=False)
-    changed = max(float(np.abs(few.psi[-1] - many.psi[-1]).max()), _later(few, many))
-    kept, whole = (run.psi.size + run.arrivals.size for run in (few, many))
-    return Comparison(kept, whole, changed, 0.0)

@@ -12,10 +12,8 @@ from dataclasses import dataclass
 
 from verification.work_reduction.comparison import Comparison
 from verification.work_reduction.orbits import fewer_steps, harmonics_not_solved_for
-from verification.work_reduction.process import imports_not_made, no_more_workers_than_points
 from verification.work_reduction.runs import (
     crossings_sought,
-    saved_states,
     sites_at_rest,
     sites_behind,
     sites_of_the_window,
@@ -124,9 +122,9 @@ REDUCTIONS: tuple[Reduction, ...] = (
     ),
     Reduction(
         "quadrature points",
-        "from the root-free strip and the tolerance, before the first point is computed",
-        "2M/(e^{N sigma} - 1), in the error returned",
-        "points for 200 velocities to 1e-13 (all with the number that the hardest needs)",
+        "the effect of the roots beside the path is taken away in closed form",
+        "2M/(e^{N sigma} - 1) of what is left, in the error returned",
+        "points for 200 velocities to 1e-13 (equispaced, none taken away)",
         few_points,
         _TESTS + "test_points_left_out_change_less_than_the_error_returned",
     ),
@@ -210,30 +208,6 @@ REDUCTIONS: tuple[Reduction, ...] = (
         "unknowns (harmonic balance with every harmonic above that error)",
         harmonics_not_solved_for,
         _TESTS + "test_harmonics_not_solved_for_change_less_than_the_error_of_the_orbit",
-    ),
-    Reduction(
-        "saved output",
-        "a run keeps the samples asked for and the arrivals, not its steps",
-        "nothing: samples are read off steps that are taken all the same",
-        "numbers kept (a state for every step)",
-        saved_states,
-        _TESTS + "test_states_not_saved_change_nothing",
-    ),
-    Reduction(
-        "workers",
-        "no more processes than points, and none for one point",
-        "nothing: the same bits",
-        "s for one point with two workers allowed (in a process of its own)",
-        no_more_workers_than_points,
-        _TESTS + "test_workers_not_started_change_nothing",
-    ),
-    Reduction(
-        "imports",
-        "a command imports what it uses, inside its own function",
-        "nothing: the same bits",
-        "s for one velocity on the command line (with every library imported)",
-        imports_not_made,
-        _TESTS + "test_libraries_not_imported_change_nothing",
     ),
 )
 

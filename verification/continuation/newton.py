@@ -18,7 +18,7 @@ Real = NDArray[np.float64]
 System = Callable[[Real, float], tuple[Real, Real, Real]]
 
 COUPLING_WEIGHT = 10.0
-MOST_NEWTON = 20
+MAX_NEWTON = 20
 
 
 class NotConvergedError(RunError):
@@ -71,7 +71,7 @@ def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) ->
     u = np.array(guess, dtype=float)
     correction = np.inf
     value, slope, by_c = system(u, c)
-    for iteration in range(1, MOST_NEWTON + 1):
+    for iteration in range(1, MAX_NEWTON + 1):
         residual = float(np.abs(value).max())
         if not np.isfinite(residual):
             break
@@ -114,7 +114,7 @@ def step_along(
     u = start.u + length * across[:-1]
     c = float(start.c + length * across[-1] / COUPLING_WEIGHT)
     correction = np.inf
-    for iteration in range(1, MOST_NEWTON + 1):
+    for iteration in range(1, MAX_NEWTON + 1):
         value, slope, by_c = system(u, c)
         residual = float(np.abs(value).max())
         if not np.isfinite(residual) or residual > 1e6:

@@ -1,0 +1,189 @@
+"""Periodic orbits of any chain or network of oscillators, with their Floquet multipliers.
+
+The unknowns and equations are those of ``orbits``: the state X and the period; X(period) - X = 0
+and y = 0 at the centre. The start is a run of the chain until the nucleus has settled, so that
+what is found is near a stable breather. The variational equations are stepped beside the motion by
+the weights of DOP853 at equal steps, all sites at once.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+
+from theory.chains.nucleus import Nucleus
+from theory.chains.oscillator import OscillatorChain
+from theory.parameters import ParameterError
+from verification.breathers.orbits import Orbit, measured_orbit
+from verification.continuation.newton import NotConvergedError, System, solve_at
+from verification.runs.excite import excite
+from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers.variational import Flow
+
+Real = NDArray[np.float64]
+
+STEPS = 64
+"""Steps a period where damping is weak."""
+MAX_SITES = 101
+SETTLED = 40.0
+"""Time in units of ``time_unit`` after which the nucleus has settled or is lost."""
+
+
+def integrate_with_tangents(
+    chain: OscillatorChain, start: Real, duration: float, steps: int
+) -> Flow:
+    """Integrate a chain and its variational equations.
+
+    Parameters
+    ----------
+    chain : OscillatorChain
+        With inertia.
+    start : float array, shape (2N,)
+        Displacements, then velocities.
+    duration : float
+        Time t.
+    steps : int
+        Equal steps of DOP853.
+
+    Returns
+    -------
+    Flow
+        State, monodromy matrix, derivative by c, and displacements before each step.
+    """
+    count, h = chain.sites, duration / steps
+    columns = np.zeros((2 * count, 2 * count + 2))
+    columns[:, 0] = start
+    columns[:, 1:-1] = np.eye(2 * count)
+    samples = np.zeros((steps, count))
+    stages = np.zeros((DOP853.n_stages, *columns.shape))
+    for step in range(steps):
+        samples[step] = columns[:count, 0]
+        for i in range(DOP853.n_stages):
+            inner = np.tensordot(DOP853.A[i, :i], stages[:i], axes=1)
+            stages[i] = _rate(chain, columns + h * inner)
+        columns = columns + h * np.tensordot(DOP853.B, stages, axes=1)
+    return Flow(columns[:, 0], columns[:, 1:-1], columns[:, -1], samples, steps)
+
+
+def _rate(chain: OscillatorChain, columns: Real) -> Real:
+    """Return the rate of a motion, its tangents and its derivative by c, in columns."""
+    count = chain.sites
+    matrix, p, n = chain.links.matrix, chain.kernel_parameters(), np.arange(count)
+    cell, slopes = chain.kernels()
+    y, v = columns[:count], columns[count:]
+    pull = matrix @ (y + chain.velocity_coupling * v)
+    by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
+    out = np.empty_like(columns)
+    out[:count] = v
+    tangents = (by_y + np.zeros(count))[:, None] * y + (by_v + np.zeros(count))[:, None] * v
+    out[count:] = tangents - chain.eps * chain.c * pull
+    out[count:, -1] -= chain.eps * pull[:, 0]
+    site, plain = (y[:, 0], v[:, 0]), (matrix @ y[:, 0], matrix @ v[:, 0])
+    if chain.network is None:
+        left = 2.0 * site[0] - plain[0], 2.0 * site[1] - plain[1]
+        out[count:, 0] = cell(site, left, (0.0, 0.0), p)[1]
+    else:
+        out[count:, 0] = cell(site, plain, p, n, count)[1]
+    return out
+
+
+def steps_for(chain: OscillatorChain) -> int:
+    """Return steps a period: more where ε max|h| on the cycle is larger."""
+    (cycle,) = [each for each in chain.cell.cycles if each.amplitude == chain.stable_amplitude]
+    angle = np.linspace(0.0, 2.0 * math.pi, 200)
+    y, v = cycle.amplitude * np.sin(angle), cycle.velocity * np.cos(angle)
+    h = sum(value * y**i * v**j for (i, j), value in chain.cell.damping.items())
+    return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
+
+
+def shooting_system(chain: OscillatorChain, centre: int, steps: int) -> System:
+    """Return F(u, c) with u = (X, period): X(period) - X = 0 and y = 0 at the centre."""
+    size = 2 * chain.sites
+
+    def system(u: Real, c: float) -> tuple[Real, Real, Real]:
+        here = chain.replace(c=abs(c))
+        with np.errstate(over="ignore", invalid="ignore"):
+            flow = integrate_with_tangents(here, u[:-1], float(u[-1]), steps)
+        if not np.all(np.isfinite(flow.monodromy)):
+            raise NotConvergedError("the motion overflowed: take a smaller coupling.")
+        slope = np.zeros((size + 1, size + 1))
+        slope[:-1, :-1] = flow.monodromy - np.eye(size)
+        slope[:-1, -1] = _rate(here, flow.state[:, None].repeat(2, axis=1))[:, 0]
+        slope[-1, centre] = 1.0
+        return np.append(flow.state - u[:-1], u[centre]), slope, np.append(flow.by_c, 0.0)
+
+    return system
+
+
+def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> Orbit:
+    """Solve for the periodic orbit to which a nucleus settles.
+
+    Parameters
+    ----------
+    chain : OscillatorChain
+        With inertia, a stable cycle and c > 0; at most 101 sites.
+    nucleus : Nucleus
+        Which sites, and the pattern of phases at the start.
+
+    Raises
+    ------
+    ParameterError
+        If the chain has no breathers, is too long, or the nucleus does not stay localised.
+    """
+    started = time.perf_counter()
+    if not (chain.oscillates or chain.overdamped):
+        raise ParameterError("model", chain.model, "chain for a breather", "take chain.full()")
+    if chain.overdamped or chain.c == 0.0:
+        what = ("overdamped", "true") if chain.overdamped else ("coupling c", "0")
+        raise ParameterError(*what, "false and a positive coupling for a breather", "change it")
+    if chain.sites > MAX_SITES:
+        raise ParameterError(
+            "number of sites n", chain.sites, f"at most {MAX_SITES} for an orbit", "take fewer"
+        )
+    centre, count = nucleus.centre(chain.sites), steps_for(chain)
+    system = shooting_system(chain, centre, count)
+    point = solve_at(system, _settled_start(chain, nucleus), chain.c)
+    return measured_orbit(
+        point,
+        partial(integrate_with_tangents, chain),
+        shooting_system(chain, centre, 2 * count),
+        count,
+        eps=chain.eps,
+        started=started,
+    )
+
+
+def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> Real:
+    """Return (X, period) of a run until the nucleus has settled, where y = 0 rises at the centre.
+
+    Raises
+    ------
+    ParameterError
+        If other sites are excited by then, or some of the nucleus no longer is.
+    """
+    sites, centre = nucleus.excited(chain.sites), nucleus.centre(chain.sites)
+    start = excite(chain, sites, quarter_turns=nucleus.quarter_turns())
+    period = max(each.period for each in chain.cell.cycles)
+    end = SETTLED * chain.time_unit
+    times = np.linspace(end - 3.0 * period, end, 601)
+    run = SmoothIntegration(chain, start, times, tolerance=1e-10)
+    while not run.finished:
+        run.advance(run.default_budget)
+    above = np.flatnonzero(run.sampled_amplitude.max(axis=0) > chain.unstable_amplitude) + 1
+    if above.tolist() != list(sites):
+        raise ParameterError(
+            "coupling c", chain.c, "one at which the nucleus stays as it is: after "
+            f"{SETTLED:g} units of slow time {above.size} sites are excited", "take a smaller one",
+        )  # fmt: skip
+    y = run.samples[:, 0, centre]
+    rising = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
+    parts = -y[rising] / (y[rising + 1] - y[rising])
+    passed = times[rising] + parts * (times[1] - times[0])
+    at, part = rising[-1], parts[-1]
+    state = (1.0 - part) * run.samples[at] + part * run.samples[at + 1]
+    return np.append(state.ravel(), passed[-1] - passed[-2])

@@ -1,0 +1,358 @@
+"""Branches of solutions of F(u, c) = 0: pseudo-arclength continuation, folds, and crossings."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from verification.continuation.newton import (
+    COUPLING_WEIGHT,
+    BranchPoint,
+    NotConvergedError,
+    Real,
+    System,
+    solve_at,
+    step_along,
+)
+
+Monitor = Callable[[Real, float], tuple[float, ...]]
+
+_SHORTEST = 1e-5
+"""Arclength below which a branch cannot be followed."""
+
+
+@dataclass(frozen=True)
+class Fold:
+    """Where a branch turns back in c.
+
+    Attributes
+    ----------
+    c : float
+        Coupling at the fold.
+    error : float
+        By how much ``c`` falls short where the search stopped, taken four times because the bend
+        is a secant's, plus ten times the residual.
+    u : float array
+        The solution there.
+    evaluations : int
+        Evaluations of the system spent on it.
+    place : int
+        Index of the first point of the branch beyond it.
+    """
+
+    c: float
+    error: float
+    u: Real
+    evaluations: int
+    place: int = 0
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a monitored value becomes positive.
+
+    Attributes
+    ----------
+    c, error : float
+        Coupling, and the change of it in the last step of the search.
+    u : float array
+        The solution there.
+    from_start : bool
+        Whether it is positive from the first point of the branch on.
+    """
+
+    c: float
+    error: float
+    u: Real
+    from_start: bool
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Solutions in order along a branch, up to the end of a range or a step beyond the last fold.
+
+    Attributes
+    ----------
+    points : tuple of BranchPoint
+        In order along the branch.
+    folds : tuple of Fold
+        In the same order.
+    monitored : tuple of tuple of float
+        The monitor's values at each point before the first fold.
+    """
+
+    points: tuple[BranchPoint, ...]
+    folds: tuple[Fold, ...]
+    monitored: tuple[tuple[float, ...], ...]
+
+    @property
+    def fold(self) -> Fold | None:
+        """The first fold; None if the branch reached the end of the range before any."""
+        return self.folds[0] if self.folds else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """How a branch is followed.
+
+    Attributes
+    ----------
+    length, longest : float
+        First and largest arclength of a step.
+    tolerance : float
+        Largest residual of a solution.
+    most : int
+        Most steps.
+    fold_tolerance : float
+        Shortfall of c at which the search for a fold stops.
+    turns : int
+        Folds that the branch is followed through; it ends a step beyond the next one.
+    """
+
+    length: float = 0.1
+    longest: float = 0.6
+    tolerance: float = 1e-11
+    most: int = 200
+    fold_tolerance: float = 1e-11
+    turns: int = 0
+
+
+def trace(
+    system: System,
+    start: BranchPoint,
+    c_end: float,
+    monitor: Monitor | None = None,
+    steps: Steps = Steps(),
+) -> Branch:
+    """Follow a branch from a solution towards ``c_end``, through so many folds as ``steps`` says.
+
+    Parameters
+    ----------
+    system : callable
+        (u, c) → (F, ∂F/∂u, ∂F/∂c).
+    start : BranchPoint
+        From `solve_at`.
+    c_end : float
+        The branch ends where it leaves the range of c between the start and here.
+    monitor : callable, optional
+        Evaluated at every point up to the first fold.
+    steps : Steps, optional
+        How it is followed.
+
+    Raises
+    ------
+    NotConvergedError
+        If, before the first fold, the step becomes too short or there are too many. Beyond it such
+        a branch ends there.
+    """
+    watch = monitor or (lambda u, c: ())
+    low, high = min(start.c, c_end), max(start.c, c_end)
+    sense = math.copysign(1.0, start.tangent[-1] * (c_end - start.c))
+    point = replace(start, tangent=sense * start.tangent)
+    points, seen, folds = [point], [watch(point.u, point.c)], []
+    length = steps.length
+    for _ in range(steps.most):
+        try:
+            new, length = _next(system, point, length, steps.tolerance)
+            turned = new.tangent[-1] * point.tangent[-1] <= 0.0
+            if turned:
+                fold = find_fold(
+                    system,
+                    point,
+                    new,
+                    length,
+                    tolerance=steps.tolerance,
+                    fold_tolerance=steps.fold_tolerance,
+                )
+                folds.append(replace(fold, place=len(points)))
+        except NotConvergedError:
+            length *= 0.5
+            if length >= _SHORTEST:
+                continue
+            if not folds:
+                raise
+            break
+        points.append(new)
+        if not folds:
+            seen.append(watch(new.u, new.c))
+        if len(folds) > steps.turns or not low < new.c < high:
+            break
+        if new.iterations <= 5:
+            length = min(1.5 * length, steps.longest)
+        point = new
+    else:
+        if not folds:
+            raise NotConvergedError(
+                f"the branch did not fold in {steps.most} steps: end it at a smaller coupling."
+            )
+    return Branch(tuple(points), tuple(folds), tuple(seen))
+
+
+def _next(
+    system: System, point: BranchPoint, length: float, tolerance: float
+) -> tuple[BranchPoint, float]:
+    """Take a step of this length, or of so many halves of it as lead along a smooth branch.
+
+    Raises
+    ------
+    NotConvergedError
+        If the step becomes too short.
+    """
+    while length >= _SHORTEST:
+        with contextlib.suppress(NotConvergedError, np.linalg.LinAlgError):
+            new = step_along(system, point, length, tolerance)
+            # A turn or a correction too large for a smooth branch: it may be another branch.
+            if float(new.tangent @ point.tangent) >= 0.9 and _aside(point, new, length) <= 0.3:
+                return new, length
+        length *= 0.5
+    raise NotConvergedError(
+        f"the branch could not be followed past c = {point.c:.6g}: take a smaller eps, or an eta "
+        "farther from 1/8."
+    )
+
+
+def solutions_at(
+    system: System, branch: Branch, couplings: Sequence[float]
+) -> Iterator[tuple[BranchPoint, int]]:
+    """Yield the solutions at given couplings in order along the branch, and folds passed so far.
+
+    Raises
+    ------
+    NotConvergedError
+        If Newton's method fails from the interpolated start.
+    """
+    nodes = [(point.u, point.c, False) for point in branch.points]
+    passed = 0
+    for fold in reversed(branch.folds):
+        nodes.insert(fold.place, (fold.u, fold.c, True))
+    required = np.unique(np.asarray(couplings, dtype=float))
+    for place, ((u, c, from_fold), (v, d, to_fold)) in enumerate(itertools.pairwise(nodes)):
+        inside = required[
+            (required >= min(c, d)) & (required <= max(c, d)) & ((required != c) | (place == 0))
+        ]
+        for value in (inside if d > c else inside[::-1]).tolist():
+            share = (value - c) / (d - c)
+            # Across a fold u varies like the square root of the distance to it.
+            if to_fold:
+                share = 1.0 - math.sqrt(1.0 - share)
+            elif from_fold:
+                share = math.sqrt(share)
+            yield solve_at(system, u + share * (v - u), value), passed
+        passed += to_fold
+
+
+@dataclass
+class _Bracket:
+    """Two places and values of opposite sign there, for the Illinois rule."""
+
+    low: float
+    high: float
+    f_low: float
+    f_high: float
+    replaced: int = 0
+    """1 if the last place replaced ``low``, -1 if ``high``."""
+
+    def shrink(self, place: float, value: float) -> None:
+        """Replace the end whose value has this sign; halve that of one that stays twice."""
+        if (value > 0.0) == (self.f_high > 0.0):
+            self.high, self.f_high = place, value
+            self.f_low *= 0.5 if self.replaced == -1 else 1.0
+            self.replaced = -1
+        else:
+            self.low, self.f_low = place, value
+            self.f_high *= 0.5 if self.replaced == 1 else 1.0
+            self.replaced = 1
+
+
+def find_fold(
+    system: System,
+    before: BranchPoint,
+    beyond: BranchPoint,
+    length: float,
+    *,
+    tolerance: float = 1e-11,
+    fold_tolerance: float = 1e-11,
+) -> Fold:
+    """Find where dc/ds vanishes on a step from ``before`` of this length to ``beyond``.
+
+    dc/ds is linear across a fold, so the bracketed secant (Illinois) takes a few evaluations;
+    the error of c is of second order in that of the place.
+    """
+    bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
+    best, missing, evaluations = beyond, np.inf, 0
+    for _ in range(40):
+        bend = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)
+        place = bracket.low + bracket.f_low / bend
+        best = step_along(system, before, place, tolerance)
+        evaluations += best.iterations
+        value = float(best.tangent[-1])
+        # c falls short by the integral of dc/ds from here to the fold.
+        missing = value**2 / (2.0 * COUPLING_WEIGHT * abs(bend))
+        if missing < fold_tolerance:
+            break
+        bracket.shrink(place, value)
+    return Fold(best.c, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u, evaluations)
+
+
+def first_crossing(
+    system: System, branch: Branch, monitor: Monitor, entry: int, tolerance: float = 1e-10
+) -> Crossing | None:
+    """Find the first coupling up to the fold at which a monitored value changes to positive.
+
+    Returns
+    -------
+    Crossing or None
+        None if the value is never positive.
+    """
+    nodes = [(point.u, point.c) for point in branch.points[: len(branch.monitored)]]
+    values = [row[entry] for row in branch.monitored]
+    if branch.fold is not None:
+        nodes.append((branch.fold.u, branch.fold.c))
+        values.append(monitor(*nodes[-1])[entry])
+    positive = [place for place, value in enumerate(values) if value > 0.0]
+    if not positive:
+        return None
+    place = positive[0]
+    if place == 0:
+        return Crossing(branch.points[0].c, 0.0, branch.points[0].u, from_start=True)
+    before = branch.points[place - 1]
+    bracket = _Bracket(0.0, _length_to(before, *nodes[place]), values[place - 1], values[place])
+    here, last = before, np.inf
+    for _ in range(60):
+        rise = (bracket.high - bracket.low) * bracket.f_low
+        length = bracket.low + rise / (bracket.f_low - bracket.f_high)
+        here = step_along(system, before, length)
+        value = monitor(here.u, here.c)[entry]
+        if abs(here.c - last) < tolerance or value == 0.0:
+            break
+        last = here.c
+        bracket.shrink(length, value)
+    return Crossing(here.c, abs(here.c - last) + 1e-12, here.u, from_start=False)
+
+
+def arrive(system: System, branch: Branch, c: float) -> BranchPoint:
+    """Solve at a coupling that the branch has passed, on its part before the fold.
+
+    Raises
+    ------
+    NotConvergedError
+        If Newton's method fails from the interpolated start.
+    """
+    return next(solutions_at(system, branch, [c]))[0]
+
+
+def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
+    """Return the distance of a step's end from the tangent, relative to its length."""
+    across = start.tangent
+    away = np.append(end.u - start.u, COUPLING_WEIGHT * (end.c - start.c)) - length * across
+    return float(np.linalg.norm(away)) / length
+
+
+def _length_to(start: BranchPoint, u: Real, c: float) -> float:
+    across = start.tangent
+    return float(across[:-1] @ (u - start.u) + across[-1] * COUPLING_WEIGHT * (c - start.c))

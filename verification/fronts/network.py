@@ -1,0 +1,366 @@
+"""Fronts on lattices and networks: arrivals against distance from where the motion began.
+
+Nothing can be made longer here. Sites nearest to the middle are excited, the run goes on until
+every site is reached or none is for long, and v is the slope of distance over arrival time in the
+outer half of the distances. On a lattice the distance is that in the plane, and v is found along
+rays; a round front is cut out by its slower directions (Wulff's construction), so that along a ray
+it is at most as fast as a planar one. On any other network the distance is the number of links.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.chains.oscillator import OscillatorChain
+from theory.parameters import ParameterError, count_within
+from theory.result import Result
+from verification.execution.progress import ProgressCallback
+from verification.fronts.arrival_fit import line
+from verification.fronts.status import FrontStatus
+from verification.fronts.watch import Stall
+from verification.runs.comparison import coarser_tolerance
+from verification.runs.excite import excite
+from verification.runs.smooth_integration import SmoothIntegration
+
+FloatArray = npt.NDArray[np.float64]
+
+EXCITED = 37
+"""Sites excited at first: on a square lattice those within some three and a half of the middle."""
+HALF_WIDTH = 1.0
+"""Sites so near to a ray belong to its direction."""
+LEAST = 6
+"""Arrivals of which a velocity is made."""
+EDGE = 2.0
+"""Sites so near to a free side are not used: there the front is faster."""
+MEETING = 4
+"""Distances in links, the farthest ones, that are not used: there fronts may meet."""
+ROWS = 4
+"""Rows excited at first for a planar front."""
+_BUDGET, _NEVER = 200_000, 1e9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread(Result):
+    """Arrivals of a motion that spreads from the middle of a lattice or network.
+
+    Attributes
+    ----------
+    angles : ndarray, shape (K,)
+        Directions in radians, from the first axis (along a row); one that is 0 where distances are
+        numbers of links.
+    velocities, errors : ndarray, shape (K,)
+        Velocity in each, in distances of neighbours (or links) per ``time_unit``, and its
+        uncertainty; nan where too few sites were reached.
+    distances : ndarray, shape (N,)
+        Of every site from the middle.
+    arrivals : ndarray, shape (N,)
+        Times t at which the sites were first reached; nan where they were not.
+    positions : ndarray, shape (N, 2), or None
+        Where the sites are; None of a network that is no lattice.
+    """
+
+    shown: ClassVar[tuple[str, ...]] = ("angles", "velocities", "errors")
+    """What a front's JSON object has of it."""
+
+    angles: FloatArray = field(metadata={"axis": "angle"})
+    velocities: FloatArray = field(metadata={"dims": ("angle",)})
+    errors: FloatArray = field(metadata={"dims": ("angle",)})
+    distances: FloatArray = field(metadata={"dims": ("site",), "json": None})
+    arrivals: FloatArray = field(metadata={"dims": ("site",), "json": None})
+    positions: FloatArray | None = field(default=None, metadata={"json": None})
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpreadRun:
+    """What became of a motion that was to spread, and the steps taken."""
+
+    status: FrontStatus
+    spread: Spread
+    steps: int
+
+
+def middle_site(chain: OscillatorChain) -> int:
+    """Return the index of the middle site: of a lattice in the plane, of others by number."""
+    positions = chain.links.positions
+    if positions is None or positions.ndim == 1:
+        return chain.sites // 2
+    away = np.linalg.norm(positions - positions.mean(axis=0), axis=1)
+    return int(np.argmin(away))
+
+
+def distances_from(chain: OscillatorChain, site: int) -> FloatArray:
+    """Return the distance of every site from one: in the plane of a lattice, or in links."""
+    positions = chain.links.positions
+    if positions is None or positions.ndim == 1:
+        return chain.links.distances([site])
+    away: FloatArray = np.linalg.norm(positions - positions[site], axis=1)
+    return away
+
+
+def spread(
+    chain: OscillatorChain,
+    *,
+    excited: int = EXCITED,
+    directions: int = 8,
+    tolerance: float = 1e-8,
+    stall: float,
+    progress: ProgressCallback | None = None,
+) -> SpreadRun:
+    """Excite the middle of a lattice or network and time when each site is reached.
+
+    Parameters
+    ----------
+    chain : OscillatorChain
+        Of any coupling.
+    excited : int
+        Sites excited, those nearest to the middle.
+    directions : int
+        Directions of a lattice, evenly spaced over a turn.
+    tolerance : float
+        Local error.
+    stall : float
+        Time t without an arrival after which it counts as stopped.
+    progress : callable, optional
+        Called with the part of the sites that has been reached.
+
+    Raises
+    ------
+    ParameterError
+        If the excited sites are as many as all.
+    """
+    count_within("excited sites", excited, 1, chain.sites - 1)
+    middle = middle_site(chain)
+    away = distances_from(chain, middle)
+    nearest = np.argsort(away, kind="stable")[:excited]
+    turns = [chain.front_phase_step * round(float(away[n])) for n in nearest]
+    start = excite(chain, [int(n) + 1 for n in nearest], quarter_turns=turns)
+    runs = _runs(
+        chain,
+        start,
+        tolerance=tolerance,
+        stall=stall,
+        within_reach=np.isfinite(away),
+        progress=progress,
+    )
+    fits = [
+        _fitted(
+            chain,
+            away,
+            middle=middle,
+            arrivals=run.arrivals,
+            directions=directions,
+            excited=excited,
+        )
+        for run in runs.ended
+    ]
+    angles, v, error = fits[0]
+    error = np.maximum(error, np.abs(v - fits[-1][1]))
+    return _found(chain, runs, angles=angles, v=v, error=error, distances=away)
+
+
+class _Runs(NamedTuple):
+    """What became of the motion, and its runs at two tolerances."""
+
+    status: FrontStatus
+    ended: list[SmoothIntegration]
+
+
+def _runs(
+    chain: OscillatorChain,
+    start: FloatArray,
+    *,
+    tolerance: float,
+    stall: float,
+    within_reach: npt.NDArray[np.bool_],
+    progress: ProgressCallback | None,
+) -> _Runs:
+    ended: list[SmoothIntegration] = []
+    for each in (tolerance, coarser_tolerance(tolerance)):
+        run = SmoothIntegration(chain, start, [_NEVER], tolerance=each)
+        status = _follow(run, stall, within_reach, progress)
+        ended.append(run)
+        if status is not FrontStatus.STEADY:
+            break
+    return _Runs(status, ended)
+
+
+def _found(
+    chain: OscillatorChain,
+    runs: _Runs,
+    *,
+    angles: FloatArray,
+    v: FloatArray,
+    error: FloatArray,
+    distances: npt.NDArray[Any],
+) -> SpreadRun:
+    found = Spread(
+        angles=angles,
+        velocities=v * chain.time_unit,
+        errors=error * chain.time_unit,
+        distances=np.asarray(distances, dtype=float),
+        arrivals=runs.ended[0].arrivals.copy(),
+        positions=chain.links.positions,
+    )
+    steps = sum(run.counts["steps"] for run in runs.ended)
+    return SpreadRun(status=runs.status, spread=found, steps=steps)
+
+
+def _follow(
+    run: SmoothIntegration,
+    stall: float,
+    within_reach: npt.NDArray[np.bool_],
+    progress: ProgressCallback | None,
+) -> FrontStatus:
+    """Step until all sites in reach are reached (STEADY), or until the motion has stopped."""
+    watch = Stall(run, stall, 1e-3 * run.chain.stable_amplitude)
+    while True:
+        run.advance(_BUDGET)
+        reached = int(np.count_nonzero(~np.isnan(run.arrivals)))
+        if reached == np.count_nonzero(within_reach):
+            return FrontStatus.STEADY
+        if progress is not None:
+            progress(reached / within_reach.size)
+        watch.note(reached)
+        status = watch.status()
+        if status is not None:
+            return status
+
+
+def _fitted(
+    chain: OscillatorChain,
+    away: FloatArray,
+    *,
+    middle: int,
+    arrivals: FloatArray,
+    directions: int,
+    excited: int,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return directions, velocities per unit t, and their uncertainties."""
+    positions = chain.links.positions
+    first = np.sort(away)[excited - 1]
+    if positions is None or positions.ndim == 1:
+        shells = _shells(away, arrivals, first)
+        v, error = _slope(*shells)
+        return np.zeros(1), np.array([v]), np.array([error])
+    inside = np.linalg.norm(positions - positions[middle], axis=1) <= _radius(chain, middle)
+    angles = 2.0 * math.pi * np.arange(directions) / directions
+    found = []
+    for angle in angles:
+        offset = positions - positions[middle]
+        near = np.abs(_along(offset, angle + 0.5 * math.pi)) <= HALF_WIDTH
+        ray = inside & near & (_along(offset, angle) > first) & ~np.isnan(arrivals)
+        found.append(_slope(_along(offset, angle)[ray], arrivals[ray]))
+    v, error = np.array(found).T
+    return angles, v, error
+
+
+def _along(offset: FloatArray, angle: float) -> FloatArray:
+    part: FloatArray = offset @ np.array([math.cos(angle), math.sin(angle)])
+    return part
+
+
+def _radius(chain: OscillatorChain, middle: int) -> float:
+    """Return how far the middle is from the nearest side, less what a side disturbs."""
+    positions = chain.links.positions
+    assert positions is not None
+    assert chain.shape is not None
+    index = np.stack(np.unravel_index(np.arange(chain.sites), chain.shape), axis=1)
+    limits = np.array(chain.shape) - 1
+    side = np.any((index == 0) | (index == limits), axis=1)
+    return float(np.linalg.norm(positions[side] - positions[middle], axis=1).min()) - EDGE
+
+
+def _shells(away: FloatArray, arrivals: FloatArray, first: float) -> tuple[FloatArray, FloatArray]:
+    """Return each distance in links beyond the start, and the mean of its arrivals."""
+    reached = ~np.isnan(arrivals) & np.isfinite(away) & (away > first)
+    levels = np.unique(away[reached])[:-MEETING]
+    times = [float(arrivals[reached & (away == level)].mean()) for level in levels]
+    return levels, np.array(times)
+
+
+def _slope(distance: FloatArray, times: FloatArray) -> tuple[float, float]:
+    """Return v and its uncertainty from the outer half of the distances."""
+    order = np.argsort(distance, kind="stable")
+    outer = order[order.size // 2 :]
+    if outer.size < LEAST:
+        return math.nan, math.nan
+    slope, noise = line(distance[outer], times[outer])
+    half = outer.size // 2
+    halves = [line(distance[part], times[part])[0] for part in (outer[:half], outer[half:])]
+    if slope <= 0.0:
+        return math.nan, math.nan
+    return 1.0 / slope, max(3.0 * noise, abs(halves[0] - halves[1])) / slope**2
+
+
+def planar(
+    chain: OscillatorChain,
+    *,
+    excited: int = ROWS,
+    tolerance: float = 1e-8,
+    stall: float,
+    progress: ProgressCallback | None = None,
+) -> SpreadRun:
+    """Excite the first rows of a lattice and time when each further row is reached.
+
+    Parameters
+    ----------
+    chain : OscillatorChain
+        A lattice.
+    excited : int
+        Rows excited.
+    tolerance, stall, progress
+        As in `spread`.
+
+    Returns
+    -------
+    SpreadRun
+        Its one direction, of angle π/2, is across the rows; velocities are in rows.
+    """
+    assert chain.shape is not None
+    rows, columns = chain.shape
+    count_within("excited rows", excited, 1, max(1, rows - 2 * LEAST))
+    row = np.arange(chain.sites) // columns
+    sites = np.flatnonzero(row < excited)
+    turns = [chain.front_phase_step * int(row[n]) for n in sites]
+    start = excite(chain, (sites + 1).tolist(), quarter_turns=turns)
+    runs = _runs(
+        chain,
+        start,
+        tolerance=tolerance,
+        stall=stall,
+        within_reach=np.ones(chain.sites, dtype=bool),
+        progress=progress,
+    )
+    used = (row >= excited) & (row < rows - math.ceil(EDGE))
+    fits = []
+    for run in runs.ended:
+        part = used & ~np.isnan(run.arrivals)
+        fits.append(_slope(row[part].astype(float), run.arrivals[part]))
+    v, error = fits[0]
+    error = max(error, abs(v - fits[-1][0]))
+    return _found(
+        chain,
+        runs,
+        angles=np.full(1, 0.5 * math.pi),
+        v=np.full(1, v),
+        error=np.full(1, error),
+        distances=row,
+    )
+
+
+def velocity_of(found: SpreadRun, chain: OscillatorChain) -> tuple[float | None, float | None]:
+    """Return v in the first direction and its error; None where the motion did not spread."""
+    v, error = float(found.spread.velocities[0]), float(found.spread.errors[0])
+    if found.status is not FrontStatus.STEADY:
+        return None, None
+    if not math.isfinite(v):
+        raise ParameterError(
+            "number of sites n", chain.sites, f"so many that {2 * LEAST} distances lie between the "
+            "excited sites and the sides", "take a larger lattice, or excite fewer sites",
+        )  # fmt: skip
+    return v, error

@@ -1,0 +1,153 @@
+"""Fronts of (43) at rest, and the fold c_pin in which they end and from which they travel.
+
+(c/2)(r_{n-1} - r_{n+1}) = r_n g(r_n), with the stable cycle to the left and rest to the right, is
+followed from small c by pseudo-arclength to its fold. There the matrix of disturbances has a
+kernel φ on the right and ψ on the left, ψ·φ = 1, and along φ the chain drifts as
+
+    x' = α (c - c_pin) + β x²,     α = ψ·∂F/∂c,   β = ½ ψ·F''[φ, φ],
+
+so that a site takes a time π/√(αβ(c - c_pin)) to pass: v = (√(αβ)/π) √(c - c_pin) + O(c - c_pin).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.vdp import ETA_END
+from theory.parameters import RunError, within
+from verification.continuation.branch import Fold, Steps, trace
+from verification.continuation.newton import System, solve_at
+from verification.steppers.amplitudes import Amplitudes, rate
+
+FloatArray = npt.NDArray[np.float64]
+
+_SMALLEST_ETA, _LARGEST_ETA = 1e-3, 0.11
+"""Below, the cycle attracts at a rate of 1/2η and steps are too many; above, so weakly that windows
+are long, and the two cycles nearly meet."""
+
+_WINDOWS = (12, 30), (16, 40)
+_STEPS = Steps(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1e-16)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticFold:
+    """Where the fronts of (43) at rest end.
+
+    Attributes
+    ----------
+    c : float
+        c_pin, dimensionless.
+    error : float
+        Bound on its error, from a longer window and from rounding.
+    square_root : float
+        The limit of v/√(c - c_pin) above it.
+    r : ndarray of float, shape (N,)
+        √a times the amplitudes of the sites there.
+    """
+
+    shown: ClassVar[tuple[str, ...]] = ("c_pin",)
+
+    c: float
+    error: float
+    square_root: float
+    r: FloatArray
+
+    @property
+    def c_pin(self) -> float:
+        """The same as ``c``, by the name that it has beside a front."""
+        return self.c
+
+
+def amplitudes_of(c: float, eta: float) -> Amplitudes:
+    """Return the chain of amplitudes at these parameters.
+
+    Raises
+    ------
+    ParameterError
+        If η is out of range.
+    """
+    within("eta = b/a^2", eta, _SMALLEST_ETA, _LARGEST_ETA, "measure the front on a running chain")
+    return Amplitudes(c, eta, (1.0 + math.sqrt(1.0 - eta / ETA_END)) / eta)
+
+
+@lru_cache(maxsize=64)
+def static_fold(eta: float) -> StaticFold:
+    """Return c_pin(η) of (43): fronts with a quarter-turn phase step rest up to it.
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², from 1e-3 to 0.11.
+
+    Raises
+    ------
+    ParameterError
+        If η is out of range.
+    RunError
+        If the branch has no fold below c = 2.
+
+    References
+    ----------
+    Carpio and Bonilla (2001), Wave front depinning transition in discrete one-dimensional
+    reaction-diffusion systems, Phys. Rev. Lett. 86, 6034, for the law of the square root.
+
+    Examples
+    --------
+    >>> fold = static_fold(0.03125)
+    >>> round(fold.c, 9), fold.error < 1e-12
+    (0.101944386, True)
+    """
+    chain = amplitudes_of(0.0, eta)
+    shorter, longer = (_fold(chain, *window) for window in _WINDOWS)
+    return StaticFold(
+        c=float(longer.c),
+        error=float(2.0 * abs(longer.c - shorter.c) + longer.error),
+        square_root=_square_root(chain, longer),
+        r=longer.u * math.sqrt(chain.square),
+    )
+
+
+def _fold(chain: Amplitudes, left: int, right: int) -> Fold:
+    start = np.where(np.arange(left + right) < left, 1.0, 0.0)
+    system = _at_rest(chain, left + right)
+    fold = trace(system, solve_at(system, start, 1e-4), 2.0, None, _STEPS).fold
+    if fold is None:
+        raise RunError(f"fronts at rest have no fold at eta = {chain.eta:.6g} below c = 2.")
+    return fold
+
+
+def _at_rest(chain: Amplitudes, sites: int) -> System:
+    """Return F(ρ, c) = ρ'."""
+    shifts = np.eye(sites, k=-1) - np.eye(sites, k=1)
+
+    def system(rho: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        s = chain.square * rho * rho
+        slope = 0.5 - 0.375 * s + 0.3125 * chain.eta * s * s
+        return rate(rho, chain._replace(c=c)), 0.5 * c * shifts - np.diag(slope), _by_c(rho)
+
+    return system
+
+
+def _by_c(rho: FloatArray) -> FloatArray:
+    whole = np.concatenate([[1.0], rho, [0.0]])
+    found: FloatArray = 0.5 * (whole[:-2] - whole[2:])
+    return found
+
+
+def _square_root(chain: Amplitudes, fold: Fold) -> float:
+    """Return √(αβ)/π."""
+    rho = fold.u
+    matrix = _at_rest(chain, rho.size)(rho, fold.c)[1]
+    left, _, right = np.linalg.svd(matrix)
+    psi, phi = left[:, -1], right[-1]
+    psi = psi / (psi @ phi)
+    # The second derivative of -ρg(ρ).
+    bend = chain.square * rho * (0.75 - 1.25 * chain.eta * chain.square * rho * rho)
+    alpha, beta = psi @ _by_c(rho), 0.5 * psi @ (bend * phi * phi)
+    return math.sqrt(float(alpha * beta)) / math.pi

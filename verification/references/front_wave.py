@@ -1,0 +1,116 @@
+"""The front of (43) as a wave R(n - vT), by scipy alone: differences in ξ, a sparse Newton.
+
+    -v R'(ξ) = (c/2)[R(ξ - 1) - R(ξ + 1)] - (R/2)(1 - R²/4 + η R⁴/8)
+
+on points 1/m apart, so that a site is m of them, with a central difference of order ten for R'.
+Newton's method starts from a chain that scipy has run.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import solve_ivp
+from scipy.sparse import csc_matrix, diags, hstack, vstack
+from scipy.sparse.linalg import spsolve
+
+FloatArray = npt.NDArray[np.float64]
+
+_CENTRAL = np.array([5 / 6, -5 / 21, 5 / 84, -5 / 504, 1 / 1260])
+"""Weights of the points on the right, 1 to 5 away."""
+
+
+def front_velocity(
+    c: float, eta: float, per_site: int = 48, behind: int = 12, ahead: int = 24
+) -> float:
+    """Return v of the front of (43) at a = 1, b = η.
+
+    Parameters
+    ----------
+    c, eta : float
+        Coupling and η, dimensionless.
+    per_site : int, optional
+        Points a site; the error of v falls like its tenth power.
+    behind, ahead : int, optional
+        Sites on either side of the one that passes the unstable cycle.
+
+    Raises
+    ------
+    ArithmeticError
+        If Newton's method does not converge.
+
+    Examples
+    --------
+    >>> round(front_velocity(0.6, 0.03125), 6)
+    0.722566
+    """
+    root = math.sqrt(1.0 - 8.0 * eta)
+    stable, unstable = math.sqrt((1.0 + root) / eta), math.sqrt((1.0 - root) / eta)
+    xi = np.arange(-behind * per_site, ahead * per_site + 1) / per_site
+    middle = behind * per_site
+    R, v = _guess(c, eta, xi, stable, unstable)
+    left, right = np.full(per_site, stable), np.zeros(per_site)
+    phase = csc_matrix(([1.0], ([0], [middle])), shape=(1, R.size + 1))
+    for _ in range(30):
+        whole = np.concatenate([left, R, right])
+        slope = sum(
+            weight * per_site * (_shifted(whole, k, xi.size) - _shifted(whole, -k, xi.size))
+            for k, weight in enumerate(_CENTRAL, start=1)
+        )
+        neighbours = _shifted(whole, -per_site, xi.size) - _shifted(whole, per_site, xi.size)
+        damping = 0.5 * R * (1.0 - R**2 / 4.0 + eta * R**4 / 8.0)
+        value = np.append(v * slope + 0.5 * c * neighbours - damping, R[middle] - unstable)
+        above = hstack([_matrix(R, v, c, eta, per_site), csc_matrix(slope[:, None])])
+        system = vstack([above, phase]).tocsc()
+        change = spsolve(system, value)
+        R, v = R - change[:-1], v - float(change[-1])
+        if np.abs(change).max() < 1e-10 * stable:
+            return v
+    raise ArithmeticError(f"no wave was found at c = {c:g}, eta = {eta:g}")
+
+
+def _shifted(whole: FloatArray, by: int, size: int) -> FloatArray:
+    begin = (whole.size - size) // 2 + by
+    return whole[begin : begin + size]
+
+
+def _matrix(R: FloatArray, v: float, c: float, eta: float, m: int) -> Any:
+    bands = {k: v * m * weight for k, weight in enumerate(_CENTRAL, start=1)}
+    bands |= {-k: -weight for k, weight in bands.items()}
+    bands[-m] = bands.get(-m, 0.0) + 0.5 * c
+    bands[m] = bands.get(m, 0.0) - 0.5 * c
+    entries = [np.full(R.size - abs(k), weight) for k, weight in bands.items()]
+    own = -(0.5 - 3.0 * R**2 / 8.0 + 5.0 * eta * R**4 / 16.0)
+    return diags([own, *entries], [0, *bands])
+
+
+def _guess(
+    c: float, eta: float, xi: FloatArray, stable: float, unstable: float
+) -> tuple[FloatArray, float]:
+    """Run the real chain from a step, and read R and v off two of its sites."""
+    sites, first, watched = 60, 8, 20
+
+    def rate(_: float, r: FloatArray) -> FloatArray:
+        whole = np.concatenate([[stable], r, [0.0]])
+        spring = 0.5 * c * (whole[:-2] - whole[2:])
+        return np.asarray(spring - 0.5 * r * (1.0 - r**2 / 4.0 + eta * r**4 / 8.0))
+
+    def arrived(_: float, r: FloatArray) -> float:
+        return float(r[watched + 4] - unstable)
+
+    arrived.terminal = True  # type: ignore[attr-defined]
+    start = np.where(np.arange(sites) < first, stable, 0.0)
+    run = solve_ivp(rate, (0.0, 1e3), start, "DOP853", rtol=1e-8, atol=1e-9, events=arrived,
+                    dense_output=True)  # fmt: skip
+    end, states = float(run.t[-1]), run.sol
+    assert states is not None
+    times = np.linspace(0.0, end, 4000)
+    late, early = (
+        float(np.interp(unstable, states(times)[site], times)) for site in (watched, watched - 1)
+    )
+    v = 1.0 / (late - early)
+    R = states(np.clip(late - xi / v, 0.0, end))[watched]
+    return np.where(late - xi / v > end, stable, R), v

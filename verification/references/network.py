@@ -1,0 +1,66 @@
+"""Oscillators on any network written once more, for scipy: plain functions and a matrix L.
+
+ÿ + g(y) + ε h(y, ẏ) ẏ + εc L (y + d ẏ) = 0,        or        ẏ + g(y) + c L y = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import solve_ivp
+
+from verification.references.equations import Rate
+
+FloatArray = npt.NDArray[np.float64]
+Force = Callable[[FloatArray], FloatArray]
+Damping = Callable[[FloatArray, FloatArray], FloatArray]
+
+
+def oscillator_rate(
+    g: Force, h: Damping, matrix: Any, *, c: float, eps: float, d: float = 0.0
+) -> Rate:
+    """Return the right side for a flat state (y, ẏ).
+
+    Examples
+    --------
+    >>> rate = oscillator_rate(lambda y: y, lambda y, v: y**2, np.zeros((1, 1)), c=1.0, eps=0.1)
+    >>> rate(0.0, np.array([2.0, 1.0])).tolist()
+    [1.0, -2.4]
+    """
+
+    def rate(_: float, state: FloatArray) -> FloatArray:
+        y, v = np.split(state, 2)
+        force = g(y) + eps * (h(y, v) * v + c * (matrix @ (y + d * v)))
+        return np.concatenate([v, -force])
+
+    return rate
+
+
+def overdamped_rate(g: Force, matrix: Any, *, c: float) -> Rate:
+    """Return the right side without inertia, for y alone."""
+
+    def rate(_: float, y: FloatArray) -> FloatArray:
+        slope: FloatArray = -g(y) - c * (matrix @ y)
+        return slope
+
+    return rate
+
+
+def states_by_scipy(
+    rate: Rate, start: FloatArray, times: FloatArray, tolerance: float = 1e-12
+) -> FloatArray:
+    """Return the states at the times, shape (M, …), by DOP853.
+
+    Raises
+    ------
+    ArithmeticError
+        If it does not reach the last of them.
+    """
+    span, floor = (0.0, float(times[-1])), 1e-2 * tolerance
+    found = solve_ivp(rate, span, start, method="DOP853", rtol=tolerance, atol=floor, t_eval=times)
+    if not found.success:
+        raise ArithmeticError(found.message)
+    return np.asarray(found.y.T)

@@ -1,0 +1,178 @@
+"""How far the averaged chain is from the full one, and how the distance falls with ε."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.cells.polynomial import Polynomial, as_polynomial
+from theory.chains.oscillator import OscillatorChain
+from theory.parameters import ParameterError, positive, whole_number
+from theory.result import Result
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+
+FloatArray = npt.NDArray[np.float64]
+
+SHARE = "share_of_eps"
+"""Named parameter by which what is nonlinear in the stiffness falls with ε."""
+
+_SAMPLES = 401
+_TOLERANCE = 1e-10
+_NO_LEVEL = 1e100
+"""Arrivals are not asked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AveragingError(Result):
+    """Distance of an averaged chain from the full one at several ε; made by `averaging_error`.
+
+    Attributes
+    ----------
+    chain : OscillatorChain
+        The full chain, of the largest ε.
+    slow_time : float
+        εt up to which they were compared.
+    eps : float array, shape (K,)
+        ε, each half of the one before.
+    distances : float array, shape (K,)
+        Largest |ẏ/ω + iy - φe^{iωt}| over sites and sampled times.
+    errors : float array, shape (K,)
+        Errors of both runs together, a bound on that of the distance.
+    seconds : float
+        Wall-clock time.
+    """
+
+    derived: ClassVar[tuple[str, ...]] = ("slope", "slope_error")
+
+    chain: Any
+    slow_time: float
+    eps: FloatArray = field(metadata={"axis": "eps"})
+    distances: FloatArray = field(metadata={"dims": ("eps",)})
+    errors: FloatArray = field(metadata={"dims": ("eps",)})
+    seconds: float
+
+    @property
+    def slope(self) -> float:
+        """Slope of log(distance) over log ε at the two smallest ε; one of first order."""
+        return float(self._slopes[-1])
+
+    @property
+    def slope_error(self) -> float:
+        """Change of the slope from the two ε before, and what errors of the runs add."""
+        change = abs(float(self._slopes[-1] - self._slopes[-2]))
+        return change + float(np.sum(self.errors[-2:] / self.distances[-2:]) / np.log(2.0))
+
+    @property
+    def _slopes(self) -> FloatArray:
+        return np.diff(np.log(self.distances)) / np.diff(np.log(self.eps))
+
+
+def averaging_error(
+    chain: OscillatorChain,
+    start: npt.ArrayLike | None = None,
+    *,
+    slow_time: float = 3.0,
+    halvings: int = 2,
+) -> AveragingError:
+    """Compare the averaged chain with the full one, at ε and at halves of it.
+
+    What is nonlinear in the stiffness is taken as of order ε, and is halved with it.
+
+    Parameters
+    ----------
+    chain : OscillatorChain
+        Of the largest ε; it may have disorder, but not of the frequency.
+    start : array_like, shape (2, N), optional
+        (y, ẏ) of every site at t = 0; by default the middle site on its cycle.
+    slow_time : float, optional
+        εt at the end, dimensionless, from 0 to 100: motion that is unstable tells the two apart
+        by more than O(ε) after long times.
+    halvings : int, optional
+        How often ε is halved, from 2 to 8.
+
+    Returns
+    -------
+    AveragingError
+
+    Raises
+    ------
+    ParameterError
+        If the chain cannot be averaged, or its frequency differs from site to site.
+
+    References
+    ----------
+    J. A. Sanders, F. Verhulst, J. Murdock, Averaging Methods in Nonlinear Dynamical Systems
+    (2007): the distance is O(ε) over times of order 1/ε.
+
+    Examples
+    --------
+    >>> rayleigh = OscillatorChain(damping="v**2 - 1", c=0.5, eps=0.02, sites=3)
+    >>> found = averaging_error(rayleigh)
+    >>> bool(abs(found.slope - 1) < 0.1)
+    True
+    """
+    begin = perf_counter()
+    if positive("slow time", slow_time) > 100.0:
+        raise ParameterError("slow time", slow_time, "at most 100", "compare over a shorter one")
+    halvings = whole_number("halvings of eps", halvings, 2, 8)
+    if start is None:
+        start = excite(chain, [(chain.sites + 1) // 2])
+    state = np.asarray(start, dtype=float)
+    eps = np.array([chain.eps * 0.5**k for k in range(halvings + 1)])
+    scaled = _scalable(chain)
+    found = [_distance(_at(scaled, float(each)), state, slow_time) for each in eps]
+    return AveragingError(
+        chain=chain,
+        slow_time=float(slow_time),
+        eps=eps,
+        distances=np.array([each[0] for each in found]),
+        errors=np.array([each[1] for each in found]),
+        seconds=perf_counter() - begin,
+    )
+
+
+def _scalable(chain: OscillatorChain) -> OscillatorChain:
+    """Return the chain with a named parameter that multiplies what is nonlinear in g."""
+    terms = as_polynomial(chain.stiffness, "stiffness").terms
+    linear = {each: value for each, value in terms.items() if dict(each).get("y") == 1}
+    rest = {each: value for each, value in terms.items() if each not in linear}
+    varied = {name for name, value in chain.site_values.items() if np.ndim(value)}
+    if varied & {name for each in linear for name, _ in each}:
+        raise ParameterError(
+            "linear part of the stiffness", "different from site to site", "the same at every site "
+            "where eps is halved", "run chain and chain.averaged() by themselves",
+        )  # fmt: skip
+    if not rest:
+        return chain
+    if SHARE in chain.names:
+        raise ParameterError("named parameter", SHARE, "another name here", "rename it")
+    text = f"{Polynomial(linear).source()} + {SHARE}*({Polynomial(rest).source()})"
+    return chain.replace(stiffness=text, values={**chain.values, SHARE: 1.0})
+
+
+def _at(scaled: OscillatorChain, eps: float) -> OscillatorChain:
+    if SHARE not in scaled.names:
+        return scaled.replace(eps=eps)
+    return scaled.replace(eps=eps, values={**scaled.values, SHARE: eps / scaled.eps})
+
+
+def _distance(chain: OscillatorChain, start: FloatArray, slow_time: float) -> tuple[float, float]:
+    """Return the largest distance of the two runs, and their errors together."""
+    end, omega = slow_time / chain.eps, chain.cell.frequency
+    times = np.linspace(0.0, end, _SAMPLES)
+    full = simulate(chain, start, end, times=list(times), tolerance=_TOLERANCE, level=_NO_LEVEL)
+    first = start / np.array([[1.0], [omega]])
+    averaged = simulate(
+        chain.averaged(), first, end, times=list(times), tolerance=_TOLERANCE, level=_NO_LEVEL
+    )
+    assert full.error is not None
+    assert averaged.error is not None
+    psi = full.states[:, 1] / omega + 1j * full.states[:, 0]
+    phi = averaged.states[:, 1] + 1j * averaged.states[:, 0]
+    apart = np.abs(psi * np.exp(-1j * omega * times)[:, None] - phi)
+    return float(apart.max()), full.error * max(1.0, 1.0 / omega) + averaged.error

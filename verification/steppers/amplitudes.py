@@ -1,0 +1,166 @@
+"""Real amplitudes of (43) behind one another by a quarter turn, with small disturbances, compiled.
+
+With φ_n = (-i)^n (r_n + i s_n) e^{icT}, r and s real, ρ = r/r_s and s small,
+
+    ρ_n' = (c/2)(ρ_{n-1} - ρ_{n+1}) - ρ_n g(ρ_n),    g = ½(1 - r²/4 + η r⁴/8),   r = r_s ρ,
+
+the amplitudes on their own; their disturbances have d(ρg)/dρ in place of g, and s has g itself.
+
+Equal steps of DOP853, one row of sites for the amplitudes and one for each disturbance. The step of
+``runge_kutta`` turns each row of the tableau into code of its own, which for a right-hand side like
+this one takes four times as long to compile, and here is no faster.
+
+References
+----------
+E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I (1993), II.5.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import DOP853
+
+from verification.execution.compiled import njit
+
+FloatArray = npt.NDArray[np.float64]
+
+_STAGES = DOP853.n_stages
+_TABLEAU = np.vstack([DOP853.A[:_STAGES, :_STAGES], DOP853.B])
+
+
+class Amplitudes(NamedTuple):
+    """The chain at a = 1, b = η.
+
+    Attributes
+    ----------
+    c, eta : float
+        Coupling and η, dimensionless.
+    square : float
+        r_s².
+    """
+
+    c: float
+    eta: float
+    square: float
+
+
+def rate(rho: FloatArray, chain: Amplitudes) -> FloatArray:
+    """Return ρ', shape (N,), between the stable cycle on the left and rest on the right."""
+    s = chain.square * rho * rho
+    g = 0.5 * (1.0 - 0.25 * s + 0.125 * chain.eta * s * s)
+    whole = np.concatenate([[1.0], rho, [0.0]])
+    found: FloatArray = 0.5 * chain.c * (whole[:-2] - whole[2:]) - rho * g
+    return found
+
+
+def advanced(rho: FloatArray, chain: Amplitudes, time: float, steps: int) -> FloatArray:
+    """Return the amplitudes after a time, shape (N,)."""
+    rows = rho[None, :].copy()
+    _advance(rows, chain, False, time / steps, steps)
+    found: FloatArray = rows[0]
+    return found
+
+
+def with_disturbances(
+    rho: FloatArray, chain: Amplitudes, time: float, steps: int, phases: bool = False
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the amplitudes after a time, their derivative by c, and the matrix of disturbances.
+
+    Parameters
+    ----------
+    rho : ndarray, shape (N,)
+        Amplitudes over r_s.
+    chain : Amplitudes
+        Parameters.
+    time : float
+        In units of slow time.
+    steps : int
+        Number of equal steps.
+    phases : bool, optional
+        Disturbances s of the phases in place of those of the amplitudes.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (N,), (N,), (N, N)
+        In a time t a disturbance reaches d sites with (ct/2)^d/d! of its size. One row carries
+        those of all sites that are too far apart to meet.
+    """
+    sites = rho.size
+    width = min(2 * _reach(0.5 * chain.c * time) + 1, sites)
+    rows = np.zeros((2 + width, sites))
+    rows[0] = rho
+    column = np.arange(sites)
+    rows[2 + column % width, column] = 1.0
+    _advance(rows, chain, phases, time / steps, steps)
+    first = np.clip(column - width // 2, 0, sites - width)
+    nearby = first[:, None] + np.arange(width)
+    matrix = np.zeros((sites, sites))
+    matrix[column[:, None], nearby] = rows[2 + nearby % width, column[:, None]]
+    return rows[0], rows[1], matrix
+
+
+def _reach(half: float) -> int:
+    """Return d beyond which half^d/d! is below 1e-19."""
+    far, term = 1, half
+    while term > 1e-19 or far < half:
+        far += 1
+        term *= half / far
+    return far
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _slopes(
+    x: FloatArray, chain: Amplitudes, phases: bool, damping: FloatArray, out: FloatArray
+) -> None:
+    """Put the derivatives into ``out``: amplitudes, their derivative by c, disturbances."""
+    rows, sites = x.shape
+    half, last = 0.5 * chain.c, sites - 1
+    for n in range(sites):
+        s = chain.square * x[0, n] * x[0, n]
+        damping[n] = 0.5 * (1.0 - 0.25 * s + 0.125 * chain.eta * s * s)
+    for k in range(rows):
+        if k == 1 and not phases:
+            for n in range(sites):
+                s = chain.square * x[0, n] * x[0, n]
+                damping[n] = 0.5 - 0.375 * s + 0.3125 * chain.eta * s * s
+        before = 1.0 if k == 0 else 0.0
+        out[k, 0] = half * (before - x[k, 1]) - damping[0] * x[k, 0]
+        for n in range(1, last):
+            out[k, n] = half * (x[k, n - 1] - x[k, n + 1]) - damping[n] * x[k, n]
+        out[k, last] = half * x[k, last - 1] - damping[last] * x[k, last]
+    if rows > 1:
+        out[1, 0] += 0.5 * (1.0 - x[0, 1])
+        for n in range(1, last):
+            out[1, n] += 0.5 * (x[0, n - 1] - x[0, n + 1])
+        out[1, last] += 0.5 * x[0, last - 1]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _advance(x: FloatArray, chain: Amplitudes, phases: bool, h: float, steps: int) -> None:
+    """Advance all rows in place by equal steps."""
+    K = np.zeros((_STAGES, *x.shape))
+    stage, damping = np.zeros(x.shape), np.zeros(x.shape[1])
+    y, room, slopes = x.reshape(x.size), stage.reshape(x.size), K.reshape(_STAGES, x.size)
+    for _ in range(steps):
+        for i in range(_STAGES + 1):
+            for n in range(y.size):
+                room[n] = y[n]
+            for j in range(min(i, _STAGES)):
+                weight = h * _TABLEAU[i, j]
+                if weight != 0.0:
+                    row = slopes[j]
+                    for n in range(y.size):
+                        room[n] += weight * row[n]
+            if i < _STAGES:
+                _slopes(stage, chain, phases, damping, K[i])
+        for n in range(y.size):
+            y[n] = room[n]
+
+
+def steps_in(time: float, largest_rate: float, step: float, fewest: int = 4) -> int:
+    """Return the number of equal steps no longer than ``step`` over the largest rate."""
+    return max(fewest, math.ceil(time * largest_rate / step - 1e-9))

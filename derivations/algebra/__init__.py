@@ -8,6 +8,7 @@
 ``steps``       `Given` and `Derived` steps, checks, derivations
 ``evidence``    checks: values at random points, a predicted order
 ``rendering``   text, LaTeX, MathML, JSON; ``notation`` names what is shown
+``mathml``      LaTeX as MathML
 
 A derivation is a function of its model and reads like an appendix::
 

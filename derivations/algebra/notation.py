@@ -11,7 +11,6 @@ from enum import Enum
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
-from sympy.printing.pretty.pretty_symbology import pretty_symbol
 
 
 class Script(Enum):
@@ -90,7 +89,10 @@ def _name(own: sp.Basic, script: Script) -> str | None:
 def _base(name: str, script: Script) -> str:
     if name in NAMES:
         return NAMES[name][script is Script.UNICODE]
-    return str(sp.latex(sp.Symbol(name)) if script is Script.LATEX else pretty_symbol(name))
+    if script is Script.LATEX:
+        return str(sp.latex(sp.Symbol(name)))
+    # Not `pretty_symbol`, which writes Unicode only if the terminal that imported SymPy had it.
+    return str(sp.pretty(sp.Symbol(name), use_unicode=True))
 
 
 def _function(own: AppliedUndef, script: Script, mark: str) -> str | None:

@@ -60,7 +60,7 @@ def spoken(expression: sp.Basic) -> str:
     text = str(sp.pretty(shown, use_unicode=True, wrap_line=False))
     if "\n" not in text:
         return text
-    letters = {q: sp.Symbol(str(sp.pretty(q))) for q in shown.atoms(sp.Symbol)}
+    letters = {q: sp.Symbol(str(sp.pretty(q, use_unicode=True))) for q in shown.atoms(sp.Symbol)}
     text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
     return _UNIT.sub("i", text.replace("*", " "))
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from keyword import iskeyword
 from typing import Any
-from xml.etree import ElementTree
+from unicodedata import name as unicode_name
+from unicodedata import normalize
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import parts_of
+from derivations.algebra.mathml import as_text, mathml_element
 from derivations.algebra.notation import Script, displayed
 from derivations.algebra.steps import Derivation, Evidence, Kind, Step
 from derivations.algebra.sums import SumOver
@@ -25,7 +27,10 @@ PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 \usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage[margin=22mm]{geometry}
-\usepackage{amsmath,amssymb}
+\usepackage{amsmath,amssymb,graphicx}
+\newsavebox{\row}
+\newcommand{\fitted}[1]{\sbox{\row}{$\displaystyle #1$}%
+  \ifdim\wd\row>0.85\linewidth\resizebox{0.85\linewidth}{!}{\usebox{\row}}\else\usebox{\row}\fi}
 \allowdisplaybreaks
 \setcounter{MaxMatrixCols}{40}
 """
@@ -33,8 +38,6 @@ PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 
 _ASSUMED = re.compile(r"""(Symbol\((?:'[^']*'|"[^"]*"))(?:, \w+=(?:True|False))+\)""")
 """A symbol in ``srepr``, with its assumptions."""
-
-_REFERENCE = re.compile(r"&amp;#(x[0-9A-Fa-f]+);")
 
 
 def equation_text(equation: sp.Basic) -> str:
@@ -58,14 +61,10 @@ def equation_latex(equation: sp.Basic) -> str:
 
 def equation_mathml(equation: sp.Basic) -> str:
     """Presentation MathML, one ``math`` element, made from the LaTeX."""
-    from latex2mathml.converter import convert_to_element
-
-    rows = []
-    for part in parts_of(equation):
-        element = convert_to_element(_latex(part), display="block")
-        found = "".join(ElementTree.tostring(inner, encoding="unicode") for inner in element)
-        # The converter writes its signs as character references, which are escaped once more.
-        rows.append(_REFERENCE.sub(lambda sign: f"&#{sign[1]};", found))
+    rows = [
+        "".join(as_text(inner) for inner in mathml_element(_latex(part), block=True))
+        for part in parts_of(equation)
+    ]
     body = rows[0]
     if len(rows) > 1:
         cells = "".join(f"<mtr><mtd>{row}</mtd></mtr>" for row in rows)
@@ -186,11 +185,11 @@ def document(*derivations: Derivation) -> str:
     """Return a complete LaTeX document."""
     body = []
     for derivation in derivations:
-        body.append(f"\\section*{{{_tex_words(derivation.title)}}}\n\\begin{{enumerate}}")
+        body.append(f"\\section*{{{tex_words(derivation.title)}}}\n\\begin{{enumerate}}")
         for step, evidence in derivation.examined():
-            body.append(f"\\item {_tex_words(sentence(step))}")
+            body.append(f"\\item {tex_words(sentence(step))}")
             body.append(_display(step))
-            body.append(f"\\emph{{{_verdict(evidence)}:}} {_tex_words(evidence.statement)}.")
+            body.append(f"\\emph{{{_verdict(evidence)}:}} {tex_words(evidence.statement)}.")
         body.append("\\end{enumerate}")
     return PREAMBLE + "\\begin{document}\n" + "\n".join(body) + "\n\\end{document}\n"
 
@@ -209,7 +208,7 @@ def _display(step: Step) -> str:
         if isinstance(part, sp.Equality) and not part.has(sp.MatrixBase):
             lines.append(_broken(part))
         else:
-            lines.append("& " + _latex(part))
+            lines.append(f"& \\fitted{{{_latex(part)}}}")
     tag = f" \\tag{{{step.number}}}" if step.number is not None else ""
     return "\\begin{align*}\n" + " \\\\\n".join(lines) + tag + "\n\\end{align*}"
 
@@ -217,20 +216,21 @@ def _display(step: Step) -> str:
 def _broken(equation: sp.Equality) -> str:
     left, right = displayed(equation, Script.LATEX).args
     if len(sp.Add.make_args(left)) > TERMS_A_LINE and right == 0:
-        return _lines(left, "") + " = 0"
-    return f"{sp.latex(left)} ={{}} " + _lines(right, "")
+        return _lines(left) + " = 0"
+    return f"{sp.latex(left)} ={{}} " + _lines(right)
 
 
-def _lines(total: sp.Expr, prefix: str) -> str:
-    pieces: list[str] = []
-    for place, term in enumerate(sp.Add.make_args(total)):
-        printed = sp.latex(term)
-        if place and not printed.startswith("-"):
-            printed = "+ " + printed
-        if place % TERMS_A_LINE == 0:
-            pieces.append((" \\\\\n" if place else "") + "& ")
-        pieces.append(printed + " ")
-    return prefix + "".join(pieces).rstrip()
+def _lines(total: sp.Expr) -> str:
+    """Return a sum in rows of a few terms; a row that is still too wide is set smaller."""
+    terms = sp.Add.make_args(total)
+    rows = []
+    for start in range(0, len(terms), TERMS_A_LINE):
+        row = ""
+        for place, term in enumerate(terms[start : start + TERMS_A_LINE], start=start):
+            printed = str(sp.latex(term))
+            row += printed if place == 0 or printed.startswith("-") else f"{{}} + {printed}"
+        rows.append(f"& \\fitted{{{row}}}")
+    return " \\\\\n".join(rows)
 
 
 def _latex(part: sp.Basic) -> str:
@@ -302,8 +302,38 @@ _TEX = {
     "<": r"\ensuremath{<}",
     ">": r"\ensuremath{>}",
     "|": r"\ensuremath{|}",
-}
+    **{sign: rf"\ensuremath{{{name}}}" for sign, name in {
+        "⋅": r"\cdot", "→": r"\to", "∞": r"\infty", "′": r"{}^{\prime}", "ⅈ": "i",
+        "≪": r"\ll", "∂": r"\partial", "≥": r"\ge", "≤": r"\le", "√": r"\surd",
+    }.items()},
+}  # fmt: skip
+_TEX_ACCENTS = {"\u0307": "dot", "\u0308": "ddot", "\u20db": "dddot", "\u0302": "hat"}
+_PIECE = re.compile(
+    r"(?P<base>.)(?P<accent>[\u0302\u0307\u0308\u20db])|(?P<low>[ᵢᵣₐ-ₜ₀-₋]+)|(?P<high>[²³¹⁰-⁾]+)|.",
+    re.DOTALL,
+)
 
 
-def _tex_words(words: str) -> str:
-    return "".join(_TEX.get(letter, letter) for letter in words)
+def tex_words(words: str) -> str:
+    """Return running text for LaTeX; indices, accents and Greek letters become formulas."""
+    return "".join(_tex_piece(found) for found in _PIECE.finditer(normalize("NFD", words)))
+
+
+def _tex_piece(found: re.Match[str]) -> str:
+    if found["accent"]:
+        base = _tex_letter(found["base"]).removeprefix(r"\ensuremath{").removesuffix("}")
+        return rf"\ensuremath{{\{_TEX_ACCENTS[found['accent']]}{{{base}}}}}"
+    for group, mark in (("low", "_"), ("high", "^")):
+        if found[group]:
+            plain = normalize("NFKC", found[group]).replace("\u2212", "-")
+            return rf"\ensuremath{{{mark}{{{plain}}}}}"
+    return _tex_letter(found[0])
+
+
+def _tex_letter(letter: str) -> str:
+    name = unicode_name(letter, "")
+    if name.startswith("GREEK") and " LETTER " in name:
+        macro = name.rpartition(" ")[2]
+        macro = macro.capitalize() if "CAPITAL" in name else macro.lower()
+        return rf"\ensuremath{{\{macro.replace('amda', 'ambda')}}}"
+    return _TEX.get(letter, letter)

@@ -145,7 +145,7 @@ def _sticks(bound: sp.Basic, point: Point, force: sp.Symbol, limit: float) -> bo
 
 
 def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol],
-            unit: float, limit: float, velocity: float) -> Evidence:  # fmt: skip
+            *, unit: float, limit: float, velocity: float) -> Evidence:  # fmt: skip
     """Judge (3) or (6): a force opposite to slip, where it holds, the bound, and where."""
     force, speed = names
     law, moving, bound, resting = parts_of(candidate)
@@ -183,13 +183,15 @@ def _argument(own: sp.Basic, point: Point, expected: float) -> bool:
 def law(candidate: sp.Basic) -> Evidence:
     """Force (3) with normal force 1.7."""
     point = {s.mu_st: _STATIC, s.F_N: 1.7}
-    return _is_law(candidate, point, (s.F, s.v_rel), 1.7, _STATIC * 1.7, 1.0)
+    return _is_law(candidate, point, (s.F, s.v_rel),
+                   unit=1.7, limit=_STATIC * 1.7, velocity=1.0)  # fmt: skip
 
 
 def scaled_law(candidate: sp.Basic) -> Evidence:
     """Force (6): that of (3) over F_N at the velocity in dimensions."""
     point = {s.mu_st: _STATIC, s.F_N: 1.7, s.omega_n: 1.3, s.y_0: 0.6}
-    return _is_law(candidate, point, (s.F_tilde, s.v_tilde_rel), 1.0, _STATIC, 1.3 * 0.6)
+    return _is_law(candidate, point, (s.F_tilde, s.v_tilde_rel),
+                   unit=1.0, limit=_STATIC, velocity=1.3 * 0.6)  # fmt: skip
 
 
 def force_of_slip(candidate: sp.Basic) -> Evidence:

@@ -115,14 +115,15 @@ class StrongChecks(LimitChecks):
                     turn = -1j * (one * distance + three * distance**3 / 6)
                     yield self._envelope(sample, TINY, (turn + decay) * TINY,
                                          [TINY * (1j * distance) ** j for j in (1, 3)],
-                                         one, three), [0]  # fmt: skip
-                yield self._envelope(sample, 1.4, sample.rate(1.4), [0, 0], one, three), [0]
+                                         one=one, three=three), [0]  # fmt: skip
+                yield self._envelope(sample, 1.4, sample.rate(1.4), [0, 0],
+                                     one=one, three=three), [0]  # fmt: skip
 
         return at_points(points, "the frequency at a distance from the carrier, and the sampled "
                                  "loss", tolerance=1e-8)(candidate)  # fmt: skip
 
     def _envelope(self, sample: Sample, size: float, rate: complex, slopes: list[complex],
-                  one: float, three: float) -> dict[Any, Any]:  # fmt: skip
+                  *, one: float, three: float) -> dict[Any, Any]:  # fmt: skip
         return {s.envelope: size, s.envelope.diff(t): rate, s.envelope.diff(s.place): slopes[0],
                 s.envelope.diff((s.place, 3)): slopes[1], s.w_1: one, s.w_3: three,
                 **sample.chain.values}  # fmt: skip

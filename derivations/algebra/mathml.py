@@ -1,0 +1,96 @@
+"""LaTeX as presentation MathML, by latex2mathml; what that does not know is refused."""
+
+from __future__ import annotations
+
+from html import unescape
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from latex2mathml import exceptions
+from latex2mathml.converter import convert_to_element
+
+_REFUSED: tuple[type[Exception], ...] = (
+    *(each for each in vars(exceptions).values() if isinstance(each, type)),
+    IndexError, KeyError, AttributeError, StopIteration,
+)  # fmt: skip
+_PARTS = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2, "munder": 2, "munderover": 3}
+_OPENS = frozenset("([=,;→≈<>≤≥≪≡∈⇔|")
+"""A minus after one of these is a sign and stands close to what follows."""
+
+
+class LatexError(ValueError):
+    """LaTeX that cannot be typeset."""
+
+
+def mathml_element(latex: str, *, block: bool = False) -> Element:
+    """Return the ``math`` element of some LaTeX.
+
+    Parameters
+    ----------
+    latex : str
+        Without dollar signs.
+    block : bool, optional
+        On a line of its own.
+
+    Raises
+    ------
+    LatexError
+        If a command is not known, or braces or arguments do not match.
+    """
+    bare = latex.replace("\\{", "").replace("\\}", "")
+    if bare.count("{") != bare.count("}"):
+        raise LatexError(f"braces do not match in {latex!r}.")
+    try:
+        root = convert_to_element(latex, display="block" if block else "inline")
+    except _REFUSED as error:
+        raise LatexError(f"{latex!r} cannot be typeset: {type(error).__name__}.") from error
+    root.attrib.pop("xmlns", None)
+    if not block:
+        root.attrib.pop("display", None)
+    for node in root.iter():
+        node.text = unescape(node.text) if node.text else node.text
+        lost = node.tag in ("mi", "mn", "mo") and not (node.text or "").strip()
+        if lost or "\\" in (node.text or "") or len(node) != _PARTS.get(node.tag, len(node)):
+            raise LatexError(f"{latex!r} has a command that is not known, or lacks an argument.")
+        if node.tag == "mo" and (node.text or "").isascii() and (node.text or "").isalpha():
+            node.tag = "mi"  # the name of a function
+        if node.tag == "mo" and node.text == "|":  # a modulus, not a relation
+            node.set("lspace", "0")
+            node.set("rspace", "0")
+    for node in root.iter():
+        _join_word(node)
+        _mark_signs(node)
+    return root
+
+
+def mathml(latex: str, *, block: bool = False) -> str:
+    r"""Return the ``math`` element of some LaTeX as text; parameters as of `mathml_element`.
+
+    Examples
+    --------
+    >>> mathml(r"\frac12 k_1")
+    '<math><mrow><mfrac><mn>1</mn><mn>2</mn></mfrac><msub><mi>k</mi><mn>1</mn></msub></mrow></math>'
+    """
+    return as_text(mathml_element(latex, block=block))
+
+
+def as_text(element: Element) -> str:
+    """Return an element as text, its signs as characters."""
+    return ElementTree.tostring(element, encoding="unicode")
+
+
+def _join_word(row: Element) -> None:
+    """Make one name of letters that are each upright."""
+    if len(row) > 1 and all(node.get("mathvariant") == "normal" for node in row):
+        word = "".join(node.text or "" for node in row)
+        row[:] = [Element("mi")]
+        row[0].text = word
+
+
+def _mark_signs(row: Element) -> None:
+    """Make a minus a sign where nothing stands before it that it could be taken from."""
+    before = ""
+    for node in row:
+        if node.tag == "mo" and node.text == "−" and (before in _OPENS or not before):
+            node.set("form", "prefix")
+        before = (node.text or "x") if node.tag == "mo" else "x"

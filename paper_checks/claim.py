@@ -175,6 +175,8 @@ class Finding:
         Equations shown with the explanation; may be empty.
     erratum : Erratum, optional
         The line of the table of errata that this finding proves.
+    headline : str
+        The finding in one sentence, if it is one of those to be read first.
     """
 
     verdict: Verdict
@@ -189,6 +191,7 @@ class Finding:
     pictures: tuple[Picture, ...] = ()
     formulas: tuple[Formula, ...] = ()
     erratum: Erratum | None = None
+    headline: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,6 +296,7 @@ class Claim:
             pictures=pictures,
             formulas=self.formulas(evidence) if self.formulas else (),
             erratum=erratum,
+            headline=prose.headline,
         )
 
 

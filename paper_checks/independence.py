@@ -33,9 +33,9 @@ the vector field itself, and how it is laid out in rows; compiling, keeping and 
 dispersion relation (50) as printed; and the form of a result."""
 
 
-FORMS = ("theory.result",)
+FORMS = ("theory.result", "verification.runs.excite")
 """Modules that are not followed: the base of results loads pictures by name, and nothing that
-computes."""
+computes; and where a run starts is part of the problem, also where it is a point of a cycle."""
 
 
 def engines(method: Method) -> frozenset[str]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from paper_checks.claim import NAME, Claim, Finding, Picture, Verdict
 from paper_checks.discover import Entry
+from paper_checks.report.safe_svg import safe_svg
 from verification.execution.metadata import now
 
 FAILED = "failed"
@@ -153,7 +154,7 @@ def judge(claim: Claim) -> Judgement:
         if claim.shared is not None:
             claim.shared()
         begin = time.perf_counter()
-        finding = _checked(claim.judge())
+        finding = checked_finding(claim.judge())
     except (Exception, SystemExit) as error:
         logger.info("the judge of %s failed", claim.key, exc_info=True)
         failure = _sentence(error)
@@ -167,7 +168,14 @@ def _sentence(error: BaseException) -> str:
     return text if text.endswith((".", "!", "?")) else f"{text}."
 
 
-def _checked(finding: object) -> Finding:
+def checked_finding(finding: object) -> Finding:
+    """Return a finding if it is one: verdict, texts, methods, names and pictures.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not; the message is a sentence.
+    """
     if not isinstance(finding, Finding):
         raise TypeError(f"the judge returned {type(finding).__name__} instead of a Finding.")
     if not isinstance(finding.verdict, Verdict):
@@ -188,5 +196,4 @@ def _check_picture(picture: Picture) -> None:
             f"the picture name '{picture.name}' must be lower-case letters, digits, dots, "
             "hyphens or underscores."
         )
-    if "<svg" not in picture.svg:
-        raise ValueError(f"the picture '{picture.name}' holds no SVG document.")
+    safe_svg(picture.svg)  # which refuses what is no picture

@@ -1,7 +1,8 @@
 """The prose of a claim: a template of plain text beside the code, filled with evidence.
 
 A file has one section a claim, headed ``# key``. In it stand first the short fields, each on a
-line of its own or several, ``value:``, ``error:`` and ``tolerance:``; then paragraphs. A paragraph
+line of its own or several, ``value:``, ``error:`` and ``tolerance:``, in few claims ``headline:``
+for the first screen of the report; then paragraphs. A paragraph
 that begins with ``>`` is a remark. ``## picture NAME`` is followed by the caption of that picture,
 ``## erratum`` by the fields of `paper_checks.claim.Erratum`. Names in double braces are fields and
 properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or each of several, and
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 FIELDS = ("value", "error", "tolerance")
 COMMON = "all"
 """Section of a file whose claims all share one text."""
+_REMARK = re.compile(r"^> ?", re.MULTILINE)
 _FIELD = re.compile(r"^([a-z]+): ?", re.MULTILINE)
 
 
@@ -44,6 +46,8 @@ class Prose:
         One a paragraph.
     parts : mapping
         Text of the ``##`` parts by their headings.
+    headline : str
+        The finding in one sentence, for the first screen; of few claims.
     """
 
     value: str
@@ -52,6 +56,7 @@ class Prose:
     explanation: str
     remarks: tuple[str, ...]
     parts: Mapping[str, str]
+    headline: str = ""
 
     def caption(self, name: str) -> str:
         """Return the caption of a picture."""
@@ -99,16 +104,13 @@ def written(module: str, key: str, evidence: object) -> Prose:
     missing = [name for name in FIELDS if not fields.get(name)]
     if missing:
         raise ValueError(f"{key}: the template has no {', '.join(missing)}.")
-    paragraphs = [_line(each) for each in body.split("\n\n") if each.strip()]
+    paragraphs = [each.strip() for each in body.split("\n\n") if each.strip()]
     return Prose(
         **{name: fields[name] for name in FIELDS},
-        explanation="\n\n".join(each for each in paragraphs if not each.startswith("> ")),
-        remarks=tuple(
-            each.removeprefix("> ").replace(" > ", " ")
-            for each in paragraphs
-            if each.startswith("> ")
-        ),
+        explanation="\n\n".join(_line(each) for each in paragraphs if each[:2] != "> "),
+        remarks=tuple(_line(_REMARK.sub("", each)) for each in paragraphs if each[:2] == "> "),
         parts=parts,
+        headline=fields.get("headline", ""),
     )
 
 

@@ -14,8 +14,11 @@
 6. A tolerance follows from the digits in the text or from the error of the method. A tolerance
    from an axis that cannot be read makes the claim untestable in that respect, and it says so.
 7. The methods of a claim are references to code; those of one claim share no engine
-   (``paper_checks.independence``). Claims with a single method say so.
-8. Every verdict other than *reproduced* has its because, in one sentence. A verdict that is not
+   (``paper_checks.independence``). Where a second method covers only a part, it says which. Claims
+   with a single method say so.
+8. A tolerance is a number of its rule; loosened a thousandfold it changes a verdict on the made-up
+   evidence of the tests.
+9. Every verdict other than *reproduced* has its because, in one sentence. A verdict that is not
    the recorded one fails the run.
 """
 

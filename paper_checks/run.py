@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from typing import Protocol
@@ -57,7 +57,8 @@ def run(
         The claims.
     jobs : int, optional
         Number of processes; 1 judges in this process. More than one finds each claim again by
-        its key in ``package``, since a judge need not be picklable.
+        its key in ``package``, since a judge need not be picklable; claims that share evidence
+        or work go to one process.
     package : str, optional
         Where the claims were found; by default the paper's.
     store : Store, optional
@@ -87,21 +88,54 @@ def run(
         found = _stored(store, entry) or (shipped.load(entry) if shipped else None)
         if found is not None:
             note(entry, found)
-    left = [e for e in entries if e.claim.key not in judged]
-    judges = _Here(tuple(left)) if jobs == 1 else _ByKey(package or PACKAGE)
-    keys = [entry.claim.key for entry in left]
+    left = tuple(e for e in entries if e.claim.key not in judged)
+    judges = _Here(left) if jobs == 1 else _ByKey(package or PACKAGE)
+    groups = [(entry,) for entry in left] if jobs == 1 else sharing(left)
+    for entry, judgement in _computed(groups, judges, jobs, progress):
+        note(entry, judgement)
+    return tuple(Outcome(entry, judged[entry.claim.key]) for entry in entries)
+
+
+def sharing(entries: Sequence[Entry]) -> list[tuple[Entry, ...]]:
+    """Return groups of claims that have evidence or shared work in common, each in order.
+
+    One process judges a group, so that what its claims share is computed once.
+    """
+    found: dict[Callable[[], object], list[Entry]] = {}
+    for entry in entries:
+        found.setdefault(entry.claim.shared or entry.claim.evidence, []).append(entry)
+    return [tuple(group) for group in found.values()]
+
+
+def _computed(
+    groups: Sequence[tuple[Entry, ...]], judges: _Here | _ByKey, jobs: int, progress: Progress
+) -> Iterator[tuple[Entry, Judgement]]:
+    """Judge claims group by group and yield each judgement as it comes.
+
+    The claims of a group whose process died are judged again, each by itself.
+    """
+    keys = [tuple(entry.claim.key for entry in group) for group in groups]
+    failed: list[Entry] = []
+
+    def begun(index: int) -> None:
+        for key in keys[index]:
+            progress.start(key)
+
     # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
     with (
         terminated_as_interrupted(),
-        closing(
-            answers(judges, keys, workers=jobs, begun=lambda index: progress.start(keys[index]))
-        ) as coming,
+        closing(answers(judges, keys, workers=jobs, begun=begun)) as coming,
     ):
         for index, answer in coming:
-            if isinstance(answer, Exception):
-                answer = Judgement(None, str(answer), 0.0, now())  # noqa: PLW2901
-            note(left[index], answer)
-    return tuple(Outcome(entry, judged[entry.claim.key]) for entry in entries)
+            group = groups[index]
+            if not isinstance(answer, Exception):
+                yield from zip(group, answer, strict=True)
+            elif len(group) > 1:
+                failed += group
+            else:
+                yield group[0], Judgement(None, str(answer), 0.0, now())
+    if failed:
+        yield from _computed([(entry,) for entry in failed], judges, jobs, progress)
 
 
 def _stored(store: Store | None, entry: Entry) -> Judgement | None:
@@ -118,23 +152,24 @@ def _stored(store: Store | None, entry: Entry) -> Judgement | None:
 
 @dataclass(frozen=True)
 class _Here:
-    """Judge a claim in this process."""
+    """Judge claims in this process."""
 
     entries: tuple[Entry, ...]
 
-    def __call__(self, key: str) -> Judgement:
-        (entry,) = (entry for entry in self.entries if entry.claim.key == key)
-        return judge(entry.claim)
+    def __call__(self, keys: tuple[str, ...]) -> tuple[Judgement, ...]:
+        return _judgements(self.entries, keys)
 
 
 @dataclass(frozen=True)
 class _ByKey:
-    """Judge a claim in another process, which finds it by its key."""
+    """Judge claims in another process, which finds them by their keys."""
 
     package: str
 
-    def __call__(self, key: str) -> Judgement:
-        for entry in find_entries(self.package):
-            if entry.claim.key == key:
-                return judge(entry.claim)
-        raise LookupError(f"the claim '{key}' is not in {self.package}.")
+    def __call__(self, keys: tuple[str, ...]) -> tuple[Judgement, ...]:
+        return _judgements(find_entries(self.package), keys)
+
+
+def _judgements(entries: Sequence[Entry], keys: tuple[str, ...]) -> tuple[Judgement, ...]:
+    claims = {entry.claim.key: entry.claim for entry in entries}
+    return tuple(judge(claims[key]) for key in keys)

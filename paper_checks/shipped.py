@@ -1,6 +1,7 @@
 """Findings of expensive claims that come with the toolkit, for the quick run.
 
-``fronts check --full --record`` writes them into ``paper_checks/findings``. Each carries the
+``fronts check --record`` writes those that are missing or stale into ``paper_checks/findings``,
+``--full --record`` all of them. Each carries the
 command that reproduces it, the versions and the machine it was found with, its date, and a
 fingerprint of the code it depends on: the files that the claim's module imports, directly or
 through others. Parameters are part of that code. Versions of other packages are shown but not
@@ -18,10 +19,19 @@ from paper_checks.discover import Entry
 from paper_checks.outcome import Judgement, Provenance
 from paper_checks.stored_judgement import judgement_from, plain_judgement
 from theory.parameters import ParameterError
-from verification.execution.metadata import Code, Metadata, staleness
+from verification.execution.digest import digest_of_code
+from verification.execution.metadata import Code, Metadata
 from verification.execution.record import Record
 
 FOLDER = Path(__file__).parent / "findings"
+
+SHOWN = (
+    "theory.result", "paper_checks.report.pictures", "paper_checks.report.data_table",
+    "paper_checks.report.state_picture", "paper_checks.report.velocity_plot",
+)  # fmt: skip
+"""Modules that show what was found and change nothing of it: they do not make a finding stale.
+
+The base of results is one: it loads pictures by name, and would bring in all of its package."""
 
 CHEAP = 60.0
 """Seconds. A stale finding that took less than this is computed anew even in the quick run."""
@@ -41,11 +51,14 @@ class Shipped:
         Dotted name of the package that holds the claims.
     packages : collection of str
         Top-level packages whose code may matter.
+    renew : bool
+        Whether every stale finding is computed anew, however long it takes.
     """
 
     folder: Path
     package: str
     packages: Collection[str]
+    renew: bool = False
 
     def load(self, entry: Entry) -> Judgement | None:
         """Return the shipped judgement of an expensive claim, to be shown as stored.
@@ -69,10 +82,8 @@ class Shipped:
             logger.info("the shipped finding of %s is damaged and is ignored", key)
             return None
         metadata = record.metadata
-        stale = bool(staleness(metadata.code, self.packages))
-        if metadata.code is not None:
-            stale |= metadata.code.modules != (self._module(entry),)
-        if stale and judgement.seconds < CHEAP:
+        stale = metadata.code != self._code(entry)
+        if stale and (self.renew or judgement.seconds < CHEAP):
             logger.info("the shipped finding of %s is stale and is computed anew", key)
             return None
         provenance = Provenance(metadata.command, metadata.versions, metadata.machine, stale)
@@ -93,7 +104,7 @@ class Shipped:
             command=f"fronts check {key} --full --record",
             parameters={"claim": key},
             versions=versions,
-            code=Code.of([self._module(entry)], self.packages),
+            code=self._code(entry),
         )
         content = {"judgement": plain_judgement(judgement)}
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -101,5 +112,7 @@ class Shipped:
         Record(kind="finding", content=content, metadata=metadata).save(path)
         return path
 
-    def _module(self, entry: Entry) -> str:
-        return f"{self.package}.{entry.group}"
+    def _code(self, entry: Entry) -> Code:
+        """Return the code that a finding depends on, as it is now."""
+        module = f"{self.package}.{entry.group}"
+        return Code(modules=(module,), digest=digest_of_code([module], self.packages, SHOWN))

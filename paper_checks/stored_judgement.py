@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from paper_checks.claim import Erratum, Fault, Finding, Formula, Picture, Verdict
-from paper_checks.outcome import Judgement
+from paper_checks.outcome import Judgement, checked_finding
 
 
 def plain_judgement(judgement: Judgement) -> dict[str, Any]:
@@ -41,7 +41,7 @@ def judgement_from(record: Mapping[str, Any]) -> Judgement:
         }
     )
     return Judgement(
-        finding,
+        checked_finding(finding),  # a forged name of a picture would be a path elsewhere
         None,
         float(record["seconds"]),
         str(record["judged"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -129,7 +130,6 @@ def staggered_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
     the unknowns, no complex number, and scipy's stepper.
     """
     from scipy.integrate import solve_ivp
-    from scipy.optimize import brentq
 
     root = np.sqrt(1.0 - 8.0 * b / a**2)
     on_cycle, level = np.sqrt(a / b * (1.0 + root)), np.sqrt(a / b * (1.0 - root))
@@ -152,9 +152,38 @@ def staggered_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
         end *= 2.0
         if end > 100.0 * sites / c:
             raise ArithmeticError(f"the staggered front at c = {c:g} does not come to its end")
+    return passage_velocity(run, watched, level)
+
+
+def passage_velocity(run: Any, watched: Iterable[int], level: float) -> float:
+    """Return the velocity at which a run of scipy takes consecutive sites above a level."""
+    from scipy.optimize import brentq
+
     arrivals = []
     for n in watched:
         first = int(np.argmax(run.y[n] > level))
         low, high = run.t[first - 1], run.t[first]
         arrivals.append(brentq(_above, low, high, (run.sol, [n], level)))
     return float(1.0 / np.polyfit(np.arange(len(arrivals)), arrivals, 1)[0])
+
+
+def sum_on_the_line(v: float, c: float, periods: int = 400) -> tuple[complex, float]:
+    """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²) by scipy's quadrature, and a bound on its error.
+
+    A = ½ - ic(1 - cos k). One period of A at a time; beyond the last, at K, the rest is 1/(v²K)
+    to within max|A|²/(3v⁴K³).
+    """
+    from scipy.integrate import quad
+
+    def integrand(k: float) -> complex:
+        onsite = 0.5 - 1j * c * (1.0 - np.cos(k))
+        return complex(1.0 / (onsite**2 + (v * k) ** 2))
+
+    total, error = 0j, 0.0
+    for n in range(periods):
+        value, off = quad(integrand, 2.0 * np.pi * n, 2.0 * np.pi * (n + 1), complex_func=True,
+                          epsabs=1e-13, epsrel=1e-12)  # fmt: skip
+        total, error = total + value, error + abs(off)
+    end = 2.0 * np.pi * periods
+    rest = (0.25 + 4.0 * c**2) / (3.0 * v**4 * end**3)
+    return -1.0 + v / np.pi * (total + 1.0 / (v**2 * end)), v / np.pi * (error + rest)

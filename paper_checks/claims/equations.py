@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from paper_checks.claim import Claim, Erratum, Formula, Method, Ruling, Verdict
 from paper_checks.claims._equation_errata import LONG, erratum_of, readable
+from paper_checks.claims._equation_numbers import method, residual
 from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ STYLE = {
     "0; (49) and (53) use it there only.",
 }
 """Ways of writing that fail a literal check and can be used as they stand: remarks."""
+
+ROUNDING = 1e-10
+"""Of numbers put into an equation whose terms are of the order of one."""
 
 KINDS = {
     "holds": "holds",
@@ -70,6 +74,13 @@ class Printed:
     latex: str
     derived: str
     affects: str
+    residual: float | None
+    """By how much numbers of the toolkit fail the printed equation; None without any."""
+
+    @property
+    def numbers_agree(self) -> bool:
+        """Whether they satisfy it to rounding."""
+        return self.residual is None or self.residual < ROUNDING
 
     @property
     def style(self) -> str:
@@ -113,6 +124,7 @@ def printed(number: int) -> Printed:
         latex=found.printed.latex,
         derived=corrected_form if len(corrected_form) <= LONG else "",
         affects=found.printed.affects,
+        residual=residual(number),
     )
 
 
@@ -126,6 +138,8 @@ def rule(e: Printed) -> Ruling:
     """Ask: a printed equation that passes holds; a way of writing is only a remark."""
     if not e.confirmed or not e.derived_passes:
         return fails("the derivation does not give this equation, nor a corrected form of it.")
+    if not e.numbers_agree:
+        return fails("numbers of the toolkit do not satisfy the printed equation.")
     if e.passes:
         return holds()
     if e.style and e.number not in MISPRINTS:
@@ -171,6 +185,7 @@ CLAIMS = tuple(
                 "random points",
                 "derivations.judgement:report",
             ),
+            *method(number),
         ),
         formulas=formulas,
         erratum=erratum,

@@ -288,11 +288,14 @@ class FrictionLaw:
     corrected: tuple[float, float]
     wanted: tuple[float, float]
     slope_gap: float
+    reference_gap: float
+    """Largest difference from the law as it is written for scipy."""
 
 
 def friction_law() -> FrictionLaw:
     """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
     from theory.cells.friction import FrictionCell, friction_coefficient
+    from verification.references.equations import dynamic_friction
 
     cell = FrictionCell(v_d=V_D)
 
@@ -309,6 +312,7 @@ def friction_law() -> FrictionLaw:
         corrected=(ours(0.0), ours(1e3)),
         wanted=(cell.mu_st, cell.mu_d),
         slope_gap=abs(slopes[0] - slopes[1]),
+        reference_gap=max(abs(ours(v) - dynamic_friction(v, cell)) for v in (0.0, 0.3, V_D, 1e3)),
     )
 
 
@@ -316,7 +320,7 @@ def rule_friction_law(e: FrictionLaw) -> Ruling:
     """Rule: both limits must be those of the text, by the printed line or by the corrected one."""
     if e.printed == e.wanted:
         return holds()
-    if e.corrected == e.wanted and e.slope_gap < 1e-9:
+    if e.corrected == e.wanted and e.slope_gap < 1e-9 and e.reference_gap < 1e-12:
         return corrected("the limits are those of (2) with $\\mu_d$ for its first $\\mu_{st}$.")
     return fails("neither the printed nor the corrected (2) has these limits.")
 
@@ -478,8 +482,8 @@ CLAIMS = (
         evidence=friction_law,
         rule=rule_friction_law,
         text=__name__,
-        methods=(Method("(2) evaluated at both ends",
-                        "theory.cells.friction:friction_coefficient"),),
+        methods=(Method("(2) evaluated at both ends, and as it is written for scipy",
+                        "verification.references.equations:dynamic_friction"),),
         weight=0,
     ),
     Claim(

@@ -131,7 +131,7 @@ def draw_map(e: StateMap) -> tuple[Picture, ...]:
     figure, axes = new_axes(
         "column", height=4.0, xlabel="coupling c", ylabel=r"belt velocity $\tilde{v}_d$"
     )
-    draw_states(axes, e.states, "c", "v_d", e.boundary, {"fixed point": "steady sliding"})
+    draw_states(axes, e.states, "c", "v_d", e.boundary, names={"fixed point": "steady sliding"})
     axes.set(xlim=(0.0, 0.1), ylim=(1.0, 2.0))
     axes.set(title=rf"$N_\mathrm{{dof}}$ = {SITES}, $N_\mathrm{{size}}$ = 1 (bulk)")
     for value, line, name in ((e.hopf, ":", "Hopf velocity"), (e.cycle_end, "-.", "cycle ends")):
@@ -247,6 +247,5 @@ CLAIMS = (
                    "verification.runs.friction_integration:FrictionIntegration"),
             replace(SCIPY, covers="the arrivals at two velocities"),
         ),
-        expensive=True,
     ),
 )  # fmt: skip

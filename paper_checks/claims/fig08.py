@@ -261,7 +261,11 @@ CLAIMS = (
         evidence=assumptions,
         rule=rule_neglected,
         text=__name__,
-        methods=(ORBIT,),
+        methods=(
+            ORBIT,
+            Method("exact breather of the averaged chain",
+                   "verification.breathers.phase_locked:solve", "δ = 0 as ε → 0"),
+        ),
         weight=0,
         shared=assumptions,
     ),

@@ -74,7 +74,8 @@ def multipliers() -> Multipliers:
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))
     )
     ours = _moduli(test.multipliers)
-    c = np.concatenate([np.arange(0.01, 0.18, 0.015), np.linspace(0.18, 0.1973, 24)])
+    c = np.concatenate([np.arange(0.01, 0.18, 0.015), np.linspace(0.18, 0.195, 16),
+                        np.linspace(0.1955, 0.1973, 25)])  # fmt: skip
     exact = np.concatenate([np.arange(0.02, 0.18, 0.02), np.linspace(0.18, 0.191, 9)])
     return Multipliers(
         even=_crossing("symmetric"),

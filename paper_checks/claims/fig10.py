@@ -126,7 +126,7 @@ def draw(e: InPhase) -> tuple[Picture, ...]:
         near = np.abs(sites) <= 8
         panels[k].bar(sites[near], shape[near], color=COLOURS["blue"], width=0.7)
         panels[k].set(title=f"{'ab'[k]}) nucleus size {size}, $c$ = 0.1", xlabel="site n",
-                      ylabel=r"amplitude $|\varphi_n|$")  # fmt: skip
+                      ylabel=r"amplitude $|\varphi_n|$", xticks=range(-8, 9, 4))  # fmt: skip
         series[f"shape, size {size}"] = {"n": sites[near], "amplitude": shape[near]}
         axes = panels[2 + k]
         for noise, colour, label in (
@@ -142,7 +142,8 @@ def draw(e: InPhase) -> tuple[Picture, ...]:
         axes.axhline(0.0, color="black", lw=1.0, ls="--", label="in phase")
         axes.set(xlabel="slow time εt", ylabel="phase step / π", ylim=(-1.05, 1.05))
         axes.set_yticks((-1, -0.5, 0, 0.5, 1))
-    panels[2].legend(loc="lower right", markerscale=4, frameon=True, framealpha=0.9)
+    figure.legend(*panels[2].get_legend_handles_labels(), loc="outside lower center", ncols=3,
+                  markerscale=4)  # fmt: skip
     return (picture("fig10-breathers", "", figure, long_table(series)),)
 
 

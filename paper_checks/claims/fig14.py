@@ -13,7 +13,8 @@ from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
 
 C = 0.3
-ETAS = (0.003, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.085, 0.09)
+ETAS = (0.003, 0.004, 0.005, 0.0065, 0.008, 0.01, 0.0125, 0.015, 0.02, 0.025, 0.03, 0.04, 0.05,
+        0.06, 0.07, 0.08, 0.085, 0.09)  # fmt: skip
 SHARES = (1.0, 2.5, 4.0)
 """Values of a; b = η a²."""
 FULL = (0.005, 0.01, 0.02, 0.03, 0.05)

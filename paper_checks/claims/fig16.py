@@ -122,7 +122,7 @@ def rule_limits(e: Profile) -> Ruling:
 
 def draw(e: Profile) -> tuple[Picture, ...]:
     """Draw Fig. 16."""
-    figure, axes = new_axes("column", height=2.9, xlabel=r"$\zeta$", ylabel=r"$|\varphi|$")
+    figure, axes = new_axes("column", height=3.4, xlabel=r"$\zeta$", ylabel=r"$|\varphi|$")
     black = COLOURS["black"]
     axes.plot(e.zeta, e.amplitude * np.abs(e.phi), color=COLOURS["blue"],
               label="solution of (48), periodised integral")  # fmt: skip
@@ -135,7 +135,7 @@ def draw(e: Profile) -> tuple[Picture, ...]:
     axes.axhline(0.0, color=black, lw=0.8, ls="--")
     axes.set_xticks((-10, -5, 0, 5, 10))
     axes.set(title=r"$a$ = 4, $b$ = 0.5, $c$ = 0.5")
-    axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
+    figure.legend(loc="outside lower center", ncols=2)
     table = long_table(
         {
             "integral": {"zeta": e.zeta, "abs_phi": e.amplitude * np.abs(e.phi)},

@@ -13,6 +13,7 @@ from pathlib import Path
 from paper_checks.claim import NAME, Erratum, Verdict
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report.figure_links import pictures_of
+from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.section import Section
 from verification.execution.metadata import now, this_machine
 
@@ -93,13 +94,22 @@ class Report:
 
     @cached_property
     def in_gallery(self) -> Mapping[str, str]:
-        """Picture that stands for each figure of the paper in the gallery, with its module."""
+        """Pictures that stand for the figures of the paper in the gallery, with their modules.
+
+        They are those whose caption begins with the number of the figure; where none does, the
+        first.
+        """
         found: dict[str, str] = {}
         for one in self.outcomes:
             group = one.entry.group
-            if re.fullmatch(r"fig\d+", group) and group not in found.values():
-                for picture in (one.finding.pictures if one.finding else ())[:1]:
-                    found[picture.name] = group
+            if not re.fullmatch(r"fig\d+", group):
+                continue
+            begins = re.compile(rf"Fig\. {int(group[3:])}[a-z]?\b")
+            pictures = one.finding.pictures if one.finding else ()
+            chosen = [picture for picture in pictures if begins.match(picture.caption)]
+            if not chosen and group not in found.values():
+                chosen = list(pictures[:1])
+            found |= {picture.name: group for picture in chosen}
         return found
 
     @property
@@ -120,15 +130,16 @@ class Report:
     def headlines(self) -> tuple[Outcome, ...]:
         """The three findings that a reader should see first.
 
-        Those that disagree with the paper come first, by the weight of their claims, then by how
-        much they disagree, then in the order of the claims. As far as it goes, each is of another
-        module.
+        Those with a headline of their own come first. Then come those that disagree with the paper,
+        by the weight of their claims, then by how much they disagree, then in the order of the
+        claims. As far as it goes, each is of another module.
         """
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
 
-        def rank(outcome: Outcome) -> tuple[bool, int, int]:
+        def rank(outcome: Outcome) -> tuple[bool, bool, int, int]:
+            plain = outcome.finding is None or not outcome.finding.headline
             agrees = outcome.status == slug(Verdict.REPRODUCED)
-            return agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
+            return plain, agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
 
         ranked = sorted(found, key=rank)
         groups = [outcome.entry.group for outcome in ranked]
@@ -153,6 +164,7 @@ _SEVERITY = tuple(
 
 def make_report(
     outcomes: Sequence[Outcome],
+    *,
     seconds: float,
     available: int,
     versions: Mapping[str, str | None],
@@ -211,7 +223,7 @@ def picture_files(report: Report) -> dict[str, str | bytes]:
     files: dict[str, str | bytes] = {}
     for outcome in report.outcomes:
         for picture in outcome.finding.pictures if outcome.finding else ():
-            files[f"{picture.name}.svg"] = picture.svg
+            files[f"{picture.name}.svg"] = safe_svg(picture.svg)
             files[f"{picture.name}.csv"] = picture.data
             for kind, content in (("png", picture.png), ("pdf", picture.pdf)):
                 if content:

@@ -9,9 +9,15 @@ from __future__ import annotations
 import re
 from html import escape
 
-from paper_checks.report.mathml import GREEK, LatexError, formula, mathml
+from derivations.algebra.rendering import tex_words
+from paper_checks.report.mathml import LatexError, formula, mathml
 
-_NAMES = "|".join(sorted({*GREEK, "eps"} - {"in"}, key=len, reverse=True))
+GREEK = (
+    "alpha", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "mu", "xi", "pi", "rho",
+    "tau", "varphi", "phi", "Psi", "psi", "omega", "Omega", "infty",
+)  # fmt: skip
+
+_NAMES = "|".join(sorted({*GREEK, "eps"}, key=len, reverse=True))
 _GROUP = r"\{(?:[^{}]|\{[^{}]*\})*\}"
 _BELOW = rf"_(?:{_GROUP}|[A-Za-z]+|\d+)"
 _ABOVE = rf"\^(?:{_GROUP}|\([^()]*\)|[-−]?\d+(?:\.\d+)?|[A-Za-z*])"
@@ -34,7 +40,7 @@ def typeset(text: str) -> str:
     Examples
     --------
     >>> typeset("c < v_d")
-    'c &lt; <math><msub><mi>v</mi><mi>d</mi></msub></math>'
+    'c &lt; <math><mrow><msub><mi>v</mi><mi>d</mi></msub></mrow></math>'
     >>> typeset("tests/test_sums.py, --eta 0.1 and eta-pin")
     'tests/test_sums.py, --eta 0.1 and eta-pin'
     """
@@ -42,6 +48,37 @@ def typeset(text: str) -> str:
     if len(parts) % 2 == 0:
         parts = [text]
     return "".join(formula(part) if place % 2 else _plain(part) for place, part in enumerate(parts))
+
+
+def in_latex(text: str) -> str:
+    r"""Return prose as LaTeX, its mathematics as formulas, all else escaped.
+
+    Examples
+    --------
+    >>> print(in_latex("about 40% at $c = 2$, η > 0 and v_d"))
+    about 40\% at $c = 2$, \ensuremath{\eta} \ensuremath{>} 0 and $v_d$
+    """
+    parts = text.split("$")
+    if len(parts) % 2 == 0:
+        parts = [text]
+    return "".join(
+        f"${_in_macros(part)}$" if place % 2 else _plain_latex(part)
+        for place, part in enumerate(parts)
+    )
+
+
+def _plain_latex(text: str) -> str:
+    written, end = [], 0
+    for found in _PLAIN.finditer(text):
+        formula_of = f"${_in_macros(_latex(found.group()))}$"
+        written += [tex_words(text[end : found.start()]), formula_of]
+        end = found.end()
+    return "".join([*written, tex_words(text[end:])])
+
+
+def _in_macros(latex: str) -> str:
+    """Return a formula with the letters that are not ASCII as macros."""
+    return re.sub(r"[^\x00-\x7f]", lambda found: tex_words(found[0]), latex)
 
 
 def _plain(text: str) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from html import escape
 
+from paper_checks.report.safe_svg import safe_svg
+
 ENLARGE = 1.25
 """Type that suits a printed column is small on a screen."""
 
@@ -22,7 +24,8 @@ def inline_svg(svg: str, prefix: str, title: str) -> str:
     """Turn an SVG document into an element of an HTML page.
 
     An id is global in a page, and so is a style sheet; both are made the picture's own. What
-    only a file of its own needs (prologue, metadata) is dropped, and so are comments.
+    only a file of its own needs (prologue, metadata) is dropped, and so are comments and whatever
+    `paper_checks.report.safe_svg` does not list.
 
     Parameters
     ----------
@@ -36,11 +39,11 @@ def inline_svg(svg: str, prefix: str, title: str) -> str:
     Examples
     --------
     >>> inline_svg('<svg width="8pt"><path id="a"/><use href="#a"/></svg>', "p", "Dot")
-    '<svg role="img" aria-label="Dot" style="width: 10pt"><path id="p-a"/><use href="#p-a"/></svg>'
+    '<svg role="img" aria-label="Dot" style="width: 10pt"><path id="p-a"/>\
+<use xlink:href="#p-a"/></svg>'
     """
-    body = svg[svg.index("<svg") : svg.rindex("</svg>") + len("</svg>")]
-    for dropped in (r"<!--.*?-->", r"<metadata.*?</metadata>", r"<style.*?</style>"):
-        body = re.sub(dropped, "", body, flags=re.DOTALL)
+    body = re.sub(r"<style.*?</style>", "", safe_svg(svg), flags=re.DOTALL)
+    body = re.sub(r'\sxmlns(?::xlink)?="[^"]*"', "", body, count=2)
     body = re.sub(r'(\s)id="([^"]*)"', rf'\1id="{prefix}-\2"', body)
     body = re.sub(r'(href=")#([^"]*)"', rf'\1#{prefix}-\2"', body)
     body = re.sub(r"url\(#([^)]*)\)", rf"url(#{prefix}-\1)", body)

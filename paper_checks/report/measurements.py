@@ -1,4 +1,4 @@
-"""Measurements that the report shows beside the claims: speed, cost, extreme cases, savings.
+"""Measurements that the report shows beside the claims: speed, cost, extreme cases, work reduction.
 
 They come from stored records, which the benchmarks and ``fronts stress --record`` write into
 ``benchmarks/results`` of the source tree; nothing is measured for the report itself. An installed
@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from paper_checks.report.method_sections import defaults, first_calls, scenes
+from paper_checks.report.method_sections import defaults, first_calls, problems
 from paper_checks.report.section import Diagram, Failure, Json, Section, stamp_of, warned
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
@@ -25,10 +25,10 @@ def stored_sections() -> tuple[Section, ...]:
         _speed,
         lambda records, _: first_calls(records),
         lambda records, _: defaults(records),
-        lambda records, _: scenes(records),
+        lambda records, _: problems(records),
         _growth,
         _stability,
-        _savings,
+        _work_reduction,
     )
     return tuple(section for maker in makers if (section := maker(records, folder)))
 
@@ -43,7 +43,7 @@ def _diagram(name: str, record: Json, folder: Path) -> Diagram | None:
     if not picture.is_file():
         return None
     failures = tuple(
-        Failure(one["method"], one["scene"], str(one["knob"]), one["reason"])
+        Failure(one["method"], one["problem"], str(one["knob"]), one["reason"])
         for one in record.get("failures", ())
     )
     numbers = folder / f"{name}.csv"
@@ -149,9 +149,9 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
         "stability",
         "Stiff and extreme cases",
         warned(
-            "Every quantity over all decades of its parameters, at named scenes, at the corners "
-            "and at random, each value held against another method. Unchecked: no other method "
-            "reaches there. "
+            "Every quantity over all decades of its parameters, at the test problems, at the "
+            "corners and at random, each value held against another method. Unchecked: no other "
+            "method reaches there. "
             "The last four kinds must be zero: a stated error exceeded, not a number, a crash, "
             "slower than its limit. Where a range ends before its parameter does, the reason is "
             "beside it.",
@@ -163,19 +163,19 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
     )
 
 
-def _savings(records: Mapping[str, Json], folder: Path) -> Section | None:
-    if "savings" not in records:
+def _work_reduction(records: Mapping[str, Json], folder: Path) -> Section | None:
+    if "work_reduction" not in records:
         return None
-    record = records["savings"]
+    record = records["work_reduction"]
     return Section(
-        "savings",
-        "What a scene does not need",
+        "work-reduction",
+        "What is not computed",
         warned(
-            "What is left out, how the code decides, and the bound on what that changes. Each "
-            "scene was computed with the omission and without it, to the same accuracy: how far "
-            "the two results were apart, how far they could be (by the bound, and by the error of "
-            "the result without the omission where it has one), and both costs. The test asserts "
-            "the bound in other scenes too.",
+            "What is truncated or not computed, how the code decides, and the bound on what that "
+            "changes. Each case was computed with the omission and without it, to the same "
+            "accuracy: how far the two results were apart, how far they could be (by the bound, "
+            "and by the error of the result without the omission where it has one), and both "
+            "costs. The test asserts the bound in other cases too.",
             {"the table": record},
         ),
         ("What", "How it is decided", "Bound", "Changed", "Cost", "Test"),
@@ -188,7 +188,7 @@ def _savings(records: Mapping[str, Json], folder: Path) -> Section | None:
                 row["measured"],
                 row["test"],
             )
-            for row in record["savings"]
+            for row in record["work_reduction"]
         ),
         (stamp_of(record),),
     )

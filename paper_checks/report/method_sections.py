@@ -43,12 +43,12 @@ def first_calls(records: Mapping[str, Json]) -> Section | None:
 _WHEN = ("cold", "loaded", "again")
 
 
-def scenes(records: Mapping[str, Json]) -> Section | None:
+def problems(records: Mapping[str, Json]) -> Section | None:
     """Return the table of test problems with their references; None if nothing was measured."""
     apart = {
-        (name, scene): distance
+        (name, problem): distance
         for name, record in records.items()
-        for scene, distance in record.get("agreement", {}).items()
+        for problem, distance in record.get("agreement", {}).items()
     }
     if not any("agreement" in record for record in records.values()):
         return None
@@ -66,7 +66,7 @@ def scenes(records: Mapping[str, Json]) -> Section | None:
         for problem in quantity.test_problems
     ]
     return Section(
-        "scenes",
+        "problems",
         "The test problems",
         "Where the quantities are computed by tests, benchmarks and the stability table, and how "
         "the true value is known there: the independent method, to what accuracy, and how far the "
@@ -86,7 +86,7 @@ def defaults(records: Mapping[str, Json]) -> Section | None:
         rows.append(
             (
                 choice["quantity"],
-                choice["scene"],
+                choice["problem"],
                 choice["default"],
                 _decades(choice["fastest"]) or "nowhere",
                 _rivals(choice["beaten"]) or "nowhere",

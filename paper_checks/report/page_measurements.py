@@ -130,12 +130,12 @@ def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
     for one in failures:
         kind = (one.method, _NUMBER.sub("#", one.reason))
         reasons.setdefault(kind, one.reason)
-        settings.setdefault(kind, {}).setdefault(one.scene, []).append(one.knob)
+        settings.setdefault(kind, {}).setdefault(one.problem, []).append(one.knob)
     return {
         (kind[0], reasons[kind]): "; ".join(
-            f"{scene}: {', '.join(knobs)}" for scene, knobs in scenes.items()
+            f"{problem}: {', '.join(knobs)}" for problem, knobs in problems.items()
         )
-        for kind, scenes in settings.items()
+        for kind, problems in settings.items()
     }
 
 

@@ -193,7 +193,9 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
             "underscores: choose another."
         )
     table = columns_as_csv(data)
-    svg, png, pdf = _render(name, figure), _encoded(figure, "png"), _encoded(figure, "pdf")
+    svg = _render(name, figure)
+    figure.set_layout_engine("none")  # the layout that the first one found holds for the others
+    png, pdf = _encoded(figure, "png"), _encoded(figure, "pdf")
     if len(svg) > LARGE:
         logger.warning("the picture %s has %.1f MB: draw fewer points", name, len(svg) / 1e6)
     pyplot = sys.modules.get("matplotlib.pyplot")

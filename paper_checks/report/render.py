@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import functools
+import hashlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,10 +25,12 @@ from verification.execution.metadata import TOOLKIT
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-# The page itself forbids the browser every request, to the network or to other files.
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+"""The page itself forbids the browser every request, to the network or to other files, and every
+script; the report's page allows its own one, by its digest (`policy_for`)."""
 
-DOCS = "https://github.com/excitation-fronts/excitation-fronts#readme"
+DOCS = "../site/index.html"
+"""The documentation as ``make docs`` builds it, beside the report of ``make paper``."""
 
 MAX_NAMED = 5
 """More changed verdicts than these are folded away, so that the first screen stays one."""
@@ -56,7 +60,7 @@ def page(report: Report) -> str:
         .render(
             title=f"What holds of “{PAPER.title}”",
             paper=PAPER,
-            policy=POLICY,
+            policy=policy_for(_resource("script.js")),
             docs=DOCS,
             style=_resource("style.css"),
             script=_resource("script.js"),
@@ -101,6 +105,15 @@ def measurements_page(report: Report) -> str:
 </body>
 </html>
 """
+
+
+def policy_for(script: str) -> str:
+    """Return the content security policy of a page with one script, written on a line of its own.
+
+    A handler in an attribute, and any other script, is not of this digest and does not run.
+    """
+    digest = base64.b64encode(hashlib.sha256(f"\n{script}".encode()).digest()).decode()
+    return f"{POLICY}; script-src 'sha256-{digest}'"
 
 
 @functools.lru_cache(maxsize=1)
@@ -174,7 +187,7 @@ def _link(outcome: Outcome) -> str:
 
 
 def _lead(report: Report) -> str:
-    """Draw the first picture of the first headline that has one."""
+    """Draw the last picture of the first headline that has one."""
     for outcome in report.headlines:
         pictures = outcome.finding.pictures if outcome.finding else ()
         if pictures:
@@ -200,11 +213,15 @@ def _headline(outcome: Outcome) -> str:
     if finding is None:
         return ""
     reason = f'<p class="because">{because(outcome)}</p>' if outcome.because else ""
+    said = (
+        f'<p class="where">{typeset(claim.place)}: <q>{typeset(claim.quote)}</q>: '
+        if finding.headline
+        else f'{reason}<p class="where">{typeset(claim.place)}: '
+    )
     return (
-        f'<li class="{outcome.status}">'
-        f'<p class="verdict">{escape(finding.verdict)}</p>'
-        f'<p class="claim"><a href="#claim-{escape(claim.key)}">{typeset(claim.statement)}</a></p>'
-        f'{reason}<p class="where">{typeset(claim.place)}</p></li>'
+        f'<li class="{outcome.status}"><p class="claim"><a href="#claim-{escape(claim.key)}">'
+        f"{typeset(finding.headline or claim.statement)}</a></p>"
+        f'{said}<span class="verdict">{escape(finding.verdict)}</span></p></li>'
     )
 
 
@@ -214,21 +231,22 @@ def _gallery(report: Report) -> list[str]:
     for outcome in report.outcomes:
         if re.fullmatch(r"fig\d+", outcome.entry.group):
             by_figure.setdefault(outcome.entry.group, []).append(outcome)
-    return [_card(group, outcomes) for group, outcomes in by_figure.items()]
+    return [_card(group, outcomes, report) for group, outcomes in by_figure.items()]
 
 
-def _card(group: str, outcomes: Sequence[Outcome]) -> str:
+def _card(group: str, outcomes: Sequence[Outcome], report: Report) -> str:
     number = int(group.removeprefix("fig"))
-    first = next(
-        (picture for one in outcomes if one.finding for picture in one.finding.pictures), None
+    body = "".join(
+        drawn(picture, f"gallery-{picture.name}", f"figure-{picture.name}")
+        for one in outcomes
+        if one.finding
+        for picture in one.finding.pictures
+        if report.in_gallery.get(picture.name) == group
     )
-    body = ""
-    if first is not None:
-        body = drawn(first, f"gallery-{first.name}", f"figure-{first.name}")
     lines = "".join(
-        f'<li class="{one.status}"><span class="verdict">{escape(STATUS[one.status])}</span> '
-        f'<q>{typeset(one.claim.quote)}</q> <a href="#claim-{escape(one.claim.key)}">'
-        f"{typeset(_sentence(one))}</a></li>"
+        f'<li class="{one.status}"><a class="verdict" href="#claim-{escape(one.claim.key)}">'
+        f"{escape(STATUS[one.status])}</a> <q>{typeset(one.claim.quote)}</q> "
+        f"{typeset(_sentence(one))}</li>"
         for one in outcomes
     )
     return (

@@ -28,7 +28,7 @@ class Failure:
     """A setting of a method that gave no value, and why."""
 
     method: str
-    scene: str
+    problem: str
     knob: str
     reason: str
 

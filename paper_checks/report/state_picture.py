@@ -30,6 +30,7 @@ def draw_states(
     across: str,
     up: str,
     boundary: Table | None = None,
+    *,
     names: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Draw a map, and the boundaries between the labels as contours.

@@ -56,11 +56,12 @@ def _methods(report: Report) -> str:
 
 
 def _headline(outcome: Outcome) -> str:
-    return (
-        f"- {outcome.claim.place}: {outcome.claim.statement} "
-        f"{outcome.finding.verdict.capitalize() if outcome.finding else FAILED}: "
-        f"{outcome.because or 'as the paper says.'} ({outcome.claim.key})"
-    )
+    claim, finding = outcome.claim, outcome.finding
+    if finding is not None and finding.headline:
+        return f"- {finding.headline} ({claim.key})"
+    verdict = finding.verdict.capitalize() if finding else FAILED
+    because = outcome.because or "as the paper says."
+    return f"- {claim.place}: {claim.statement} {verdict}: {because} ({claim.key})"
 
 
 def _named(keys: list[str]) -> str:

@@ -175,7 +175,8 @@ CLAIMS = (
         evidence=gauge,
         rule=rule_gauge,
         text=__name__,
-        methods=(Method("runs of (34) with both ω by scipy", "paper_checks.claims.text_3:gauge"),),
+        methods=(Method("runs of (34) with both ω by scipy",
+                        "paper_checks.claims.text_simplified:gauge"),),
         weight=0,
     ),
     Claim(
@@ -190,7 +191,7 @@ CLAIMS = (
         rule=rule_equilibria,
         text=__name__,
         methods=(Method("one site of (44), and the linearised (43), by hand",
-                        "paper_checks.claims.text_3:equilibria"),),
+                        "paper_checks.claims.text_simplified:equilibria"),),
         weight=0,
     ),
     Claim(

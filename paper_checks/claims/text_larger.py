@@ -1,0 +1,147 @@
+"""What becomes of the breather of one particle as it is lost, Model II (section 2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claims._breathers import EPS, A, B
+from paper_checks.report.pictures import COLOURS, new_axes, picture
+from paper_checks.ruling import fails, holds, partly
+
+if TYPE_CHECKING:
+    from verification.breathers.outcome import FollowedNucleus
+
+CHAIN_SITES = 41
+"""Room for twenty new sites on each side: none of the nuclei that stand reaches the ends."""
+COUPLINGS = (0.19, 0.1913, 0.193, 0.195, 0.197, 0.199, 0.201, 0.203)
+NOISE, SEEDS = 1e-3, (1, 2)
+DRAWN = (0.193, 0.197, 0.199, 0.203)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToLarger:
+    """What became of the nucleus by seed (None for exact mirror symmetry) and coupling."""
+
+    ends: dict[int | None, dict[float, str]]
+    sizes: dict[int | None, dict[float, int]]
+    histories: dict[tuple[int | None, float], tuple[float, ...]]
+    """Sites that have joined, at 201 slow times to 1000."""
+    confirmed: bool
+    """Whether runs at a hundred times the tolerance end alike."""
+    gap: float
+    """Amplitudes of nuclei that stand against periodic orbits of their size."""
+    ripple: float
+
+    def words(self, seed: int | None) -> str:
+        """Write the ends by coupling, for one seed."""
+        named = {"larger nucleus": "{} sites, stationary", "creep": "{} sites, creeping"}
+        return ", ".join(
+            f"{named.get(end, end).format(self.sizes[seed][c])} at {c:g}"
+            for c, end in self.ends[seed].items()
+        )
+
+    @property
+    def mirrored(self) -> str:
+        """With exact mirror symmetry."""
+        return self.words(None)
+
+    @property
+    def noisy(self) -> str:
+        """With noise."""
+        return "; ".join(f"seed {seed}: {self.words(seed)}" for seed in SEEDS)
+
+
+def to_larger() -> ToLarger:
+    """Follow the single nucleus through its loss, with and without mirror symmetry."""
+    from theory.chains.vdp import VdpChain
+    from verification.breathers.outcome import distance_from_breather, follow_nucleus
+
+    fates: dict[tuple[int | None, float], FollowedNucleus] = {}
+    for seed in (None, *SEEDS):
+        for c in COUPLINGS:
+            chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=CHAIN_SITES)
+            noise = 0.0 if seed is None else NOISE
+            fates[seed, c] = follow_nucleus(chain, perturbation=noise, seed=seed or 0)
+    stand = [c for c in COUPLINGS if fates[None, c].evolution.outcome.value == "larger nucleus"]
+    every = (None, *SEEDS)
+    return ToLarger(
+        ends={s: {c: fates[s, c].evolution.outcome.value for c in COUPLINGS} for s in every},
+        sizes={s: {c: fates[s, c].evolution.size for c in COUPLINGS} for s in every},
+        histories={
+            (s, c): tuple(
+                float(fates[s, c].evolution.size_at(at)) for at in np.linspace(0, 1000, 201)
+            )
+            for s in (None, SEEDS[0])
+            for c in DRAWN
+        },
+        confirmed=all(fate.confirmed for fate in fates.values()),
+        gap=max((distance_from_breather(fates[None, c]).gap for c in stand), default=0.0),
+        ripple=2.0 * EPS * fates[None, COUPLINGS[0]].run.chain.stable_amplitude,
+    )
+
+
+def succession(ends: Mapping[float, str]) -> bool:
+    """Tell whether larger nuclei stand at some couplings, and fronts run at larger ones only."""
+    stand = [c for c, end in ends.items() if end == "larger nucleus"]
+    run = [c for c, end in ends.items() if end == "front"]
+    return bool(stand and run) and max(stand) < min(run)
+
+
+def rule_to_larger(e: ToLarger) -> Ruling:
+    """Rule: larger nuclei must stand before fronts run, as attractors: with noise as well."""
+    if not e.confirmed or e.gap > e.ripple or not succession(e.ends[None]):
+        return fails("no larger nucleus stands between the single one and the front.")
+    if all(succession(e.ends[seed]) for seed in SEEDS):
+        return holds()
+    return partly(
+        "to DBs with a larger nucleus",
+        "larger nuclei stand only where exact mirror symmetry is kept, and from a slightly "
+        "perturbed start the nucleus creeps on instead.",
+    )
+
+
+def draw_to_larger(e: ToLarger) -> tuple[Picture, ...]:
+    """Draw the size of the nucleus against slow time."""
+    figure, axes = new_axes("column", height=3.2, xlabel="slow time εt",
+                            ylabel="sites in the nucleus")  # fmt: skip
+    times = np.linspace(0.0, 1000.0, 201)
+    data: dict[str, np.ndarray] = {"slow_time": times}
+    for c, colour in zip(DRAWN, ("blue", "green", "purple", "vermilion"), strict=True):
+        for seed, style in ((None, "-"), (SEEDS[0], ":")):
+            values = np.array(e.histories[seed, c])
+            data[f"c_{c:g}_{'mirrored' if seed is None else 'perturbed'}"] = values
+            label = f"c = {c:g}" if seed is None else None
+            axes.plot(times, values, style, color=COLOURS[colour], label=label)
+    axes.plot([], [], "-", color="0.4", label="mirror-symmetric")
+    axes.plot([], [], ":", color="0.4", label="noise of 1e-3")
+    axes.set(ylim=(0, CHAIN_SITES + 1), title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
+    figure.legend(loc="outside lower center", ncols=3)
+    return (picture("text-larger-nuclei", "", figure, data),)
+
+
+CLAIMS = (
+    Claim(
+        key="text-to-larger",
+        place="Section 2.2",
+        quote="the DB with a single particle within the LC, loses stability to DBs with a larger "
+        "nucleus, say 3 or 5, prior to initiation of propagating front",
+        statement="Before a front forms, the breather of one particle gives way to larger ones.",
+        recorded=Verdict.PARTIAL,
+        command="fronts simulate vdp --n 41 --c 0.195 --excite 21 --t-end 100000",
+        evidence=to_larger,
+        rule=rule_to_larger,
+        figure=draw_to_larger,
+        text=__name__,
+        methods=(
+            Method("runs of (8) to εt = 1000 by a method of order 8, at two tolerances",
+                   "verification.breathers.outcome:follow_nucleus"),
+        ),
+        weight=2,
+        expensive=True,
+    ),
+)  # fmt: skip

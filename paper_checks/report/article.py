@@ -1,0 +1,102 @@
+"""A replication article of two pages, as ReScience C asks for, written from ``report.json``.
+
+``metadata.yaml``, ``content.tex`` and ``bibliography.bib`` are what the journal's template takes;
+``article.tex`` sets the same text by itself. Counts, verdicts, reasons and errata are those of the
+report; nothing is typed here that a run finds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+
+from paper_checks.claim import Fault, Verdict
+from paper_checks.report.inline_math import in_latex
+from theory.parameters import ParameterError
+from verification.execution.files import write_text
+
+FILES = ("metadata.yaml", "content.tex", "bibliography.bib", "article.tex")
+"""What is written; beside this module stands a template of each."""
+
+MAX_ROWS = 12
+"""Rows of a table, so that the article keeps to two pages."""
+
+
+def article(report: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
+    """Write the article of a report.
+
+    Parameters
+    ----------
+    report : mapping
+        The content of ``report.json``, of a run of all claims.
+    folder : Path
+        Where; it is made if it is not there.
+
+    Returns
+    -------
+    tuple of Path
+        The files.
+
+    Raises
+    ------
+    ParameterError
+        If claims are missing from the report.
+    FileError
+        If a file cannot be written.
+    """
+    judged, available = len(report["claims"]), report["claims_available"]
+    if judged < available:
+        raise ParameterError(
+            "claims of the report", judged, f"all {available}", "run 'fronts check --out report'"
+        )
+    known, templates = _content(report), _templates()
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name in FILES:
+        text = files(__package__).joinpath(f"{name}.j2").read_text(encoding="utf-8")
+        path = folder / name
+        write_text(path, templates.from_string(text).render(known))
+        written.append(path)
+    return tuple(written)
+
+
+def _content(report: Mapping[str, Any]) -> dict[str, Any]:
+    claims = report["claims"]
+    others = {Verdict.REPRODUCED, Verdict.CORRECTED, Verdict.UNTESTABLE}
+    differ = [each for each in claims if each["verdict"] not in others]
+    differ.sort(key=lambda each: each["verdict"] != Verdict.NOT_REPRODUCED)
+    return {
+        "counts": report["counts"],
+        "claims": len(claims),
+        "equations": sum(each["group"] == "equations" for each in claims),
+        "two": sum(len(each["methods"]) == 2 for each in claims),
+        "differ": differ,
+        "shown": differ[:MAX_ROWS],
+        "errata": [each for each in report["errata"] if each["fault"] == Fault.MISPRINT],
+        "errata_of_all": len(report["errata"]),
+        "versions": report["versions"],
+        "machine": report["machine"],
+        "date": report["created"][:10],
+        "source": report["source"][:12],
+    }
+
+
+def _templates() -> Environment:
+    """Return an environment whose signs do not clash with those of LaTeX."""
+    made = Environment(
+        variable_start_string="<<",
+        variable_end_string=">>",
+        block_start_string="<%",
+        block_end_string="%>",
+        comment_start_string="<#",
+        comment_end_string="#>",
+        trim_blocks=True,
+        undefined=StrictUndefined,
+        autoescape=False,  # LaTeX and YAML; the filter escapes
+    )
+    made.filters["tex"] = in_latex
+    return made

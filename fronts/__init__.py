@@ -5,7 +5,8 @@
 'propagating'
 
 Each name is imported when it is first used, so that ``import fronts`` costs next to nothing.
-Chains (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`) are parameters that check
+Chains (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`, and `OscillatorChain` for
+one of your own) are parameters that check
 themselves. Functions take a chain or numbers and return a result: a frozen dataclass with ``error``
 and ``status``, with ``plot()``, ``to_dict()`` and, where it is a table, ``to_pandas()`` and
 ``to_xarray()``. Bad input raises `ParameterError`, which names the quantity, the value, the range
@@ -21,6 +22,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fronts.animation import animate as animate
+    from fronts.branches import follow_breather as follow_breather
+    from fronts.branches import follow_front as follow_front
     from fronts.checking import derivation as derivation
     from fronts.checking import derive_cell as derive_cell
     from fronts.checking import judge as judge
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell as FrictionCell
     from theory.chains.friction import FrictionChain as FrictionChain
     from theory.chains.nucleus import Nucleus as Nucleus
+    from theory.chains.oscillator import OscillatorChain as OscillatorChain
     from theory.chains.piecewise import PiecewiseChain as PiecewiseChain
     from theory.chains.vdp import AveragedChain as AveragedChain
     from theory.chains.vdp import VdpChain as VdpChain
@@ -41,9 +46,12 @@ if TYPE_CHECKING:
     from theory.result import Result as Result
     from verification.breathers.breather import breather as breather
     from verification.cells.cell import cell as cell
+    from verification.execution.progress import Progress as Progress
     from verification.execution.sweep import sweep as sweep
     from verification.fronts.measure import measure_front as measure_front
     from verification.maps.state_map import state_map as state_map
+    from verification.runs.averaging_error import averaging_error as averaging_error
+    from verification.runs.ensemble import ensemble as ensemble
     from verification.runs.excite import excite as excite
     from verification.runs.simulate import simulate as simulate
     from verification.thresholds.threshold import threshold as threshold
@@ -55,16 +63,23 @@ _HOMES = {
     "FrictionCell": "theory.cells.friction",
     "FrictionChain": "theory.chains.friction",
     "Nucleus": "theory.chains.nucleus",
+    "OscillatorChain": "theory.chains.oscillator",
     "ParameterError": "theory.parameters",
     "PiecewiseChain": "theory.chains.piecewise",
     "PrecisionError": "theory.piecewise.sums.result",
+    "Progress": "verification.execution.progress",
     "Result": "theory.result",
     "RunError": "theory.parameters",
     "VdpChain": "theory.chains.vdp",
+    "animate": "fronts.animation",
+    "averaging_error": "verification.runs.averaging_error",
     "breather": "verification.breathers.breather",
     "cell": "verification.cells.cell",
+    "ensemble": "verification.runs.ensemble",
     "derivation": "fronts.checking",
     "derive_cell": "fronts.checking",
+    "follow_breather": "fronts.branches",
+    "follow_front": "fronts.branches",
     "front_profile": "fronts.piecewise",
     "judge": "fronts.checking",
     "kinetic_relation": "fronts.piecewise",

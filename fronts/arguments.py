@@ -102,6 +102,23 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
     return low, high, count
 
 
+def size_or_shape(text: str) -> int | tuple[int, int]:
+    """Read a number of sites, or rows and columns.
+
+    Examples
+    --------
+    >>> size_or_shape("31"), size_or_shape("60x40")
+    (31, (60, 40))
+    """
+    rows, times, columns = text.partition("x")
+    if not times:
+        return whole(text)
+    try:
+        return int(rows), int(columns)
+    except ValueError:
+        raise BadText(text, "a whole number or rows x columns", "write it as in 60x40") from None
+
+
 def site_list(text: str) -> tuple[int, ...]:
     """Read ``15``, ``14,15,16`` or ``14:16`` (both ends included).
 

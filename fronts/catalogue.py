@@ -31,7 +31,7 @@ class Call:
     start : str
         ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
         parameters are options too.
-    scene : mapping
+    presets : mapping
         Defaults of this command: parameters that the library requires, or another default.
     ranged : bool
         Whether a field of the chain may be a range, which gives a curve.
@@ -54,7 +54,7 @@ class Call:
     fixed: Mapping[str, Any] = field(default_factory=dict)
     curve: str = ""
     start: str = ""
-    scene: Mapping[str, Any] = field(default_factory=dict)
+    presets: Mapping[str, Any] = field(default_factory=dict)
     ranged: bool = False
     hidden: tuple[str, ...] = ()
     grid: Mapping[str, tuple[float, float, int]] | None = None
@@ -105,6 +105,10 @@ _FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
 """Damping coefficients of Figs. 7-11."""
 
 _FRONT = "verification.fronts.measure:measure_front"
+_OF_RUNNING_FRONTS = (
+    "accuracy", "tolerance", "excited", "max_sites", "stall_time", "left_boundary",
+)  # fmt: skip
+_OWN_FRONT = Call(function=_FRONT, chain=True, ranged=True, hidden=("point", "method"))
 _SIMULATE = "verification.runs.simulate:simulate"
 _MAP = "fronts.maps:mapped"
 _HIDDEN_OF_RUNS = ("times", "estimate_error", "budget")
@@ -112,14 +116,14 @@ _VDP_RUN = Call(
     function=_SIMULATE,
     chain=True,
     start="fronts.starts:prepared",
-    scene={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0},
+    presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0},
     hidden=(*_HIDDEN_OF_RUNS, "start_point"),
     also="fronts.running:evolution",
 )
 _VDP_MAP = Call(
     function=_MAP,
     chain=True,
-    scene={"chain.sites": 16},
+    presets={"chain.sites": 16},
     ranged=True,
     grid={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
     hidden=("held", "start_point", "out", "pattern", "ends"),
@@ -130,13 +134,14 @@ _VDP_THRESHOLD = Call(
     function=_THRESHOLD,
     chain=True,
     fixed={"c": 0.0, "sites": 31},
-    scene={**_FIG_7, "method": "envelope"},
+    presets={**_FIG_7, "method": "envelope"},
     ranged=True,
     only={
         "perturbation": "sweep",
         "seed": "sweep",
         **dict.fromkeys(_OF_BISECTION, "bisection"),
     },
+    hidden=("start_point",),
 )
 
 COMMANDS: dict[str, Command] = {
@@ -145,12 +150,13 @@ COMMANDS: dict[str, Command] = {
         examples="""
   fronts kinetic --c 0.5 --eta 0.03125
   fronts kinetic --c 0.45 --a 4 --b 0.5 --json
+  fronts kinetic --c 0.5 --eta 0.03125 --certify
   fronts kinetic --c 0.3:3:200 --eta 0.03125 --out curve.png
   fronts kinetic --c 0.3 --eta 0.001:0.12:200 --out curve.csv""",
         calls={"": Call(function="fronts.piecewise:kinetic_relation")},
     ),
     "sum": Command(
-        line="the sum of the kinetic relation, by four methods (Eq. 53)",
+        line="the sum of the kinetic relation, by five methods (Eq. 53)",
         examples="""
   fronts sum --v 0.3 --c 0.5
   fronts sum --v 0.3 --c 0.5 --method series --digits 50 --json""",
@@ -173,40 +179,54 @@ COMMANDS: dict[str, Command] = {
         calls={"": Call(function="fronts.piecewise:front_profile")},
     ),
     "front": Command(
-        line="velocity of a front by direct simulation (Eqs. 5, 8, 43, 44)",
+        line="velocity of a front, by direct simulation or as a wave (Eqs. 5, 8, 43, 44)",
         examples="""
   fronts front piecewise --c 0.5 --eta 0.03125
   fronts front piecewise --c 0.44 --a 4 --b 0.5 --start resting --json
   fronts front averaged --c 0.6 --a 4 --b 0.5
+  fronts front averaged --c 0.6 --eta 0.03125 --method wave
+  fronts front averaged --c 0.05:2:40 --eta 0.03125 --method wave --out branch.png
   fronts front vdp --c 0.6 --a 4 --b 0.5 --eps 0.01 --json
   fronts front vdp --c 0.5:2:7 --a 4 --b 0.5 --workers 2 --out fig13.png
   fronts front friction --c 0.02 --n 101
   fronts front friction --c 0.02:0.1:5 --out fig06.png
-  fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json""",
+  fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json
+  fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling next-nearest:1,0.2
+  fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling square --n 41x41 \\
+      --directions 8""",
         calls={
             "piecewise": Call(function="fronts.moving:piecewise_front", chain=True, ranged=True),
             "vdp": Call(
                 function=_FRONT,
                 chain=True,
-                scene={"chain.sites": 32},
+                presets={"chain.sites": 32},
                 ranged=True,
-                hidden=("point", "ends"),
+                hidden=("point", "ends", "method", "directions"),
             ),
             "averaged": Call(
                 function=_FRONT,
                 chain=True,
-                scene={"chain.sites": 32},
+                presets={"chain.sites": 32},
                 ranged=True,
-                hidden=("point", "ends"),
+                curve="fronts.branches:front_branch",
+                hidden=("point", "ends", "directions"),
+                only=dict.fromkeys(_OF_RUNNING_FRONTS, "run"),
             ),
             "friction": Call(
                 function=_FRONT,
                 chain=True,
-                scene={"chain.sites": 101},
+                presets={"chain.sites": 101},
                 ranged=True,
-                hidden=("left_boundary", "ends"),
+                hidden=("left_boundary", "ends", "method", "directions"),
             ),
-            EVERY: Call(function=_FRONT, chain=True, ranged=True, hidden=("point", "ends")),
+            "chain": _OWN_FRONT,
+            "averaged-chain": _OWN_FRONT,
+            EVERY: Call(
+                function=_FRONT,
+                chain=True,
+                ranged=True,
+                hidden=("point", "ends", "method", "directions"),
+            ),
         },
     ),
     "simulate": Command(
@@ -216,7 +236,11 @@ COMMANDS: dict[str, Command] = {
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.25 --excite 15 --t-end 20000 \\
       --out run.npz --picture run.png
   fronts simulate averaged --n 60 --a 4 --b 0.5 --c 0.6 --excite 1:3 --t-end 9000
-  fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png""",
+  fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --picture run.png
+  fronts simulate chain --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=0.5 --c 0.6
+  fronts simulate chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling square --n 21x21
+  fronts simulate averaged-chain --damping "v**2 - 1" --c 0.5 --t-end 500
+  fronts simulate chain --model mine.toml --coupling next-nearest:1,0.2 --disorder a=0.05""",
         calls={
             "vdp": _VDP_RUN,
             "averaged": _VDP_RUN,
@@ -224,14 +248,14 @@ COMMANDS: dict[str, Command] = {
                 function=_SIMULATE,
                 chain=True,
                 start="fronts.starts:prepared",
-                scene={"chain.c": 0.02, "t_end": 1000.0},
+                presets={"chain.c": 0.02, "t_end": 1000.0},
                 hidden=(*_HIDDEN_OF_RUNS, "level"),
             ),
             EVERY: Call(
                 function=_SIMULATE,
                 chain=True,
                 start="fronts.starts:prepared",
-                scene={"t_end": 1000.0},
+                presets={"t_end": 1000.0},
                 hidden=(*_HIDDEN_OF_RUNS, "start_point"),
             ),
         },
@@ -254,8 +278,8 @@ COMMANDS: dict[str, Command] = {
                 ranged=True,
                 curve="fronts.cells:bifurcation",
             ),
-            "vdp": Call(function=_CELL, chain=True, fixed=_ALONE, scene=_FIG_7, ranged=True),
-            "averaged": Call(function=_CELL, chain=True, fixed=_ALONE, scene=_FIG_7, ranged=True),
+            "vdp": Call(function=_CELL, chain=True, fixed=_ALONE, presets=_FIG_7, ranged=True),
+            "averaged": Call(function=_CELL, chain=True, fixed=_ALONE, presets=_FIG_7, ranged=True),
         },
     ),
     "map": Command(
@@ -297,23 +321,32 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
   fronts breather --c 0.19 --a 2.5 --b 0.5 --eps 0.01 --method orbit --json
   fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
   fronts breather --c 0.195 --method closed-form --reading tail
-  fronts breather vdp --c 0.02:0.18:9 --out frequency.png
+  fronts breather vdp --c 0.05:0.25:9 --method orbit --out branch.png
   fronts breather averaged --c 0.1""",
         default="vdp",
         calls={
             "vdp": Call(
                 function=_BREATHER,
                 chain=True,
-                scene={**_FIG_7, "chain.c": 0.1, "method": "orbit"},
+                presets={**_FIG_7, "chain.c": 0.1, "method": "orbit"},
                 ranged=True,
+                curve="fronts.branches:breather_branch",
                 only={"reading": "closed-form", "seed": "simulation"},
                 sites="theory.chains.nucleus:sites_for",
+            ),
+            "chain": Call(
+                function=_BREATHER,
+                chain=True,
+                ranged=True,
+                hidden=("method",),
+                only={"reading": "closed-form", "seed": "simulation"},
             ),
             "averaged": Call(
                 function=_BREATHER,
                 chain=True,
-                scene={**_FIG_7, "chain.c": 0.1},
+                presets={**_FIG_7, "chain.c": 0.1},
                 ranged=True,
+                curve="fronts.branches:breather_branch",
                 only={"reading": "closed-form", "seed": "simulation"},
                 sites="theory.chains.nucleus:sites_for",
             ),
@@ -336,18 +369,18 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
             "vdp": _VDP_THRESHOLD,
             "averaged": _VDP_THRESHOLD,
             "friction": Call(
-                function="fronts.thresholds:spreading_threshold",
+                function=_THRESHOLD,
                 chain=True,
                 fixed={"c": 0.0},
                 ranged=True,
-                hidden=("pattern",),
+                hidden=("pattern", "method", "perturbation", "seed"),
             ),
             EVERY: Call(
                 function=_THRESHOLD,
                 chain=True,
                 fixed={"c": 0.0},
                 ranged=True,
-                hidden=("method", "perturbation", "seed"),
+                hidden=("method", "perturbation", "seed", "start_point"),
             ),
         },
     ),
@@ -363,6 +396,12 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
         line="error against run time beside peers, and how cost grows (source tree only)",
         module="bench",
     ),
+    "explore": Command(
+        line="a page in the browser, on this machine, with sliders", module="explore"
+    ),
     "check": Command(line="the verdict on each claim of the paper", module="check"),
+    "article": Command(
+        line="the replication article of two pages, from the report of a check", module="article"
+    ),
 }
 """Every command; the overview lists them in this order."""

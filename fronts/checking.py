@@ -6,16 +6,129 @@ The public functions `fronts.derivation`, `fronts.derive_cell`, `fronts.judge` a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from theory.parameters import ParameterError, count_within, whole_number
+from theory.result import Result
 
 if TYPE_CHECKING:
+    import sympy as sp
+
     from derivations.algebra.steps import Derivation
+    from derivations.cell.cycles import LimitCycle
     from derivations.cell.envelope import Envelope
     from paper_checks.outcome import Outcome
     from verification.quantities.robustness import Stability
+
+
+@dataclass(frozen=True, kw_only=True)
+class DerivedCell(Result):
+    """The averaged chain of oscillators of one's own.
+
+    Attributes
+    ----------
+    envelope : Envelope
+        The averaged equation, with functions of it: ``compiled()``, ``kinetic_relation()``.
+    seconds : float
+        Wall-clock time.
+    """
+
+    envelope: Envelope = field(metadata={"json": None})
+    seconds: float
+
+    @property
+    def equation(self) -> sp.Eq:
+        """The averaged equation of the chain for ``y = Im(phi e^{it})``; prime is d/d(eps t)."""
+        return self.envelope.equation
+
+    @property
+    def amplitude_equation(self) -> sp.Eq:
+        """The equation of the amplitude of one cell; prime is d/d(eps t)."""
+        return self.envelope.amplitude_equation
+
+    @property
+    def damping_mean(self) -> sp.Expr:
+        """H(s): the amplitude obeys ``r' = -(r/2) H(r^2)``."""
+        return self.envelope.damping_mean
+
+    @property
+    def cycles(self) -> tuple[LimitCycle, ...]:
+        """All limit cycles, inner to outer, with their stability."""
+        return self.envelope.cycles
+
+    @property
+    def ratio(self) -> sp.Expr:
+        """|phi_us| / |phi_s| of a cell with two cycles."""
+        return self.envelope.ratio
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the equations, as SymPy reads them, and the cycles where their roots are known."""
+        from derivations.algebra.errors import DerivationInputError
+
+        try:
+            cycles = [
+                {"amplitude": str(cycle.amplitude), "stability": str(cycle.stability)}
+                for cycle in self.cycles
+            ]
+        except DerivationInputError:  # letters whose roots have no closed form
+            cycles = None
+        return {
+            "equation": str(self.equation),
+            "amplitude_equation": str(self.amplitude_equation),
+            "damping_mean": str(self.damping_mean),
+            "cycles": cycles,
+            "seconds": self.seconds,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdicts(Result):
+    """Verdicts on claims of the paper; it can be iterated over and indexed by position.
+
+    Attributes
+    ----------
+    outcomes : tuple of Outcome
+        One a claim, in the order of the paper; each has ``claim``, ``judgement``, ``status``.
+    seconds : float
+        Wall-clock time.
+    """
+
+    outcomes: tuple[Outcome, ...] = field(metadata={"json": None})
+    seconds: float
+
+    def __iter__(self) -> Iterator[Outcome]:
+        return iter(self.outcomes)
+
+    def __len__(self) -> int:
+        return len(self.outcomes)
+
+    def __getitem__(self, place: int) -> Outcome:
+        return self.outcomes[place]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a claim: key, place, verdict, the one on record, because, seconds."""
+        rows = self.outcomes
+        return {
+            "key": np.array([each.claim.key for each in rows]),
+            "place": np.array([each.claim.place for each in rows]),
+            "verdict": np.array([each.status for each in rows]),
+            "changed": np.array([each.changed for each in rows]),
+            "because": np.array([each.because for each in rows]),
+            "seconds": np.array([each.judgement.seconds for each in rows]),
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the claims and the run time."""
+        columns = {name: column.tolist() for name, column in self.columns().items()}
+        claims = [
+            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
+        ]
+        return {"claims": claims, "seconds": self.seconds}
 
 
 def derivation(of: int | str, *, order: int = 1) -> Derivation:
@@ -63,8 +176,8 @@ def derive_cell(
     stiffness: str | None = None,
     coupling: str = "c",
     values: Mapping[str, float | str] | None = None,
-) -> Envelope:
-    """Average a chain of your own oscillators ÿ + y + ε(...) = 0 with polynomial damping.
+) -> DerivedCell:
+    """Average a chain of your own oscillators ÿ + y + ε(...) = 0 with polynomial damping (Eq. 34).
 
     Parameters
     ----------
@@ -79,7 +192,7 @@ def derive_cell(
 
     Returns
     -------
-    Envelope
+    DerivedCell
         The averaged equation, its cycles, and the threshold ratio of the piecewise front.
 
     Raises
@@ -101,11 +214,13 @@ def derive_cell(
     """
     from derivations.cell.envelope import derive_envelope
 
+    begin = perf_counter()
     envelope = derive_envelope(damping, stiffness, coupling)
-    return envelope.with_values({name: str(value) for name, value in (values or {}).items()})
+    given = {name: str(value) for name, value in (values or {}).items()}
+    return DerivedCell(envelope=envelope.with_values(given), seconds=perf_counter() - begin)
 
 
-def judge(*keys: str, workers: int = 1, full: bool = False) -> tuple[Outcome, ...]:
+def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     """Judge claims of the paper.
 
     Parameters
@@ -119,8 +234,8 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> tuple[Outcome, ..
 
     Returns
     -------
-    tuple of Outcome
-        One for each claim; see ``.claim`` and ``.judgement``.
+    Verdicts
+        One for each claim; see ``.claim`` and ``.judgement`` of each.
 
     Raises
     ------
@@ -138,17 +253,19 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> tuple[Outcome, ..
     from paper_checks.shipped import FOLDER, Shipped
     from verification.execution.digest import SOURCES
 
+    begin = perf_counter()
     every = discover.find_entries()
     try:
         entries = discover.select(every, keys)
     except discover.UnknownKeyError as error:
         raise ParameterError("claim", " ".join(keys), "a claim that exists", str(error)) from None
-    return run(
+    outcomes = run(
         entries,
         jobs=count_within("workers", workers, 1, 256),
         package=discover.PACKAGE,
         shipped=None if full else Shipped(FOLDER, discover.PACKAGE, SOURCES),
     )
+    return Verdicts(outcomes=outcomes, seconds=perf_counter() - begin)
 
 
 def stability(
@@ -176,6 +293,13 @@ def stability(
     ------
     ParameterError
         If there is no such quantity, or a number is out of range.
+
+    Examples
+    --------
+    >>> import fronts as fr
+    >>> found = fr.stability(["c-pin"], points=12, workers=1)
+    >>> found.bad, found.counts["exceeded"]
+    ((), 0)
     """
     from verification.quantities.robustness import stability as table
 

@@ -8,6 +8,7 @@ each is kept apart by a prefix.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
@@ -45,6 +46,11 @@ class Bound:
     def function(self) -> Callable[..., Any]:
         """What answers."""
         return located(self.call.function)
+
+    @property
+    def filmed(self) -> bool:
+        """Whether it returns a run, of which there is a film."""
+        return bool(self.function.__annotations__.get("return") == "Trajectory")
 
     @property
     def chain(self) -> type[Chain] | None:
@@ -86,7 +92,7 @@ class Bound:
     def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
         without = {*self.call.hidden, *(self.call.fixed if prefix == "chain." else ())}
         shown = [each for each in parameters if each.name not in without]
-        return Group(prefix, tuple(shown), {"nucleus.size": 1, **self.call.scene}, ranged)
+        return Group(prefix, tuple(shown), {"nucleus.size": 1, **self.call.presets}, ranged)
 
     def required(self) -> str:
         """Return the options that must be given, as they are written."""
@@ -98,6 +104,11 @@ class Bound:
             if group.is_required(each) and each.name not in free
         ]
         return " ".join(f"{name} {name.strip('-').upper()}" for name in names)
+
+    @property
+    def takes_file(self) -> bool:
+        """Whether the chain can be read from a model file."""
+        return hasattr(self.chain, "from_file")
 
     @property
     def takes_eta(self) -> bool:
@@ -142,7 +153,13 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         said = {"sites": "7 on each side of the nucleus"} if bound.call.sites else {}
         grid = bound.call.grid or {}
         said |= {name: ":".join(f"{part:g}" for part in each) for name, each in grid.items()}
-        bound.fields.declare(group, (*(("a", "b") if eta else ()), *grid), said)
+        from_file = bound.takes_file
+        names = tuple(each.name for each in bound.fields.parameters) if from_file else ()
+        bound.fields.declare(group, (*(("a", "b") if eta else ()), *grid, *names), said)
+        if from_file:
+            group.add_argument("--model", dest="chain_file", type=Path, metavar="FILE",
+                               default=argparse.SUPPRESS, help="a model file in TOML with these "
+                               "options; what is given beside it holds")  # fmt: skip
         if eta:
             words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
             kind: Callable[[str], Any] = real
@@ -167,8 +184,9 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "-o", "--out", "--picture",
         dest="out", type=Path, action=_Files, default=[], metavar="FILE",
-        help="write the result to a file ending in .csv, .json, .npz, .png, .svg or .pdf; repeat "
-        "it for several. Each holds the command, the parameters and the versions",
+        help="write the result to a file ending in .csv, .json, .npz, .png, .svg or .pdf, a run "
+        "also as a film in .gif or .mp4; repeat it for several. Each holds the command, the "
+        "parameters and the versions",
     )  # fmt: skip
 
 
@@ -209,9 +227,13 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     from verification.execution.progress import Progress
 
     checkpoint = getattr(options, "checkpoint", None)
-    _check_files(getattr(options, "named", ()), checkpoint)
+    _check_files(getattr(options, "named", ()), checkpoint, bound.filmed)
     saved = nullcontext() if checkpoint is None else resumable_run(checkpoint)
-    with saved, Progress(words[0]) as live:
+    if options.out:
+        from verification.execution.metadata import COMMAND_LINE
+
+        COMMAND_LINE.set(_command(words))
+    with saved, Progress(words[0], quiet=getattr(options, "json", False)) as live:
         result, parameters = _computed(options, bound, live.report)
     if options.out:
         _write(options.out, result, parameters, words)
@@ -232,18 +254,17 @@ def _write(
 ) -> None:
     from fronts.files import Provenance, write_result
 
-    command = shlex.join(["fronts", *without_files(words)])
-    shown = Provenance(command=command, parameters=parameters)
+    shown = Provenance(command=_command(words), parameters=parameters)
     for path in out:
         if path != parameters.get("out"):  # what can be resumed has been written
             write_result(path, result, shown)
 
 
-def _check_files(out: Sequence[tuple[Path, str]], checkpoint: Path | None) -> None:
+def _check_files(out: Sequence[tuple[Path, str]], checkpoint: Path | None, filmed: bool) -> None:
     if out:
         from fronts.files import check_files
 
-        check_files(out)
+        check_files(out, filmed)
     if checkpoint is None:
         return
     check_writable(checkpoint, (".npz",), "--checkpoint")
@@ -267,7 +288,7 @@ def _computed(
     if bound.chain is None:
         found: Result = function(**_arrays(arguments), **further)
         return found, parameters
-    fields = {**bound.call.fixed, **bound.fields.given(options)}
+    fields = _with_file(bound, {**bound.call.fixed, **bound.fields.given(options)}, options)
     if bound.call.grid is not None:
         chain, chosen = _grid(options, bound, fields)
         arguments |= chosen
@@ -281,9 +302,10 @@ def _computed(
     ranges = _ranges(fields)
     if ranges:
         (along,) = ranges
-        return _curve(options, bound, fields, along, arguments, progress), {
-            "model": bound.model, **fields, **parameters,
-        }  # fmt: skip
+        curve = _curve(
+            options, bound, fields=fields, along=along, arguments=arguments, progress=progress
+        )
+        return curve, {"model": bound.model, **fields, **parameters}
     made = bound.chain(**fields)
     parameters = {**_parameters_of(made), **parameters}
     if bound.call.start:
@@ -291,6 +313,22 @@ def _computed(
         arguments["start"] = located(bound.call.start)(made, **started)
         parameters["start"] = {**bound.start.defaults(), **started}
     return function(made, **arguments, **further), parameters
+
+
+def _with_file(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
+    """Return the fields with those in a model file; refuse a required one that is nowhere."""
+    if not bound.takes_file:
+        return fields
+    if hasattr(options, "chain_file"):
+        from theory.chains.model_file import read_model
+
+        names = [each.name for each in dataclasses.fields(bound.chain)]  # type: ignore[arg-type]
+        fields = read_model(options.chain_file, names, fields)
+    for each in bound.fields.parameters:
+        known = each.name in fields or each.name in (bound.call.grid or ())
+        if bound.fields.is_required(each) and not known:
+            raise UsageError(f"give {option(each.name)}, or a model file by --model.")
+    return fields
 
 
 def _grid(
@@ -336,6 +374,7 @@ def in_words_also(payload: Mapping[str, Any]) -> str:
 def _curve(
     options: argparse.Namespace,
     bound: Bound,
+    *,
     fields: Mapping[str, Any],
     along: str,
     arguments: Mapping[str, Any],
@@ -419,6 +458,10 @@ def located(where: str) -> Callable[..., Any]:
     return found
 
 
+def _command(words: Sequence[str]) -> str:
+    return shlex.join(["fronts", *without_files(words)])
+
+
 def without_files(words: Sequence[str]) -> list[str]:
     """Return a command line without what says where its answer goes.
 
@@ -435,7 +478,7 @@ def without_files(words: Sequence[str]) -> list[str]:
             skip = False
         elif name in ("-o", "--out", "--picture"):
             skip = "=" not in word
-        elif word != "--json":
+        elif word not in ("--json", "--resume"):
             left.append(word)
     return left
 

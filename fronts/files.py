@@ -2,8 +2,8 @@
 
 A file carries the command, the parameters and the versions: as keys of a .json, as an array
 ``provenance`` of a .npz, as lines that begin with ``#`` at the end of a .csv (read it with
-``pandas.read_csv(path, comment="#")``), and in the metadata of a picture. No date is among them,
-so that the same command writes the same file.
+``pandas.read_csv(path, comment="#")``), and in the metadata of a picture or film. No date is
+among them, so that the same command writes the same file.
 """
 
 from __future__ import annotations
@@ -22,9 +22,12 @@ from fronts.arguments import check_writable
 from theory.result import Result, plain
 from verification.execution.files import write_by
 from verification.execution.metadata import installed_versions
+from verification.execution.table import commented
 
 PICTURES = (".png", ".svg", ".pdf")
+FILMS = (".gif", ".mp4")
 FORMATS = (".csv", ".json", ".npz", *PICTURES)
+"""Of every result; of a run there are films too."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,13 +54,15 @@ class Provenance:
         }
 
 
-def check_files(paths: Sequence[tuple[Path, str]]) -> None:
+def check_files(paths: Sequence[tuple[Path, str]], filmed: bool) -> None:
     """Refuse, before any work, files that cannot be written or are named twice.
 
     Parameters
     ----------
     paths : sequence of (Path, str)
         The files, each with the option by which it was named.
+    filmed : bool
+        Whether there will be a film of the result.
 
     Raises
     ------
@@ -66,7 +71,7 @@ def check_files(paths: Sequence[tuple[Path, str]]) -> None:
     """
     seen: dict[Path, Path] = {}
     for path, option in paths:
-        check_writable(path, FORMATS, option)
+        check_writable(path, (*FORMATS, *FILMS) if filmed else FORMATS, option)
         if path.resolve() in seen:
             raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
         seen[path.resolve()] = path
@@ -110,8 +115,7 @@ def _csv(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(table)
     writer.writerows([_cell(value) for value in row] for row in zip(*table.values(), strict=True))
-    for name, value in provenance.items():
-        stream.write(f"# {name}: {value if isinstance(value, str) else json.dumps(value)}\n")
+    stream.write(commented(provenance, provenance))
     return lambda path: _write_text(path, stream.getvalue())
 
 
@@ -195,6 +199,20 @@ def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], Non
     return write
 
 
+def _film(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+    from fronts.animation import animate
+    from verification.runs.trajectory import Trajectory
+
+    if not isinstance(result, Trajectory):
+        raise TypeError(f"there is no film of {type(result).__name__}.")
+    run, said = result, json.dumps(provenance)
+
+    def write(path: Path) -> None:
+        animate(run, path, note=said)
+
+    return write
+
+
 _NOTE = {"png": "Description", "svg": "Description", "pdf": "Subject"}
 """Where each kind of picture keeps a text."""
 
@@ -209,6 +227,7 @@ _WRITERS: dict[str, Callable[[Result, dict[str, Any]], Callable[[Path], None]]] 
     ".json": _json,
     ".csv": _csv,
     ".npz": _npz,
+    **dict.fromkeys(FILMS, _film),
 }
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +19,7 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from theory.result import Result
+from verification.execution.pool import cluster
 from verification.execution.progress import ProgressCallback
 from verification.maps.state_map import Agreement, StateMap, StateTask, boundary_path, state_map
 from verification.runs.excite import StartPoint
@@ -75,7 +78,7 @@ class ComparedMap(Result):
         return payload if self.held is None else payload | {"held": dict(self.held)}
 
 
-def mapped(
+def mapped(  # noqa: PLR0913  (options of a command, by name)
     chain: Chain,
     axes: Mapping[str, Sequence[float]],
     *,
@@ -85,6 +88,7 @@ def mapped(
     end: float | None = None,
     refine: float = 1.0 / 16.0,
     workers: int | None = None,
+    scheduler: str | None = None,
     out: Path | None = None,
     resume: bool = False,
     held: str = "b",
@@ -112,6 +116,8 @@ def mapped(
         Bisect boundaries to this part of the grid's spacing; 0 leaves them.
     workers : int, optional
         Processes, by default one a core, of the averaged chain 1.
+    scheduler : str, optional
+        Address of a dask scheduler, as in tcp://host:8786, whose workers compute the points.
     out : Path, optional
         Table that can be resumed.
     resume : bool, optional
@@ -129,13 +135,20 @@ def mapped(
     ------
     ParameterError
         If a value is out of range or the points are too many.
+    MissingPackageError
+        If a scheduler is named and dask.distributed is not installed.
     UsageError
-        If an interrupted run would be overwritten, or there is nothing to resume.
+        If an interrupted run would be overwritten, there is nothing to resume, or both workers and
+        a scheduler are given.
     """
     count = int(np.prod([len(values) for values in axes.values()]))
     if count > MAX_POINTS:
         raise ParameterError("points of the map", count, f"at most {MAX_POINTS}", "take fewer")
     _check_resumption(out, resume)
+    if scheduler is not None and workers is not None:
+        raise UsageError(
+            "--workers counts processes of this machine: leave it out beside --scheduler."
+        )
     task = StateTask(
         chain=chain, held=held, nucleus=nucleus, displacement=displacement, point=start_point,
         end=end,
@@ -144,11 +157,15 @@ def mapped(
         workers = 1
     tables = () if out is None else (out, boundary_path(out))
     values: dict[str, Any] = dict(axes)
-    with resumable_tables(*tables):
+    pool: AbstractContextManager[Executor | None] = (
+        nullcontext() if scheduler is None else cluster(scheduler)
+    )
+    with resumable_tables(*tables), pool as executor:
         found = state_map(
             task,
             refine=refine,
             workers=workers,
+            executor=executor,
             out=out,
             resume=resume,
             progress=progress,

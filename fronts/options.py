@@ -9,12 +9,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from fronts.arguments import decimal, real, real_or_range, site_list, whole
+from fronts.arguments import decimal, real, real_or_range, site_list, size_or_shape, whole
 from fronts.signatures import REQUIRED, Described
 
 FLAGS: Mapping[str, tuple[str, ...]] = {
     "sites": ("--n", "--sites"),
     "start.sites": ("--excite",),
+    "chain.seed": ("--disorder-seed",),
+    "values": ("--value",),
     "excited": ("--nucleus", "--excited"),
     "lowest": ("--c-min", "--lowest"),
     "highest": ("--c-max", "--highest"),
@@ -41,6 +43,7 @@ _READERS: Mapping[str, Any] = {
     "str": str,
     "path": Path,
     "sites": site_list,
+    "shape": size_or_shape,
 }
 
 
@@ -65,7 +68,7 @@ class Group:
         Before each name in the namespace, so that two groups may have the same name.
     parameters : tuple of Described
         Those that a shell can give.
-    scene : mapping
+    presets : mapping
         Defaults of this command, for parameters that have none of their own or another one.
     ranged : bool
         Whether a number may also be a range ``low:high:count``.
@@ -73,7 +76,7 @@ class Group:
 
     prefix: str
     every: tuple[Described, ...]
-    scene: Mapping[str, Any]
+    presets: Mapping[str, Any]
     ranged: bool = False
 
     @property
@@ -137,8 +140,8 @@ class Group:
             if hasattr(options, self.prefix + each.name):
                 value = getattr(options, self.prefix + each.name)
                 found[each.name] = each.make(value) if each.make is not None else value
-            elif self.prefix + each.name in self.scene:
-                found[each.name] = self.scene[self.prefix + each.name]
+            elif self.prefix + each.name in self.presets:
+                found[each.name] = self.presets[self.prefix + each.name]
         return found
 
     def defaults(self) -> dict[str, Any]:
@@ -151,7 +154,7 @@ class Group:
         }
 
     def _default(self, each: Described) -> Any:
-        return self.scene.get(self.prefix + each.name, each.default)
+        return self.presets.get(self.prefix + each.name, each.default)
 
 
 _OTHERS = {"bool", "choice", "strings"}
@@ -174,6 +177,7 @@ def _help(each: Described, default: Any, ranged: bool) -> str:
     if each.kind == "numbers" or (ranged and each.kind == "float"):
         words += "; a range low:high:count gives a curve"
     value = getattr(default, "value", default)
-    if default is not REQUIRED and value not in (None, "") and not isinstance(value, (bool, tuple)):
+    said = isinstance(value, (str, int, float)) and value != "" and not isinstance(value, bool)
+    if default is not REQUIRED and said:
         words += f" (default {value:g})" if isinstance(value, float) else f" (default {value})"
     return words.replace("%", "%%")

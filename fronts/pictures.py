@@ -7,6 +7,7 @@ in empty; the function labels them. Matplotlib is imported by the caller.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-"""Of Okabe and Ito's palette, told apart by colour-blind readers."""
+"""Of Okabe and Ito's palette, distinguishable for colour-blind readers."""
 
 
 def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
@@ -135,6 +136,32 @@ def _curve(result: Any, axes: Axes, **style: Any) -> None:
     axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
 
 
+def _branch(result: Any, axes: Axes, **style: Any) -> None:
+    """Draw a branch: solid where it is stable, dashed where it is not; folds are marked."""
+    table = result.columns()
+    name = next(each for each in BRANCHES if each in table)
+    words = [point.to_dict().get("stable") is not False for point in result.points]
+    nodes: list[Any] = list(zip(result.values, table[name].astype(float), words, strict=True))
+    turns = [(fold.place, (fold.c, fold.height, None)) for fold in result.folds]
+    if result.c_pin is not None:
+        turns.append((sum(node[0] > result.c_pin for node in nodes), (result.c_pin, 0.0, None)))
+    for place, node in reversed(turns):
+        axes.axvline(node[0], color="0.5", lw=0.8, label=f"fold, c = {node[0]:.6g}")
+        nodes.insert(place, node)
+    for kind, line in ((True, "-"), (False, "--")):
+        look = {"color": BLUE if kind else VERMILION, "ls": line, "lw": 1.2, **style}
+        label = "stable" if kind else "not stable"
+        for first, last in pairwise(nodes):
+            if kind in {first[2], last[2]} and {first[2], last[2]} <= {kind, None}:
+                axes.plot([first[0], last[0]], [first[1], last[1]], label=label, **look)
+                label = "_"
+        shown = [node[:2] for node in nodes if node[2] is kind]
+        if shown:
+            axes.plot(*zip(*shown, strict=True), "o", ms=2.5, color=look["color"])
+    axes.legend()
+    axes.set(xlabel=LABELS["c"], ylabel=LABELS.get(name, name))
+
+
 def _breather(result: Any, axes: Axes, **style: Any) -> None:
     _amplitudes(axes, result, {"color": BLUE, **style})
 
@@ -154,6 +181,12 @@ def _amplitudes(axes: Axes, found: Any, look: Mapping[str, Any]) -> None:
 
 def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
     amplitude = result.amplitude
+    if getattr(result.chain, "shape", None) is not None:
+        from fronts.animation import snapshot
+
+        snapshot(result, axes, **style)(-1)
+        axes.set_title(f"t = {result.times[-1]:.6g}")
+        return
     image = axes.imshow(
         amplitude.T,
         origin="lower",
@@ -174,11 +207,27 @@ def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _front(result: Any, axes: Axes, **style: Any) -> None:
+    places = getattr(result.detail, "positions", None)
+    if places is not None and places.ndim == 2:
+        times = result.detail.arrivals
+        dots = axes.scatter(places[:, 0], places[:, 1], 6.0, times, cmap="cividis", **style)
+        axes.set(xlabel="column", ylabel="row")
+        axes.set_aspect("equal")
+        axes.figure.colorbar(dots, ax=axes, label="time of arrival")
+        return
     count = np.arange(1, result.arrivals.size + 1)
     axes.plot(result.arrivals, count, "o", **{"ms": 2.5, "color": BLUE, **style})
     axes.set(xlabel="time of arrival", ylabel="sites passed")
     if result.v is not None:
         axes.set_title(f"v = {result.v:.6g}")
+
+
+def _ensemble(result: Any, axes: Axes, **style: Any) -> None:
+    known = ~np.isnan(result.values)
+    axes.plot(result.seeds[known], result.values[known], "o", **{"ms": 3.0, "color": BLUE, **style})
+    axes.axhline(result.mean, color=VERMILION)
+    axes.axhspan(result.mean - result.spread, result.mean + result.spread, color="0.9", zorder=0)
+    axes.set(xlabel="seed of the disorder", ylabel=result.quantity)
 
 
 def _state_map(result: Any, axes: Axes, **style: Any) -> None:
@@ -194,9 +243,13 @@ def _state_map(result: Any, axes: Axes, **style: Any) -> None:
 CURVES = ("v", "c_crit", "frequency", "effective_damping")
 """What is drawn over the parameter of a curve."""
 
+BRANCHES = ("v", "centre")
+"""What is drawn over the coupling along a branch."""
+
 LABELS = {
     "c": "coupling c",
     "v": "front velocity v",
+    "centre": "amplitude at the centre",
     "c_crit": "critical coupling c",
     "v_d": "belt velocity $v_d$",
     "eps": "small parameter ε",
@@ -209,8 +262,10 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "Roots": _roots,
     "Profile": _profile,
     "Bifurcation": _bifurcation,
+    "Branch": _branch,
     "Curve": _curve,
     "Trajectory": _trajectory,
+    "Ensemble": _ensemble,
     "Front": _front,
     "StateMap": _state_map,
     "ComparedMap": _state_map,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError, RunError, count_within, within
+from theory.parameters import ParameterError, RunError, count_within, number, within
 from theory.piecewise.kinetic_relation import (
     Branch,
     KineticRelation,
@@ -71,6 +71,7 @@ def kinetic_relation(
     a: float | None = None,
     b: float | None = None,
     stability: bool = False,
+    certify: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> KineticRelation | KineticCurve:
     """Return every velocity at which the piecewise-linear front can travel (Eq. 54).
@@ -84,7 +85,12 @@ def kinetic_relation(
     a, b : float, optional
         Damping coefficients of (8), dimensionless; both, in place of eta.
     stability : bool, optional
-        Also decide the linear stability of each admissible front, which takes longer.
+        Also decide the linear stability of each admissible front along a curve, and where the
+        fastest one first loses it (``c_stable``), which takes longer. Of single numbers the
+        stability is always given, without ``c_stable``.
+    certify : bool, optional
+        Prove the velocities, their number and the thresholds in ball arithmetic; needs the extra
+        certify (python-flint). What could not be proven is named in ``unproven``.
     progress : callable, optional
         Called with the fraction done, now and then.
 
@@ -92,14 +98,17 @@ def kinetic_relation(
     -------
     KineticRelation or KineticCurve
         A curve where c or eta is an array: its ``points`` are what single numbers give, with every
-        branch. A pinned front and η ≥ 1/8 are answers, not errors; see ``status``.
+        branch. With ``certify``, a `theory.piecewise.certified_relation.CertifiedRelation`. A
+        pinned front and η ≥ 1/8 are answers, not errors; see ``status``.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range, or η is given twice or not at all.
+    MissingPackageError
+        If certify is asked for and python-flint is not installed.
     PrecisionError
-        If the velocities are too many to be told apart (c above some 10⁴ and η near 2/25).
+        If the velocities are too many to be distinguished (c above some 10⁴ and η near 2/25).
 
     References
     ----------
@@ -116,11 +125,17 @@ def kinetic_relation(
     [0, 2, 1]
     """
     eta_ = _eta(eta, a, b)
-    c_ = np.asarray(c, dtype=float)
+    c_ = _numbers("coupling c", c)
     answers = trace_kinetic_relation(c_, eta_, progress=progress)
-    if stability:
-        answers = [_with_stability(answer) for answer in answers]
-    if c_.ndim == 0 and np.ndim(eta_) == 0:
+    single = c_.ndim == 0 and np.ndim(eta_) == 0
+    if stability or single:
+        answers = [_with_stability(answer, stability) for answer in answers]
+    if certify:
+        from theory.piecewise.certified_relation import certify_relation
+
+        shares = [_share(progress, i, len(answers)) for i in range(len(answers))]
+        answers = [certify_relation(*each) for each in zip(answers, shares, strict=True)]
+    if single:
         return answers[0]
     return KineticCurve(
         along="c" if c_.ndim else "eta",
@@ -129,9 +144,9 @@ def kinetic_relation(
     )
 
 
-def _with_stability(answer: KineticRelation) -> KineticRelation:
+def _with_stability(answer: KineticRelation, limit: bool) -> KineticRelation:
     branches = tuple(with_stability(branch, answer.c) for branch in answer.branches)
-    return replace(answer, branches=branches)
+    return replace(answer, branches=branches, limit_shown=limit)
 
 
 def _eta(eta: Any, a: float | None, b: float | None) -> Any:
@@ -139,7 +154,7 @@ def _eta(eta: Any, a: float | None, b: float | None) -> Any:
     if eta is not None:
         if a is not None or b is not None:
             raise ParameterError("eta", eta, "absent beside a and b", "give one of them")
-        return np.asarray(eta, dtype=float)
+        return _numbers("eta", eta)
     if a is None or b is None:
         raise ParameterError(
             "eta", "absent", "given where a and b are not both given", "give eta, or both a and b"
@@ -149,11 +164,25 @@ def _eta(eta: Any, a: float | None, b: float | None) -> Any:
     return eta_from_damping(a, b)
 
 
+def _numbers(quantity: str, values: Any) -> FloatArray:
+    """Return one number or several as an array, or refuse what is none."""
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(quantity, values, "a number or numbers", "give those") from None
+
+
+def _decimal(quantity: str, value: Any) -> float | str:
+    """Return a decimal as it was written, or a number as a float."""
+    found = number(quantity, value)
+    return value if isinstance(value, str) else found
+
+
 def sigma(
     v: float | str,
     c: float | str,
     *,
-    method: Literal["integral", "series", "bessel", "quadrature"] = "integral",
+    method: Literal["integral", "series", "bessel", "quadrature", "certified"] = "integral",
     digits: int = 12,
 ) -> KineticSum:
     """Return Σ(v, c), the left side of the kinetic relation (Eq. 53).
@@ -164,10 +193,11 @@ def sigma(
         Front velocity v̂ > 0, dimensionless; a string is read as a decimal, digit for digit.
     c : float or str
         Coupling c > 0, dimensionless; a string is read as a decimal, digit for digit.
-    method : {"integral", "series", "bessel", "quadrature"}, optional
+    method : {"integral", "series", "bessel", "quadrature", "certified"}, optional
         Integral: one integral over a period, trapezoidal rule; series: the printed series over the
         roots, its tail summed; bessel: a series of Bessel functions; quadrature: adaptive
-        quadrature on the real line. The last two work in double precision.
+        quadrature on the real line; these two work in double precision. Certified: the integral in
+        ball arithmetic, whose error is proven (needs the extra certify).
     digits : int, optional
         Digits after the point that are wanted, from 1 to 2000.
 
@@ -197,8 +227,9 @@ def sigma(
     """
     from theory.piecewise.sums.result import PrecisionError
 
+    v, c = _decimal("velocity v", v), _decimal("coupling c", c)
     digits = count_within("digits", digits, 1, _MOST_DIGITS)
-    within_double = digits <= 13 or method in ("integral", "series")
+    within_double = digits <= 13 or method in ("integral", "series", "certified")
     if not within_double:
         raise ParameterError(
             "digits", digits, f"at most 13 for {method}, which works in double precision",
@@ -250,6 +281,12 @@ def _by_quadrature(v: float | str, c: float | str, digits: int) -> KineticSum:
     return sum_by_quadrature(float(v), float(c), 0.1 * 10.0**-digits)
 
 
+def _certified_sum(v: float | str, c: float | str, digits: int) -> KineticSum:
+    from theory.piecewise.certified_sum import certified_sum
+
+    return certified_sum(v, c, digits)
+
+
 def _rounded(found: KineticSum) -> KineticSum:
     """Return a precise sum in double precision, the rounding in its error."""
     value = complex(found.value)
@@ -262,6 +299,7 @@ _SUMS: dict[str, Callable[[float | str, float | str, int], KineticSum]] = {
     "series": _by_series,
     "bessel": _by_bessel,
     "quadrature": _by_quadrature,
+    "certified": _certified_sum,
 }
 
 
@@ -374,6 +412,7 @@ def roots(
     """
     from theory.piecewise.roots import nearest_roots, roots_within
 
+    v, c = _decimal("velocity v", v), _decimal("coupling c", c)
     v_, c_ = float(v), float(c)
     digits = count_within("digits", digits, 1, _MOST_DIGITS)
     if count is not None and extent is not None:
@@ -398,7 +437,9 @@ def roots(
             rows.append(_in_double(half))
         else:
             shown = _share(progress, i, len(halves))
-            rows.append(_in_decimals(str(v), str(c), half, not i, digits, shown))
+            rows.append(
+                _in_decimals(str(v), str(c), half, upper=not i, digits=digits, progress=shown)
+            )
     return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=certify)
 
 
@@ -444,7 +485,7 @@ def _in_double(found: RootSet) -> tuple[Root, ...]:
 
 
 def _in_decimals(
-    v: str, c: str, found: RootSet, upper: bool, digits: int, progress: Callable[[float], None]
+    v: str, c: str, found: RootSet, *, upper: bool, digits: int, progress: Callable[[float], None]
 ) -> tuple[Root, ...]:
     import mpmath as mp
 
@@ -596,8 +637,9 @@ def front_profile(
         raise ParameterError(
             "last position", high, f"above the first, {low:g}", "make it larger than the first"
         )
-    answer = kinetic_relation(float(c), _eta(eta, a, b))
-    assert isinstance(answer, KineticRelation)
+    (answer,) = trace_kinetic_relation(
+        number("coupling c", c), _eta(None if eta is None else number("eta", eta), a, b)
+    )
     if not answer.branches:
         raise RunError(f"there is no travelling front to draw: {answer.reason}")
     chosen = _chosen(answer.branches, branch)

@@ -32,7 +32,7 @@ class Described:
     kind : str
         One of ``float``, ``numbers`` (a number or an array), ``decimal`` (a number kept as text),
         ``int``, ``str``, ``bool``, ``path``, ``sites``, ``choice``, ``strings``, or the name of the
-        class.
+        class. A field may name it in its metadata (``theory.chains.chain.parameter``).
     default : object
         `REQUIRED` if it has none.
     help : str
@@ -74,12 +74,21 @@ def described(what: Callable[..., Any]) -> tuple[Described, ...]:
     module = dict(vars(sys.modules[what.__module__]))
     if dataclasses.is_dataclass(what):
         return tuple(
-            _described(each.name, str(each.type), _default(each), words, module, each.metadata)
+            _described(
+                each.name,
+                str(each.type),
+                _default(each),
+                words=words,
+                module=module,
+                metadata=each.metadata,
+            )
             for each in dataclasses.fields(what)
             if each.init
         )
     return tuple(
-        _described(each.name, str(each.annotation), each.default, words, module, {})
+        _described(
+            each.name, str(each.annotation), each.default, words=words, module=module, metadata={}
+        )
         for each in inspect.signature(what).parameters.values()
         if each.kind is not inspect.Parameter.VAR_KEYWORD
     )
@@ -129,6 +138,7 @@ def _described(
     name: str,
     annotation: str,
     default: Any,
+    *,
     words: Mapping[str, tuple[str, str]],
     module: Mapping[str, Any],
     metadata: Mapping[str, Any],
@@ -153,7 +163,8 @@ def _described(
     if plain == "str" and listed:
         values = tuple(str(each) for each in ast.literal_eval(f"[{listed[0][1:-1]}]"))
         return Described(name=name, kind="choice", default=default, help=text, choices=values)
-    return Described(name=name, kind=_KINDS.get(plain, plain), default=default, help=text)
+    kind = metadata.get("kind") or _KINDS.get(plain, plain)
+    return Described(name=name, kind=kind, default=default, help=text)
 
 
 _KINDS = {

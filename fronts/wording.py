@@ -48,7 +48,32 @@ def _kinetic_relation(answer: Any) -> str:
             known.append(f"{name} = {digits_that_hold(value, error)}")
     if known:
         lines.append("  " + ", ".join(known))
+    if answer.limit_shown:
+        lines.append(f"  {_limit(answer)}")
     lines.append(f"  {answer.terms} values of Sigma, {answer.seconds:.3g} s")
+    return "\n".join(lines)
+
+
+def _limit(answer: Any) -> str:
+    value, error = answer.c_stable, answer.c_stable_error
+    if value is None:
+        return "no loss of stability of the fastest front was found"
+    return f"the fastest front is stable up to c_stable = {digits_that_hold(value, error)}"
+
+
+def _certified_relation(answer: Any) -> str:
+    lines = [_kinetic_relation(answer)]
+    lines.append(
+        "certified: these velocities and no others, and the thresholds"
+        if answer.certified
+        else "not certified in every part"
+    )
+    lines += [f"  {each.lower!r} < v < {each.upper!r}" for each in answer.v_enclosures]
+    for name in ("c_fold", "c_pin", "c_retreat"):
+        each = getattr(answer, f"{name}_enclosure")
+        if each is not None:
+            lines.append(f"  {each.lower!r} < {name} < {each.upper!r}")
+    lines += [f"  {sentence}" for sentence in answer.unproven]
     return "\n".join(lines)
 
 
@@ -70,6 +95,8 @@ def _verdict(branch: Any) -> str:
     if branch.admissible is None:
         return "not decided"
     stable = {True: ", stable", False: ", not stable", None: ""}[branch.stable]
+    if branch.multiplier is not None:
+        stable += f", multiplier {branch.multiplier:.6g}"
     return f"yes{stable}" if branch.admissible else f"no, fails at zeta = {branch.fails_at:.3g}"
 
 
@@ -164,11 +191,27 @@ def _curve(result: Any) -> str:
     return "\n".join([*lines, *reasons, f"{len(result.points)} points, {result.seconds:.3g} s"])
 
 
+def _branch(result: Any) -> str:
+    lines = [_table(_Shown(result))]
+    lines += [f"fold at c = {fold.c:.12g}, uncertain by {fold.error:.1e}" for fold in result.folds]
+    if result.c_pin is not None:
+        lines.append(
+            f"c_pin = {digits_that_hold(result.c_pin, result.c_pin_error)}: fronts rest up to it, "
+            f"and v = {result.square_root:.6g} sqrt(c - c_pin) just above it;\n"
+            f"at strong coupling v = c {'+' if result.kappa > 0 else '-'} "
+            f"{abs(result.kappa):.6g} (c/6)^(1/3)"
+        )
+        if not result.folds:
+            lines.append("no fold of moving fronts in this range")
+    return "\n".join([*lines, f"{len(result.points)} points, {result.seconds:.3g} s"])
+
+
 class _Shown:
     """The columns of a curve that fit a line."""
 
     names = (
-        "status", "v", "error", "c_crit", "mechanism", "frequency", "stable", "amplitude", "eta",
+        "status", "v", "error", "c_crit", "mechanism", "frequency", "centre", "stable", "growth",
+        "amplitude", "eta",
         "effective_damping", "steady", "outruns_waves", "largest_group_velocity", "seconds",
     )  # fmt: skip
 
@@ -224,16 +267,46 @@ def _basin(basin: tuple[float, float] | None) -> str:
     return f"  starts with zero velocity and y from {low:.12g} to {high:.12g} end at rest"
 
 
-def _breather(found: Any) -> str:
-    from fronts.breather_words import breather_in_words
+_STABILITY = {True: "stable", False: "not stable", None: "stability not decided"}
 
-    return breather_in_words(found.to_dict())
+
+def _breather(found: Any) -> str:
+    lines = [f"{found.status.value}: {found.status.sentence}"]
+    if found.fold is not None:
+        lines.append(f"  its branch folds at c = {found.fold:.10g}")
+    if found.amplitudes.size:
+        shown = "  ".join(f"{value:.6g}" for value in found.outward[:8])
+        pattern = f", pattern {found.nucleus.pattern}" if found.nucleus.pattern else ""
+        lines += [
+            f"  {_STABILITY[found.stable]}{pattern}",
+            f"  amplitudes, centre outwards: {shown}",
+            f"  frequency {found.frequency:.12g}, outward phase step {found.phase_step:.6f}",
+        ]
+    if found.growth is not None:
+        lines.append(f"  largest growth rate per unit of slow time: {found.growth:.6g}")
+    if found.trivial is not None:
+        lines.append(f"  trivial exponent or multiplier off by {found.trivial:.1e}")
+    if found.error_unknown:
+        lines.append(f"  error against the periodic orbit of (8) unknown: {found.error_unknown}")
+    elif found.frequency_error is not None:
+        lines.append(
+            f"  error {found.error:.1e} of the amplitudes, {found.frequency_error:.1e} of the "
+            "frequency, against the chain's own breather"
+        )
+    elif found.error is not None:
+        lines.append(f"  error {found.error:.1e}")
+    if found.time is not None:
+        lines.append(f"  t = {found.time:.6g} was run")
+    return "\n".join([*lines, f"  {found.seconds:.3f} s"])
 
 
 def _breathers(found: Any) -> str:
-    from fronts.breather_words import breather_table
-
-    return breather_table(found.to_dict()["methods"])
+    unknown = [
+        f"{name}: error unknown, {each.error_unknown}"
+        for name, each in found.methods.items()
+        if each.error_unknown
+    ]
+    return "\n".join([_table(found), *unknown, "errors are those of a solution of (8)"])
 
 
 def _threshold(found: Any) -> str:
@@ -295,9 +368,9 @@ def _held_threshold(found: Any) -> str:
 
 def _start_of(found: Any) -> str:
     """Return ends and start of the friction chain, whose thresholds say them."""
-    if not hasattr(found, "start_point"):
-        return ""
-    return f"; {found.ends} ends; start at the {found.start_point} of the cycle"
+    ends = "" if found.ends is None else f"; {found.ends} ends"
+    point = found.start_point
+    return ends + ("" if point is None else f"; start at the {point} of the cycle")
 
 
 def _run_threshold(found: Any) -> str:
@@ -329,7 +402,7 @@ def _trajectory(run: Any) -> str:
     ]
     if error is not None:
         lines.append(
-            f"  error of the states at most {error:.1e} (from two runs at larger tolerances): "
+            f"  error of the states at most {error:.1e} (from a run at another tolerance): "
             f"{run.status.value}"
         )
     if run.status.value not in ("resolved", "not compared"):
@@ -349,14 +422,25 @@ def _trajectory(run: Any) -> str:
 
 def _front(found: Any) -> str:
     lines = [f"{found.status.value}: {found.status.sentence}"]
+    if found.method == "wave" and found.status.value == "pinned":
+        lines = ["pinned: no front travels at this coupling."]
     if found.v is not None and found.status.value != "pinned":
         unit = "tau" if found.chain.model == "friction" else "slow time"
-        digits = 15 if found.detail is not None else 10
+        digits = 15 if found.chain.model == "piecewise" else 10
         lines.append(
             f"  v = {found.v:.{digits}g}, uncertain by {found.error:.1e} (sites per unit of {unit})"
         )
-    if found.detail is not None:
+    if found.method == "wave":
+        return "\n".join([*lines, *_wave(found)])
+    if found.chain.model == "piecewise":
         return "\n".join([*lines, *_switchings(found.detail)])
+    if found.detail is not None and found.detail.angles.size > 1:
+        lines += [
+            f"  at {math.degrees(angle):5.1f} degrees: v = {v:.7g}, uncertain by {error:.1e}"
+            for angle, v, error in zip(
+                found.detail.angles, found.detail.velocities, found.detail.errors, strict=True
+            )
+        ]
     if found.left_boundary is not None and found.v is not None:
         lines.append(
             "  it outruns the waves behind it"
@@ -369,6 +453,22 @@ def _front(found: Any) -> str:
         f"{found.steps} steps, {found.seconds:.3f} s"
     )
     return "\n".join(lines)
+
+
+def _wave(found: Any) -> list[str]:
+    wave = found.detail
+    if found.status.value == "pinned":
+        pinned = digits_that_hold(wave.c, wave.error)
+        return [f"  fronts rest up to c_pin = {pinned}", f"  {found.seconds:.3f} s"]
+    moduli = ", ".join(f"{abs(each):.4g}" for each in wave.multipliers)
+    return [
+        "  stable: every disturbance fades, or is a phase wave far behind"
+        if wave.stable
+        else "  not stable",
+        f"  multipliers a site, by modulus: {moduli}; continuous spectrum {wave.continuum:.4g}",
+        f"  {wave.r.size} sites, {wave.steps} steps a site, {wave.iterations} iterations, "
+        f"{wave.seconds:.3f} s",
+    ]
 
 
 def _switchings(run: Any) -> list[str]:
@@ -417,12 +517,14 @@ def _map(result: Any) -> str:
 
 
 WORDS: dict[str, Callable[[Any], str]] = {
+    "CertifiedRelation": _certified_relation,
     "KineticRelation": _kinetic_relation,
     "KineticCurve": _kinetic_curve,
     "KineticSum": _sum,
     "Roots": _roots,
     "Profile": _profile,
     "Bifurcation": _table,
+    "Branch": _branch,
     "Curve": _curve,
     "Cell": _cell,
     "Trajectory": _trajectory,

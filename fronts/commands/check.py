@@ -45,6 +45,7 @@ examples:
   fronts check --verdict not-reproduced  the claims with that verdict on record
   fronts check --out report --resume     go on with an interrupted run
   fronts check --full --jobs 2           compute the expensive claims as well
+  fronts check --record --jobs 2         renew the stored findings whose code has changed
 
 exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusable input"""
 
@@ -86,7 +87,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record",
         action="store_true",
-        help="with --full: make the findings of expensive claims those that come with the toolkit",
+        help="compute the expensive claims whose stored finding is missing or stale, with --full "
+        "all of them, and store what is found with the toolkit",
     )
     parser.add_argument("--list", action="store_true", help="list the claims, judge none")
 
@@ -102,19 +104,13 @@ def run(options: argparse.Namespace) -> Answer:
     entries = _chosen(every, options)
     width = shutil.get_terminal_size((100, 24)).columns
     if options.list:
-        given = [name for name in _OF_A_RUN if getattr(options, name) not in (None, False)]
-        if given:
-            names = " and ".join(f"--{name}" for name in given)
-            raise UsageError(f"--list judges nothing: leave out {names}.")
-        return _listing(entries, width)
-    if options.record and not options.full:
-        raise UsageError("--record keeps what was computed in this run: add --full.")
+        return _listing(entries, width, options)
     folder = _checked_folder(options)
     versions, source = installed_versions(PACKAGES), digest_of_packages(_sources())
-    shipped = Shipped(FOLDER, discover.PACKAGE, _sources())
+    shipped = Shipped(FOLDER, discover.PACKAGE, _sources(), renew=options.record)
 
     start = time.perf_counter()
-    shown = Progress("claims", steps=len(entries))
+    shown = Progress("claims", steps=len(entries), at_once=options.jobs or 1, quiet=options.json)
 
     def said() -> str:
         if folder is None:
@@ -144,20 +140,27 @@ def run(options: argparse.Namespace) -> Answer:
     seconds = time.perf_counter() - start
 
     measurements = stored_sections() if len(entries) == len(every) else ()
-    report = make_report(outcomes, seconds, len(every), versions, source, measurements)
+    report = make_report(
+        outcomes, seconds=seconds, available=len(every), versions=versions, source=source,
+        measurements=measurements,
+    )  # fmt: skip
     payload = to_json(report)
     text = report_as_text(report, width)
     if options.record:
         text += "\n\n" + _record(shipped, report)
     if folder:
-        removed = _write(folder, report, payload)
-        text += f"\nThe report is in {folder / 'index.html'}."
-        if removed:
-            text += (
-                f" It replaces an earlier one there; {removed} pictures and data files of that "
-                "one, which this one does not have, are removed."
-            )
+        text += _written(folder, _write(folder, report, payload))
     return Answer(payload, text, exit_code=1 if report.changed else 0)
+
+
+def _written(folder: Path, removed: int) -> str:
+    text = f"\nThe report is in {folder / 'index.html'}."
+    if removed:
+        text += (
+            f" It replaces an earlier one there; {removed} pictures and data files of that "
+            "one, which this one does not have, are removed."
+        )
+    return text
 
 
 class _Reporter:
@@ -175,7 +178,10 @@ class _Reporter:
             notes.append("stored, stale" if outcome.judgement.stale else "stored")
         if outcome.changed:
             notes.append("not as recorded")
-        self._shown.end(outcome.claim.key, f"{outcome.status} ({', '.join(notes)})")
+        computed = not outcome.judgement.stored
+        self._shown.end(
+            outcome.claim.key, f"{outcome.status} ({', '.join(notes)})", computed=computed
+        )
 
 
 def _chosen(
@@ -194,7 +200,11 @@ def _chosen(
     return kept
 
 
-def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:
+def _listing(entries: Sequence[discover.Entry], width: int, options: argparse.Namespace) -> Answer:
+    given = [name for name in _OF_A_RUN if getattr(options, name) not in (None, False)]
+    if given:
+        names = " and ".join(f"--{name}" for name in given)
+        raise UsageError(f"--list judges nothing: leave out {names}.")
     claims = [
         {
             "key": entry.claim.key,

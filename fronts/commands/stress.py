@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 200
   fronts stress --points 2000 --seed 1 --out stress.csv
-  fronts stress --savings --record
+  fronts stress --work-reduction --record
   fronts stress --list
 
 Every quantity is tried at test problems, at the corners of its parameters and at random, one point
@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--record", action="store_true", help="keep the result for the report (in the source tree)"
     )
     parser.add_argument(
-        "--savings",
+        "--work-reduction",
         action="store_true",
         help="what is truncated or not computed, and the gain",
     )
@@ -57,9 +57,9 @@ def run(options: argparse.Namespace) -> Answer:
         from fronts.commands.bench import ROOT, need_source_tree
 
         need_source_tree(ROOT)
-    if options.savings or options.list:
-        _alone("--savings" if options.savings else "--list", options)
-        return _savings(options.record) if options.savings else _list()
+    if options.work_reduction or options.list:
+        _alone("--work-reduction" if options.work_reduction else "--list", options)
+        return _work_reduction(options.record) if options.work_reduction else _list()
     if options.record and options.quantity:
         raise UsageError(
             "--record keeps the table of all quantities: leave out --quantity.",
@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> Answer:
         raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
     if options.workers is not None:
         count_within("workers", options.workers, 1, 1024)
-    with resumable_tables(options.out), Progress("stress") as live:
+    with resumable_tables(options.out), Progress("stress", quiet=options.json) as live:
         found = stability(
             tuple(dict.fromkeys(options.quantity or ())),  # named twice is tried once
             points,
@@ -194,7 +194,7 @@ def _list() -> Answer:
     return Answer({"quantities": rows}, "\n".join(lines))
 
 
-def _savings(record: bool) -> Answer:
+def _work_reduction(record: bool) -> Answer:
     from verification.work_reduction.table import measured_reductions
 
     rows = measured_reductions()
@@ -205,8 +205,8 @@ def _savings(record: bool) -> Answer:
         lines.append(f"    measured: {row.text}")
         lines.append(f"    changed: {row.changed}")
         lines.append(f"    test: {row.reduction.test}")
-    payload: dict[str, object] = {"savings": [row.as_dict() for row in rows]}
+    payload: dict[str, object] = {"work_reduction": [row.as_dict() for row in rows]}
     if record:
-        _store("savings", payload, "fronts stress --savings", REDUCTION_CODE)
+        _store("work_reduction", payload, "fronts stress --work-reduction", REDUCTION_CODE)
     exceeded = not all(row.found.holds for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

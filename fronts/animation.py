@@ -1,0 +1,134 @@
+"""A run as a film: amplitudes of a lattice in the plane, of a chain over its sites."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from theory.parameters import MissingPackageError, ParameterError, within
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from verification.runs.trajectory import Trajectory
+
+FORMATS = (".gif", ".mp4")
+
+
+def animate(
+    run: Trajectory, path: Path | str, *, frames_per_second: float = 15.0, note: str = ""
+) -> Path:
+    """Write a film of a run, one frame a sample.
+
+    Parameters
+    ----------
+    run : Trajectory
+        Of any chain.
+    path : Path or str
+        Ends in .gif, or in .mp4, for which the program ffmpeg is needed.
+    frames_per_second : float, optional
+        From 1 to 60.
+    note : str, optional
+        What the file says of itself, as its comment.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ParameterError
+        If the file has another ending.
+    MissingPackageError
+        If there is no ffmpeg.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import fronts as fr
+    >>> chain = fr.VdpChain(a=4, b=0.5, c=0.6, sites=5)
+    >>> run = fr.simulate(chain, fr.excite(chain, [1]), t_end=5, samples=2, estimate_error=False)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     animate(run, Path(folder) / "run.gif").name
+    'run.gif'
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise ParameterError("file of a film", path, "one ending in .gif or .mp4", "rename it")
+    within("frames per second", frames_per_second, 1.0, 60.0)
+    import matplotlib as mpl
+    from matplotlib import animation
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
+        raise MissingPackageError("ffmpeg", "films", "a film in .mp4")
+    with mpl.rc_context():
+        figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots()
+        show = snapshot(run, axes)
+
+        def frame(at: int) -> tuple[()]:
+            show(at)
+            axes.set_title(f"t = {run.times[at]:.6g}")
+            return ()
+
+        writer = _writer(animation, kind, frames_per_second, note)
+        film = animation.FuncAnimation(figure, frame, frames=run.times.size, init_func=lambda: ())
+        film.save(str(path), writer=writer)
+    return path
+
+
+def _writer(animation: Any, kind: str, frames_per_second: float, note: str) -> Any:
+    if kind == ".mp4":
+        return animation.FFMpegWriter(fps=frames_per_second, metadata={"comment": note})
+
+    class Commented(animation.PillowWriter):  # type: ignore[misc]
+        """The writer of Matplotlib, which keeps no text of its own."""
+
+        def finish(self) -> None:
+            self._frames[0].info["comment"] = note.encode()
+            super().finish()
+
+    return Commented(fps=frames_per_second)
+
+
+def snapshot(run: Trajectory, axes: Axes, **style: Any) -> Callable[[int], None]:
+    """Draw the first sample of a run, and return what draws another one in its place.
+
+    Parameters
+    ----------
+    run : Trajectory
+        Of a lattice, whose sites are drawn where they are, or of a chain.
+    axes : matplotlib.axes.Axes
+        Where.
+    **style
+        For the picture.
+    """
+    amplitude = run.amplitude
+    top = float(amplitude.max()) or 1.0
+    shape = getattr(run.chain, "shape", None)
+    if shape is None:
+        sites = np.arange(1, amplitude.shape[1] + 1)
+        (curve,) = axes.plot(sites, amplitude[0], **{"color": "#0072B2", **style})
+        axes.set(xlabel="site n", ylabel="amplitude", ylim=(0.0, 1.05 * top))
+        return lambda at: curve.set_ydata(amplitude[at])
+    places = run.chain.links.positions
+    look = {"cmap": "cividis", "vmin": 0.0, "vmax": top, **style}
+    axes.set(xlabel="column", ylabel="row")
+    axes.set_aspect("equal")
+    if np.array_equal(places, np.round(places)):
+        image = axes.imshow(
+            amplitude[0].reshape(shape), origin="lower", interpolation="nearest", **look
+        )
+        axes.figure.colorbar(image, ax=axes, label="amplitude")
+        return lambda at: image.set_data(amplitude[at].reshape(shape))
+    dots = axes.scatter(places[:, 0], places[:, 1], 6.0, amplitude[0], marker="h", **look)
+    axes.figure.colorbar(dots, ax=axes, label="amplitude")
+    return lambda at: dots.set_array(amplitude[at])

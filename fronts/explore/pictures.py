@@ -1,0 +1,323 @@
+"""The six pictures of the explorer: each draws results into a figure of Bokeh.
+
+A new picture derives from `Picture`, says which calls it needs, and is entered in `PICTURES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from bokeh.models import ColumnDataSource, Div, LinearColorMapper, Span
+from bokeh.plotting import figure
+
+from fronts.explore.calls import SITES, SLOW_TIME, Settings
+from fronts.pictures import BLUE, GREEN, VERMILION
+from theory.chains.nucleus import MARGIN
+
+GREY = "#777777"
+HEIGHT = 265
+
+
+class Picture:
+    """A figure with a caption, in whose place a sentence stands where a call is refused.
+
+    Attributes
+    ----------
+    name, title : str
+        For the page.
+    needs : tuple of str
+        Names of the calls without which there is nothing to draw.
+    also : tuple of str
+        Names of calls whose results it draws too, once they are there.
+    x, y : str
+        Labels of the axes.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    needs: ClassVar[tuple[str, ...]] = ()
+    also: ClassVar[tuple[str, ...]] = ()
+    x: ClassVar[str]
+    y: ClassVar[str]
+    options: ClassVar[Mapping[str, Any]] = {}
+
+    def __init__(self) -> None:
+        self.figure = figure(
+            height=HEIGHT, sizing_mode="stretch_width", name=self.name, x_axis_label=self.x,
+            y_axis_label=self.y, visible=False, tools="pan,wheel_zoom,box_zoom,reset",
+            toolbar_location="right", **self.options,
+        )  # fmt: skip
+        self.figure.toolbar.logo = None
+        self.figure.toolbar.autohide = True
+        self.figure.grid.grid_line_color = "#eeeeee"
+        self.figure.outline_line_color = None
+        self.caption = Div(name=f"{self.name}-caption", sizing_mode="stretch_width", margin=0,
+                           styles={"color": "#555", "min-height": "2.7em"})  # fmt: skip
+        self.refusal = Div(name=f"{self.name}-refusal", sizing_mode="stretch_width", visible=False,
+                           margin=0, height=HEIGHT, styles={"color": "#9a3412"})  # fmt: skip
+        self.prepare()
+        for legend in self.figure.legend:
+            self.figure.add_layout(legend, "above")
+            legend.update(orientation="horizontal", border_line_color=None, padding=0, margin=0,
+                          label_text_font_size="12px", glyph_height=14)  # fmt: skip
+
+    def prepare(self) -> None:
+        """Put glyphs into the figure; their sources are empty."""
+        raise NotImplementedError
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw results, and return the caption."""
+        raise NotImplementedError
+
+    def show(self, settings: Settings, found: Mapping[str, Any]) -> None:
+        """Draw what there is, or say the sentence with which it is refused."""
+        if any(name not in found for name in self.needs):
+            return
+        refused = self.refused(found)
+        if not refused:
+            self.caption.text = self.draw(settings, found)
+        self.refusal.text = refused
+        self.refusal.visible = bool(refused)
+        self.figure.visible = self.caption.visible = not refused
+
+    def refused(self, found: Mapping[str, Any]) -> str:
+        """Return the sentence with which a call is refused, or nothing."""
+        return next((found[name] for name in self.needs if isinstance(found[name], str)), "")
+
+    def source(self, name: str, *columns: str) -> ColumnDataSource:
+        """Return an empty source of these columns."""
+        return ColumnDataSource({each: [] for each in columns or ("x", "y")}, name=name)
+
+    def line(self, dimension: str, **look: Any) -> Span:
+        """Return a straight line across the figure."""
+        span = Span(dimension=dimension, line_color=GREY, line_width=1, **look)
+        self.figure.add_layout(span)
+        return span
+
+
+class KineticPicture(Picture):
+    """Every velocity over the coupling at this η, and those at this coupling."""
+
+    name, title = "kinetic", "Kinetic relation (54)"
+    needs, also = ("point",), ("curve",)
+    x, y = "coupling c", "front velocity v"
+    KINDS = ((True, "admissible", BLUE), (False, "not admissible", VERMILION))
+
+    def prepare(self) -> None:
+        """Two kinds of points, the point itself, and the coupling."""
+        self.curve = {}
+        for kind, label, colour in self.KINDS:
+            self.curve[kind] = self.source(f"curve-{kind}")
+            self.figure.scatter("x", "y", source=self.curve[kind], size=4, color=colour,
+                                fill_alpha=1.0 if kind else 0.0, legend_label=label)  # fmt: skip
+        self.point = self.source("point")
+        self.figure.scatter("x", "y", source=self.point, size=11, line_color="black",
+                            fill_color=BLUE)  # fmt: skip
+        self.here = self.line("height", name="here")
+
+    def refused(self, found: Mapping[str, Any]) -> str:
+        """Return also what is said where a front of (44) does not exist at any coupling."""
+        refused = super().refused(found)
+        if not refused and found["point"].c_pin is None and not found["point"].branches:
+            return f"No front travels: {found['point'].reason}"
+        return refused
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw the relation."""
+        answer, curve = found["point"], found.get("curve")
+        self.here.location = answer.c
+        self.point.data = {
+            "x": [answer.c for _ in answer.branches],
+            "y": [each.v for each in answer.branches],
+        }
+        if curve is not None and not isinstance(curve, str):
+            for kind, _, _ in self.KINDS:
+                pairs = [(point.c, each.v) for point in curve.points for each in point.branches
+                         if bool(each.admissible) is kind]  # fmt: skip
+                self.curve[kind].data = {
+                    "x": [c for c, _ in pairs], "y": [v for _, v in pairs],
+                }  # fmt: skip
+        if not answer.branches:
+            return f"{answer.status.value}: {answer.reason}"
+        words = {True: "admissible", False: "not admissible", None: "not decided"}
+        return ", ".join(
+            f"v = {each.v:.12g} ± {each.error:.1g} ({words[each.admissible]}"
+            f"{'' if each.stable is None else ', stable' if each.stable else ', unstable'})"
+            for each in answer.branches[-2:]
+        )
+
+
+class ProfilePicture(Picture):
+    """The shape of the fastest admissible front."""
+
+    name, title = "profile", "Profile of the front (49)"
+    needs = ("profile",)
+    x, y = "ζ (sites)", "φ/φₛ"
+
+    def prepare(self) -> None:
+        """Modulus, real and imaginary part, and the threshold."""
+        self.shape = self.source("shape", "x", "modulus", "re", "im")
+        for part, label, colour, dash in (
+            ("modulus", "|φ|", BLUE, "solid"),
+            ("re", "Re φ", VERMILION, "dashed"),
+            ("im", "Im φ", GREEN, "dotted"),
+        ):
+            self.figure.line("x", part, source=self.shape, color=colour, line_dash=dash,
+                             line_width=1.5, legend_label=label)  # fmt: skip
+        self.threshold = self.line("width")
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw the profile."""
+        front = found["profile"]
+        phi = front.phi
+        self.shape.data = {"x": front.zeta, "modulus": np.abs(phi), "re": phi.real, "im": phi.imag}
+        self.threshold.location = front.threshold
+        kind = "admissible" if front.admissible else "not admissible"
+        return f"v = {front.v:.6g}, {kind}; the threshold is |φ/φₛ| = {front.threshold:.4g}."
+
+
+class StatesPicture(Picture):
+    """The plane of η and c: states of the averaged chain, thresholds of (44), and the place."""
+
+    name, title = "states", "Place in the map"
+    needs, also = ("point",), ("states",)
+    x, y = "η = b/a²", "coupling c"
+    COLOURS: ClassVar[Mapping[str, str]] = {
+        "front": "#bcd9ee",
+        "breather": "#f7d3b8",
+        "fixed point": "#d9d9d9",
+    }
+
+    def prepare(self) -> None:
+        """Squares of the map, and the place."""
+        self.squares = {}
+        for state, colour in self.COLOURS.items():
+            self.squares[state] = self.source(f"state-{state}")
+            self.figure.rect("x", "y", 0.01, 0.1, source=self.squares[state], color=colour,
+                             legend_label=state)  # fmt: skip
+        self.place = self.source("place")
+        self.figure.scatter("x", "y", source=self.place, size=11, line_color="black",
+                            fill_color=BLUE)  # fmt: skip
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw the map and the place in it."""
+        self.place.data = {"x": [settings.eta], "y": [settings.c]}
+        states = found.get("states")
+        if states is None:
+            return "The map is computed once and takes some seconds."
+        if not len(self.squares["front"].data["x"]):
+            table = states.columns()
+            for state, source in self.squares.items():
+                here = table["label"] == state
+                source.data = {"x": table["eta"][here], "y": table["c"][here]}
+        return "What becomes of 16 sites of (43), the last one displaced by 6 (Fig. 15), b = 0.5."
+
+
+class RunPicture(Picture):
+    """Amplitudes of the chain over time and site, and the time that is shown beside."""
+
+    name, title = "run", "The chain in space and time"
+    needs = ("run",)
+    x, y = "slow time εt", "site n"
+    options: ClassVar[Mapping[str, Any]] = {
+        "x_range": (0.0, SLOW_TIME), "y_range": (0.5, SITES + 0.5),
+    }  # fmt: skip
+
+    def prepare(self) -> None:
+        """Put in the image and the line of time."""
+        self.image = self.source("picture", "image")
+        self.colours = LinearColorMapper(palette="Cividis256", low=0.0, high=1.0)
+        self.figure.image("image", x=0.0, y=0.5, dw=SLOW_TIME, dh=SITES, source=self.image,
+                          color_mapper=self.colours)  # fmt: skip
+        self.now = self.line("height", location=0.0, name="now")
+        self.now.line_color = "white"
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw the amplitudes."""
+        run = found["run"]
+        self.colours.high = 1.05 * max(run.chain.stable_amplitude, float(run.amplitude[0].max()))
+        self.image.data = {"image": [np.ascontiguousarray(run.amplitude.T, dtype=np.float32)]}
+        reached = int(np.isfinite(run.arrivals).sum())
+        return f"{reached} of {SITES} sites have passed the unstable cycle by εt = {SLOW_TIME:g}."
+
+
+class NowPicture(Picture):
+    """Amplitudes of the chain at the time shown, beside those of the breather."""
+
+    name, title = "amplitudes", "Amplitudes at that time"
+    needs, also = ("run",), ("breather",)
+    x, y = "site n", "amplitude"
+    options: ClassVar[Mapping[str, Any]] = {"y_range": (0.0, 1.0)}
+
+    def prepare(self) -> None:
+        """Put in the line that runs, the breather, and the two cycles of one cell."""
+        self.chain = self.source("chain")
+        self.breather = self.source("breather")
+        self.figure.line("x", "y", source=self.chain, color=BLUE, line_width=1.5,
+                         legend_label="chain")  # fmt: skip
+        self.figure.scatter("x", "y", source=self.breather, color=VERMILION, size=6,
+                            fill_alpha=0.0, legend_label="breather")  # fmt: skip
+        self.cycles = self.line("width"), self.line("width", line_dash="dashed")
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw the amplitudes."""
+        run, breather = found["run"], found.get("breather")
+        cycles = run.chain.stable_amplitude, run.chain.unstable_amplitude
+        for line, amplitude in zip(self.cycles, cycles, strict=True):
+            line.location = amplitude
+        top = 1.15 * max(cycles[0], float(run.amplitude.max()))
+        self.figure.y_range.update(start=0.0, end=top)
+        self.chain.data = {"x": np.arange(1, SITES + 1), "y": run.amplitude[0]}
+        size = [] if breather is None or isinstance(breather, str) else breather.amplitudes
+        first = (SITES - settings.nucleus) // 2 - MARGIN + 1
+        self.breather.data = {"x": np.arange(first, first + len(size)), "y": size}
+        return f"Cycles of one cell: {cycles[0]:.5g}, stable, and {cycles[1]:.5g}, unstable."
+
+
+class MultipliersPicture(Picture):
+    """Floquet multipliers of the breather, and the unit circle."""
+
+    name, title = "multipliers", "Floquet multipliers of the breather"
+    needs = ("breather",)
+    x, y = "Re μ", "Im μ"
+    options: ClassVar[Mapping[str, Any]] = {
+        "match_aspect": True, "x_range": (-1.6, 1.6), "y_range": (-1.1, 1.1),
+    }  # fmt: skip
+
+    def prepare(self) -> None:
+        """Put in the circle and the points."""
+        turn = np.linspace(0.0, 2.0 * np.pi, 181)
+        self.figure.line(np.cos(turn), np.sin(turn), color=GREY)
+        self.points = self.source("multipliers-points")
+        self.figure.scatter("x", "y", source=self.points, color=BLUE, size=7, fill_alpha=0.25)
+
+    def refused(self, found: Mapping[str, Any]) -> str:
+        """Return also what is said where there is no breather."""
+        refused = super().refused(found)
+        if not refused and found["breather"].multipliers is None:
+            fold = found["breather"].fold
+            where = "" if fold is None else f" The fold is at c = {fold:.9g}."
+            sentence = str(found["breather"].status.sentence)
+            return f"{sentence[:1].upper()}{sentence[1:]}{where}"
+        return refused
+
+    def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
+        """Draw the multipliers."""
+        breather = found["breather"]
+        multipliers = breather.multipliers
+        self.points.data = {"x": multipliers.real, "y": multipliers.imag}
+        trivial = int(np.argmin(np.abs(multipliers - 1.0)))
+        largest = np.abs(np.delete(multipliers, trivial)).max()
+        kind = "stable" if breather.stable else "not stable"
+        return (
+            f"{kind}: the largest |μ| but the trivial one is {largest:.6g}; "
+            f"the trivial one is off 1 by {breather.trivial:.1g}."
+        )
+
+
+PICTURES = (
+    KineticPicture, ProfilePicture, StatesPicture, RunPicture, NowPicture, MultipliersPicture,
+)  # fmt: skip
+"""In the order of the page."""

@@ -1,0 +1,30 @@
+"""
+Fig. 4: critical coupling of the friction chain against nucleus size
+====================================================================
+
+One site at the edge needs the strongest coupling to spread; from three sites on neither the size
+nor the place matters. A nucleus has spread here when one new site sticks by τ = 400.
+"""
+
+import matplotlib.pyplot as plt
+
+import fronts as fr
+
+chain = fr.FrictionChain(c=0, v_d=1.25, sites=31)
+sizes = (1, 3, 5, 7)
+axes = plt.subplots(layout="constrained")[1]
+for place, marker in (("edge", "o-"), ("bulk", "s--")):
+    found = [
+        fr.threshold(
+            chain,
+            fr.Nucleus(size, "0" * (size - 1), place),
+            accuracy=1e-4,
+            highest=0.05,
+            final_time=400,
+            tests=0,
+        )
+        for size in sizes
+    ]
+    axes.plot(sizes, [each.c for each in found], marker, label=place)
+axes.set(xlabel="sites of the nucleus", ylabel="critical coupling c", ylim=(0, None))
+axes.legend()

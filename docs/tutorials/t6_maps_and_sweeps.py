@@ -1,0 +1,104 @@
+"""
+Maps and sweeps on all cores
+============================
+
+A map names the state of a chain at every point of a plane and bisects the boundaries. A sweep
+computes any function of yours at many points. Both use every core, and both go on after a stop.
+"""
+
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import fronts as fr
+
+# %%
+# A map
+# -----
+# ``workers`` is the number of processes; by default one a core. The boundaries are bisected to a
+# part of the spacing, ``refine``.
+
+chain = fr.AveragedChain(a=4, b=0.5, c=0.6, sites=16)
+found = fr.state_map(chain, eta=np.linspace(0.02, 0.13, 8), c=np.linspace(0.05, 0.8, 8), workers=1)
+print(found.counts)
+found.plot()
+
+# %%
+# A sweep
+# -------
+# A task takes a point and returns named numbers. It stands at the top level of a module, so that
+# other processes can import it; here one process is enough.
+
+
+def velocity(point):
+    """Return the velocity of a front and its uncertainty."""
+    front = fr.measure_front(fr.AveragedChain(a=4, b=16 * point["eta"], c=point["c"]))
+    return {"v": front.v, "error": front.error}
+
+
+points = {"eta": [0.02, 0.03, 0.04], "c": [0.5, 1.0]}
+table = fr.sweep(velocity, points, workers=1)
+table.to_pandas()
+
+# %%
+# Nothing is lost
+# ---------------
+# With ``out`` every finished point is written at once, and ``resume`` goes on from there. The table
+# has a record beside it: parameters, versions, and a digest of the code.
+
+with tempfile.TemporaryDirectory() as folder:
+    out = Path(folder) / "velocities.csv"
+    fr.sweep(velocity, points, workers=1, out=out)
+    again = fr.sweep(velocity, points, workers=1, out=out, resume=True)
+    print(sorted(path.name for path in Path(folder).iterdir()))
+print(np.array_equal(again["v"], table["v"]))
+
+# %%
+# How far it is
+# -------------
+# Long computations take a ``progress``. `fronts.Progress` is a line in a terminal, a bar in a
+# notebook and a line a minute in a log; the time left is estimated once the compiled code is there.
+
+with fr.Progress("velocities") as shown:
+    fr.sweep(velocity, points, workers=1, progress=shown.report)
+
+# %%
+# Any executor
+# ------------
+# ``executor`` takes whatever has the interface of ``concurrent.futures``: a pool of processes, of
+# MPI ranks, or of the workers of a cluster. The table is the same, bit for bit.
+
+with ThreadPoolExecutor(1) as pool:
+    other = fr.sweep(velocity, points, executor=pool)
+print(np.array_equal(other["v"], table["v"]))
+
+# %%
+# A cluster
+# ---------
+# On the workers of a dask cluster (``pip install excitation-fronts[cluster]``, there as here) it is
+#
+# .. code-block:: python
+#
+#    from distributed import Client
+#
+#    client = Client("tcp://host:8786")
+#    table = fr.sweep(velocity, points, executor=client.get_executor())
+#
+# where ``velocity`` stands in a module that the workers can import. Points that a lost worker had
+# not handed over are computed again by the others; a point that kills four workers is given up and
+# named in the error. `fronts.state_map` takes ``executor`` too, and at the shell
+# ``fronts map averaged --scheduler tcp://host:8786`` does the same.
+
+# %%
+# At the shell a map is ``fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv``,
+# which draws with ``--picture`` and goes on with ``--resume``.
+
+axes = plt.subplots(layout="constrained")[1]
+for eta in points["eta"]:
+    rows = table["eta"] == eta
+    axes.plot(table["c"][rows], table["v"][rows], "o-", label=f"η = {eta}")
+axes.set(xlabel="coupling c", ylabel="front velocity v/ε")
+axes.legend()

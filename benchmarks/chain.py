@@ -46,6 +46,8 @@ from verification.steppers.taylor import FULL, taylor_order, taylor_steps
 FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[float], FloatArray]
 """From a tolerance to the final (y, ẏ)."""
+Forces = Callable[[Any, Any], list[Any]]
+"""From the y and the ẏ, symbols of a peer, to the accelerations."""
 
 OURS, SERIES = "Runge-Kutta 8 (default)", "Taylor series"
 STATED = "Runge-Kutta 8, error stated"
@@ -207,50 +209,66 @@ def scipy_solver(task: Task, method: ScipyMethod) -> Solve:
     return solve
 
 
+def _forces(chain: VdpChain, y: Any, w: Any) -> list[Any]:
+    """Return the accelerations in the symbols of a peer."""
+    found = []
+    for i in range(chain.sites):
+        square = y[i] ** 2
+        force = -y[i] - chain.eps * w[i] * (1.0 - chain.a * square + chain.b * square * square)
+        for j in (i - 1, i + 1):
+            if 0 <= j < chain.sites:
+                force = force - chain.eps * chain.c * (y[i] - y[j])
+        found.append(force)
+    return found
+
+
 def jitcode_solver(task: Task, method: str) -> Solve:
     """Return jitcode's integrator, compiled."""
+    return compiled_by_jitcode(partial(_forces, task.chain), task.start, task.end, method)
+
+
+def heyoka_solver(task: Task, tolerance: float) -> Solve:
+    """Return heyoka's Taylor integrator at one tolerance, compiled.
+
+    The whole step unrolled: slower to compile than compact mode, and twice as fast.
+    """
+    return compiled_by_heyoka(partial(_forces, task.chain), task.start, task.end, tolerance)
+
+
+def compiled_by_jitcode(forces: Forces, start: FloatArray, end: float, method: str) -> Solve:
+    """Return an integrator of jitcode for accelerations, from (y, ẏ) at 0 until a time."""
     from jitcode import jitcode
     from jitcode import y as state
 
-    chain, n = task.chain, task.chain.sites
-    terms: list[Any] = [state(n + i) for i in range(n)]
-    for i in range(n):
-        pull = sum(state(i) - state(j) for j in (i - 1, i + 1) if 0 <= j < n)
-        damping = 1 - chain.a * state(i) ** 2 + chain.b * state(i) ** 4
-        terms.append(-state(i) - chain.eps * (chain.c * pull + state(n + i) * damping))
-    ode = jitcode(terms, verbose=False)
+    n = start.size // 2
+    y, w = [state(i) for i in range(n)], [state(n + i) for i in range(n)]
+    ode = jitcode([*w, *forces(y, w)], verbose=False)
     ode.compile_C()
 
     def solve(tolerance: float) -> FloatArray:
         ode.set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=10**8)
-        ode.set_initial_value(task.start.copy(), 0.0)
-        return np.asarray(ode.integrate(task.end))
+        ode.set_initial_value(start.copy(), 0.0)
+        return np.asarray(ode.integrate(end))
 
     return solve
 
 
-def heyoka_solver(task: Task, tolerance: float) -> Solve:
-    """Return heyoka's Taylor integrator at one tolerance, compiled."""
+def compiled_by_heyoka(
+    forces: Forces, start: FloatArray, end: float, tolerance: float, *, compact: bool = False
+) -> Solve:
+    """Return heyoka's Taylor integrator for accelerations, from (y, ẏ) at 0 until a time."""
     import heyoka
 
-    chain, n = task.chain, task.chain.sites
+    n = start.size // 2
     y = heyoka.make_vars(*[f"y{i}" for i in range(n)])
     w = heyoka.make_vars(*[f"w{i}" for i in range(n)])
-    system = [(y[i], w[i]) for i in range(n)]
-    for i in range(n):
-        square = y[i] ** 2
-        force = -y[i] - chain.eps * w[i] * (1.0 - chain.a * square + chain.b * square * square)
-        for j in (i - 1, i + 1):
-            if 0 <= j < n:
-                force = force - chain.eps * chain.c * (y[i] - y[j])
-        system.append((w[i], force))
-    # The whole step unrolled: slower to compile than compact mode, and twice as fast.
-    run = heyoka.taylor_adaptive(system, task.start.copy(), tol=tolerance)
+    system = [*zip(y, w, strict=True), *zip(w, forces(y, w), strict=True)]
+    run = heyoka.taylor_adaptive(system, start.copy(), tol=tolerance, compact_mode=compact)
 
     def solve(_: float) -> FloatArray:
         run.time = 0.0
-        run.state[:] = task.start
-        run.propagate_until(task.end)
+        run.state[:] = start
+        run.propagate_until(end)
         return np.array(run.state)
 
     return solve
@@ -259,7 +277,7 @@ def heyoka_solver(task: Task, tolerance: float) -> Solve:
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
     """Return how the default stepper compares at the ordinary problem, and whole tasks."""
     ordinary = timed("chain")[0].name
-    return (*ratio_targets([p for p in points if p.scene == ordinary]), *_tasks(quick, report))
+    return (*ratio_targets([p for p in points if p.problem == ordinary]), *_tasks(quick, report))
 
 
 def ratio_targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:

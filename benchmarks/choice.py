@@ -53,7 +53,7 @@ class Choice:
 
     Attributes
     ----------
-    quantity, scene, default : str
+    quantity, problem, default : str
         What, where, which.
     recorded : str
         Date of the record.
@@ -70,7 +70,7 @@ class Choice:
     """
 
     quantity: str
-    scene: str
+    problem: str
     default: str
     recorded: str
     fastest: tuple[float, ...]
@@ -96,13 +96,13 @@ def choices(benchmark: WorkPrecision, quantity: Quantity, record: Record) -> lis
     rows, default = [], quantity.default
     stale = staleness(record.code)
     apart = {*benchmark.variants, *benchmark.others}
-    for scene in dict.fromkeys(point.scene for point in record.points):
-        here = [point for point in record.points if point.scene == scene]
+    for problem in dict.fromkeys(point.problem for point in record.points):
+        here = [point for point in record.points if point.problem == problem]
         if not any(point.method == default for point in here):
-            raise ValueError(f"{benchmark.name}: no point of {default} at {scene}")
+            raise ValueError(f"{benchmark.name}: no point of {default} at {problem}")
         fastest, beaten = [], []
         low, high = quantity.useful or (0.0, 0.0)
-        for error in decades(max(low, record.agreement[scene]), high):
+        for error in decades(max(low, record.agreement[problem]), high):
             best = fastest_within((point for point in here if point.method not in apart), error)
             if not best:
                 continue
@@ -115,7 +115,7 @@ def choices(benchmark: WorkPrecision, quantity: Quantity, record: Record) -> lis
                 beaten.append(Beaten(error, rival, factor))
         rows.append(
             Choice(
-                benchmark.name, scene, default, record.date, tuple(fastest), tuple(beaten),
+                benchmark.name, problem, default, record.date, tuple(fastest), tuple(beaten),
                 {each.by: benchmark.reasons.get(each.by, NO_REASON) for each in beaten},
                 {name: what for name, what in benchmark.others.items()
                  if any(point.method == name for point in here)},
@@ -183,18 +183,18 @@ def as_text(rows: Sequence[Choice]) -> str:
     Examples
     --------
     >>> print(as_text([Choice("sum", "s", "m", "today", (1e-2,), (Beaten(1e-3, "n", 2.0),))]))
-    quantity     scene                        default                       is the fastest
+    quantity     problem                        default                       is the fastest
     sum          s                            m                             at 1 of 2 errors: 1e-02
                      n is faster: 1e-03 (2.0 times)
     """
-    lines = [f"{'quantity':12} {'scene':28} {'default':29} is the fastest"]
+    lines = [f"{'quantity':12} {'problem':28} {'default':29} is the fastest"]
     for row in rows:
         total = len(row.fastest) + len(row.beaten)
         where = span(row.fastest)
         verdict = f"everywhere, {where}" if row.lower_envelope else (
             f"at {len(row.fastest)} of {total} errors" + (f": {where}" if where else "")
         )  # fmt: skip
-        lines.append(f"{row.quantity:12} {row.scene:28} {row.default:29} {verdict}")
+        lines.append(f"{row.quantity:12} {row.problem:28} {row.default:29} {verdict}")
         for by in dict.fromkeys(each.by for each in row.beaten):
             there = ", ".join(
                 f"{each.error:.0e} "

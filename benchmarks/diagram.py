@@ -29,14 +29,14 @@ _STRIP = 0.02
 
 def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> None:
     """Write ``<name>.svg``, ``.png`` and ``.csv``."""
-    scenes = list(dict.fromkeys(point.scene for point in points))
+    problems = list(dict.fromkeys(point.problem for point in points))
     two = max(map(len, style.methods)) <= _SHORT
     lines = (len(style.methods) + 3) // (2 if two else 1)
-    height = 2.4 * max(1, len(scenes)) + 0.16 * lines
-    figure, panels = new_panels(1, max(1, len(scenes)), width="column", height=height)
-    for axes, scene in zip(panels, scenes, strict=False):
-        _panel(axes, [point for point in points if point.scene == scene], style)
-        axes.set(title=scene, ylabel=style.ylabel)
+    height = 2.4 * max(1, len(problems)) + 0.16 * lines
+    figure, panels = new_panels(1, max(1, len(problems)), width="column", height=height)
+    for axes, problem in zip(panels, problems, strict=False):
+        _panel(axes, [point for point in points if point.problem == problem], style)
+        axes.set(title=problem, ylabel=style.ylabel)
     panels[-1].set_xlabel(style.xlabel)
     handles: dict[str, Artist] = {}
     for axes in panels:
@@ -56,7 +56,7 @@ def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> 
         style.caption,
         figure,
         {
-            "scene": [point.scene for point in points],
+            "problem": [point.problem for point in points],
             "method": [point.method for point in points],
             "setting": [point.knob for point in points],
             "error": [point.error for point in points],

@@ -133,7 +133,7 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[T
     compared with our fastest setting that is at least as exact.
     """
     ordinary = timed("friction")[0].name
-    points = [point for point in points if point.scene == ordinary]
+    points = [point for point in points if point.problem == ordinary]
     ours = [point for point in points if point.method == EXACT]
     peers = [point for point in points if point.method.startswith("scipy ")]
     garbage = sum(point.error > GARBAGE for point in peers)

@@ -18,7 +18,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from benchmarks.growth_work import Work, works
+from benchmarks.growth_work import WORKS, Work
 from benchmarks.record import PACKAGES
 from benchmarks.work_precision import Report
 from verification.execution.files import write_json
@@ -66,7 +66,7 @@ class Growth:
 def measure(quick: bool, report: Report) -> list[Growth]:
     """Measure every kind of work."""
     done = []
-    for work in works():
+    for work in WORKS:
         report(f"growth: {work.name}")
         sizes = work.quick if quick else work.full
         work.work(sizes[0])  # compiled and imported before anything is timed

@@ -45,69 +45,6 @@ class Work:
     remark: str = ""
 
 
-def works() -> list[Work]:
-    """Return every kind of work."""
-    return [
-        Work(
-            "front of (43), moving window", "sites", front, (10, 100, 1000, 3000),
-            (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000), 1.0,
-            "the time to cross is N, the window is constant",
-        ),
-        Work(
-            "front of (8), moving window", "sites", full_front, (10, 100, 300),
-            (10, 30, 100, 300, 1000, 3000, 10_000), 1.0,
-            "the time to cross is N, the window is constant",
-        ),
-        Work(
-            "front of (43), all sites", "sites", whole_front, (50, 100, 200),
-            (50, 100, 200, 400, 800, 1600), 2.0, "the time to cross is N, and so are the sites",
-        ),
-        Work(
-            "front of (5)", "sites", friction_front, (20, 40, 80), (20, 40, 80, 160, 320, 640), 3.0,
-            "the time to cross is N and all sites behind go on switching: N² events, each ends a "
-            "step, and each step is of all sites",
-            remark="on few sites what a step costs whatever its length counts beside the sites",
-        ),
-        Work(
-            "sum by the series", "digits", series, (15, 30, 60), (15, 30, 60, 120, 250), 3.0,
-            "as many roots as digits, and Taylor products of as many terms: two powers, and the "
-            "length of the numbers",
-            remark="numbers of a few hundred digits are a few machine words long: what an "
-            "operation costs hardly grows yet",
-        ),
-        Work(
-            "sum by the integral, many digits", "digits", integral, (15, 30, 60),
-            (15, 30, 60, 120, 250, 500), 2.0,
-            "as many points as digits, each an exponential of so many digits",
-            remark="as above; the exponent still rises with the digits",
-        ),
-        Work(
-            "sum by the integral, double", "1/v", slow_sum, (1, 10, 100, 1000, 10_000),
-            (1, 1e2, 1e4, 1e6, 1e8), 0.0, "the strip of analyticity stays open as v falls", 20,
-        ),
-        Work(
-            "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
-            "|Σ| turns in 1/v and every turn is looked at",
-            remark="the overhead of arrays rules; there is no farther to go, since below v = 1/54 "
-            "|Σ| is flat to rounding",
-        ),
-        Work(
-            "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
-            (16, 64, 256, 1024, 4096), 1.0, "a point knows nothing of the others",
-        ),
-        Work(
-            "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
-            "half the points a worker", 1, True,
-            "a point takes a millisecond, and to start workers and hand points over costs more",
-        ),
-        Work(
-            "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
-            "half the points a worker", 1, True,
-            "each worker takes a second to start, and the cores share their memory",
-        ),
-    ]  # fmt: skip
-
-
 def front(sites: float) -> object:
     return _front(int(sites), 24)
 
@@ -143,6 +80,16 @@ def friction_front(sites: float) -> object:
     return simulate(
         chain, excite(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, estimate_error=False
     )
+
+
+def friction_sites(sites: float) -> object:
+    """Step sites that start at random to τ = 20."""
+    from theory.chains.friction import FrictionChain
+    from verification.runs.simulate import simulate
+
+    rng, n = np.random.default_rng(1), int(sites)
+    start = np.array([rng.uniform(-1.0, 2.0, n), rng.uniform(-1.0, 1.0, n)])
+    return simulate(FrictionChain(c=0.02, sites=n), start, 20.0, samples=2, estimate_error=False)
 
 
 def series(digits: float) -> object:
@@ -194,3 +141,71 @@ def _map(points: int, count: int, full: bool = False) -> object:
     task = StateTask(chain=FIGURE_15 if full else FIGURE_15.averaged())
     plane = state_points(task, {"eta": etas.tolist(), "c": couplings.tolist()})
     return sweep(task, plane, workers=count)
+
+
+WORKS = (
+    Work(
+        "front of (43), moving window", "sites", front, (10, 100, 1000, 3000),
+        (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000), 1.0,
+        "the time to cross is N, the window is constant",
+    ),
+    Work(
+        "front of (8), moving window", "sites", full_front, (10, 100, 300),
+        (10, 30, 100, 300, 1000, 3000, 10_000), 1.0,
+        "the time to cross is N, the window is constant",
+    ),
+    Work(
+        "front of (43), all sites", "sites", whole_front, (50, 100, 200),
+        (50, 100, 200, 400, 800, 1600), 2.0, "the time to cross is N, and so are the sites",
+    ),
+    Work(
+        "front of (5)", "sites", friction_front, (20, 40, 80),
+        (20, 40, 80, 160, 320, 640, 1000), 2.0,
+        "the time to cross is N and all sites behind go on switching: N² events, each of which "
+        "asks for new series at a few sites",
+        remark="on few sites what a frame costs whatever its sites counts beside them",
+    ),
+    Work(
+        "random sites of (5)", "sites", friction_sites, (100, 300, 1000),
+        (100, 300, 1000, 3000, 10_000), 1.0,
+        "each event asks for new series at a few sites, however many there are",
+    ),
+    Work(
+        "sum by the series", "digits", series, (15, 30, 60), (15, 30, 60, 120, 250), 3.0,
+        "as many roots as digits, and Taylor products of as many terms: two powers, and the "
+        "length of the numbers",
+        remark="numbers of a few hundred digits are a few machine words long: what an "
+        "operation costs hardly grows yet",
+    ),
+    Work(
+        "sum by the integral, many digits", "digits", integral, (15, 30, 60),
+        (15, 30, 60, 120, 250, 500), 2.0,
+        "as many points as digits, each an exponential of so many digits",
+        remark="as above; the exponent still rises with the digits",
+    ),
+    Work(
+        "sum by the integral, double", "1/v", slow_sum, (1, 10, 100, 1000, 10_000),
+        (1, 1e2, 1e4, 1e6, 1e8), 0.0, "the strip of analyticity stays open as v falls", 20,
+    ),
+    Work(
+        "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
+        "|Σ| turns in 1/v and every turn is looked at",
+        remark="the overhead of arrays rules; there is no farther to go, since below v = 1/54 "
+        "|Σ| is flat to rounding",
+    ),
+    Work(
+        "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
+        (16, 64, 256, 1024, 4096), 1.0, "a point knows nothing of the others",
+    ),
+    Work(
+        "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
+        "half the points a worker", 1, True,
+        "a point takes a millisecond, and to start workers and hand points over costs more",
+    ),
+    Work(
+        "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
+        "half the points a worker", 1, True,
+        "each worker takes a second to start, and the cores share their memory",
+    ),
+)  # fmt: skip
+"""Every kind of work."""

@@ -159,7 +159,8 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Ta
     """Return boundaries a second of each setting."""
     return [
         Target(
-            f"{point.method}, {point.knob}, {point.scene}", 1.0 / point.seconds, "no target", None,
+            ", ".join((point.method, point.knob, point.problem)), 1.0 / point.seconds,
+            "no target", None,
             "boundaries a second", f"off by {point.error:.1e} in c",
         )
         for point in points

@@ -92,7 +92,7 @@ def _stated(chain: VdpChain, state: FloatArray, period: float, steps: int) -> An
     """Return them with the claim of the matrix: its change when the steps are halved."""
     coarse, fine = (integrate_variations(chain, state, period, n) for n in (steps, 2 * steps))
     change = float(np.abs(fine.monodromy - coarse.monodromy).max())
-    found = floquet_multipliers(fine.monodromy, period, chain.eps, 0, change)
+    found = floquet_multipliers(fine.monodromy, period, chain.eps, parity=0, error=change)
     return Answer(value=np.asarray(found.values, dtype=complex), claimed=found.error)
 
 

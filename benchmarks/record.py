@@ -27,9 +27,8 @@ class WorkPoint:
 
     Attributes
     ----------
-    quantity, scene, method, knob : str
+    quantity, problem, method, knob : str
         What was computed, at which test problem, how, and the setting that trades error for time.
-        (``scene`` is the key of the stored format.)
     error : float
         Distance from the reference.
     claimed : float or None
@@ -45,7 +44,7 @@ class WorkPoint:
     """
 
     quantity: str
-    scene: str
+    problem: str
     method: str
     knob: str
     error: float
@@ -66,7 +65,7 @@ class Failure:
     """One method that gave no value at one setting, and why."""
 
     quantity: str
-    scene: str
+    problem: str
     method: str
     knob: str
     reason: str
@@ -171,9 +170,10 @@ class Record:
     code: Mapping[str, object] | None = None
 
 
-def stamped(
+def record_of(
     command: str,
     agreement: Mapping[str, float],
+    *,
     points: Sequence[WorkPoint],
     failures: Sequence[Failure],
     targets: Sequence[Target] = (),

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from benchmarks.first_call import first_calls
-from benchmarks.record import Failure, Record, WorkPoint, stamped
+from benchmarks.record import Failure, Record, WorkPoint, record_of
 from benchmarks.work_precision import Report, WorkPrecision, measure_side_by_side
 from theory.parameters import ParameterError
 from verification.execution.discovery import check_distinct, exposed
@@ -70,11 +70,19 @@ def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> Record:
         report(f"{benchmark.name} at the problem {problem.name}: {len(settings)} settings")
         effort = benchmark.quick_effort if quick else benchmark.effort
         where = (benchmark.name, problem.name)
-        done, failed = measure_side_by_side(*where, settings, effort, error=benchmark.error)
+        done, failed = measure_side_by_side(*where, settings, effort=effort, error=benchmark.error)
         points += done
         failures += failed
         failures += [Failure(*where, *each) for each in prepared.failures]
     targets = benchmark.targets(points, quick, report)
     calls = () if quick else first_calls(benchmark, report)
     command = f"fronts bench {benchmark.name}" + " --quick" * quick
-    return stamped(command, agreement, points, failures, targets, calls, code)
+    return record_of(
+        command,
+        agreement,
+        points=points,
+        failures=failures,
+        targets=targets,
+        first_calls=calls,
+        code=code,
+    )

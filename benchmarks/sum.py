@@ -201,11 +201,13 @@ def _by_contour(v: float, c: float, reach: int, tail: bool, options: Mapping[str
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
     """Return the speeds promised for the piecewise-linear front, each measured."""
     report("promised speeds")
-    problems = dict.fromkeys(point.scene for point in points)
+    problems = dict.fromkeys(point.problem for point in points)
     ratios = [row for problem in problems for row in ratio_targets(points, problem)]
     repeats = 3 if quick else 9
     return (
         _batch_target(quick),
+        _corners(3 if quick else 9),
+        _one_call(200 if quick else 2_000),
         *ratios,
         _curve(1 if quick else 5),
         _command(repeats),
@@ -229,7 +231,7 @@ def ratio_targets(points: Sequence[WorkPoint], problem: str) -> tuple[Target, ..
     stands beside it.
     """
     rows = []
-    here = [point for point in points if point.scene == problem]
+    here = [point for point in points if point.problem == problem]
     for name, limit in ((QUAD, 200.0), (WITH_TAIL, 1e4), (WITHOUT_TAIL, 1e4)):
         peers = [point for point in here if point.method == name]
         for ours in (BATCH, ONE_CALL) if peers else ():  # a peer that failed is listed there
@@ -267,8 +269,43 @@ def _batch_target(quick: bool) -> Target:
         f"bound {found.error.max():.1e}; {np.mean(found.points):.0f} points each; "
         f"{cores:.2f} cores busy"
     )
-    return Target("sum, vectorised, v and c from 0.3 to 3", v.size / seconds, "at least", 1e5,
+    return Target("sum, vectorised, v and c from 0.3 to 3", v.size / seconds, "at least", 3e6,
                   "evaluations a second", detail)  # fmt: skip
+
+
+def _corners(repeats: int) -> Target:
+    """Return the worst cost along the velocities of fronts, over that of an ordinary one.
+
+    v within a factor of three of V√c for V = 1, c from 1e-8 to 1e8; the same number of values each.
+    """
+    spread = np.geomspace(1.0 / 3.0, 3.0, 5_000)
+    near = 0.3 * np.geomspace(0.9, 1.1, spread.size)
+    _, ordinary = _timed(partial(sums, near, 0.5, 1e-12), repeats)
+    costs = {}
+    for c in 10.0 ** np.arange(-8, 9):
+        v = math.sqrt(c) * spread
+        _, seconds = _timed(partial(sums, v, c, 1e-12), repeats)
+        found = sums(v, c, 1e-12)
+        costs[float(c)] = (seconds / ordinary, int(found.points.max()), float(found.error.max()))
+    worst = max(costs, key=lambda c: costs[c][0])
+    detail = (
+        f"worst at c = {worst:g}, with {costs[worst][1]} points; largest bound "
+        f"{max(error for _, _, error in costs.values()):.1e}; an ordinary value (v = 0.3, c = 0.5) "
+        f"takes {1e6 * ordinary / spread.size:.2g} us"
+    )
+    return Target("sum along the velocities of fronts, c from 1e-8 to 1e8", costs[worst][0],
+                  "below", 3.0, "times an ordinary value", detail)  # fmt: skip
+
+
+def _one_call(repeats: int) -> Target:
+    """Return the time of one value by the plain rules, no compiler loaded for it."""
+    worst = 0.0
+    for v, c in ((3.0, 0.3), (1.0, 1.0), (0.3, 0.5), (1.0, 2.5), (10.0, 100.0), (1e4, 1e8)):
+        _, seconds = _timed(partial(sum_by_integral, v, c, 1e-12), repeats)
+        worst = max(worst, seconds)
+    _, seconds = _timed(partial(sum_by_integral, 0.3, 0.5, 1e-12), repeats)
+    return Target("one value of the sum, v = 0.3, c = 0.5", 1e6 * seconds, "below", 20.0, "us",
+                  f"the dearest of six places takes {1e6 * worst:.3g} us")  # fmt: skip
 
 
 def _curve(repeats: int) -> Target:

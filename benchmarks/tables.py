@@ -21,17 +21,17 @@ def _head(run: Record) -> Iterator[str]:
 
 
 def _points(run: Record) -> Iterator[str]:
-    for scene in dict.fromkeys(point.scene for point in run.points):
+    for problem in dict.fromkeys(point.problem for point in run.points):
         yield ""
-        yield f"{scene}: references without common code differ by {run.agreement[scene]:.0e}"
+        yield f"{problem}: references without common code differ by {run.agreement[problem]:.0e}"
         yield f"  {'method':22} {'setting':30} {'error':>8} {'claimed':>8} {'first s':>8}" + (
             f" {'median s':>9} {'of':>4}"
         )
-        for point in (each for each in run.points if each.scene == scene):
+        for point in (each for each in run.points if each.problem == problem):
             claimed = "-" if point.claimed is None else f"{point.claimed:.1e}"
             # The reference itself is known to within the agreement only.
             beyond = point.claimed is not None and (
-                point.error > point.claimed + run.agreement[scene]
+                point.error > point.claimed + run.agreement[problem]
             )
             mark = "  WORSE THAN IT CLAIMS" if beyond else ""
             warned = f"  warned: {point.warning[:50]}" if point.warning else ""
@@ -57,7 +57,7 @@ def _failures(run: Record) -> Iterator[str]:
     yield ""
     yield "failures" if run.failures else "failures: none"
     for each in run.failures:
-        yield f"  {each.scene}, {each.method}, {each.knob}: {each.reason}"
+        yield f"  {each.problem}, {each.method}, {each.knob}: {each.reason}"
 
 
 def _targets(run: Record) -> Iterator[str]:

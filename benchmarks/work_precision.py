@@ -253,6 +253,7 @@ def measure_side_by_side(
     quantity: str,
     problem: str,
     settings: Sequence[Setting],
+    *,
     effort: Effort,
     clock: Callable[[], float] = process_time,
     error: Callable[[Any, Any], float] = distance,

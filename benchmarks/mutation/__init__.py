@@ -1,1 +1,1 @@
-"""Whether the tests notice a wrong formula: one sign, factor or index changed at a time."""
+"""Whether the tests notice a wrong formula or a wrong judgement: one thing changed at a time."""

@@ -1,18 +1,20 @@
-"""The list of changes to one module: one sign, factor, index, comparison or function each.
+"""The list of changes to one module, one at a time.
 
-Only what computes is changed. Left alone are docstrings, annotations, default values, messages,
-everything inside ``raise`` and ``assert``, checks of parameters, and numbers below 1e-5 or above
-1e4, which are tolerances and limits, and wall-clock times. A comparison is reversed, not moved by
-its own boundary.
+Of formulas: a sign, factor, index or function. Of what judges: a comparison reversed or moved over
+its boundary; a term, a condition, a branch or a call dropped; two arguments swapped; a flag or a
+default value changed; a tolerance a thousandfold; a stated error divided by a hundred, or negative.
+Left alone are docstrings, annotations, messages, everything inside ``raise`` and ``assert``, the
+limits of parameters, numbers above 1e4, and wall-clock times.
 """
 
 from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from itertools import pairwise
 
 from benchmarks.mutation.places import Place, Scope, called, places_of
 
@@ -29,6 +31,12 @@ COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.LtE: ast.Gt,
     ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq,
+}
+BOUNDARIES: dict[type[ast.cmpop], type[ast.cmpop]] = {
+    ast.Lt: ast.LtE,
+    ast.LtE: ast.Lt,
+    ast.Gt: ast.GtE,
+    ast.GtE: ast.Gt,
 }
 FUNCTIONS = {
     "sin": "cos",
@@ -58,10 +66,13 @@ NEGATED = frozenset({"exp", "expm1", "expj"})
 DROPPED = frozenset({"conj", "conjugate", "abs", "sqrt", "log", "log1p", "arcsinh", "asinh"})
 """Functions that are replaced by their argument."""
 
-SMALLEST, LARGEST = 1e-5, 1e4
+SYMMETRIC = frozenset(
+    {"max", "min", "maximum", "minimum", "hypot", "array_equal", "isinstance", "getattr", "hasattr"}
+)
+"""Functions whose arguments are not swapped: it changes nothing, or leaves no program."""
 
-RATIONALS = frozenset({"Rational", "Integer", "mpf", "mpc"})
-"""Calls whose arguments are numbers of a formula."""
+SMALLEST, LARGEST = 1e-5, 1e4
+"""Numbers below are tolerances, numbers above are limits."""
 
 
 @dataclass(frozen=True)
@@ -82,14 +93,6 @@ class Mutant:
         ``before -> after``, with ``#2`` for the second equal change in the function.
     render : callable
         Writes ``source``, the whole module with the change.
-    formula : int
-        Number of the formula in the module: a simple statement, or an equation within one; 0
-        outside any, as in a condition.
-    kind : str
-        ``sign``, ``factor`` or ``index`` (of a subscript, or an exponent); empty for the rest.
-    stated : bool
-        Whether the docstring of the function or its class states an equation, or names one by its
-        number.
     """
 
     module: str
@@ -98,9 +101,6 @@ class Mutant:
     first_line: int
     change: str
     render: Callable[[], str] = field(repr=False, compare=False)
-    formula: int = 0
-    kind: str = ""
-    stated: bool = False
 
     @cached_property
     def source(self) -> str:
@@ -119,32 +119,38 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     Examples
     --------
     >>> source = "def f(x): return x - sin(2 * x)"
-    >>> [mutant.change for mutant in mutants_of("m.py", source)]
-    ['x - sin(2 * x) -> x + sin(2 * x)', 'sin(2 * x) -> cos(2 * x)', '2 * x -> 2 / x', '2 -> 3']
+    >>> for mutant in mutants_of("m.py", source):
+    ...     print(mutant.change)
+    x - sin(2 * x) -> x + sin(2 * x)
+    x - sin(2 * x) -> x
+    sin(2 * x) -> cos(2 * x)
+    2 * x -> 2 / x
+    2 -> 3
     """
     tree = ast.parse(source)
     found = []
     seen: Counter[tuple[str, str]] = Counter()
     for place in places_of(tree, Scope()):
         node, scope = place.node, place.scope
-        changed = _change(node)
-        if changed is None:
+        if "perf_counter()" in ast.unparse(node):
             continue
-        text = f"{_short(node)} -> {_short(changed)}"
-        seen[scope.function, text] += 1
-        if seen[scope.function, text] > 1:
-            text += f" #{seen[scope.function, text]}"
-        kind = _kind(place) if scope.formula else ""
-        where = (scope.function, node.lineno, scope.first_line)
-        write = partial(_rendered, tree, place, changed)
-        found.append(Mutant(module, *where, text, write, scope.formula, kind, scope.stated))
+        for new in _changes(place):
+            changed = ast.copy_location(ast.fix_missing_locations(new), node)
+            text = f"{_short(node)} -> {_short(changed)}"
+            if scope.default:  # counted apart
+                text = f"default {text}"
+            seen[scope.function, text] += 1
+            if seen[scope.function, text] > 1:
+                text += f" #{seen[scope.function, text]}"
+            where = (scope.function, node.lineno, scope.first_line)
+            found.append(Mutant(module, *where, text, partial(_rendered, tree, place, changed)))
     return found
 
 
 def _rendered(tree: ast.AST, place: Place, changed: ast.AST) -> str:
-    _put(place, changed)
+    place.put(changed)
     source = ast.unparse(tree)
-    _put(place, place.node)
+    place.put(place.node)
     return source
 
 
@@ -153,46 +159,27 @@ def _short(node: ast.AST) -> str:
     return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"
 
 
-def _put(place: Place, node: ast.AST) -> None:
-    if place.position is None:
-        setattr(place.parent, place.field, node)
-    else:
-        getattr(place.parent, place.field)[place.position] = node
-
-
-def _kind(place: Place) -> str:
+def _changes(place: Place) -> Iterator[ast.expr | ast.AugAssign]:
+    """Yield what takes the place of an expression or statement, one after another."""
     node = place.node
-    if place.scope.index and isinstance(node, ast.BinOp | ast.UnaryOp | ast.Constant):
-        return "index"
-    if isinstance(node, ast.BinOp | ast.AugAssign):
-        return "sign" if isinstance(node.op, ast.Add | ast.Sub) else "factor"
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        return "sign"
-    if isinstance(node, ast.Call) and called(node) in NEGATED:
-        return "sign"
-    if isinstance(node, ast.Constant):
-        if isinstance(node.value, complex):
-            return "sign"
-        if isinstance(place.parent, ast.BinOp) or (
-            isinstance(place.parent, ast.Call) and called(place.parent) in RATIONALS
-        ):
-            return "factor"
-    return ""
+    first = _of_a_formula(node)
+    if first is not None:
+        yield first
+    if isinstance(node, ast.expr):
+        yield from _of_a_judgement(place, node)
 
 
-def _change(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
-    """Return what takes the place of this expression or statement."""
+def _of_a_formula(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
+    """Return the other sign, factor, index, comparison or function."""
     new: ast.expr | ast.AugAssign | None = None
-    if "perf_counter()" in ast.unparse(node):
-        return None
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS and not _holds_text(node):
         new = ast.BinOp(node.left, OPERATORS[type(node.op)](), node.right)
     elif isinstance(node, ast.AugAssign) and type(node.op) in OPERATORS:
         new = ast.AugAssign(node.target, OPERATORS[type(node.op)](), node.value)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not | ast.Invert):
         new = node.operand
-    elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in COMPARISONS:
-        new = ast.Compare(node.left, [COMPARISONS[type(node.ops[0])]()], node.comparators)
+    elif isinstance(node, ast.Compare):
+        new = _compared(node, COMPARISONS)
     elif isinstance(node, ast.BoolOp):
         op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
         new = ast.BoolOp(op, node.values)
@@ -202,7 +189,60 @@ def _change(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
         new = ast.Attribute(node.value, FUNCTIONS[node.attr], node.ctx)
     elif isinstance(node, ast.Call):
         new = _other_call(node)
-    return None if new is None else ast.copy_location(ast.fix_missing_locations(new), node)
+    return new
+
+
+def _of_a_judgement(place: Place, node: ast.expr) -> Iterator[ast.expr]:
+    """Yield what loosens, drops or exchanges: one boundary, term, condition, branch or call."""
+    if isinstance(node, ast.Compare) and (moved := _compared(node, BOUNDARIES)):
+        yield moved
+    elif isinstance(node, ast.BinOp) and not _holds_text(node):
+        if isinstance(node.op, ast.Add | ast.Sub):
+            yield node.left
+        if isinstance(node.op, ast.Add):
+            yield node.right
+    elif isinstance(node, ast.BoolOp):
+        for i in range(len(node.values)):
+            left = [*node.values[:i], *node.values[i + 1 :]]
+            yield left[0] if len(left) == 1 else ast.BoolOp(node.op, left)
+    elif isinstance(node, ast.IfExp):
+        yield from (node.body, node.orelse)
+    elif isinstance(node, ast.Call):
+        if isinstance(place.parent, ast.Expr):
+            yield ast.Constant(...)
+        yield from _swapped(node)
+    yield from _of_a_setting(place, node)
+
+
+def _of_a_setting(place: Place, node: ast.expr) -> Iterator[ast.expr]:
+    """Yield the other flag, a tolerance a thousandfold, a stated error too small or negative."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, bool):
+        yield ast.Constant(not node.value)
+    value = getattr(node, "value", None)
+    if isinstance(node, ast.Constant) and isinstance(value, float) and 0 < abs(value) < SMALLEST:
+        yield ast.Constant(float(f"{1e3 * value:.15g}"))
+    if "error" in place.scope.keyword and isinstance(node, ast.BinOp | ast.Call | ast.Attribute):
+        yield ast.BinOp(ast.Constant(0.01), ast.Mult(), node)
+        yield ast.UnaryOp(ast.USub(), node)
+
+
+def _compared(
+    node: ast.Compare, other: dict[type[ast.cmpop], type[ast.cmpop]]
+) -> ast.Compare | None:
+    if len(node.ops) != 1 or type(node.ops[0]) not in other:
+        return None
+    return ast.Compare(node.left, [other[type(node.ops[0])]()], node.comparators)
+
+
+def _swapped(node: ast.Call) -> Iterator[ast.Call]:
+    """Yield the call with two neighbouring arguments swapped."""
+    if called(node) in SYMMETRIC:
+        return
+    for i, (one, other) in enumerate(pairwise(node.args)):
+        starred = isinstance(one, ast.Starred) or isinstance(other, ast.Starred)
+        if not starred and ast.unparse(one) != ast.unparse(other):
+            arguments = [*node.args[:i], other, one, *node.args[i + 2 :]]
+            yield ast.Call(node.func, arguments, node.keywords)
 
 
 def _other_number(value: object) -> ast.expr | None:

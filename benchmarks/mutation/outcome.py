@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ def counts(
     >>> some = mutants_of("m.py", "def f(x): return 3 * x + 1")
     >>> found = {some[0].name: "killed", some[1].name: "survived"}
     >>> counts(some, found, {some[1].name: None})
-    {'chosen': 4, 'run': 2, 'noticed': 1, 'explained': 0, 'open': 1, 'not_run': 2}
+    {'chosen': 6, 'run': 2, 'noticed': 1, 'explained': 0, 'open': 1, 'not_run': 4}
     """
     ran = [mutant.name for mutant in mutants if mutant.name in found]
     missed = [name for name in ran if found[name] == "survived"]
@@ -43,6 +42,7 @@ def counts(
 def write_record(
     path: Path,
     root: Path,
+    *,
     command: str,
     mutants: Sequence[Mutant],
     found: Mapping[str, str],
@@ -54,14 +54,11 @@ def write_record(
         for module in dict.fromkeys(mutant.module for mutant in mutants)
     }
     missed = [m.name for m in mutants if found.get(m.name) == "survived"]
-    formulas = {(m.module, m.formula) for m in mutants if m.formula}
     record: dict[str, Any] = {
         "command": command,
         "date": now(),
         "commit": _git(root, "rev-parse", "HEAD"),
         "uncommitted": bool(_git(root, "status", "--porcelain", "--untracked-files=no")),
-        "formulas": len(formulas),
-        "kinds": dict(Counter(mutant.kind or "other" for mutant in mutants)),
         "total": counts(mutants, found, reasons),
         "modules": by_module,
         "explained": {name: reasons[name] for name in missed if reasons[name] is not None},

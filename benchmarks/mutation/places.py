@@ -1,9 +1,8 @@
-"""Where a module may be changed: every expression that computes, and the formula it belongs to."""
+"""Where a module may be changed: every expression that computes, and the function around it."""
 
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -24,35 +23,19 @@ UNCHANGED_CALLS = frozenset(
 )
 """Calls that hold checks, messages and limits of loops."""
 
-SETTINGS = frozenset(
-    {"rtol", "atol", "xtol", "tol", "limit", "maxsize", "order", "digits", "maxiter", "options"}
-)
+SETTINGS = frozenset({"limit", "maxsize", "order", "digits", "maxiter", "options"})
 """Keyword arguments that tune a method."""
-
-STATEMENTS = (ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Return, ast.Expr)
-"""Statements that may hold a formula."""
-
-EQUATIONS = frozenset({"equation", "Eq", "Printed"})
-"""Calls each of which is a formula by itself, within the list that holds it."""
-
-
-DRAWS = frozenset({"uniform", "choice", "randint", "randrange", "sample", "gauss"})
-"""Calls that choose where something is tried: no formula, whatever the numbers."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What surrounds a place: the function, the classes and functions, the formula, an index.
-
-    ``stated``: a docstring around it states an equation.
-    """
+    """What surrounds a place: the function, the classes and functions, a keyword, a signature."""
 
     function: str = "<module>"
     first_line: int = 0
     within: str = ""
-    formula: int = 0
-    index: bool = False
-    stated: bool = False
+    keyword: str = ""
+    default: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,6 +48,13 @@ class Place:
     node: ast.expr | ast.AugAssign
     scope: Scope
 
+    def put(self, node: ast.AST) -> None:
+        """Put another node there."""
+        if self.position is None:
+            setattr(self.parent, self.field, node)
+        else:
+            getattr(self.parent, self.field)[self.position] = node
+
 
 def places_of(tree: ast.AST, scope: Scope) -> Iterator[Place]:
     """Yield each expression that may be changed, with where it hangs, outermost first."""
@@ -75,47 +65,36 @@ def places_of(tree: ast.AST, scope: Scope) -> Iterator[Place]:
         for position, node in entries:
             if not isinstance(node, ast.AST):
                 continue
-            inner = _inner(tree, field, node, scope)
+            inner = _inner(tree, node, scope)
             if isinstance(node, ast.expr | ast.AugAssign):
                 yield Place(tree, field, position, node, inner)
             yield from places_of(node, inner)
 
 
-def _inner(tree: ast.AST, field: str, node: ast.AST, scope: Scope) -> Scope:
+def _inner(tree: ast.AST, node: ast.AST, scope: Scope) -> Scope:
     """Return what surrounds a node and all below it."""
     if isinstance(node, ast.ClassDef):
-        stated = scope.stated or _states(node)
-        return replace(scope, within=f"{scope.within}{node.name}.", stated=stated)
+        return replace(scope, within=f"{scope.within}{node.name}.")
     if isinstance(node, ast.FunctionDef):
         name = f"{scope.within}{node.name}"
         start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-        stated = scope.stated or _states(node)
-        return Scope(name, scope.first_line or start, f"{name}.", stated=stated)
-    if isinstance(node, STATEMENTS) or (
-        isinstance(node, ast.Call) and scope.formula and called(node) in EQUATIONS
-    ):
-        return replace(scope, formula=10_000 * node.lineno + node.col_offset)
-    if isinstance(tree, ast.Call) and called(tree) in DRAWS:
-        return replace(scope, formula=0)
-    if (isinstance(tree, ast.Subscript) and field == "slice") or (
-        isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Pow) and field == "right"
-    ):
-        return replace(scope, index=True)
-    return scope
-
-
-def _states(node: ast.FunctionDef | ast.ClassDef) -> bool:
-    """Return whether the docstring states an equation before its sections, or names one."""
-    words = (ast.get_docstring(node) or "").split("Examples\n")[0]
-    prose = words.split("Parameters\n")[0].split("Attributes\n")[0]
-    return bool(re.search(r"\(\d\d?\)|Eqs?\. ?\(?\d", words) or re.search(r"\S = \S", prose))
+        return Scope(name, scope.first_line or start, f"{name}.")
+    name = ""
+    if isinstance(tree, ast.keyword):
+        name = tree.arg or ""
+    elif isinstance(tree, ast.Assign) and isinstance(tree.targets[0], ast.Name):
+        name = tree.targets[0].id
+    default = scope.default or isinstance(node, ast.arguments)
+    return replace(scope, keyword=name, default=default)
 
 
 def _left_alone(tree: ast.AST, field: str) -> bool:
-    if isinstance(tree, ast.Raise | ast.Assert | ast.JoinedStr | ast.Import | ast.ImportFrom):
+    if isinstance(
+        tree, ast.Raise | ast.Assert | ast.JoinedStr | ast.Import | ast.ImportFrom | ast.arg
+    ):
         return True
     if isinstance(tree, ast.FunctionDef):
-        return field != "body"
+        return field not in ("args", "body")
     if isinstance(tree, ast.AnnAssign):
         return field != "value"
     if isinstance(tree, ast.ClassDef):

@@ -138,6 +138,8 @@ class Runs:
         Running processes.
     modules : iterable of str
         Paths of the modules to be changed.
+    tests : sequence of str
+        Files of tests, or modules with doctests, that are asked; all if empty.
     seconds : float
         Of tests, as measured on the unchanged tree, spent on one change at most.
     again : bool
@@ -149,7 +151,9 @@ class Runs:
         root: Path,
         work: Path,
         workers: Workers,
+        *,
         modules: Iterable[str],
+        tests: Sequence[str] = (),
         seconds: float,
         again: bool,
     ) -> None:
@@ -158,10 +162,11 @@ class Runs:
         identity = {"results": "of changes"}  # each row says by its key which code it is of
         self._store = Store(work / "results.sqlite", identity, resume=not again, replace=True)
         self._known: dict[str, dict[str, Any]] = dict(self._store.results)
-        self._survey = survey(root, work, modules, self._ask_all, self._report)
+        files = tests or test_files(root)
+        self._survey = survey(root, work, modules, files, ask=self._ask_all, report=self._report)
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._noticed: Counter[str] = Counter()
-        self._importing = {file: closure(root, file) for file in test_files(root)}
+        self._importing = {file: closure(root, file) for file in files}
 
     def _report(self, text: str) -> None:
         print(text, file=sys.stderr, flush=True)

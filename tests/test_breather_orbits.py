@@ -162,7 +162,7 @@ def test_reflection_splits_all_multipliers() -> None:
         m = rng.normal(size=(14, 14))
         flip = np.kron(np.eye(2), np.eye(7)[::-1])
         matrix = m + flip @ m @ flip
-        split = floquet_multipliers(matrix, 1.0, 1.0, parity).values
+        split = floquet_multipliers(matrix, 1.0, 1.0, parity=parity).values
         whole = np.linalg.eigvals(matrix)
         assert np.allclose(np.sort_complex(split), np.sort_complex(whole), atol=1e-9)
 

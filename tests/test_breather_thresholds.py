@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -12,13 +13,13 @@ from scipy.integrate import solve_ivp
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.chain import Ends
-from theory.chains.nucleus import Nucleus, outward_pattern, right_angle_patterns
+from theory.chains.nucleus import Nucleus, outward_pattern
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.breathers.continuation import trace
-from verification.breathers.newton import solve_at
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
+from verification.continuation.branch import Steps, trace
+from verification.continuation.newton import solve_at
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
@@ -37,6 +38,20 @@ def test_continuation_finds_the_fold_of_a_circle() -> None:
     branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
     assert branch.fold is not None
     assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
+
+
+def test_a_fold_where_c_turns_upwards_is_found_like_its_mirror_image() -> None:
+    def cubic(u: np.ndarray, c: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return u - u**3 / 3 - c, np.diag(1 - u**2), np.array([-1.0])
+
+    there, back = (
+        trace(cubic, solve_at(cubic, np.array([u]), u - u**3 / 3), end, None, Steps(turns=1)).folds
+        for u, end in ((-2.5, -10.0), (2.5, 10.0))
+    )
+    for fold, mirrored, c in zip(there, back, (-2 / 3, 2 / 3), strict=True):
+        assert abs(fold.c - c) <= fold.error < 1e-10
+        assert (fold.c, fold.error) == (-mirrored.c, mirrored.error)
+        assert fold.evaluations == mirrored.evaluations
 
 
 @pytest.mark.parametrize("ends", VdpChain.allowed_ends)
@@ -61,7 +76,7 @@ def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(
     size: int, start: float
 ) -> None:
     fold = breather_threshold(CHAIN, Nucleus(size, outward_pattern(size))).c
-    runs = escape_threshold(CHAIN, Preparation(size), start, 0.21, tolerance=1e-5)
+    runs = escape_threshold(CHAIN, Preparation(size), low=start, high=0.21, tolerance=1e-5)
     assert abs(runs.c - fold) <= runs.error
     delay = measure_delay(CHAIN, Preparation(size))
     assert delay.c_0 is not None
@@ -113,7 +128,7 @@ def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
 
 def test_no_pattern_of_three_or_five_is_stable() -> None:
     for size in (3, 5):
-        for pattern in right_angle_patterns(size):
+        for pattern in map("".join, itertools.product("-+", repeat=size - 1)):
             found = breather_threshold(CHAIN, Nucleus(size, pattern))
             assert found.stability_lost_by is Mechanism.NEVER_STABLE
             assert found.growth > 1e-4

@@ -22,7 +22,11 @@ def _json(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
     return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
 
 
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name != "check"])
+# check takes minutes, article reads what it has written (tests/test_article.py), and explore serves
+# until it is interrupted (tests/test_explore.py)
+@pytest.mark.parametrize(
+    "name", [name for name in COMMANDS if name not in ("check", "article", "explore")]
+)
 def test_the_first_example_of_every_help_works(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -289,12 +293,13 @@ def test_a_breather_of_a_theory_says_how_far_the_chain_is(nucleus, capsys):
 
 def test_all_methods_for_a_breather_stand_side_by_side(capsys):
     assert main(shlex.split("breather --c 0.195 --method all")) == 0
-    rows = capsys.readouterr().out.splitlines()[1:5]
+    lines = capsys.readouterr().out.splitlines()
+    rows = lines[1:5]
     # Only the closed form has a breather there: the branches of the others fold before.
     assert [row.split()[:2] for row in rows] == [
         ["closed-form", "exists"], ["envelope", "none"], ["orbit", "none"], ["simulation", "none"],
     ]  # fmt: skip
-    assert "unknown" in rows[0]
+    assert any(line.startswith("closed-form: error unknown, ") for line in lines[5:])
 
 
 def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(capsys):
@@ -336,7 +341,7 @@ def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
     line = "breather --c 0.1 --method simulation"
     assert _json(capsys, line)["stable"] is None
     assert main(shlex.split(line)) == 0
-    assert "unsettled: stability not decided" in capsys.readouterr().out
+    assert "stability not decided" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("size", "held", "escaped"), [(3, 0.184, 0.186), (5, 0.183, 0.184)])

@@ -82,10 +82,10 @@ def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
         ("simulate vdp --seed 3", "seed"),
         ("simulate vdp --perturbation 0.1 --seed -3", "seed"),
         ("simulate vdp --excite 1:99999999999", "--excite"),
-        ("stress --list --savings", "--list"),
+        ("stress --list --work-reduction", "--list"),
         ("stress --list --record", "--record"),
-        ("stress --savings --points 5", "--points"),
-        ("stress --savings --resume", "--resume"),
+        ("stress --work-reduction --points 5", "--points"),
+        ("stress --work-reduction --resume", "--resume"),
         ("stress --list --resume", "--resume"),
         ("stress --record --quantity c-pin", "--quantity"),
         ("profile --c 0.5 --eta 0.03 --from 5 --to 5", "last position"),
@@ -213,7 +213,7 @@ def test_the_progress_of_a_curve_rises_to_its_end():
     many = trace_kinetic_relation([0.5] * 201, [0.03125], progress=told.append)
     assert told[0] == 0.0
     assert told == sorted(told)
-    assert 0.5 <= told[-1] <= 1.0  # two blocks of scenes
+    assert 0.5 <= told[-1] <= 1.0  # two blocks of points
     (alone,) = trace_kinetic_relation([0.5], [0.03125])
     assert {answer.branches for answer in many} == {alone.branches}
 

@@ -1,8 +1,10 @@
 """A derivation shows itself as text, LaTeX, MathML, JSON, in a notebook, and in a document."""
 
 import json
+import os
 import shutil
 import subprocess
+import sys
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -13,6 +15,7 @@ from derivations import catalogue
 from derivations.algebra import rendering
 from derivations.algebra.equations import parts_of
 from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.steps import Derivation
 from derivations.algebra.sums import SumOver
 from derivations.cell.envelope import derive_envelope
 from derivations.cell.steps import derive as derive_cell
@@ -99,6 +102,29 @@ def test_words_for_latex_are_escaped():
     assert "k\\_2" in body or "k_{2}" in body
 
 
+@pytest.mark.parametrize(
+    ("words", "written"),
+    [
+        ("μ₁ → ∞", r"\ensuremath{\mu}\ensuremath{_{1}} \ensuremath{\to} \ensuremath{\infty}"),
+        ("ẏ₀⁽¹⁾", r"\ensuremath{\dot{y}}\ensuremath{_{0}}\ensuremath{^{(1)}}"),
+        (
+            "φ̇₋₁ Ψ λ",
+            r"\ensuremath{\dot{\phi}}\ensuremath{_{-1}} \ensuremath{\Psi} \ensuremath{\lambda}",
+        ),
+        ("a_b 5 %", r"a\_b 5 \%"),
+    ],
+)
+def test_greek_letters_indices_and_accents_of_the_text_are_latex(words, written):
+    step = derive_cell(derive_envelope("y**2 - 1").model).steps[0]
+    titled = rendering.document(Derivation("key", words, (step,)))
+    assert f"\\section*{{{written}}}" in titled
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_the_latex_document_is_ascii_so_that_every_engine_takes_it(key):
+    assert rendering.document(catalogue.load(key)).isascii()
+
+
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 def test_the_exported_document_compiles(tmp_path):
     derivations = [catalogue.load(key) for key in KEYS]
@@ -109,6 +135,7 @@ def test_the_exported_document_compiles(tmp_path):
         cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-2000:]
+    assert "Overfull" not in done.stdout
     assert (tmp_path / "all.pdf").stat().st_size > 10_000
 
 
@@ -118,3 +145,22 @@ def test_an_unknown_name_or_order_is_refused():
             catalogue.load(name, order)
     with pytest.raises(DerivationInputError, match="one of"):
         catalogue.load("friction").numbered(54)
+
+
+def test_the_words_do_not_depend_on_the_terminal():
+    # SymPy looks at the encoding of the terminal that imports it and sets a default by it.
+    code = (
+        "from derivations import catalogue; from derivations.algebra.rendering import sentence;"
+        "print(ascii([sentence(s) for s in catalogue.load('averaging').steps]))"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, "PYTHONIOENCODING": encoding},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for encoding in ("ascii", "utf-8")
+    ]
+    assert said[0] == said[1]
+    assert b"\\u03b1\\u2080" in said[0]

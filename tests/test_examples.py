@@ -35,6 +35,16 @@ EXPECTED = {
     "derive_your_cell": (math.sqrt(6 + 2 * math.sqrt(5)), 1e-12, "txt"),
     # the continuum limit √(c/2)(1 - 2α), which the lattice slows by a few per cent
     "your_own_model": (math.sqrt(0.5) * 0.6, 0.03, "svg"),
+    # its averaged chain, derived and integrated by scipy (tests/test_own_fronts.py)
+    "own_cell": (2.2238, 1e-3, "svg"),
+    # the continuum has D = c(1 + 4w), and v grows like √D
+    "next_nearest": (math.sqrt(1.8), 0.01, "svg"),
+    # scipy's arrivals (tests/test_own_fronts.py); √(c/2)(1 - 2α) of the continuum without disorder
+    "disordered_chain": (math.sqrt(0.5) * 0.6, 0.02, "png"),
+    # below that of planar fronts, 1.113 (tests/test_own_fronts.py)
+    "lattice_front": (1.0769, 1e-3, "gif"),
+    # without disorder √(c/2)(1 - 2α) in the continuum
+    "seeds": (math.sqrt(0.5) * 0.6, 0.02, "svg"),
 }
 
 

@@ -53,7 +53,7 @@ def simulated(folder: Path) -> bytes:
 
 
 def integrated(folder: Path) -> bytes:
-    """Run the Van der Pol chain itself, with the two runs that its error comes from."""
+    """Run the Van der Pol chain itself, with the run that its error comes from."""
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=3)
     start, file = excite(chain, [1]), folder / "run.npz"
     found = simulate(chain, start, 30.0, samples=3, checkpoint=file, budget=3000)

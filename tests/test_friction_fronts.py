@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place, nucleus_sites
+from theory.chains.nucleus import Nucleus, Place, nucleus_sites
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.fronts.arrival_fit import (
     FrontStatus,
@@ -31,6 +32,7 @@ from verification.thresholds.spreading import (
     spreading_threshold,
     spreads,
 )
+from verification.thresholds.threshold import threshold
 
 MU_ST, MU_D, V0, XI, V_D = 1.0, 0.5, 0.5, 0.05, 1.25
 """(7), written out once more."""
@@ -220,16 +222,30 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
         # the run beside it is late by a time that matters less on a longer chain
         return Trial(None, times, np.append(times * (1.0 + 1.0 / sites), np.nan), 1)
 
-    found = settle(trial, 32, 1000, 0.01, 0.0)
+    found = settle(trial, sites=32, max_sites=1000, accuracy=0.01, seen=0.0)
     assert asked == [32, 64, 128]
     assert found.status is FrontStatus.STEADY
     assert found.error == pytest.approx(1.0 / 129.0, rel=1e-6)
-    short = settle(trial, 32, 40, 0.01, 0.0)
+    short = settle(trial, sites=32, max_sites=40, accuracy=0.01, seen=0.0)
     assert short.status is FrontStatus.UNSTEADY
     exact = Trial(None, np.arange(64.0), np.arange(64.0), 1)
-    doubted = settle(lambda _: exact, 64, 64, 0.01, 0.0, lambda *_: False, 0.9)
+    doubted = settle(
+        lambda _: exact,
+        sites=64,
+        max_sites=64,
+        accuracy=0.01,
+        seen=0.0,
+        enough=lambda *_: False,
+        doubt=0.9,
+    )
     assert (doubted.status, doubted.error) == (FrontStatus.UNSTEADY, pytest.approx(0.1))
-    stopped = settle(lambda _: replace(exact, stopped=FrontStatus.PINNED), 64, 64, 0.01, 0.5)
+    stopped = settle(
+        lambda _: replace(exact, stopped=FrontStatus.PINNED),
+        sites=64,
+        max_sites=64,
+        accuracy=0.01,
+        seen=0.5,
+    )
     assert (stopped.v, stopped.error) == (0.0, 0.5)
 
 
@@ -306,3 +322,10 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
 def test_bad_parameters_are_refused(make: object) -> None:
     with pytest.raises(ParameterError):
         make()  # type: ignore[operator]
+
+
+def test_phase_steps_of_a_friction_chain_are_refused_and_not_passed_over() -> None:
+    with pytest.raises(ParameterError, match="start in phase"):
+        threshold(FrictionChain(c=0.0), Nucleus(3, "-+"), accuracy=1e-3, tests=0)
+    with pytest.raises(ParameterError, match="start point"):
+        threshold(VdpChain(a=4, b=0.5, c=0.0), method="bisection", start_point=StartPoint.MINIMUM)

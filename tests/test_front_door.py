@@ -7,6 +7,7 @@ import dataclasses
 import inspect
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -400,10 +401,11 @@ def test_a_range_gives_a_curve_of_any_chain(tmp_path, capsys):
     assert main(line.split()) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["along"] == "c"
-    assert [point["c"] for point in answer["points"]] == [0.05, 0.15, 0.25]
+    # Along the branch: through its fold and back, then where there is no breather.
+    assert [point["c"] for point in answer["points"]] == [0.05, 0.15, 0.15, 0.05, 0.25]
     alone = fr.breather(fr.AveragedChain(a=2.5, b=0.5, c=0.15, sites=15))
     assert answer["points"][1]["frequency"] == pytest.approx(alone.frequency, abs=1e-12)
-    assert answer["points"][2]["status"] == "none"
+    assert answer["points"][4]["status"] == "none"
     assert out.read_text().splitlines()[0].startswith("c,")
 
 
@@ -473,3 +475,32 @@ def test_kinetic_is_as_fast_from_the_shell_as_it_was():
     )
     seconds = [float(_python(code, ROOT).stdout) for _ in range(3)]
     assert min(seconds) < 0.6
+
+
+def test_verdicts_cells_and_the_stability_table_are_results() -> None:
+    verdicts = fr.judge("fig16-admissible")
+    assert [each.claim.key for each in verdicts] == ["fig16-admissible"]
+    assert verdicts[0].claim.key == verdicts.to_dict()["claims"][0]["key"]
+    assert verdicts.columns()["changed"].tolist() == [False]
+    cell = fr.derive_cell("1 - a*y**2 + b*y**4", values={"a": 4, "b": 0.5})
+    assert [each["stability"] for each in cell.to_dict()["cycles"]] == ["unstable", "stable"]
+    assert fr.derive_cell("1 - a*y**2 + b*y**4 - c*y**6 + d*y**8").to_dict()["cycles"] is None
+    table = fr.stability(["c-pin"], points=12, workers=1)
+    assert table.columns()["right"].tolist() == [table.counts["right"]]
+    for each in (verdicts, cell, table):
+        assert isinstance(each, fr.Result)
+        assert json.loads(json.dumps(each.to_dict(), allow_nan=False))["seconds"] >= 0.0
+
+
+def test_every_public_function_documents_what_it_takes_returns_and_refuses() -> None:
+    for name in fr.__all__:
+        function = getattr(fr, name)
+        if not inspect.isfunction(function):
+            continue
+        said = inspect.getdoc(function) or ""
+        gives = inspect.signature(function).return_annotation not in (None, "None")
+        for section in ("Parameters", "Raises", *(("Returns", "Examples") if gives else ())):
+            assert f"\n{section}\n{'-' * len(section)}\n" in said, (name, section)
+        listed = said.split("Parameters\n----------\n")[1].split("\nReturns\n")[0]
+        for each in inspect.signature(function).parameters:
+            assert re.search(rf"^(\w+, )*\**{each}\b.*( :|$)", listed, re.MULTILINE), (name, each)

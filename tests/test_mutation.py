@@ -10,7 +10,6 @@ import pytest
 
 from benchmarks.mutation.__main__ import chosen
 from benchmarks.mutation.explained import Explained, matches, read_explained, stale_entries
-from benchmarks.mutation.formulas import one_of_each, one_of_each_kind
 from benchmarks.mutation.mutants import mutants_of
 from benchmarks.mutation.outcome import write_record
 from benchmarks.mutation.survey import closure
@@ -37,92 +36,76 @@ def test_each_change_is_one_and_compiles() -> None:
     assert len({mutant.name for mutant in found}) == len(found)
 
 
-def test_messages_defaults_tolerances_and_loop_limits_are_left_alone() -> None:
+def test_messages_and_loop_limits_are_left_alone() -> None:
     changes = {mutant.change for mutant in mutants_of("m.py", SOURCE)}
+    sum_ = "abs(y) * 1e-12 + sum((x for _ in range(5)))"
     assert changes == {
+        "default 2.0 -> 4.0",
         "x < 0 -> x >= 0",
+        "x < 0 -> x <= 0",
         "0 -> 1",
         "exp(-x) -> exp(--x)",
         "-x -> x",
         "sinh(x) -> cosh(x)",
         "0 -> 1 #2",
-        "abs(y) * 1e-12 + sum((x for _ in range(5))) -> "
-        "abs(y) * 1e-12 - sum((x for _ in range(5)))",
+        f"{sum_} -> {sum_.replace('+', '-')}",
+        f"{sum_} -> abs(y) * 1e-12",
+        f"{sum_} -> sum((x for _ in range(5)))",
+        "1e-12 -> 1e-09",
         "abs(y) * 1e-12 -> abs(y) / 1e-12",
         "abs(y) -> y",
     }
 
 
-FORMULAS = """
-rows = [equation(x, -3), equation(y[2], x**2 + a * b)]
-def f(x, y):
-    if x > y + 1:
-        return x[0]
-    total = 2 * x[1] - y**3
-    total -= np.exp(x / 4)
-    y = rng.uniform(-1 + x, 2 * x)
-    return max(x, y)
+JUDGEMENT = """
+def judge(found, bound, strict=False, limit=1e-9):
+    save(found)
+    if found <= bound and strict:
+        return Verdict(found, bound, error=found - bound, good=True)
+    return 1 if found else 0
 """
 
 
-def test_of_each_formula_one_sign_one_factor_one_index() -> None:
-    # By hand: -3; y[2], +, *, 2; then 2 * x[1] - y**3; then -= or exp(-), /, 4. The condition, the
-    # bare index, the random range and the bare function are no formulas.
-    chosen = one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
-    kinds: dict[int, list[str]] = {}
-    for mutant in chosen:
-        kinds.setdefault(mutant.formula, []).append(mutant.kind)
-    three = ["sign", "factor", "index"]
-    assert sorted(kinds.values()) == sorted([["sign"], three, three, ["sign", "factor"]])
-    assert [m.name for m in chosen] == [
-        m.name for m in one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
+def test_what_judges_is_loosened_dropped_swapped_and_misstated() -> None:
+    """A boundary, a condition, a call, a term, an error, a flag, a branch, a default."""
+    changes = [mutant.change for mutant in mutants_of("m.py", JUDGEMENT)]
+    assert changes == [
+        "default False -> True",
+        "default 1e-09 -> 1e-06",
+        "save(found) -> ...",
+        "found <= bound and strict -> found <= bound or strict",
+        "found <= bound and strict -> strict",
+        "found <= bound and strict -> found <= bound",
+        "found <= bound -> found > bound",
+        "found <= bound -> found < bound",
+        "Verdict(found, bound, error=found - bound, good=True) -> "
+        "Verdict(bound, found, error=found - bound, good=True)",
+        "found - bound -> found + bound",
+        "found - bound -> found",
+        "found - bound -> 0.01 * (found - bound)",
+        "found - bound -> -(found - bound)",
+        "True -> False",
+        "1 if found else 0 -> 1",
+        "1 if found else 0 -> 0",
+        "1 -> 2",
+        "0 -> 1",
     ]
-    seeds = {
-        tuple(m.name for m in one_of_each_kind(mutants_of("m.py", FORMULAS), seed))
-        for seed in range(8)
-    }
-    assert len(seeds) > 1
-
-
-def test_functions_that_state_an_equation_are_known() -> None:
-    source = '''
-def named(x):
-    """Return L(k) of (50)."""
-    return 2 * x
-def written(x):
-    """Return v = c + s of the front."""
-    def inner(y):
-        return y + x
-    return inner
-def plain(x):
-    """Return the points.
-
-    Examples
-    --------
-    >>> y = plain(3)
-    """
-    return 3 * x
-'''
-    stated = {m.function for m in mutants_of("m.py", source) if m.stated}
-    assert stated == {"named", "written.inner"}
-
-
-def test_of_each_formula_one_change() -> None:
-    of_each_kind = one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
-    chosen = one_of_each(mutants_of("m.py", FORMULAS), 0)
-    assert [m.formula for m in chosen] == list(dict.fromkeys(m.formula for m in of_each_kind))
-    assert {m.name for m in chosen} < {m.name for m in of_each_kind}
 
 
 def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
-    mutants = one_of_each_kind(mutants_of("m.py", FORMULAS), 0)
+    mutants = mutants_of("m.py", JUDGEMENT)[:9]
     found = {mutant.name: "killed" for mutant in mutants[:-1]}
     found[mutants[0].name] = found[mutants[1].name] = "survived"
     reasons = {mutants[0].name: "because", mutants[1].name: None}
-    write_record(tmp_path / "m.json", ROOT, "a command", mutants, found, reasons)
+    write_record(
+        tmp_path / "m.json",
+        ROOT,
+        command="a command",
+        mutants=mutants,
+        found=found,
+        reasons=reasons,
+    )
     record = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
-    assert record["formulas"] == 4
-    assert record["kinds"] == {"sign": 4, "factor": 3, "index": 2}
     assert record["total"] == record["modules"]["m.py"]
     assert record["total"] == {
         "chosen": 9, "run": 8, "noticed": 6, "explained": 1, "open": 1, "not_run": 1,

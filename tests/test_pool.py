@@ -31,6 +31,19 @@ def test_answers_are_the_same_by_any_executor_and_errors_are_answers() -> None:
         assert threads.submit(int, "1").result() == 1  # left open
 
 
+def test_items_are_handed_over_as_others_are_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("verification.execution.pool.MAX_PENDING", 3)
+    begun: list[int] = []
+    found = {}
+    with ThreadPoolExecutor(2) as threads:
+        coming = answers(pool_example.inverse, range(1, 21), executor=threads, begun=begun.append)
+        for index, answer in coming:
+            found[index] = answer
+            assert len(begun) <= len(found) + 3
+    assert begun == list(range(20))
+    assert found == {index: 1 / (index + 1) for index in range(20)}
+
+
 def test_an_item_that_kills_its_worker_takes_no_other_with_it() -> None:
     items = [3, 0, 1, 2, *range(4, 12)]  # most of them wait when the first one kills the pool
     found = dict(answers(pool_example.deadly, items, workers=2))

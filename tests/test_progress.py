@@ -7,6 +7,7 @@ import os
 import pty
 import re
 from pathlib import Path
+from typing import TextIO
 
 import pytest
 
@@ -54,39 +55,91 @@ def test_a_clock_that_goes_back_says_nothing() -> None:
     assert left.seconds is None
 
 
-def test_in_a_file_there_is_a_line_a_minute(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def logged(where: TextIO, monkeypatch: pytest.MonkeyPatch, *, quiet: bool = False) -> None:
+    """Report 181 of 240 seconds of work, one a second."""
     clock = _Clock()
-    monkeypatch.setattr(progress.time, "monotonic", clock)
-    with (tmp_path / "log").open("w") as file:
-        shown = Progress("run to t = 2000", stream=file)
+    with monkeypatch.context() as patch:
+        patch.setattr(progress.time, "monotonic", clock)
+        shown = Progress("run to t = 2000", stream=where, quiet=quiet)
         shown._remaining = Remaining(clock)
         with shown:
             for second in range(181):
                 clock.now = float(second)
                 shown.report(second / 240.0)
-    lines = (tmp_path / "log").read_text().splitlines()
-    assert lines == [
-        "run to t = 2000: 25 %, about 180 s left",
-        "run to t = 2000: 50 %, about 120 s left",
-        "run to t = 2000: 75 %, about 60 s left",
-    ]
 
 
-def test_in_a_pipe_and_in_a_closed_stream_there_is_nothing(
-    monkeypatch: pytest.MonkeyPatch,
+LINES = [
+    "run to t = 2000: 4 %, about 230 s left",
+    "run to t = 2000: 29 %, about 170 s left",
+    "run to t = 2000: 54 %, about 110 s left",
+]
+
+
+def test_in_a_file_there_is_a_line_after_ten_seconds_and_then_one_a_minute(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(progress, "PERIOD", 0.0)
+    with (tmp_path / "log").open("w") as file:
+        logged(file, monkeypatch)
+    assert (tmp_path / "log").read_text().splitlines() == LINES
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_in_a_pipe_there_are_the_same_lines_and_beside_json_none(
+    quiet: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     reading, writing = os.pipe()
+    with os.fdopen(writing, "w") as pipe:
+        logged(pipe, monkeypatch, quiet=quiet)
+        with Progress("claims", steps=1, stream=pipe, quiet=quiet) as shown:
+            shown.end("fig9", "reproduced")
+    with os.fdopen(reading) as read:
+        found = read.read().splitlines()
+    assert found[:3] == ([] if quiet else LINES)
+    assert len(found) == (0 if quiet else 4)
+
+
+def test_a_closed_stream_is_let_be(monkeypatch: pytest.MonkeyPatch) -> None:
     closed = io.StringIO()
     closed.close()
-    with os.fdopen(writing, "w") as pipe:
-        for stream in (pipe, closed):
-            with Progress("run", stream=stream) as shown:
-                shown.report(0.5)
-    with os.fdopen(reading) as read:
-        assert read.read() == ""
+    logged(closed, monkeypatch)
+
+
+def test_what_comes_from_a_store_says_nothing_of_the_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sixty stored findings within a second, then ten that take a minute each."""
+    clock = _Clock()
+    monkeypatch.setattr(progress.time, "monotonic", clock)
+    monkeypatch.setattr(progress, "Remaining", lambda: Remaining(clock))
+    shown = Progress("claims", steps=70, stream=io.StringIO())
+    shown._bar = _Bar()
+    for place in range(60):
+        clock.now += 0.01
+        shown.end(f"stored {place}", "reproduced (stored)", computed=False)
+    for place in range(3):
+        clock.now += 60.0
+        shown.end(f"computed {place}", "reproduced")
+    assert shown._remaining.seconds == pytest.approx(7 * 60.0, rel=1e-6)
+
+
+class _Bar:
+    n = 0
+
+    def set_postfix_str(self, text: str) -> None:
+        self.text = text
+
+    def write(self, line: str) -> None:
+        self.line = line
+
+
+def test_in_a_notebook_a_bar_is_moved_and_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    closed: list[int] = []
+    bar = _Bar()
+    bar.close = lambda: closed.append(bar.n)  # type: ignore[attr-defined]
+    monkeypatch.setattr(progress, "_in_notebook", lambda: True)
+    monkeypatch.setattr(progress, "_notebook_bar", lambda name: bar)
+    with Progress("map", stream=io.StringIO()) as shown:
+        shown.report(0.25)
+        shown.report(0.5)
+    assert closed == [50]
 
 
 def test_a_terminal_shows_name_part_and_steps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,8 +147,8 @@ def test_a_terminal_shows_name_part_and_steps(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("COLUMNS", "100")
     master, slave = pty.openpty()
     with os.fdopen(slave, "w") as terminal:
-        with Progress("claims [of all]", steps=2, stream=terminal) as shown:
-            for key in ("fig9", "fig16"):
+        with Progress("claims [of all]", steps=3, at_once=2, stream=terminal) as shown:
+            for key in ("fig9", "fig16", "fig17"):  # the third waits
                 shown.begin(key)
             shown.end("fig9", "reproduced [1 s]")
         assert shown.finished == 1
@@ -103,5 +156,5 @@ def test_a_terminal_shows_name_part_and_steps(monkeypatch: pytest.MonkeyPatch) -
     os.close(master)
     assert "claims [of all]" in seen
     assert "fig9 and 1 more" in seen
-    assert "50 %" in seen
-    assert re.search(r"\[1/2\] +\d+\.\d s  fig9: reproduced \[1 s\]", seen)
+    assert "33 %" in seen
+    assert re.search(r"\[1/3\] +\d+\.\d s  fig9: reproduced \[1 s\]", seen)

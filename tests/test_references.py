@@ -16,6 +16,7 @@ from theory.chains.vdp import VdpChain
 from theory.piecewise.limits import static_sum_distance
 from verification.execution.digest import closure
 from verification.references import equations
+from verification.references.network import states_by_scipy
 from verification.references.piecewise import static_sum, sum_by_quadrature, threshold_ratio
 
 ROOT = Path(__file__).parents[1]
@@ -142,3 +143,8 @@ def test_the_threshold_is_the_ratio_of_the_two_cycles() -> None:
     chain = VdpChain(a=4, b=0.5, c=0.1)
     found = float(threshold_ratio(0.5 / 16))
     assert found == pytest.approx(chain.unstable_amplitude / chain.stable_amplitude, rel=1e-15)
+
+
+def test_a_run_that_does_not_reach_its_last_time_is_no_reference() -> None:
+    with pytest.raises(ArithmeticError, match="step size"):  # y' = y² from 1 is infinite at t = 1
+        states_by_scipy(lambda _, y: y**2, np.ones(1), np.array([0.0, 2.0]))

@@ -23,6 +23,7 @@ from paper_checks.claim import Verdict
 from paper_checks.report import measurements, render
 from paper_checks.report.data_table import columns_as_csv, long_table
 from paper_checks.report.pictures import new_axes, picture
+from paper_checks.run import sharing
 
 HERE = Path(__file__).parent
 KEYS = ["fig9-decay", "fig9-monotone", "fig16-speed", "fig16-misprint", "fig16-escape"]
@@ -164,6 +165,20 @@ def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
     assert report["changed"] == ["fig9-monotone"]
     assert "ended without an answer" in report["claims"][1]["failure"]
     assert report["counts"]["failed"] == 1
+
+
+def test_claims_that_share_evidence_or_work_go_to_one_process(tmp_path, capsys):
+    assert main(["check", "--jobs", "2", "--json"]) == 0
+    process = dict(line.split() for line in (tmp_path / "log").read_text().splitlines())
+    assert process["fig9-decay"] == process["fig9-monotone"]
+    entries = discover.find_entries("paper_checks.claims")
+    found = sharing(entries)
+    assert sorted(entry.claim.key for group in found for entry in group) == sorted(
+        entry.claim.key for entry in entries
+    )
+    together = [{entry.claim.key for entry in group} for group in found]
+    assert {"fig11-stable", "fig11-all-lost"} in together  # the same evidence
+    assert {"fig11-values", "fig11-order", "fig11-converged"} in together  # the same folds
 
 
 @pytest.mark.parametrize(
@@ -329,12 +344,11 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
 
 
 def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeypatch, capsys):
-    import example_claims.fig9
-    import example_claims.fig16
+    from example_claims import fig16
 
     figure, _ = new_axes()
     other = picture("fig9-decay", "Another one.", figure, {"x": [1.0]})
-    claim = example_claims.fig16.CLAIMS[1]
+    claim = fig16.CLAIMS[1]
     first = claim.judge
     monkeypatch.setitem(
         claim.__dict__,

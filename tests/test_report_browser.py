@@ -1,5 +1,7 @@
 """The page works in a real browser: silent console, pictures and links load, filter, phone."""
 
+import base64
+import hashlib
 import json
 import os
 import re
@@ -156,13 +158,19 @@ def folder(tmp_path_factory):
         assert main(["check", "--out", str(out)]) == 0
     text = (out / "index.html").read_text(encoding="utf-8")
     words = [one for spellings in TYPED.values() for one in spellings]
-    (out / "probed.html").write_text(
-        text.replace("</body>", PROBE.replace("@WORDS@", json.dumps(words))), encoding="utf-8"
-    )
+    probed = text.replace("</body>", PROBE.replace("@WORDS@", json.dumps(words)))
+    (out / "probed.html").write_text(with_last_script_allowed(probed), encoding="utf-8")
     for width in WIDTHS:
         frame = FRAME.replace("@WIDTH@", str(width))
         (out / f"wide{width}.html").write_text(frame, encoding="utf-8")
     return out
+
+
+def with_last_script_allowed(page):
+    """Let the page's policy allow the script that a test has put at the end of it."""
+    script = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)[-1]
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return page.replace("script-src ", f"script-src 'sha256-{digest}' ", 1)
 
 
 def load(browser, page, hash_="", *flags, profile):
@@ -194,10 +202,20 @@ def test_the_page_itself_is_silent_and_whole(browser, folder, tmp_path):
 def test_an_error_in_the_page_would_be_noticed(browser, folder, tmp_path):
     text = (folder / "index.html").read_text(encoding="utf-8")
     broken = tmp_path / "broken.html"
-    broken.write_text(text.replace("</body>", "<img src='x.png'><script>no()</script></body>"))
+    page = text.replace("</body>", "<img src='x.png'><script>no()</script></body>")
+    broken.write_text(with_last_script_allowed(page))
     _, console = load(browser, broken, profile=tmp_path / "profile")
     assert any("no is not defined" in line for line in console)
     assert any("Content Security Policy" in line for line in console)
+
+
+def test_a_script_that_is_not_the_page_s_own_does_not_run(browser, folder, tmp_path):
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    forged = tmp_path / "forged.html"
+    forged.write_text(text.replace("</body>", "<script>no()</script><p onclick='no()'></body>"))
+    _, console = load(browser, forged, profile=tmp_path / "profile")
+    assert any("Content Security Policy" in line for line in console)
+    assert not any("no is not defined" in line for line in console)
 
 
 def test_pictures_data_and_links_load(browser, folder, tmp_path):

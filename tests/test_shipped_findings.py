@@ -163,6 +163,20 @@ def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, pack
     assert "1 rest on stored findings" in page
 
 
+def test_record_computes_what_is_missing_or_stale_and_nothing_else(capsys, tmp_path, package):
+    assert run(capsys, tmp_path, "--record")[3] == ["slow", "fast"]
+    path = tmp_path / "findings" / "slow.json"
+    change(path, long_ago)
+    assert run(capsys, tmp_path, "--record")[3] == ["fast"]
+    (package / "deep.py").write_text("N = 2\n")
+    for name in [name for name in sys.modules if name.startswith("slow_code")]:
+        del sys.modules[name]
+    code, claims, _, ran = run(capsys, tmp_path, "--record")
+    assert (code, ran) == (0, ["slow", "fast"])
+    assert claims["slow"]["value"] == "2"
+    assert run(capsys, tmp_path)[2]["stale"] == []
+
+
 @pytest.mark.parametrize("damage", ["half", "digits", "field"])
 def test_a_damaged_one_is_ignored(capsys, tmp_path, damage):
     path = record(capsys, tmp_path)
@@ -188,7 +202,7 @@ def test_other_versions_do_not_make_it_stale(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--record"], "--record keeps what was computed in this run: add --full."),
+        (["--list", "--record"], "leave out --record"),
         (["--list", "--full"], "leave out --full"),
     ],
 )

@@ -40,6 +40,12 @@ def _stored(out: Path) -> list[str]:
     return keys
 
 
+def _rows(path: Path) -> list[str]:
+    """Return the table without its comments, which name the log of the run."""
+    text = path.read_text(encoding="utf-8")
+    return [line for line in text.splitlines() if not line.startswith("#")]
+
+
 def _computed(log: Path) -> list[str]:
     return log.read_text(encoding="ascii").splitlines() if log.exists() else []
 
@@ -80,31 +86,31 @@ def _interrupted(out: Path, log: Path) -> None:
 
 
 @pytest.fixture
-def whole(tmp_path: Path) -> bytes:
+def whole(tmp_path: Path) -> list[str]:
     """Return the CSV of a sweep that was never disturbed."""
     out = tmp_path / "whole.csv"
     sweep(Slow(str(tmp_path / "whole.log")), POINTS, out=out, workers=1)
-    return out.read_bytes()
+    return _rows(out)
 
 
 def test_one_worker_two_workers_and_any_executor_give_the_same_bytes(
-    tmp_path: Path, whole: bytes
+    tmp_path: Path, whole: list[str]
 ) -> None:
     task = Slow(str(tmp_path / "log"))
     two = tmp_path / "two.csv"
     sweep(task, POINTS, out=two, workers=2)
-    assert two.read_bytes() == whole
+    assert _rows(two) == whole
     threads = tmp_path / "threads.csv"
     with ThreadPoolExecutor(3) as executor:
         sweep(task, POINTS, out=threads, executor=executor)
         assert executor.submit(int, "1").result() == 1  # left open
-    assert threads.read_bytes() == whole
+    assert _rows(threads) == whole
     assert not part_path(two).exists()
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_killed_sweep_is_resumed_with_nothing_lost_and_nothing_twice(
-    workers: int, tmp_path: Path, whole: bytes
+    workers: int, tmp_path: Path, whole: list[str]
 ) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
     victim = subprocess.Popen(_command(out, log, workers), cwd=FOLDER)
@@ -123,7 +129,7 @@ def test_a_killed_sweep_is_resumed_with_nothing_lost_and_nothing_twice(
     assert _computed(log) == before
     assert not _alive(log), "a worker lives on without its parent"
     table = sweep(Slow(str(log), 0.1), POINTS, out=out, workers=workers, resume=True)
-    assert out.read_bytes() == whole
+    assert _rows(out) == whole
     assert table.resumed == stored
     # only points that were not yet in the store are computed again
     assert len(_computed(log)) == len(before) + len(POINTS) - stored
@@ -199,7 +205,7 @@ def test_a_point_that_kills_its_worker_is_named_and_the_others_are_kept(tmp_path
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(
-    number: signal.Signals, tmp_path: Path, whole: bytes
+    number: signal.Signals, tmp_path: Path, whole: list[str]
 ) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
     runner = subprocess.Popen(
@@ -220,7 +226,7 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(
     assert not _alive(log), "a worker lives on"
     assert not out.exists()
     sweep(Slow(str(log), 0.1), POINTS, out=out, workers=1, resume=True)
-    assert out.read_bytes() == whole
+    assert _rows(out) == whole
 
 
 def test_numpy_opens_the_table(tmp_path: Path) -> None:
@@ -237,7 +243,7 @@ def test_pandas_and_xarray_open_the_table(tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
     out = tmp_path / "out.csv"
     table = sweep(Slow(str(tmp_path / "log")), POINTS, out=out, workers=1)
-    frame = pandas.read_csv(out)
+    frame = pandas.read_csv(out, comment="#")
     # the last digit is lost by the reader unless it is asked for it
     assert frame["value"].to_numpy() == pytest.approx(table["value"], rel=1e-15)
     assert (frame["label"] == table["label"]).all()
@@ -247,20 +253,20 @@ def test_pandas_and_xarray_open_the_table(tmp_path: Path) -> None:
 
 
 def test_a_finished_sweep_is_not_computed_again_unless_its_file_was_changed(
-    tmp_path: Path, whole: bytes
+    tmp_path: Path, whole: list[str]
 ) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
     first = sweep(Slow(str(log)), POINTS, out=out, workers=1)
     again = sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)
     assert len(_computed(log)) == len(POINTS)
-    assert again.as_csv() == first.as_csv() == whole.decode()
+    assert again.as_csv().splitlines() == first.as_csv().splitlines() == whole
     assert {name: column.dtype for name, column in again.columns().items()} == {
         name: column.dtype for name, column in first.columns().items()
     }
-    out.write_bytes(whole.replace(b"small", b"large", 1))
+    out.write_bytes(out.read_bytes().replace(b"small", b"large", 1))
     sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)
     assert len(_computed(log)) == 2 * len(POINTS)
-    assert out.read_bytes() == whole
+    assert _rows(out) == whole
 
 
 def test_the_record_names_function_parameters_code_and_versions(tmp_path: Path) -> None:
@@ -269,6 +275,10 @@ def test_the_record_names_function_parameters_code_and_versions(tmp_path: Path) 
     sweep(Slow(log, factor=3.0), POINTS, out=out, workers=1, command="fronts map")
     record = json.loads(record_path(out).read_text(encoding="utf-8"))
     assert record["command"] == "fronts map"
+    comments = [line for line in out.read_text(encoding="utf-8").splitlines() if line[0] == "#"]
+    assert comments[0] == "# command: fronts map"
+    assert json.loads(comments[1].removeprefix("# parameters: ")) == record["parameters"]
+    assert json.loads(comments[2].removeprefix("# versions: ")) == record["versions"]
     assert record["parameters"]["function"] == "sweep_example.Slow"
     assert record["parameters"]["factor"] == 3.0
     assert record["parameters"]["points"]["count"] == 20

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from theory.cells.vdp import threshold_ratio
-from theory.piecewise.admissibility import _Shape, check_admissible
-from theory.piecewise.kinetic_relation import kinetic_relation
-from theory.piecewise.profile import ProfileGrid, front_profile_by_roots, tail_bound
+from theory.piecewise import admissibility
+from theory.piecewise.admissibility import _Shape, _SumShape, check_admissible
+from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
+from theory.piecewise.profile import ProfileGrid, front_profile, front_profile_by_roots, tail_bound
 
 V, C = 0.6, 1.5
 
@@ -104,3 +105,91 @@ def test_the_quadrature_reaches_every_point_that_is_looked_at(
         verdict = check_admissible(branch.v, c, threshold_ratio(eta))
         # slopes are taken up to the last site, from values a site farther on
         assert reach[0] >= max(verdict.proven_beyond) + 1.0
+
+
+@pytest.mark.parametrize(("v", "c"), [(8.1, 300.0), (5.39, 50.0), (60.0, 200.0), (0.9, 12.0)])
+def test_the_sums_over_roots_err_by_less_than_they_say(v: float, c: float) -> None:
+    zeta = np.geomspace(1e-4, 30.0, 60)
+    shape = _SumShape.make(v, c)
+    for sign, side in ((1.0, shape.ahead), (-1.0, shape.behind)):
+        exact = front_profile(sign * zeta, v, c)  # by quadrature, without roots
+        error = np.abs(shape.at(sign * zeta) - exact.phi)
+        assert np.all(error <= side.error(zeta) + exact.error)
+        assert np.all(side.error(zeta[zeta > 4.0]) < 1e-7)
+
+
+def test_a_retreating_sum_is_the_mirror_of_the_advancing_one() -> None:
+    zeta = np.array([-7.3, -0.4, 0.6, 12.0])
+    exact = 1.0 - front_profile(-zeta, 8.1, 300.0).phi
+    np.testing.assert_allclose(_SumShape.make(-8.1, 300.0).at(zeta), exact, atol=1e-9)
+
+
+def test_both_ways_to_decide_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(8)
+    c = np.exp(rng.uniform(math.log(0.7), math.log(150.0), 12))
+    eta = np.exp(rng.uniform(math.log(1e-5), math.log(0.12), 12))
+    verdicts = set()
+    for c_, answer in zip(c.tolist(), trace_kinetic_relation(c, eta, False), strict=True):
+        r = threshold_ratio(answer.eta)
+        for branch in answer.branches[-2:]:
+            found = []
+            for longest in (1e9, 0.0):
+                monkeypatch.setattr(admissibility, "_LONGEST_GRID", longest)
+                found.append(check_admissible(branch.v, c_, r))
+            one, other = found
+            assert one.admissible is other.admissible is not None
+            if one.fails_at is not None:
+                assert other.fails_at == pytest.approx(one.fails_at, abs=0.25)
+            verdicts.add(one.admissible)
+    assert verdicts == {True, False}
+
+
+@pytest.mark.parametrize(("c", "eta"), [(1e3, 0.03125), (2e3, 0.06), (1e3, 1e-4), (700.0, 0.11)])
+def test_at_strong_coupling_the_verdict_is_that_of_eight_points_a_site(
+    c: float, eta: float
+) -> None:
+    r = threshold_ratio(eta)
+    (answer,) = trace_kinetic_relation([c], [eta], False)
+    branch = answer.branches[-1]
+    shape = _Shape(ProfileGrid.make(abs(branch.v), c, 400.0, 1e-11), branch.v < 0)
+    zeta, phi = shape.sampled(300.0, 300.0)
+    wrong = zeta[np.where(zeta < 0, abs(phi) < r - 1e-9, abs(phi) > r + 1e-9)]
+    verdict = check_admissible(branch.v, c, r)
+    assert verdict.admissible is not None
+    if verdict.admissible:
+        assert wrong.size == 0
+    else:
+        assert wrong.size
+        assert abs(verdict.fails_at) <= abs(wrong).min() + 0.125
+        (phi,) = shape.at(np.array([verdict.fails_at or 0.0]))
+        assert verdict.fails_at == 0.0 or (abs(phi) - r) * verdict.fails_at > 0
+
+
+@pytest.mark.parametrize("c", [1e4, 1e6])
+def test_far_out_fronts_are_decided(c: float) -> None:
+    (answer,) = trace_kinetic_relation([c], [0.03125])
+    assert [branch.admissible for branch in answer.branches] == [True]
+
+
+def test_a_small_threshold_is_resolved() -> None:
+    c, eta = 1e8, 1e-12
+    r = threshold_ratio(eta)
+    (answer,) = trace_kinetic_relation([c], [eta], False)
+    behind = -np.geomspace(2e-3, 0.8, 300)
+    seen = 0
+    for branch in answer.branches[::4]:
+        shape = _SumShape.make(branch.v, c)
+        wrong = behind[np.abs(shape.at(behind)) < r - 2 * shape.behind.error(-behind)]
+        if wrong.size:
+            seen += 1
+            verdict = check_admissible(branch.v, c, r)
+            assert verdict.fails_at is not None
+            assert abs(verdict.fails_at) <= abs(wrong).min() + 0.125
+    assert seen >= 3
+
+
+def test_a_velocity_out_of_range_is_left_undecided_with_a_reason() -> None:
+    verdict = check_admissible(1e14, 1.0, 1e-15)
+    assert verdict.admissible is None
+    assert verdict.reason is not None
+    assert "1e+12" in verdict.reason

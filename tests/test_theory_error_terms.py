@@ -12,9 +12,9 @@ from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.sums import precise as sum_integral_precise
 from theory.piecewise.sums import series as sum_series
-from theory.piecewise.sums.integral import equispaced_points, rounding_bound
 from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.rules import plain_points
 from theory.piecewise.sums.series import sum_by_roots
 
 
@@ -32,33 +32,24 @@ def test_equispaced_points_are_near_the_fewest_that_the_strip_allows(
         return math.log1p(2 * size / tolerance) / s
 
     fewest = min(needed(s) for s in np.linspace(1e-3, math.asinh(0.5 / c), 2000))
-    points, bound = equispaced_points(np.array([v]), np.array([c]), tolerance)
-    assert fewest <= points[0] <= 1.35 * fewest + 8  # rounded up, and few widths are tried
-    assert 0 < bound[0] <= tolerance
+    points, bound = plain_points(v, c, tolerance)
+    assert fewest <= points <= 1.35 * fewest + 8  # rounded up, and one width is tried
+    assert 0 < bound <= tolerance
 
 
 @pytest.mark.parametrize("v", [0.2, 3.0])
 def test_the_bound_of_equispaced_points_is_the_sharpest_of_its_kind(v: float) -> None:
     c = 0.5
-    count, bound = equispaced_points(np.array([v]), np.array([c]), 1e-9)
+    count, bound = plain_points(v, c, 1e-9)
 
     def bounds(s: float) -> float:
         d = 0.5 - c * math.sinh(s) - v * s
         size = 1 / math.tanh(d / (2 * v)) / (1 - 2 * c * math.sinh(s))
-        return 2 * size / math.expm1(count[0] * s)
+        return 2 * size / math.expm1(count * s)
 
     strip = root_free_strip(v, c)
     sharpest = min(bounds(s) for s in np.linspace(0.5, 0.999, 500) * strip)
-    assert sharpest <= bound[0] <= 1.2 * sharpest  # three widths are tried
-
-
-def test_rounding_grows_with_the_phase_that_is_lost() -> None:
-    # a is known to a rounding of |a|, at most about sqrt(1 + c/v) where e^{-1/2v} is left of it.
-    v, c = np.array([0.01, 4.0]), np.array([1.0, 60.0])
-    small, large = rounding_bound(np.array([1.0, 1.0]), v, c)
-    unit = 16 * np.finfo(float).eps
-    assert small == pytest.approx(unit, rel=1e-12, abs=0)
-    assert large == pytest.approx(unit * (1 + math.exp(-1 / 8) * 4), rel=1e-12, abs=0)
+    assert sharpest <= bound <= 8 * sharpest  # one width is tried
 
 
 def test_near_the_static_limit_the_distance_to_it_is_an_error() -> None:

@@ -9,7 +9,6 @@ import pytest
 
 from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
-from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.kinetic_relation import trace_kinetic_relation
 from theory.piecewise.profile import front_profile, front_profile_by_roots, tail_bound
 from theory.piecewise.sums.result import PrecisionError
@@ -99,10 +98,7 @@ def test_known_failures_are_found_where_they_are() -> None:
     assert fast.admissible is True
 
 
-def test_a_scene_too_long_to_follow_is_left_undecided() -> None:
-    verdict = check_admissible(1e6, 1e6, 0.3)
-    assert verdict.admissible is None
-    assert verdict.points == 0
+def test_a_profile_too_long_to_follow_is_refused() -> None:
     with pytest.raises(PrecisionError):
         front_profile([0.0], 1e6, 1e6)
 

@@ -166,7 +166,7 @@ def test_the_spread_is_the_least_that_shows_a_change_of_sign(t: float) -> None:
 R = 0.5
 
 
-class Shape:
+class Shape(admissibility._Shape):
     """φ² = r² + side h(ζ), h positive where (47) holds; h dips at ζ = 1.3 to ``depth``."""
 
     velocity = 1.0
@@ -195,7 +195,8 @@ class Shape:
     def judged(self) -> float | None:
         zeta = np.arange(-16, 25) / 8
         phi = self.at(zeta)
-        return admissibility._first_violation(self, zeta, phi, self.slope(zeta, phi, phi), R)[0]
+        values = phi, self.slope(zeta, phi, phi)
+        return admissibility._first_violation(self, zeta, values, R)[0]
 
 
 def test_a_curve_that_rests_at_the_threshold_to_within_the_tolerance_is_no_violation() -> None:
@@ -222,7 +223,7 @@ class FirstCell(Shape):
     """
 
     width = 0.125
-    steepness = 0.03
+    rate = 0.03
 
     def __init__(self) -> None:
         super().__init__(0.0, 0.0)
@@ -232,10 +233,10 @@ class FirstCell(Shape):
         beyond = np.maximum(zeta / self.width - 1.0, 0.0)
         inside = x * (1.0 - 3.35 * x + 2.5 * x * x) + 1.8 * beyond
         slope = 1.0 - 6.7 * x + 7.5 * x * x
-        ahead = self.steepness * self.width * inside
+        ahead = self.rate * self.width * inside
         return (
             np.where(zeta > 0, ahead, -0.1 * zeta),
-            np.where(zeta >= 0, self.steepness * slope, -0.1),
+            np.where(zeta >= 0, self.rate * slope, -0.1),
         )
 
     def slope(self, zeta: np.ndarray, phi: np.ndarray, _: np.ndarray) -> np.ndarray:

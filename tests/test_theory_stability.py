@@ -145,3 +145,18 @@ def test_what_is_not_decided_says_so():
     assert stability_limit(0.09) is None
     inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]
     assert all(b.stable is None for b in inadmissible)
+
+
+def test_the_json_object_says_what_is_stable_and_up_to_where_if_asked():
+    import fronts as fr
+
+    single = fr.kinetic_relation(2.4, ETA)
+    found = front_stability(single.branches[0].v, 2.4)
+    (branch,) = single.to_dict()["branches"]
+    assert (branch["stable"], branch["multiplier"]) == (found.stable, found.multiplier)
+    assert "c_stable" not in single.to_dict()
+    curve = fr.kinetic_relation([2.4, 2.41], ETA, stability=True)
+    assert [point.branches[0].stable for point in curve.points] == [True, False]
+    limit = curve.points[0].to_dict()
+    assert 2.4 + limit["c_stable_error"] < limit["c_stable"] < 2.41 - limit["c_stable_error"]
+    assert all(b.stable is None for b in fr.kinetic_relation([2.4], ETA).points[0].branches)

@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from theory.averaged.front import StrongCouplingFront, strong_coupling_front
+from theory.averaged.front import StrongCouplingFront, strong_coupling_front, wave_fast_eta
+from verification.references.strong_coupling import kappa_by_shooting
 
 
 def test_the_velocity_is_c_and_the_width_of_the_front_times_kappa():
@@ -27,3 +28,23 @@ def test_for_little_damping_at_rest_kappa_is_that_of_the_fastest_decay():
     small, smaller = (strong_coupling_front(eta).kappa * eta ** (2 / 3) for eta in (1e-3, 5e-4))
     assert small == pytest.approx(smaller, rel=0.05)
     assert smaller > 0.1
+
+
+@pytest.mark.parametrize("eta", [0.002, 0.03125, 0.085])
+def test_kappa_is_that_of_shooting(eta):
+    found = strong_coupling_front(eta)
+    low, high = kappa_by_shooting(eta, found.kappa - 0.01, found.kappa + 0.02)
+    # A hundred steps of scipy, each to 1e-13.
+    assert low - 1e-11 <= found.kappa + found.error
+    assert found.kappa - found.error <= high + 1e-11
+    assert found.error < 1e-10
+
+
+def test_where_fronts_are_as_fast_as_waves():
+    eta, error = wave_fast_eta()
+    assert error < 1e-11
+    beside = 1e-6
+    before, after = (kappa_by_shooting(eta + x, -1e-3, 1e-3) for x in (-beside, beside))
+    assert before[0] > 0.0 > after[1]
+    # κ is smooth: its zero is where the line through both neighbours is zero.
+    assert sum(before) + sum(after) == pytest.approx(0.0, abs=1e-9)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,11 +14,11 @@ from scipy.integrate import simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
 from theory.chains.chain import Ends
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
+from verification.quantities.problems import PROBLEMS, Problem
 from verification.references.equations import averaged_damping, damping, full_rate
 from verification.runs.excite import add_noise, as_psi, excite, excite_edge
-from verification.runs.model import Model
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
 from verification.steppers.stiff_stage import full_jacobian, full_right_side
@@ -26,8 +27,10 @@ FRONT = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
 
 
 @pytest.mark.parametrize("seed", range(8))
-@pytest.mark.parametrize("model", list(Model))
-def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> None:
+@pytest.mark.parametrize("of", [VdpChain.full, VdpChain.averaged])
+def test_the_error_reported_bounds_the_true_error(
+    of: Callable[[VdpChain], VanDerPolChain], seed: int
+) -> None:
     random = np.random.default_rng(seed)
     a = 10.0 ** random.uniform(0.0, 1.0)
     chain = VdpChain(
@@ -39,14 +42,26 @@ def test_the_error_reported_bounds_the_true_error(model: Model, seed: int) -> No
         ends=Ends.FREE if seed % 2 else Ends.PERIODIC,
     )
     start = add_noise(excite(chain, [1]), 0.3, seed)
-    run = simulate(
-        model.chain_of(chain), start, 150.0, samples=2, tolerance=10.0 ** random.uniform(-10, -5)
-    )
-    exact = reference(chain, as_psi(start), 150.0, model is Model.FULL)
+    run = simulate(of(chain), start, 150.0, samples=2, tolerance=10.0 ** random.uniform(-10, -5))
+    exact = reference(chain, as_psi(start), 150.0, of is VdpChain.full)
     true = float(np.abs(run.psi[-1] - exact).max())
     assert run.error is not None
     # Below 1e-9 the reference is no better than the run.
     assert true <= max(run.error, 1e-9)
+
+
+@pytest.mark.parametrize("problem", PROBLEMS["chain"], ids=lambda problem: problem.name)
+def test_the_error_reported_is_a_few_times_the_true_one(problem: Problem) -> None:
+    chain = problem.vdp_chain(problem.sites)
+    start = excite(chain, range(1, 4))
+    exact = reference(chain, as_psi(start), problem["t"], True)
+    for tolerance in (1e-5, 1e-6, 1e-7):
+        run = simulate(chain, start, problem["t"], samples=2, tolerance=tolerance)
+        true = float(np.abs(run.psi[-1] - exact).max())
+        assert run.error is not None
+        assert true <= run.error
+        # A comparison with larger tolerances would state some hundred times the true error.
+        assert run.error < 20.0 * true
 
 
 @pytest.mark.parametrize("slow_time", [20.0, 40.0, 60.0])
@@ -70,24 +85,26 @@ def test_the_error_knows_that_rounding_grows_on_an_unstable_cycle(slow_time: flo
 
 
 @pytest.mark.parametrize(
-    ("model", "c", "end"),
+    ("of", "c", "end"),
     [
-        (Model.FULL, 0.6, 900.0),
-        (Model.FULL, 3.0, 300.0),
-        (Model.ENVELOPE, 0.1, 20000.0),
-        (Model.ENVELOPE, 0.6, 3000.0),
-        (Model.ENVELOPE, 3.1, 300.0),
-        (Model.ENVELOPE, 100.0, 30.0),
+        (VdpChain.full, 0.6, 900.0),
+        (VdpChain.full, 3.0, 300.0),
+        (VdpChain.averaged, 0.1, 20000.0),
+        (VdpChain.averaged, 0.6, 3000.0),
+        (VdpChain.averaged, 3.1, 300.0),
+        (VdpChain.averaged, 100.0, 30.0),
     ],
 )
-def test_sites_left_out_do_not_change_the_run(model: Model, c: float, end: float) -> None:
+def test_sites_left_out_do_not_change_the_run(
+    of: Callable[[VdpChain], VanDerPolChain], c: float, end: float
+) -> None:
     """At c = 100 fronts are wide, and their first traces run far ahead."""
     tolerance = 1e-8
     chain = VdpChain(a=4.0, b=0.5, c=c, sites=160)
     start = excite_edge(chain, 30)
     kept, whole = (
         simulate(
-            model.chain_of(chain), start, end, samples=10, tolerance=tolerance,
+            of(chain), start, end, samples=10, tolerance=tolerance,
             active_window=window, estimate_error=False,
         )
         for window in (True, False)
@@ -114,14 +131,16 @@ def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_squa
     assert spent[1] / spent[0] < 2.2
 
 
-@pytest.mark.parametrize("model", list(Model))
-def test_an_interrupted_run_goes_on_to_the_same_bits(model: Model, tmp_path: Path) -> None:
+@pytest.mark.parametrize("of", [VdpChain.full, VdpChain.averaged])
+def test_an_interrupted_run_goes_on_to_the_same_bits(
+    of: Callable[[VdpChain], VanDerPolChain], tmp_path: Path
+) -> None:
     start = excite(FRONT, [1])
-    chain = model.chain_of(FRONT)
+    chain = of(FRONT)
     arguments = {"samples": 7, "tolerance": 1e-7}
     whole = simulate(chain, start, 1500.0, **arguments)  # type: ignore[arg-type]
     file = tmp_path / "run.npz"
-    budget = 7000 if model is Model.FULL else 400
+    budget = 7000 if of is VdpChain.full else 400
     looks = 0
 
     def interrupt(_: float) -> None:
@@ -162,14 +181,15 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
         simulate(FRONT, start, 50.0, checkpoint=file)
 
 
-@pytest.mark.parametrize("model", list(Model))
-def test_the_motion_depends_on_a_and_b_through_eta_only(model: Model) -> None:
+@pytest.mark.parametrize("of", [VdpChain.full, VdpChain.averaged])
+def test_the_motion_depends_on_a_and_b_through_eta_only(
+    of: Callable[[VdpChain], VanDerPolChain],
+) -> None:
     eta, a = 0.03, 7.0
     one = VdpChain(a=1.0, b=eta, c=0.4, sites=12)
     other = VdpChain(a=a, b=eta * a**2, c=0.4, sites=12)
     first, second = (
-        simulate(model.chain_of(chain), excite(chain, [1, 2]), 800.0, tolerance=1e-11)
-        for chain in (one, other)
+        simulate(of(chain), excite(chain, [1, 2]), 800.0, tolerance=1e-11) for chain in (one, other)
     )
     scale = first.amplitude.max()
     assert np.abs(first.psi - math.sqrt(a) * second.psi).max() < 1e-7 * scale
@@ -193,8 +213,8 @@ def test_the_average_is_the_limit_of_small_eps() -> None:
         chain = VdpChain(a=2.5, b=0.5, c=0.3, eps=eps, sites=10)
         start = excite(chain, [1, 2], quarter_turns=[0, -1])
         full, mean = (
-            simulate(model.chain_of(chain), start, 20.0 / eps, samples=2, estimate_error=False)
-            for model in (Model.FULL, Model.ENVELOPE)
+            simulate(of(chain), start, 20.0 / eps, samples=2, estimate_error=False)
+            for of in (VdpChain.full, VdpChain.averaged)
         )
         differences.append(float(np.abs(full.amplitude[-1] - mean.amplitude[-1]).max()))
     orders = np.log2(np.array(differences[:-1]) / np.array(differences[1:]))

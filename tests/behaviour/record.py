@@ -4,7 +4,7 @@
     python -m tests.behaviour.record sum-series ...   these only; the others stay as recorded
 
 Chains are small and times short: the whole takes some twenty seconds, once the steppers are
-compiled. The shared scenes are added, with the numbers that they give through the command line.
+compiled. The shared test problems are added, with what the command line gives for them.
 What the data mean and how they are compared: `tests.behaviour.replay`.
 """
 
@@ -86,6 +86,7 @@ simulate-inf | simulate vdp --n 5 --t-end inf | refused
 breather-orbit | breather --c 0.1 | the default
 breather-all | breather --c 0.1 --method all | four ways side by side
 breather-pattern | breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope | size 3
+breather-branch | breather --c 0.1:0.18:2 --n 9 | through its fold
 breather-tail | breather --c 0.195 --method closed-form --reading tail | another reading of (37)
 breather-edge | breather --c 0.1 --place edge --method envelope | at the end
 breather-none | breather --c 0.3 --method envelope | beyond the fold
@@ -117,15 +118,21 @@ cell-vdp | cell vdp --a 2.5 --b 0.5 | Model II
 cell-vdp-rest | cell vdp --a 1 --b 0.5 | no cycle
 cell-negative | cell friction --v-d -1 | refused
 derive-names | derive | the list
+front-wave | front averaged --c 0.6 --a 4 --b 0.5 --method wave | solved for
+front-wave-branch | front averaged --c 0.05:0.6:3 --eta 0.03125 --method wave | through c_pin
+front-wave-eta | front averaged --c 0.6 --eta 0.115 --method wave | refused
 derive-34 | derive --equation 34 | print agrees
 derive-2 | derive --equation 2 | print does not
+derive-averaging | derive averaging | step by step
+derive-friction | derive friction | step by step
+derive-linearisation | derive linearisation | step by step
+derive-cell | derive cell --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=0.5 | one's own
 derive-sine | derive cell --damping "sin(y)" | refused
 derive-55 | derive --equation 55 | refused
 stress-list | stress --list | the quantities
 stress-no-points | stress --quantity c-pin --points 0 | refused
 check-list | check --list | the claims
-check-quick | check fig03-front fig07-decay fig08-assumptions fig16-admissible fig16-limits \
-    fig18-any text-topology text-extraction text-small | judged anew
+check-quick | check fig08-assumptions fig16-admissible fig16-limits fig18-any text-small | judged
 check-nothing | check no-such-claim | refused
 bench-list | bench --list | the quantities
 command-unknown | nothing | refused
@@ -187,7 +194,10 @@ def _write(cases: dict[str, Json]) -> None:
 
 def main(names: list[str]) -> None:
     """Record the sets of these names, or all."""
-    sets = [*written(), *((name, command, "a shared scene") for name, command in from_problems())]
+    sets = [
+        *written(),
+        *((name, command, "a shared test problem") for name, command in from_problems()),
+    ]
     if unknown := set(names) - {name for name, _, _ in sets}:
         sys.exit(f"no such argument set: {', '.join(sorted(unknown))}.")
     before = recorded() if names else {}

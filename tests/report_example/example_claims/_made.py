@@ -30,7 +30,9 @@ class MadeClaim(Claim):
         return replace(super().found(evidence), pictures=evidence.pictures)
 
 
-def made(key, place, quote, printed, recorded, command, evidence, methods=("one", "two"), **more):
+def made(
+    key, place, quote, *, printed, recorded, command, evidence, methods=("one", "two"), **more
+):
     return MadeClaim(
         key=key,
         place=place,

@@ -1,0 +1,63 @@
+"""A sweep on a dask cluster: the table of the serial run, though a worker is killed."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fronts.cli import main
+from theory.parameters import ParameterError
+from verification.execution.pool import cluster
+from verification.execution.sweep import sweep
+
+FOLDER = Path(__file__).parent
+sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
+sweep_example = importlib.import_module("sweep_example")
+
+
+@pytest.fixture(scope="module")
+def local() -> Iterator[Any]:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as made:
+        yield made
+
+
+def test_a_worker_killed_in_mid_sweep_costs_no_point_and_changes_no_bit(
+    local: Any, tmp_path: Path
+) -> None:
+    killed = tmp_path / "killed"
+    task = sweep_example.Killed(str(killed))
+    with cluster(local.scheduler_address) as executor:
+        found = sweep(task, sweep_example.POINTS, executor=executor)
+    assert killed.exists()  # by the kill; the serial run passes by it
+    assert list(found.rows()) == list(sweep(task, sweep_example.POINTS, workers=1).rows())
+
+
+@pytest.mark.parametrize("address", ["somewhere", "tcp://127.0.0.1:1", ""])
+def test_an_address_where_no_scheduler_answers_is_refused(
+    address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("verification.execution.pool.CLUSTER_TIMEOUT", 0.5)
+    with pytest.raises(ParameterError, match="scheduler"), cluster(address):
+        pass
+
+
+def test_a_cluster_without_the_package_names_the_extra(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert main(["map", "averaged", "--scheduler", "tcp://host:8786"]) != 0
+    assert "excitation-fronts[cluster]" in capsys.readouterr().err
+
+
+def test_workers_beside_a_scheduler_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "averaged", "--workers", "2", "--scheduler", "tcp://host:8786"]) == 2
+    assert "--workers" in capsys.readouterr().err

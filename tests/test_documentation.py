@@ -1,0 +1,179 @@
+"""What README and the pages say is run: blocks of Python and of the shell, and every command."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import importlib
+import importlib.util
+import re
+import shlex
+import tomllib
+from pathlib import Path
+from types import ModuleType
+
+import matplotlib as mpl
+import pytest
+
+import fronts
+from fronts import cli
+from fronts.catalogue import COMMANDS
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")),
+         *sorted(DOCS.glob("*/*.md"))]  # fmt: skip
+PAGES = [page for page in PAGES if page.parent.name != "generated"]
+SCRIPTS = sorted(DOCS.glob("tutorials/*.py")) + sorted(DOCS.glob("gallery/*.py"))
+
+FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
+SPAN = re.compile(r"(?<!`)`fronts ([^`]+)`(?!`)", re.S)
+LINE = re.compile(r"^    fronts (\S.*)$", re.M)
+SAME = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+def blocks(page: Path, kind: str) -> list[str]:
+    return [text for name, text in FENCED.findall(page.read_text("utf-8")) if name == kind]
+
+
+def commands(page: Path) -> list[str]:
+    """Every command line of ``fronts`` that a page names, those of its console blocks left out."""
+    text = FENCED.sub("", page.read_text("utf-8"))
+    found = [" ".join(each.split()) for each in SPAN.findall(text) + LINE.findall(text)]
+    return [
+        each
+        for each in found
+        if re.search(r" -|^\S+ \S", each) and not re.search("[A-Z]{2,}", each)
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_command_that_a_page_names_is_one(page: Path) -> None:
+    for line in commands(page):
+        words = shlex.split(line, comments=True)
+        if words[0].startswith("--"):
+            continue
+        parser, _, rest = cli._chosen(words[0], COMMANDS[words[0]], words[1:])
+        parser.read(rest)
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
+)
+def test_the_python_blocks_of_a_page_run(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "__main__"}
+    with mpl.rc_context({"backend": "agg"}):
+        for block in blocks(page, "python"):
+            if ">>>" in block:
+                test = doctest.DocTestParser().get_doctest(block, names, page.name, None, 0)
+                told: list[str] = []
+                doctest.DocTestRunner(optionflags=SAME).run(
+                    test, out=told.append, clear_globs=False
+                )
+                assert not told, "".join(told)
+                names = test.globs
+            else:
+                exec(compile(block, page.name, "exec"), names)
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if blocks(page, "console")], ids=lambda page: page.stem
+)
+def test_the_shell_blocks_of_a_page_print_what_they_show(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for block in blocks(page, "console"):
+        for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
+            line, _, shown = part.partition("\n")
+            program, *words = shlex.split(line, comments=True)
+            assert program == "fronts"
+            assert cli.main(words) in (0, 1)
+            printed = capsys.readouterr().out
+            if shown.strip():
+                assert doctest.OutputChecker().check_output(shown, printed, SAME), printed
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_uses_the_public_names_only_and_one_of_the_gallery_is_short(script: Path) -> None:
+    text = script.read_text("utf-8")
+    imported = {
+        name.split(".")[0]
+        for node in ast.walk(ast.parse(text))
+        for name in (
+            [each.name for each in node.names]
+            if isinstance(node, ast.Import)
+            else [node.module or ""]
+            if isinstance(node, ast.ImportFrom)
+            else []
+        )
+    }
+    assert imported <= {
+        "fronts",
+        "numpy",
+        "matplotlib",
+        "sympy",
+        "concurrent",
+        "tempfile",
+        "pathlib",
+    }
+    if script.parent.name == "gallery":
+        assert imported <= {"fronts", "numpy", "matplotlib"}
+        assert len(text.splitlines()) < 40
+
+
+def test_the_gallery_has_every_figure_of_the_paper_with_numbers() -> None:
+    shown = {int(path.name[3:5]) for path in DOCS.glob("gallery/fig*.py")}
+    assert shown == set(range(2, 19))  # Fig. 1 is a sketch
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    text = (DOCS / "reference" / "python.md").read_text("utf-8")
+    listed = set(re.findall(r"auto(?:class|function|exception):: fronts\.(\w+)$", text, re.M))
+    assert listed == set(fronts.__all__) - {"__version__"}
+
+
+def test_each_function_beside_an_equation_says_its_number() -> None:
+    rows = tomllib.loads((DOCS / "equations.toml").read_text("utf-8"))["uses"]
+    for row in rows:
+        for place in row["functions"]:
+            module, _, name = place.partition(":")
+            found = importlib.import_module(module)
+            assert hasattr(found, name), place
+            said = Path(str(found.__file__)).read_text("utf-8")
+            for number in row["equations"]:
+                assert covers(said, number), f"{place} does not say ({number})"
+
+
+def covers(text: str, number: int) -> bool:
+    """Whether a text names an equation, alone or within a range."""
+    ranges = re.findall(r"\((\d+)\)-\((\d+)\)|Eqs\. \(?(\d+)\)?[-–]\(?(\d+)\)?", text)
+    bounds = [(int(a or c), int(b or d)) for a, b, c, d in ranges]
+    alone = re.search(rf"\({number}\)|Eqs?\. (?:\(?\d+\)?,? (?:and )?)*\(?{number}\b", text)
+    return bool(alone) or any(low <= number <= high for low, high in bounds)
+
+
+def site_check() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("check_site", DOCS / "check_site.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_broken_link_a_missing_anchor_and_a_fetched_script_are_found(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text(
+        '<h1 id="top"></h1><a href="#top">1</a><a href="other.html#here">2</a>'
+        '<a href="other.html#there">3</a><a href="gone.html">4</a><a href="https://x.org">5</a>'
+        '<script src="https://cdn.org/a.js"></script>'
+    )
+    (tmp_path / "other.html").write_text('<p id="here"></p>')
+    assert site_check().faults(tmp_path) == [
+        "index.html links to other.html#there, and there is no such place.",
+        "index.html links to gone.html, which is not there.",
+        "index.html fetches https://cdn.org/a.js from the network.",
+    ]

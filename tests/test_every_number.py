@@ -1,0 +1,243 @@
+"""Every number returned is one and has a bound; what cannot be computed is refused in a sentence.
+
+One test for the registry of quantities and the public functions, whatever their parameters are:
+all decades, zero, negative, subnormal, infinite and NaN, integers, numbers of numpy, fractions,
+text, truth values, arrays of several shapes, nothing.
+"""
+
+import dataclasses
+import math
+import numbers
+import signal
+from collections.abc import Mapping
+from contextlib import contextmanager
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import fronts as fr
+from theory.cells import vdp
+from theory.parameters import MissingPackageError, ParameterError, RunError
+from theory.piecewise import folds, limits, stability
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.result import PrecisionError
+from theory.piecewise.sums.series import sum_by_roots
+from theory.result import Result
+from verification.quantities.registry import all_computations
+
+REFUSALS = (ParameterError, PrecisionError, RunError, MissingPackageError)
+SECONDS = 20
+"""After so long a call counts as one that hangs; on a loaded machine nothing comes near."""
+
+DECADES = st.floats(-330.0, 309.0).map(lambda x: 10.0**x if x < 308.0 else math.inf)
+USUAL = st.floats(-9.0, 4.0).map(lambda x: 10.0**x)
+EDGES = st.sampled_from(
+    [0.0, -0.0, -1.0, 5e-324, 2.2e-308, 1e-100, 1e100, 1.7e308, math.inf, -math.inf, math.nan,
+     0.125, 0.08, math.nextafter(0.08, 1), math.nextafter(0.125, 0), 1e-24, 1e-12, 1e12]
+)  # fmt: skip
+KINDS = st.sampled_from(
+    [float, np.float64, np.float32, np.longdouble, lambda x: int(x) if math.isfinite(x) else x,
+     lambda x: np.int64(min(max(x, -9e18), 9e18)) if math.isfinite(x) else x,
+     lambda x: Fraction(x) if math.isfinite(x) else x, np.array]
+)  # fmt: skip
+NUMBERS = st.one_of(USUAL, DECADES, EDGES)
+OTHERS = st.sampled_from(
+    ["", "0.3", "1e400", "nan", "0.3 0.4", "x\ny", b"0.3", None, True, 1j, [], [0.3],
+     (0.3, 0.5), {}, object(), np.array([]), np.array([0.3]), np.array([0.3, 0.5]), np.ones((2, 2)),
+     np.array(["0.3"]), np.array([0.3, np.nan]), np.datetime64("2026-01-01"),
+     Decimal("0.3"), 10**400]
+)  # fmt: skip
+
+
+@st.composite
+def anything(draw):
+    """Draw a parameter: mostly a number, of some kind, or else something that is none."""
+    if draw(st.integers(0, 5)) == 0:
+        return draw(OTHERS)
+    number = draw(NUMBERS)
+    with np.errstate(over="ignore"):
+        return draw(KINDS)(number)
+
+
+@contextmanager
+def limited(seconds):
+    def stop(*_):
+        raise TimeoutError(f"no answer within {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def floats_in(value, where=""):
+    """Every number in a result, with the name of the place where it stands."""
+    if isinstance(value, (str, bytes, bool, Enum, type(None))):
+        return
+    if isinstance(value, numbers.Complex) or hasattr(value, "_mpf_") or hasattr(value, "_mpc_"):
+        yield where, value
+    elif isinstance(value, np.ndarray):
+        if value.dtype.kind in "fc":
+            for each in value.ravel()[:2000].tolist():
+                yield where, each
+    elif dataclasses.is_dataclass(value):
+        for each in dataclasses.fields(value):
+            yield from floats_in(getattr(value, each.name), f"{where}.{each.name}")
+    elif isinstance(value, Mapping):
+        for key, each in value.items():
+            yield from floats_in(each, f"{where}.{key}")
+    elif isinstance(value, (list, tuple)):
+        for each in value:
+            yield from floats_in(each, where)
+
+
+def check_outcome(call):
+    """Call, and hold the outcome against the rule."""
+    try:
+        with limited(SECONDS):
+            found = call()
+    except REFUSALS as refusal:
+        said = str(refusal)
+        assert said.endswith((".", ")")), said
+        assert "\n" not in said, said
+        return None
+    for where, number in floats_in(found):
+        # NaN alone is unequal to itself, also in mpmath's arithmetic.
+        assert number == number, f"NaN at {where} of {found!r}"  # noqa: PLR0124
+    for each in found if isinstance(found, (list, tuple)) else (found,):
+        if isinstance(each, Result) and hasattr(each, "error") and each.error is not None:
+            error = np.asarray(each.error, dtype=object)
+            assert all(one >= 0 for one in error.ravel()), f"a negative error: {each!r}"
+    return found
+
+
+PUBLIC = {
+    "sigma": (fr.sigma, ("v", "c")),
+    "sigma-series": (lambda v, c: fr.sigma(v, c, method="series"), ("v", "c")),
+    "sigma-bessel": (lambda v, c: fr.sigma(v, c, method="bessel", digits=8), ("v", "c")),
+    "sigma-quadrature": (lambda v, c: fr.sigma(v, c, method="quadrature", digits=6), ("v", "c")),
+    "sum-by-integral": (sum_by_integral, ("v", "c")),
+    "sum-by-roots": (lambda v, c: sum_by_roots(v, c, 12), ("v", "c")),
+    "sum-by-bessel": (lambda v, c: sum_by_bessel(v, c, 1e-8), ("v", "c")),
+    "sum-by-quadrature": (lambda v, c: sum_by_quadrature(v, c, 1e-6), ("v", "c")),
+    "roots": (lambda v, c: fr.roots(v, c, count=3), ("v", "c")),
+    "roots-extent": (lambda extent: fr.roots(0.3, 0.5, extent=extent), ("extent",)),
+    "roots-count": (lambda count: fr.roots(0.3, 0.5, count=count), ("count",)),
+    "kinetic": (fr.kinetic_relation, ("c", "eta")),
+    "kinetic-damping": (lambda a, b: fr.kinetic_relation(0.5, a=a, b=b), ("a", "b")),
+    "profile": (fr.front_profile, ("c", "eta")),
+    "stability": (stability.front_stability, ("v", "c")),
+    "pinning-coupling": (limits.pinning_coupling, ("eta",)),
+    "pinning-error": (limits.pinning_error, ("eta",)),
+    "retreat-coupling": (limits.retreat_coupling, ("eta",)),
+    "pinning-eta": (limits.pinning_eta, ("c",)),
+    "strong-coupling": (limits.strong_coupling_velocity, ("eta",)),
+    "weak-threshold": (limits.weak_threshold_velocity, ("c", "eta")),
+    "fold-coupling": (folds.fold_coupling, ("eta",)),
+    "fold-eta": (folds.fold_eta, ("c",)),
+    "threshold-ratio": (vdp.threshold_ratio, ("eta",)),
+    "eta": (vdp.eta_from_damping, ("a", "b")),
+    "chain": (
+        lambda a, b, c, eps: fr.VdpChain(a=a, b=b, c=c, eps=eps, sites=5),
+        ("a", "b", "c", "eps"),
+    ),
+    "chain-sites": (lambda sites: fr.VdpChain(a=4, b=0.5, c=0.6, sites=sites), ("sites",)),
+    "chain-averaged": (lambda a, b, c: fr.AveragedChain(a=a, b=b, c=c, sites=5), tuple("abc")),
+    "chain-piecewise": (lambda c, eta: fr.PiecewiseChain(c=c, eta=eta), ("c", "eta")),
+    "chain-friction": (
+        lambda c, v_d, xi: fr.FrictionChain(c=c, v_d=v_d, xi=xi), ("c", "v_d", "xi")
+    ),
+    "cell-averaged": (lambda a, b: fr.cell(fr.AveragedChain(a=a, b=b, c=0.0, sites=2)), ("a", "b")),
+    "breather": (
+        lambda a, b, c: fr.breather(fr.AveragedChain(a=a, b=b, c=c, sites=9), method="closed-form"),
+        ("a", "b", "c"),
+    ),
+}  # fmt: skip
+"""Public functions of numbers, and the parameters that are drawn."""
+
+
+SLOW = {
+    "kinetic": lambda c, eta: above(c, 30.0),
+    "profile": lambda c, eta: above(c, 30.0),
+    "sigma-quadrature": lambda v, c: above(c, 10.0) or not above(v, 1e-2),
+    "sum-by-quadrature": lambda v, c: above(c, 10.0) or not above(v, 1e-2),
+    "sigma-bessel": lambda v, c: above(c, 1e2),
+    "sum-by-bessel": lambda v, c: above(c, 1e2),
+    "stability": lambda v, c: above(v, 1e2),
+}
+"""Parameters at which an answer takes seconds; the stability table (``fronts stress``) has them."""
+
+
+def above(value, bound):
+    try:
+        return bound < float(value) < 1e13
+    except (TypeError, ValueError, OverflowError):
+        return False
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_functions_answer_with_bounds_or_refuse_in_a_sentence(name):
+    function, parameters = PUBLIC[name]
+
+    @settings(
+        max_examples=20,
+        derandomize=True,
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(st.fixed_dictionaries(dict.fromkeys(parameters, anything())))
+    def holds(values):
+        if not (name in SLOW and SLOW[name](**values)):
+            check_outcome(lambda: function(**values))
+
+    holds()
+
+
+QUICK = [each for each in all_computations() if each.seconds <= 0.2]
+
+
+@pytest.mark.parametrize("computation", QUICK, ids=lambda each: each.name)
+def test_quantities_of_the_registry_answer_with_bounds_or_refuse(computation):
+    names = [axis.name for axis in computation.axes]
+
+    @settings(
+        max_examples=25,
+        derandomize=True,
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(st.fixed_dictionaries(dict.fromkeys(names, NUMBERS)))
+    def holds(values):
+        found = check_outcome(lambda: computation.compute(values))
+        if found is not None and found.value is not None:
+            assert found.error >= 0
+
+    holds()
+
+
+def test_the_rule_itself_finds_nan_raw_errors_and_calls_without_end(monkeypatch):
+    monkeypatch.setitem(globals(), "SECONDS", 1)
+    with pytest.raises(AssertionError, match="NaN"):
+        check_outcome(lambda: {"v": [0.3, complex(0.0, math.nan)]})
+    with pytest.raises(ZeroDivisionError):
+        check_outcome(lambda: 1 / 0)
+    with pytest.raises(TimeoutError):
+        check_outcome(signal.pause)
+    with pytest.raises(AssertionError):
+        check_outcome(_two_lines)
+
+
+def _two_lines():
+    raise RunError("one line\nand another.")

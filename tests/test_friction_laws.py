@@ -1,0 +1,169 @@
+"""Claims about friction laws other than (2): events against scipy, Hopf velocities by mpmath."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from tests.test_friction_integrator import assert_events_of_scipy, random_start
+from theory.cells.friction import (
+    FrictionCell,
+    check_sliding_stable,
+    friction_coefficient,
+    friction_slope,
+)
+from theory.cells.friction_law import FrictionLaw
+from theory.chains.friction import FrictionChain
+from theory.parameters import ParameterError
+from verification.cells.friction import friction_cell, unstable_cycle
+from verification.references.equations import dynamic_friction
+from verification.runs.simulate import simulate
+
+LAWS = {
+    "exponential": FrictionCell(viscous=0.1),
+    "stribeck": FrictionCell(law="stribeck", v_s=0.6, viscous=0.05),
+    "stribeck steep": FrictionCell(law="stribeck", v_s=0.05, v_d=0.4),
+    "coulomb": FrictionCell(law="coulomb", v_d=0.6),
+    "coulomb viscous": FrictionCell(law="coulomb", mu_d=0.3, viscous=0.1),
+}
+
+
+START = random_start(4, seed=20261122)
+RUNS = {
+    **{
+        f"{name}, c = {c}": (FrictionChain.of(cell, c=c, sites=4), START, 10.0)
+        for name, cell in LAWS.items()
+        for c in (0.05, 3.0)
+    },
+    # So far from stick e^{-(w/v_s)²} is below 1e-300 at first, and of order one on return.
+    "stribeck, far": (
+        FrictionChain.of(LAWS["stribeck"], c=0.1, sites=3),
+        np.array([[20.0, 0, 0], [0, 0, 0]]),
+        12.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_event_is_that_of_scipy(name: str) -> None:
+    run = assert_events_of_scipy(*RUNS[name], steep="steep" in name or "far" in name)
+    assert run.event_count >= 2
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_the_error_reported_bounds_the_true_one(name: str, tolerance: float) -> None:
+    chain, start, end = RUNS[name]
+    exact = simulate(chain, start, end, tolerance=1e-14)
+    rough = simulate(chain, start, end, tolerance=tolerance)
+    assert rough.error is not None
+    assert np.abs(rough.y - exact.y).max() <= rough.error
+    assert np.abs(rough.velocity - exact.velocity).max() <= rough.error
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("speed", [0.0, 0.01, 0.3, 0.7, 2.0, 40.0])
+def test_the_curve_and_its_slope_are_those_of_mpmath(name: str, speed: float) -> None:
+    cell = LAWS[name]
+
+    def curve(v: mp.mpf) -> mp.mpf:
+        return dynamic_friction(v, cell, mp.exp)
+
+    slope = mp.diff(curve, speed, direction=1)
+    assert friction_coefficient(cell, -speed) == pytest.approx(float(curve(mp.mpf(speed))), 1e-14)
+    assert friction_slope(cell, speed) == pytest.approx(float(slope), rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.parametrize("viscous", [0.0, 0.1])
+@pytest.mark.parametrize("v_s", [0.01, 0.5, 0.8])
+@pytest.mark.parametrize("xi", [1e-9, 0.05, 0.2])
+def test_stribeck_sliding_loses_stability_at_both_roots(
+    v_s: float, xi: float, viscous: float
+) -> None:
+    cell = FrictionCell(law="stribeck", v_s=v_s, xi=xi, viscous=viscous)
+    low, high, error = cell.curve.unstable_sliding(2 * xi)
+    with mp.workdps(40):
+        level = (2 * mp.mpf(xi) + mp.mpf(viscous)) * mp.mpf(v_s) / (2 * (mp.mpf(1) - cell.mu_d))
+        # x e^{-x²} = a is -2x² e^{-2x²} = -2a².
+        roots = [v_s * mp.sqrt(-mp.lambertw(-2 * level**2, k).real / 2) for k in (0, -1)]
+        assert abs(low - roots[0]) <= error < 1e-13
+        assert abs(high - roots[1]) <= error
+    assert cell.hopf_velocity == high
+    for v_d, stable in ((0.99 * low, True), (1.01 * low, False), (0.99 * high, False)):
+        other = FrictionCell(law="stribeck", v_s=v_s, xi=xi, viscous=viscous, v_d=v_d)
+        assert (other.effective_damping > 0) == (other.stability_margin > 0) == stable
+        if not stable:
+            with pytest.raises(ParameterError, match="steady sliding is unstable"):
+                check_sliding_stable(other)
+
+
+def test_stribeck_sliding_is_stable_at_every_velocity_with_enough_damping() -> None:
+    enough = 0.5 * math.sqrt(2 / math.e) / 0.5  # the largest |μ'|
+    for factor, stable in ((1.001, True), (0.999, False)):
+        cell = FrictionCell(law="stribeck", viscous=factor * enough, xi=0.0)
+        assert (cell.hopf_velocity == 0.0) == stable
+    assert FrictionCell(law="stribeck", xi=0.0).hopf_velocity == math.inf
+
+
+def test_a_viscous_part_moves_the_hopf_velocity_as_damping_does() -> None:
+    with_both = FrictionCell(xi=0.05, viscous=0.06)
+    assert with_both.hopf_velocity == pytest.approx(FrictionCell(xi=0.08).hopf_velocity, rel=1e-14)
+
+
+def test_a_viscous_part_acts_on_a_cell_in_slip_as_damping_and_a_shift() -> None:
+    # κ(v_d - ẏ) is κv_d and a damping κ = 2ξ of its own, as long as the cell does not stick.
+    with_both = unstable_cycle(FrictionCell(xi=0.05, viscous=0.02))
+    damped = unstable_cycle(FrictionCell(xi=0.06))
+    assert with_both is not None
+    assert damped is not None
+    room = with_both.error + damped.error
+    assert abs(with_both.max - 0.02 * 1.25 - damped.max) <= room < 1e-8
+    assert abs(with_both.min - 0.02 * 1.25 - damped.min) <= room
+    near = [
+        unstable_cycle(FrictionCell(xi=xi, viscous=viscous, v_d=cell.hopf_velocity + 1e-8))
+        for xi, viscous in ((0.05, 0.02), (0.06, 0.0))
+        for cell in (FrictionCell(xi=0.06),)
+    ]
+    assert near[0] is not None
+    assert near[1] is not None
+    assert near[0].max - near[0].min == pytest.approx(near[1].max - near[1].min, rel=1e-6)
+
+
+def test_coulomb_friction_has_no_hopf_bifurcation_and_says_so() -> None:
+    with pytest.raises(ParameterError, match="mu does not fall"):
+        _ = LAWS["coulomb"].hopf_velocity
+    assert LAWS["coulomb"].stability_margin == LAWS["coulomb"].v_d
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"law": "dry"}, "exponential, stribeck, coulomb"),
+        ({"law": 3}, "exponential, stribeck, coulomb"),
+        ({"v_s": 0.3}, "the law stribeck only"),
+        ({"law": "coulomb", "v_s": 0.3}, "the law stribeck only"),
+        ({"law": "stribeck", "v0": 0.3}, "the law exponential only"),
+        ({"law": "stribeck", "v_s": 0.0}, "v_s"),
+        ({"law": "stribeck", "viscous": -0.1}, "viscous"),
+        ({"viscous": float("nan")}, "viscous"),
+    ],
+)
+def test_what_a_law_does_not_have_is_refused(given: dict[str, object], words: str) -> None:
+    for make in (FrictionCell, lambda **rest: FrictionChain(c=0.1, **rest)):
+        with pytest.raises(ParameterError, match=words):
+            make(**given)
+
+
+def test_the_cycles_of_other_laws_are_refused_in_a_sentence() -> None:
+    with pytest.raises(ParameterError, match="simulate a chain of one site"):
+        friction_cell(LAWS["stribeck"])
+
+
+def test_a_chain_holds_its_law_as_a_word() -> None:
+    chain = FrictionChain(c=0.1, law="stribeck", v_s=0.3)
+    assert chain.law is FrictionLaw.STRIBECK
+    assert chain.parameters()["law"] == "stribeck"
+    assert FrictionChain.of(chain.cell, c=0.1) == chain

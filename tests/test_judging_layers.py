@@ -1,0 +1,452 @@
+"""What judges, stops, saves and labels: each on made-up runs whose answer is known by hand.
+
+The tests of the numbers themselves run chains; those here run none, so that each rule is met by a
+case that only this rule decides.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.lib import format as npy
+
+from fronts.cli import main
+from paper_checks.ruling import agrees
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Place
+from theory.chains.vdp import AveragedChain, VdpChain
+from verification.breathers import outcome as nuclei
+from verification.breathers.floquet import Multipliers, floquet_multipliers
+from verification.execution import checkpoint
+from verification.execution.files import FileError
+from verification.execution.store import Store
+from verification.execution.sweep import sweep
+from verification.fronts.status import FrontStatus
+from verification.fronts.watch import MARGIN, Watch
+from verification.maps import friction_rules, smooth_rules
+from verification.maps.state import Reason, State
+from verification.quantities import robustness
+from verification.quantities.judging import Outcome, judge
+from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
+from verification.runs import state_run
+from verification.thresholds import spreading as thresholds
+from verification.thresholds.result import Definition
+from verification.thresholds.spreading import Spreading, spreading_threshold, spreads
+from verification.work_reduction import table as reductions
+
+NAN = math.nan
+
+
+# ------------------------------------------------------------------------------- the command line
+
+
+def test_the_exit_code_of_the_stability_table_is_one_if_a_point_is_bad(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = robustness.stability(["c-pin"], 1, workers=1)
+    row = dict[str, object](next(iter(good.table.rows())))
+    row["outcome"] = Outcome.EXCEEDED.value
+    line = ["stress", "--json", "--quantity", "c-pin", "--points", "1"]
+    for bad in ([], [row]):
+        found = replace(good, bad=tuple(bad))
+        monkeypatch.setattr(robustness, "stability", lambda *_, found=found, **__: found)
+        assert main(line) == len(bad)
+    capsys.readouterr()
+
+
+def test_the_exit_code_of_the_work_reductions_is_one_if_a_bound_is_exceeded(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for holds in (True, False):
+        row = SimpleNamespace(
+            reduction=SimpleNamespace(what="", decided="", bound="", test=""),
+            text="", changed="", found=SimpleNamespace(holds=holds), as_dict=dict,
+        )  # fmt: skip
+        monkeypatch.setattr(reductions, "measured_reductions", lambda row=row: [row])
+        assert main(["stress", "--work-reduction"]) == int(not holds)
+    capsys.readouterr()
+
+
+def test_a_negative_error_is_as_bad_as_none() -> None:
+    quantity = Computation(
+        name="made-up",
+        title="for this test",
+        axes=(Axis(name="x", low=1.0, high=2.0),),
+        compute=lambda _: StatedValue(value=1.0, error=-1e-9),
+        check=lambda *_: ReferenceCheck(distance=0.0, uncertainty=1e-3, method="this test"),
+        seconds=1.0,
+    )
+    assert judge(quantity, {"x": 1.0})["outcome"] == Outcome.NAN.value
+
+
+# ------------------------------------------------------------------------------------------ files
+
+
+def _times(factor: float, point: Any) -> float:
+    return factor * float(point["x"])
+
+
+def test_the_finished_table_of_another_sweep_is_not_given_back(tmp_path: Path) -> None:
+    out = tmp_path / "out.csv"
+    for factor, points in ((2.0, [1.0, 2.0]), (3.0, [1.0, 2.0]), (3.0, [1.0, 4.0])):
+        found = sweep(partial(_times, factor), {"x": points}, out=out, resume=True, workers=1)
+        assert found["value"].tolist() == [factor * x for x in points]
+
+
+def test_a_checkpoint_that_cannot_be_finished_leaves_the_one_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.npz"
+    old, new = {"y": np.zeros(3), "z": np.zeros(2)}, {"y": np.ones(3), "z": np.ones(2)}
+    checkpoint.save_checkpoint(path, old, {}, 1.0)
+    written = npy.write_array
+
+    def full(entry: Any, array: Any, **options: Any) -> None:
+        if array.size == 2:
+            raise OSError(28, "No space left on device")
+        written(entry, array, **options)
+
+    monkeypatch.setattr(npy, "write_array", full)
+    with pytest.raises(FileError):
+        checkpoint.save_checkpoint(path, new, {}, 2.0)
+    found = {name: np.full_like(array, NAN) for name, array in old.items()}
+    assert checkpoint.load_checkpoint(path, found, {}) == 1.0
+    assert not any(array.any() for array in found.values())
+    assert [each.name for each in tmp_path.iterdir()] == ["run.npz"]
+
+
+# ----------------------------------------------------------------------------------------- fronts
+
+
+class _Run:
+    """A front that has reached every site, at times that tell by which tolerance it was run."""
+
+    def __init__(self, tolerance: float, reached: int = 40) -> None:
+        self.tolerance = tolerance
+        self.state = np.zeros((2, 40))
+        self.arrivals = np.where(np.arange(40) < reached, np.arange(40) + tolerance, NAN)
+        self.time, self.counts, self.amplitude = 0.0, {"steps": 7}, np.zeros(40)
+
+    def advance(self, budget: int) -> None:
+        self.time += 1.0
+
+    def going_to_rest(self) -> bool:
+        return False
+
+
+@pytest.mark.parametrize(("tolerance", "other"), [(1e-8, 1e-6), (1e-3, 1e-2)])
+def test_the_run_beside_a_front_has_a_hundred_times_its_tolerance(
+    tolerance: float, other: float
+) -> None:
+    watch = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5)
+    found = watch.trial(_Run, tolerance)  # type: ignore[arg-type]
+    sites = np.arange(5.0, 40.0 - MARGIN)
+    assert found.arrivals.tolist() == (sites + tolerance).tolist()
+    assert found.coarser.tolist() == pytest.approx((sites + other).tolist(), abs=1e-12)
+    assert (found.stopped, found.steps) == (None, 14)
+
+
+@pytest.mark.parametrize(("moves", "status"), [(0.9, FrontStatus.PINNED), (1.1, "creeping")])
+def test_a_front_stops_at_the_last_site_that_is_needed_and_not_before(
+    moves: float, status: FrontStatus | str
+) -> None:
+    """One site short of the margin it is no arrival at the end, and settled or creeping."""
+    watch = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5)
+    assert watch.follow(_Run(1e-8, 40 - MARGIN)) is None  # type: ignore[arg-type]
+    short = _Run(1e-8, 40 - MARGIN - 1)
+
+    def advance(budget: int) -> None:
+        short.time += 1.0
+        short.amplitude = np.full(40, moves * 1e-3 * (short.time > 15.0))
+
+    short.advance = advance  # type: ignore[method-assign]
+    found = watch.follow(short)  # type: ignore[arg-type]
+    assert found is FrontStatus(status)
+    assert short.time == 22.0  # the first after twice the stall time since the arrival at 1
+
+
+# ------------------------------------------------------------------------------------- thresholds
+
+
+@pytest.mark.parametrize(
+    ("definition", "reached", "enough"),
+    [
+        (Definition.FIRST, [], False),
+        (Definition.FIRST, [6], True),
+        (Definition.SEVERAL, [2, 3, 4, 6, 7], False),
+        (Definition.SEVERAL, [2, 3, 4, 6, 7, 8], True),
+        (Definition.WHOLE, [1, 2, 3, 4, 6, 7, 8], False),
+        (Definition.WHOLE, [1, 2, 3, 4, 6, 7, 8, 9], True),
+    ],
+)
+def test_of_some_definitions_one_site_is_enough_and_of_others_all_are_needed(
+    definition: Definition, reached: list[int], enough: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = SimpleNamespace(finished=False, arrivals=np.full(9, NAN), going_to_rest=lambda: True)
+    run.arrivals[[site - 1 for site in reached]] = 1.0
+    run.arrivals[4] = 0.0  # the nucleus itself
+    run.advance = lambda _: None
+    monkeypatch.setattr(thresholds, "integration", lambda *_, **__: run)
+    asked = Spreading(place=Place.BULK, definition=definition, displacement=1.0)
+    assert spreads(AveragedChain(a=2.5, b=0.5, c=0.1, sites=9), asked) is enough
+
+
+C_TRUE = 0.0314159
+
+
+def _known(
+    monkeypatch: pytest.MonkeyPatch, *, coarser: float = 0.0, later: float = 0.0, gap: float = 0.0
+) -> None:
+    """Let a nucleus spread from `C_TRUE` on; from elsewhere in coarser or longer runs, or a gap."""
+
+    def made_up(chain: Any, spreading: Spreading, final_time: float) -> bool:
+        limit = C_TRUE
+        if spreading.tolerance > 1e-8:
+            limit += coarser
+        if final_time > spreading.final_time:
+            limit -= later
+        return bool(chain.c > limit and not (gap and abs(chain.c - gap) < 1e-4))
+
+    monkeypatch.setattr(thresholds, "spreads", made_up)
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6])
+def test_the_error_of_a_threshold_is_half_of_its_bracket(
+    accuracy: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _known(monkeypatch)
+    found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=accuracy)
+    assert found.low <= C_TRUE <= found.high
+    assert 0.1 * accuracy < found.high - found.low <= accuracy
+    assert found.low + found.error == pytest.approx(found.high - found.error, rel=1e-14)
+    assert abs(found.c - C_TRUE) <= found.error <= 0.5 * accuracy
+    assert (found.monotone, found.fuzzy, found.late) == (True, None, found.c)
+
+
+def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for shift in (1e-4, -1e-4):
+        _known(monkeypatch, coarser=shift)
+        found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6, tests=0)
+        assert 0.98e-4 < found.error < 1.03e-4
+
+
+def test_a_threshold_that_is_late_or_has_gaps_is_fuzzy(monkeypatch: pytest.MonkeyPatch) -> None:
+    _known(monkeypatch, later=5e-4)
+    late = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+    assert late.late == pytest.approx(C_TRUE - 5e-4, abs=1e-6)
+    assert late.fuzzy == (late.late, late.c)
+    assert late.monotone
+    gap = late.c * (1.0 + 0.2 * 5 / 12)  # one of the couplings that are tried
+    _known(monkeypatch, gap=gap)
+    torn = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+    assert not torn.monotone
+    assert torn.fuzzy is not None
+    assert torn.fuzzy == pytest.approx((torn.c, gap), rel=1e-14)
+
+
+# ----------------------------------------------------------------------------------------- labels
+
+
+def _windows(*sites: tuple[float, float]) -> list[Any]:
+    low, high = np.array(sites).T
+    return [smooth_rules._Window(high, low)] * smooth_rules.HOLD
+
+
+def test_of_a_filled_chain_every_site_is_above_and_of_a_breather_some() -> None:
+    up, down, passes = (2.0, 2.1), (0.1, 0.2), (0.5, 2.0)
+    named = smooth_rules._named
+    assert named(_windows(up, up, up, up), 1.0, True) is State.FRONT
+    for few in ((up, up, up, down), (up, up, down, down), (up, up, up, passes)):
+        assert named(_windows(*few), 1.0, True) is State.BREATHER
+        assert named(_windows(*few), 1.0, False) is State.UNDECIDED
+    assert named(_windows(down, down), 1.0, True) is State.UNDECIDED
+    assert named(_windows(up, up)[:-1], 1.0, True) is State.UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("heights", "state"),
+    [
+        ([8e-4, 6e-4, 4e-4, 2e-4], State.FIXED_POINT),
+        ([8e-4, 6e-4, 6e-4, 2e-4], State.UNDECIDED),
+        ([8e-4, 4e-4, 6e-4, 2e-4], State.UNDECIDED),
+        ([8.0, 6.0, 4.0, 2.0], State.UNDECIDED),
+    ],
+)
+def test_rest_is_a_fall_in_every_window(heights: list[float], state: State) -> None:
+    windows = [smooth_rules._Window(np.full(3, high), np.zeros(3)) for high in heights]
+    assert smooth_rules._named(windows, 1.0, True) is state
+
+
+def _memory(*sites: tuple[float, float]) -> np.ndarray:
+    memory = np.zeros(state_run._SITES + 2 * len(sites))
+    memory[[state_run._LEVEL, state_run._SETTLED, state_run._HOLD]] = 1.0, 1e-3, 5.0
+    memory[state_run._ARRIVED] = -1.0
+    memory[state_run._ABOVE] = sum(high > 1.0 for _, high in sites)
+    memory[state_run._SITES :] = np.array(sites).T.ravel()
+    return memory
+
+
+def test_a_window_is_settled_if_all_its_sites_are() -> None:
+    up, down = (2.0, 2.0005), (0.1, 0.1005)
+    settled = state_run._settled.py_func
+    assert settled(3, _memory(up, down, down))
+    for other in ((2.0, 2.01), (0.9999, 1.0004)):
+        for place in range(3):
+            sites = [up, down, down]
+            sites[place] = other
+            memory = _memory(*sites)
+            memory[state_run._ABOVE] = 1.0
+            assert not settled(3, memory)
+    assert not settled(2, _memory(down, down))
+
+
+def test_a_front_has_arrived_when_the_far_end_has_been_above_for_long_enough() -> None:
+    arrived = state_run._arrived.py_func
+    memory = _memory((0.0, 0.0))
+    course = [(0.0, 0.5), (1.0, 2.0), (4.0, 2.0), (5.0, 1.0), (6.0, 2.0), (10.9, 2.0), (11.0, 2.0)]
+    assert [arrived(t, far, memory) for t, far in course] == [False] * 6 + [True]
+
+
+@pytest.mark.parametrize(
+    ("ever", "now", "state"),
+    [
+        (6, 6, State.FRONT),
+        (6, 3, State.FRONT),
+        (6, 2, State.UNDECIDED),
+        (5, 5, State.BREATHER),
+        (3, 3, State.BREATHER),
+    ],
+)
+def test_a_friction_front_has_reached_all_sites_and_half_of_them_still_stick(
+    ever: int, now: int, state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Run:
+        def __init__(self, *_: object, **__: object) -> None:
+            self.time, self.arrivals = 0.0, np.full(6, NAN)
+            self.amplitude, self.counts = np.ones(6), {"steps": 1}
+
+        def forget_arrivals(self) -> None:
+            self.arrivals[:] = NAN
+
+        def advance_to(self, time: float) -> None:
+            first, self.time = self.time == 0.0, time
+            self.arrivals[: ever if first else now] = time
+            self.amplitude = np.full(6, min(time, 200.0))  # changes for five windows
+
+        def going_to_rest(self) -> bool:
+            return False
+
+    monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
+    chain = FrictionChain(c=0.05, sites=6)
+    found = friction_rules.find_friction_state(chain, np.zeros((2, 6)), end=2000.0)
+    assert found.state is state
+    assert found.reason is (Reason.END_TIME if state is State.UNDECIDED else Reason.DECIDED)
+    assert (found.reached, found.above) == (ever, now)
+    if state is State.BREATHER:  # settled for as long as it took to settle
+        assert found.time == 400.0
+
+
+# --------------------------------------------------------------------------------------- breathers
+
+
+def test_a_nucleus_is_confirmed_by_a_run_of_another_tolerance_that_ends_alike(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.19, sites=7)
+    held = np.array([NAN, NAN, NAN, 0.0, NAN, NAN, NAN])
+    larger = np.array([NAN, NAN, 30.0, 0.0, 30.0, NAN, NAN]) / chain.eps
+    asked: list[float] = []
+
+    for other, same in ((held, False), (larger, True)):
+
+        def made_up(
+            *_: object, tolerance: float, other: Any = other, alike: bool = same, **__: object
+        ) -> Any:
+            asked.append(tolerance)
+            arrivals = larger if tolerance == 1e-8 else other
+            width = np.array([1, 1 + 2 * int(arrivals is larger)])
+            psi = np.arange(7.0)[None] if alike else np.abs(np.arange(7.0) - 3.0)[None]
+            return SimpleNamespace(
+                chain=chain, arrivals=arrivals, width=width, psi=psi,
+                times=np.array([0.0, 200.0 / chain.eps]),
+            )  # fmt: skip
+
+        monkeypatch.setattr(nuclei, "simulate", made_up)
+        found = nuclei.follow_nucleus(chain, slow_time=200.0)
+        assert found.evolution.outcome is nuclei.Outcome.LARGER
+        assert found.confirmed is same
+        assert found.same_until == (200.0 if same else pytest.approx(30.0))
+        assert found.mirrored is not same
+    assert asked == pytest.approx([1e-8, 1e-6] * 2)
+
+
+def _monodromy(even: list[float], odd: list[float]) -> np.ndarray:
+    """Return a matrix of three sites with given multipliers of even and of odd modes."""
+    r = math.sqrt(0.5)
+    site = np.array([[r, 0.0, r], [0.0, 1.0, 0.0], [r, 0.0, -r]])  # two even modes and an odd one
+    basis = np.kron(np.eye(2), site)
+    found: np.ndarray = basis.T @ np.diag([*even[:2], odd[0], *even[2:], odd[1]]) @ basis
+    return found
+
+
+def test_of_the_multipliers_the_trivial_one_leads_nothing() -> None:
+    def found(even: list[float], odd: list[float], **options: Any) -> Multipliers:
+        return floquet_multipliers(_monodromy(even, odd), 2.0, 0.1, **options)
+
+    stable = found([1.0, 0.9, -0.8, 0.3], [0.7, 0.2], parity=1, error=1e-9)
+    assert stable.values.real == pytest.approx([1.0, 0.9, -0.8, 0.7, 0.3, 0.2])
+    assert stable.trivial == pytest.approx(0.0, abs=1e-14)
+    assert stable.leader == pytest.approx(0.9)
+    assert stable.growth == pytest.approx(math.log(0.9) / 0.2)
+    assert (stable.stable, stable.error) == (True, 1e-9)
+    assert stable.symmetric == pytest.approx(math.log(0.9) / 0.2)
+    assert stable.antisymmetric == pytest.approx(math.log(0.7) / 0.2)
+    # The one that leads may be of the other parity, and be beside the trivial one.
+    broken = found([1.0, 0.9, -0.8, 0.3], [-1.2, 0.2], parity=1)
+    assert broken.leader == pytest.approx(-1.2)
+    assert not broken.stable
+    assert (
+        broken.antisymmetric == pytest.approx(broken.growth) == pytest.approx(math.log(1.2) / 0.2)
+    )
+    for growth in (1e-9, 1e-7):
+        beside = found([1.0, math.exp(0.2 * growth), 0.5, 0.3], [0.7, 0.2])
+        assert beside.stable is (growth < 1e-8)
+    odd = found([0.5, 0.4, 0.3, 0.2], [1.0, 1.0 + 1e-3], parity=-1)
+    assert odd.leader == pytest.approx(1.0 + 1e-3)
+    assert odd.symmetric == pytest.approx(odd.growth)
+    assert odd.antisymmetric == pytest.approx(math.log(0.5) / 0.2)
+
+
+def test_along_an_approximate_orbit_the_trivial_multiplier_is_known_by_its_direction() -> None:
+    """A shift of time is an even mode here: the second, whose multiplier is farther from 1."""
+    matrix = _monodromy([1.01, 0.9, -0.8, 0.3], [0.7, 0.2])
+    along = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    for parity in (0, 1):
+        found = floquet_multipliers(matrix, 2.0, 0.1, parity=parity, direction=along)
+        assert found.trivial == pytest.approx(0.1)
+        assert found.leader == pytest.approx(1.01)
+        assert floquet_multipliers(matrix, 2.0, 0.1, parity=parity).trivial == pytest.approx(0.01)
+
+
+# -------------------------------------------------------------------------------- rules and stores
+
+
+def test_a_number_agrees_up_to_its_rounding_and_the_error_of_what_was_found() -> None:
+    assert [agrees(x, "2") for x in (1.5, 2.5, 2.5625)] == [True, True, False]
+    assert [agrees(x, "2", 0.25) for x in (1.25, 2.75, 2.8125)] == [True, True, False]
+
+
+def test_a_store_that_is_begun_anew_forgets_what_it_held(tmp_path: Path) -> None:
+    for resume, expected in ((False, {}), (True, {"1": 2.0}), (False, {})):
+        with Store(tmp_path / "a", {"c": 1}, resume=resume, replace=True) as store:
+            assert store.results == expected
+            store.add("1", 2.0)

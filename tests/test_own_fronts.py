@@ -1,0 +1,235 @@
+"""Fronts, thresholds and states of chains, lattices and networks of one's own."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from derivations.cell.envelope import derive_envelope
+from fronts.animation import animate
+from fronts.cli import main
+from theory.chains.nucleus import Nucleus
+from theory.chains.oscillator import OscillatorChain
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError
+from verification.fronts.measure import measure_front
+from verification.fronts.status import FrontStatus
+from verification.maps.state_map import StateTask, state_map
+from verification.references.equations import pull_matrix
+from verification.references.network import overdamped_rate, states_by_scipy
+from verification.runs.ensemble import ensemble
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+from verification.thresholds.threshold import threshold
+
+PAPER = {"damping": "1 - a*y**2 + b*y**4", "values": {"a": 4.0, "b": 0.5}}
+NAGUMO: dict[str, Any] = {
+    "damping": 0, "stiffness": "y*(1 - y)*(alpha - y)", "values": {"alpha": 0.2},
+    "overdamped": True,
+}  # fmt: skip
+
+
+def nagumo(**changes: Any) -> OscillatorChain:
+    return OscillatorChain(**{**NAGUMO, **changes})
+
+
+def speed(chain: OscillatorChain, **options: Any) -> float:
+    v = measure_front(chain, **options).v
+    assert v is not None
+    return v
+
+
+def test_front_and_threshold_of_the_paper_as_text_are_those_of_the_built_in_chain() -> None:
+    text, built_in = OscillatorChain(**PAPER, c=0.6), VdpChain(a=4, b=0.5, c=0.6)
+    ours, theirs = measure_front(text), measure_front(built_in)
+    assert (ours.v, ours.error, ours.outruns_waves) == pytest.approx(
+        (theirs.v, theirs.error, theirs.outruns_waves), rel=1e-12
+    )
+    options: dict[str, Any] = {"method": "bisection", "accuracy": 1e-2, "tests": 0, "lowest": 0.1}
+    found = [
+        threshold(chain.replace(sites=7), Nucleus(1), final_time=10.0, **options).c
+        for chain in (text, built_in)
+    ]
+    assert found[0] == found[1]
+
+
+def test_a_planar_front_on_a_square_lattice_is_that_of_the_chain() -> None:
+    chain = measure_front(nagumo(c=1.0))
+    lattice = measure_front(nagumo(c=1.0, coupling="square", sites=(80, 3)))
+    assert chain.v is not None
+    assert lattice.v is not None
+    assert chain.error is not None
+    assert lattice.error is not None
+    assert abs(lattice.v - chain.v) <= lattice.error + chain.error < 2e-3
+
+
+def test_the_front_on_a_lattice_depends_on_the_direction_most_near_pinning() -> None:
+    """A planar front along the diagonal is that of a chain of diagonals: coupling 2c, rows 1/√2
+    apart. A round front takes on the shape that its slower directions cut out (Wulff), so that
+    along a ray it is at most as fast."""
+    seen = []
+    for c in (0.06, 0.3):
+        lattice = nagumo(c=c, coupling="square", sites=(41, 41))
+        front = measure_front(lattice, directions=8)
+        v = front.detail.velocities
+        assert v.reshape(4, 2).std(axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)  # four-fold
+        planar = speed(nagumo(c=2.0 * c)) / math.sqrt(2.0) / speed(nagumo(c=c))
+        assert v[1] / v[0] < planar + 0.01
+        seen.append((v[1] / v[0] - 1.0, planar - 1.0))
+    (near, most), (far, least) = seen
+    assert most > near > 0.06
+    assert abs(far) < least + 0.01 < 0.5 * near
+
+
+def test_arrivals_that_are_located_together_are_those_located_one_by_one() -> None:
+    """A planar front reaches a row of a lattice at once; a chain, one site after another."""
+    lattice = nagumo(c=1.0, coupling="square", sites=(20, 8))
+    chain = nagumo(c=1.0, sites=20)
+    wide = simulate(lattice, excite(lattice, range(1, 33)), 40.0, samples=2, tolerance=1e-10)
+    thin = simulate(chain, excite(chain, range(1, 5)), 40.0, samples=2, tolerance=1e-10)
+    assert np.count_nonzero(~np.isnan(thin.arrivals)) > 12
+    rows = wide.arrivals.reshape(20, 8)
+    np.testing.assert_allclose(rows, thin.arrivals[:, None] + 0.0 * rows, rtol=1e-9)
+
+
+def test_on_a_network_a_front_is_timed_by_links() -> None:
+    """A ring given as a matrix is a chain in two directions."""
+    ring = np.roll(np.eye(80), 1, axis=1) + np.roll(np.eye(80), -1, axis=1)
+    front = measure_front(nagumo(c=1.0, coupling=ring), excited=9)
+    assert front.v is not None
+    assert front.error is not None
+    assert abs(front.v - speed(nagumo(c=1.0))) <= front.error < 0.03
+
+
+def test_a_pinned_front_is_pinned_on_a_lattice_too() -> None:
+    front = measure_front(nagumo(c=0.01, coupling="square", sites=(20, 3)), stall_time=20.0)
+    assert (front.status, front.v) == (FrontStatus.PINNED, 0.0)
+
+
+def test_the_front_of_a_duffing_cell_is_that_of_its_averaged_chain() -> None:
+    """The cell of ``examples/own_cell.py``: derived, averaged, and integrated by scipy."""
+    full = OscillatorChain(
+        damping="1 - a*y**2 + b*y**4", stiffness="y + k*y**3",
+        values={"a": 4, "b": 0.5, "k": 0.0005}, c=2.0,
+    )  # fmt: skip
+    # ε g = k y³ with ε = 0.01.
+    cell = derive_envelope("1 - a*y**2 + b*y**4", "k*y**3").compiled(a=4, b=0.5, k=0.05, c=2.0)
+    sites = 80
+    phi = np.zeros(sites, complex)
+    phi[:24] = full.stable_amplitude * (-1j) ** np.arange(24)
+
+    def rate(_: float, state: Any) -> Any:
+        left, right = np.r_[state[:1], state[:-1]], np.r_[state[1:], state[-1:]]
+        return cell.rate(state, left, right)
+
+    times = np.linspace(0.0, 22.0, 1101)
+    amplitude = np.abs(states_by_scipy(rate, phi, times, 1e-8))
+    reached = [times[np.argmax(amplitude[:, n] > full.unstable_amplitude)] for n in (45, 65)]
+    assert speed(full) == pytest.approx(20.0 / (reached[1] - reached[0]), rel=0.02)
+
+
+def test_arrivals_of_a_disordered_chain_are_those_of_scipy() -> None:
+    """The chain of ``examples/disordered_chain.py``."""
+    alpha = 0.2 * (1.0 + 0.1 * np.random.default_rng([1, 0]).standard_normal(60))
+    rate = overdamped_rate(lambda y: y * (1.0 - y) * (alpha - y), pull_matrix(60), c=1.0)
+    start = np.zeros(60)
+    start[:8] = 1.0
+    times = np.linspace(0.0, 150.0, 15001)
+    y = states_by_scipy(rate, start, times, 1e-9)
+    at = [float(np.interp(0.2, y[:, n], times)) for n in (19, 49)]
+    chain = nagumo(c=1.0, sites=60, disorder={"alpha": 0.1}, seed=1)
+    run = simulate(chain, excite(chain, range(1, 9)), 150.0, samples=2)
+    assert run.arrivals[[19, 49]] == pytest.approx(at, abs=1e-4)
+    assert chain.replace(sites=90).site_values["alpha"][:60] == pytest.approx(alpha, rel=1e-15)
+
+
+def test_disorder_spreads_the_threshold_the_more_the_stronger_it_is() -> None:
+    """Nine sites in the middle of 25; a wider band of cells lets some seeds spread earlier."""
+    chain = nagumo(c=0.0, sites=25, values={"alpha": 0.3})
+    options: dict[str, Any] = {
+        "nucleus": Nucleus(9, "0" * 8), "final_time": 200.0, "accuracy": 1e-3, "tests": 0,
+        "lowest": 0.01,
+    }  # fmt: skip
+    clean = threshold(chain, **options).c
+    found = [
+        ensemble(threshold, chain.replace(disorder={"alpha": size}), range(6), workers=1, **options)
+        for size in (0.02, 0.15)
+    ]
+    assert [each.missing for each in found] == [0, 0]
+    assert found[0].spread < 0.5 * found[1].spread
+    assert abs(found[0].mean - clean) < 0.005
+    assert found[1].quantity == "c"
+
+
+def test_an_ensemble_is_the_same_on_two_processes() -> None:
+    chain = nagumo(c=1.0, sites=40, disorder={"alpha": 0.1})
+    one, two = (
+        ensemble(measure_front, chain, range(3), workers=workers, accuracy=0.1)
+        for workers in (1, 2)
+    )
+    assert np.array_equal(one.values, two.values)
+    assert one.mean == pytest.approx(np.mean(one.values))
+    assert one.spread == pytest.approx(math.sqrt(np.sum((one.values - one.mean) ** 2) / 2.0))
+    with pytest.raises(ParameterError, match="disorder = none"):
+        ensemble(measure_front, chain.replace(disorder={}), [1])
+
+
+def test_the_map_of_an_own_chain_names_its_states_over_its_own_parameters() -> None:
+    task = StateTask(chain=nagumo(c=0.0, sites=9, values={"alpha": 0.3}), nucleus=Nucleus(3, "00"))
+    found = state_map(task, c=[0.005, 0.08], alpha=[0.3, 0.45], workers=1, refine=0.0)
+    assert found.states["label"].tolist() == ["breather", "breather", "front", "breather"]
+
+
+def test_a_run_on_a_lattice_is_a_picture_and_a_film(tmp_path: Path) -> None:
+    for coupling in ("square", "hexagonal"):
+        chain = nagumo(c=0.3, coupling=coupling, sites=(6, 7))
+        run = simulate(chain, excite(chain, [17, 18, 24]), 9.0, samples=4, estimate_error=False)
+        film = tmp_path / f"{coupling}.gif"
+        animate(run, film, note="said")
+        with Image.open(film) as image:
+            assert image.n_frames == 4
+            assert image.info["comment"] == b"said"
+        run.plot().figure.savefig(tmp_path / "run.png")
+    with pytest.raises(ParameterError, match="file of a film"):
+        animate(run, tmp_path / "run.avi")
+
+
+@pytest.mark.parametrize(
+    ("changes", "options", "words"),
+    [
+        ({"sites": 40}, {"directions": 8}, "left out where there is no lattice"),
+        (
+            {"coupling": "square", "sites": (9, 9)},
+            {"directions": 8, "excited": 81},
+            "excited sites",
+        ),
+        ({"coupling": "square", "sites": (9, 9)}, {"directions": 8}, "take a larger lattice"),
+        ({"values": {"alpha": np.full(31, 0.2)}}, {}, "give disorder by its spread"),
+        ({"coupling": "next-nearest:1,0.2"}, {"left_boundary": "wave"}, "leave it out"),
+        ({"c": 0.0}, {}, "coupling c = 0"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(
+    changes: dict[str, Any], options: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(ParameterError, match=words):
+        measure_front(nagumo(**{"c": 0.3, **changes}), **options)
+
+
+def test_the_command_line_gives_velocities_by_direction(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    line = ["front", "chain", "--damping", "0", "--stiffness", "y*(1-y)*(alpha-y)", "--overdamped"]
+    more = ["--value", "alpha=0.2", "--c", "0.3", "--coupling", "square", "--n", "31x31"]
+    picture = tmp_path / "front.png"
+    assert main([*line, *more, "--directions", "4", "--json", "-o", str(picture)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert len(found["velocities"]) == 4
+    assert found["chain"]["shape"] == [31, 31]
+    assert picture.stat().st_size > 1000

@@ -1,0 +1,215 @@
+"""The two rules behind Σ(v, c): what they leave out, what they cost, what they state."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums import integral, rules
+from theory.piecewise.sums.compiled import compiled_rules
+from theory.piecewise.sums.integral import sum_by_integral, sums
+from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
+from theory.piecewise.sums.series import sum_by_roots
+
+ComplexArray = npt.NDArray[np.complex128]
+VELOCITIES = [0.08, 0.11, 0.16, 0.24, 0.4, 0.7, 1.1, 2.0, 5.0, 20.0, 300.0, 1e4, 1e8]
+
+
+def roots_beside(v: float, c: float, paired: bool) -> ComplexArray:
+    """Return the root nearest -i/2v, and the pair that meets in resonance, by their labels."""
+    below = labelled_roots(v, c, np.array([0, -1]), upper=False).k
+    above = labelled_roots(v, c, np.array([0]), upper=True).k
+    return np.concatenate([below[:1], above, below[1:]]) if paired else below[:1]
+
+
+def coth(z: ComplexArray) -> ComplexArray:
+    return np.asarray(1 / np.tanh(z))
+
+
+@pytest.mark.parametrize("rho", [1e-3, 0.05, 0.3, 0.6, 0.9, 1.0, 1.01, 1.2, 1.38, 1.8, 2.5, 3.0])
+def test_what_the_points_on_the_axis_leave_is_as_small_as_stated(rho: float) -> None:
+    """|G̃| ≤ M/(1 + c) on the line to which the bound of the rule refers."""
+    paired = rho > 1.0
+    depth = math.acosh(9 / rho - 1) - 0.25 if paired else math.acosh(1.7 / rho)
+    k = np.linspace(-np.pi, np.pi, 800, endpoint=False) + 1j * depth
+    for v in VELOCITIES:
+        c = rho * v
+        A = 0.5 - 1j * c * (1 - np.cos(k))
+        left = (coth((A / v + 1j * k) / 2) + coth((A / v - 1j * k) / 2)) / (4 * A)
+        for root in roots_beside(v, c, paired):
+            slope = -1j * (v + c * np.sin(root))
+            # near the root coth(L/2v)/4A = (1/2i)/(root L_k)/(k - root), and G is even
+            near = 1 / np.tan((k - root) / 2) - 1 / np.tan((k + root) / 2)
+            left -= 0.25 * near / (1j * root * slope)
+        assert np.abs(left).max() * (1 + c) <= (1.0 if paired else 2.5), (v, c)
+
+
+def left_on_a_leg(v: float, c: float, psi: float, depth: float) -> float:
+    """Return (1/π)∫|g̃| du along Im u = depth, S from hyperbolic functions and not from e^{-a}."""
+    A_0 = 0.5 + (2j * c if psi else 0)
+    u = np.arange(-12, 12, 0.01) + 1j * depth
+    m = 0.5 * v / c
+    Y, A = m * u * u, A_0 + v * u * u
+    a = 0.5 / v + 1j * psi + u * u
+    k_u = 2 * np.exp(0.25j * np.pi) * math.sqrt(m) / np.sqrt(1 - 1j * Y)
+    k = 2 * np.arcsin(np.exp(0.25j * np.pi) * math.sqrt(m) * u)
+    with np.errstate(over="ignore", invalid="ignore"):
+        rest = (coth((a + 1j * k) / 2) + coth((a - 1j * k) / 2)) / 2 - 1
+    g = rest / (2 * A) * k_u
+    if v >= rules.SLOWEST:
+        for psi_j in (psi, psi - math.copysign(2 * np.pi, psi)) if psi else (0.0,):
+            for start in rules.two_roots_near(0.5 / v, psi_j, c / v):
+                _, half, cosine = rules.root_near(start, 0.5 / v, psi_j, c / v)
+                at = half / (np.exp(0.25j * np.pi) * math.sqrt(m))
+                A_p = A_0 - 2j * c * half * half
+                t = -1 / (A_p * (1 + 2 * c / v * half * cosine))
+                g -= t / 2j * 2 * at / (u * u - at * at)
+    if not psi and v >= rules.SLOWEST:  # the pole of -1/2A
+        at = 1j / math.sqrt(2 * v)
+        k_at = 2 * np.exp(0.25j * np.pi) * math.sqrt(m) / np.sqrt(1 + 0.25j / c)
+        g += k_at / (4 * v * at) * 2 * at / (u * u - at * at)
+    return float(np.sum(np.abs(g)) * 0.01 / np.pi)
+
+
+@pytest.mark.parametrize("rho", [3.01, 3.6, 4.4, 5.2, 6.29, 6.31, 9.0, 60.0, 1e4])
+def test_what_the_legs_leave_is_as_small_as_stated(rho: float) -> None:
+    for v in [0.02, 0.05, *VELOCITIES]:
+        c = rho * v
+        psi = 2 * rho % (2 * np.pi) - np.pi
+        for second in (False, True):
+            far = abs(1 + 4j * c) if second else 1.0
+            stated = rules._leg_size(rho, far, second)
+            assert left_on_a_leg(v, c, psi if second else 0.0, 1.6) <= stated, (v, c, second)
+
+
+def test_the_cost_does_not_depend_on_the_coupling_along_the_velocities_of_fronts() -> None:
+    """So many points as cost less than a root, or some thirty; from c = 1e-8 to 1e8."""
+    for c in 10.0 ** np.arange(-8, 9):
+        found = sums(math.sqrt(c) * np.geomspace(1 / 3, 3, 41), c, 1e-12)
+        assert found.points.max() <= rules.MOST_PLAIN // 2
+        assert found.error.max() < 2e-12
+
+
+def points_at_random(seed: int, count: int) -> list[tuple[float, float]]:
+    """Return points over all decades, near c = v, near v = √c, and beside resonance."""
+    rng = np.random.default_rng(seed)
+    anywhere = 10 ** rng.uniform(-6, 6, (count, 2))
+    near = 10 ** np.stack([rng.uniform(-1.6, 6, count), rng.uniform(-1, 1, count)], 1)
+    near[:, 1] *= near[:, 0]
+    own = 10 ** np.stack([rng.uniform(-0.5, 0.5, count), rng.uniform(-8, 8, count)], 1)
+    own[:, 0] *= np.sqrt(own[:, 1])
+    v = 10 ** rng.uniform(0, 7, count)
+    # v/c = (1 - cos k)/(k + 2πj) = sin k at the first three resonances
+    resonant = np.array([0.7246113537767086, 0.21466068838601868, 0.12784492257479427])
+    beside = v / resonant[np.arange(count) % 3]
+    beside *= 1 + 10 ** rng.uniform(-9, -0.5, count) * rng.choice([-1, 1], count)
+    every = np.concatenate([anywhere, near, own, np.stack([v, beside], 1)])
+    return [(float(v), float(c)) for v, c in every]
+
+
+@pytest.mark.parametrize(("v", "c"), points_at_random(31, 8))
+def test_the_stated_error_bounds_the_true_one(v: float, c: float) -> None:
+    exact = precise_sum_by_integral(v, c, 20)
+    for tolerance in (1e-3, 1e-7, 1e-12, 1e-15):
+        found = sum_by_integral(v, c, tolerance)
+        with mp.workdps(30):
+            off = float(abs(mp.mpc(found.value) - exact.value))
+        assert off <= found.error + float(exact.error)
+
+
+@pytest.mark.parametrize(
+    ("v", "c"), [*points_at_random(32, 1), (7e5, 1.0), (0.3, 0.5), (2.0, 40.0)]
+)
+def test_the_stated_errors_of_the_derivatives_bound_the_true_ones(v: float, c: float) -> None:
+    found = sums(v, c, 1e-13, slopes=True)
+    assert found.by_v is not None
+    assert found.error_by_v is not None
+    assert found.by_c is not None
+    assert found.error_by_c is not None
+    with mp.workdps(60):
+        step = mp.mpf(10) ** -15  # the resonance is 1e-7 wide, relative to v = 5e6
+
+        def exact(v: mp.mpf, c: mp.mpf) -> mp.mpc:
+            return precise_sum_by_integral(mp.nstr(v, 50), mp.nstr(c, 50), 34).value
+
+        v_, c_ = mp.mpf(v), mp.mpf(c)
+        by_v = (exact(v_ * (1 + step), c_) - exact(v_ * (1 - step), c_)) / (2 * step * v_)
+        by_c = (exact(v_, c_ * (1 + step)) - exact(v_, c_ * (1 - step))) / (2 * step * c_)
+        # the differences err by 1e-34/1e-15, and by 1e-30 of third derivatives, at most 1e15
+        assert abs(by_v - complex(found.by_v)) <= float(found.error_by_v) + 1e-14 / v
+        assert abs(by_c - complex(found.by_c)) <= float(found.error_by_c) + 1e-14 / c
+
+
+def test_compiled_or_not_the_rules_give_the_same() -> None:
+    compiled = compiled_rules()["sum_at"]
+    for v, c in points_at_random(33, 12):
+        plain, fast = rules.sum_at(v, c, 1e-12, True), compiled(v, c, 1e-12, True)
+        assert plain[-1] == fast[-1]
+        assert abs(plain[0] - fast[0]) <= 2 * plain[4]
+        assert abs(plain[1] - fast[1]) * v <= 2 * plain[5]
+
+
+@pytest.mark.parametrize("slopes", [False, True])
+def test_many_values_at_once_are_as_good_as_single_ones(
+    slopes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As arrays and in compiled loops, where points on the axis are enough; groups of any size."""
+    rng = np.random.default_rng(34)
+    v, c = np.exp(rng.uniform(np.log(0.02), np.log(1.5), (2, 900)))
+    monkeypatch.setattr(integral, "_FOR_PLAIN", integral._Loader(10**9))
+    plain = sums(v, c, 1e-12, slopes)
+    monkeypatch.setattr(integral, "_FOR_PLAIN", integral._Loader(0))
+    fast = sums(v, c, 1e-12, slopes)
+    assert np.array_equal(plain.points, fast.points)
+    np.testing.assert_allclose(fast.error, plain.error, rtol=1e-6)
+    # the truncation is the same, and roundings are below the part of the error that is theirs
+    assert (np.abs(plain.value - fast.value) <= 1e-14).all()
+    if slopes:
+        assert (np.abs(plain.by_v - fast.by_v) <= 0.2 * plain.error_by_v).all()
+        assert (np.abs(plain.by_c - fast.by_c) <= 0.2 * plain.error_by_c).all()
+    for i in range(6):
+        exact = precise_sum_by_integral(float(v[i]), float(c[i]), 20)
+        for found in (plain, fast):
+            assert abs(complex(exact.value) - found.value[i]) <= found.error[i]
+
+
+def test_no_values_are_an_empty_answer() -> None:
+    assert sums(np.empty((0, 3)), 0.5, 1e-12, slopes=True).value.shape == (0, 3)
+
+
+def test_the_strip_without_roots_is_free_of_them() -> None:
+    """`plain_points` stays below s, c sinh s + vs = ½: its N is more than the rate at s asks."""
+    for v, c in points_at_random(35, 100):
+        s = min(0.5 / (c + v), math.asinh(0.5 / c))
+        for _ in range(50):  # Newton's method, monotonic from above
+            s -= (c * math.sinh(s) + v * s - 0.5) / (c * math.cosh(s) + v)
+        count, bound = rules.plain_points(v, c, 1e-12)
+        assert count % 4 == 0
+        assert bound <= 1e-12
+        assert count * s >= math.log(1 + 2 / bound)
+
+
+def test_a_root_at_a_point_of_the_rule_costs_no_digits() -> None:
+    """v chosen so that the resonance lies at a point of the rule with the fewest points."""
+    c, points = 1e6, 16
+    k = (2 * 3 + 1) * math.pi / points
+    v = c * (1 - math.cos(k)) / k
+    found = sum_by_integral(v, c, 1e-12)
+    exact = sum_by_roots(v, c, 25)
+    with mp.workdps(30):
+        assert float(abs(mp.mpc(found.value) - exact.value)) <= found.error < 2e-12
+
+
+@pytest.mark.parametrize("v", [0.5, 0.8, 2.0])
+@pytest.mark.parametrize("n", [-5, -17])
+def test_the_labels_are_those_whose_root_passes_the_middle_of_its_strip(v: float, n: int) -> None:
+    # Fact 4: the root of strip n passes Re k = (2n + 1) pi where v (2|n| - 1) pi equals
+    c = v * (2 * abs(n) - 1) * math.pi / (1 + math.cosh(0.5 / v))
+    root = labelled_roots(v, c, np.array([n]), upper=False).k[0]
+    assert root.real == pytest.approx((2 * n + 1) * math.pi, rel=1e-12)
+    assert departing_labels(v, c).tolist() == [n - 1, n, n + 1]

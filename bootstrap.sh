@@ -24,7 +24,7 @@ fi
 
 echo "Setting up $venv with $("$python" --version 2>&1) ..."
 [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
-"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable ".[certify,dev]" || {
+"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --constraint requirements.lock --editable ".[certify,dev]" || {
     echo "Installing the packages named in pyproject.toml failed; the lines above say which one (a network connection is needed the first time)." >&2
     exit 2
 }

@@ -20,6 +20,7 @@ from theory.status import Status
 
 if TYPE_CHECKING:
     from theory.chains.coupling import Network
+    from theory.chains.drive import Drive
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -221,6 +222,9 @@ class SmoothChain(Chain):
        at the beginning of ``p``, the fourth of which is the number of weights, and how many
        parameters of N values follow, and whether ``pull`` of w is needed (1 or 0); then come
        total, weights, starts and sites (:meth:`theory.chains.coupling.Network.packed`).
+    7. Where harmonic forces act, return them from :attr:`forces`, and let the numbers that the
+       kernel takes end with t and, for each, ω, its phase and cos(ωt + phase): integrations put in
+       t and the cosines at every stage of a step. Give :attr:`forced_size`.
 
     Attributes
     ----------
@@ -253,6 +257,28 @@ class SmoothChain(Chain):
     def network(self) -> Network | None:
         """The coupling where it is not to the two neighbours; None if it is."""
         return None
+
+    @property
+    def forces(self) -> tuple[Drive, ...]:
+        """Harmonic forces on sites."""
+        return ()
+
+    @property
+    def forced_size(self) -> float:
+        """Size of the motion that forces excite; errors are never relative to less."""
+        return 0.0
+
+    def check_unforced(self, what: str) -> None:
+        """Refuse a chain on which forces act.
+
+        Raises
+        ------
+        ParameterError
+            If there are any.
+        """
+        if self.forces:
+            said = " and ".join(map(str, self.forces))
+            raise ParameterError("drive", said, f"none for {what}", "leave it out")
 
     @property
     def kernel_rate(self) -> float:

@@ -1,10 +1,11 @@
 """A chain or network of your own: any polynomial cell, any linear coupling, disorder.
 
-    ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + εc Σ_j W_nj [(y_n - y_j) + d (ẏ_n - ẏ_j)] = 0
+    ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + εc Σ_j W_nj [(y_n - y_j) + d (ẏ_n - ẏ_j)] = F_n(t)
 
-with polynomials g and h, named parameters that may differ from site to site, and any weights W
-(``theory.chains.coupling``); (8) is g = y, h = 1 - ay² + by⁴, nearest neighbours and d = 0. Without
-inertia, ẏ_n + g(y_n) + c Σ_j W_nj (y_n - y_j) = 0.
+with polynomials g and h, named parameters that may differ from site to site, any weights W
+(``theory.chains.coupling``), and harmonic forces F_n, if any; (8) is g = y, h = 1 - ay² + by⁴,
+nearest neighbours, d = 0 and no force. Without inertia,
+ẏ_n + g(y_n) + c Σ_j W_nj (y_n - y_j) = F_n(t).
 """
 
 from __future__ import annotations
@@ -34,8 +35,9 @@ from theory.chains.chain import (
     parameter,
 )
 from theory.chains.coupling import Network, is_file, network_of, size_of
+from theory.chains.drive import Drive, read_drives
 from theory.chains.model_file import read_model
-from theory.chains.oscillator_kernel import OWN, KernelText, functions_of
+from theory.chains.oscillator_kernel import OWN, KernelText, clock_size, functions_of
 from theory.chains.site_values import (
     checked_disorder,
     checked_values,
@@ -78,6 +80,9 @@ class OscillatorChain(SmoothChain, model="chain"):
         deviation, ``uniform:0.1`` for one between -0.1 and 0.1; also texts as ``a=0.1``.
     seed : int
         Of the disorder. A longer chain has the same values at its first sites.
+    drive : str, mapping, or sequence of them
+        Harmonic forces F cos(ωt + phase): texts ``amplitude,frequency[,phase]@sites`` with sites
+        as ``1,4:6`` or ``all``, or mappings with these keys.
     sites : int or pair of int
         Number of sites, or rows and columns of a lattice; by default that of the coupling's
         matrix, or 31.
@@ -124,6 +129,10 @@ class OscillatorChain(SmoothChain, model="chain"):
         "repeat for each", "-", {}, kind="strings",
     )  # fmt: skip
     seed: int = parameter("seed of the disorder", "-", 0)
+    drive: Any = parameter(
+        "harmonic force F cos(wt + phase), as F,w@1 or F,w,phase@1,4:6 or F,w@all; repeat for "
+        "several", "F", (), kind="strings",
+    )  # fmt: skip
     sites: int = parameter("number of sites, or rows x columns", "N", None, kind="shape")
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
     shape: tuple[int, ...] | None = parameter("rows and columns; as a pair in sites", "-", None)
@@ -144,6 +153,7 @@ class OscillatorChain(SmoothChain, model="chain"):
         self._check_names()
         set_(self, "values", checked_values(self.values, self.names, self.sites))
         set_(self, "disorder", checked_disorder(self.disorder, self.names))
+        set_(self, "drive", read_drives(self.drive, self.sites))
         for values in self._extreme_values():
             self._cell_of(values)
         _ = self.network
@@ -244,7 +254,8 @@ class OscillatorChain(SmoothChain, model="chain"):
     @cached_property
     def network(self) -> Network | None:
         """The coupling; None where it is to the two neighbours, and all sites are alike."""
-        alike = not any(isinstance(each, np.ndarray) for each in self.site_values.values())
+        varied = any(isinstance(each, np.ndarray) for each in self.site_values.values())
+        alike = not (varied or self.drive)
         plain = isinstance(self.coupling, str) and self.coupling in ("chain", "ring")
         if plain and alike and self.shape is None and self._plain_ends is not Ends.FIXED:
             return None
@@ -327,6 +338,18 @@ class OscillatorChain(SmoothChain, model="chain"):
         both = functions_of(self._source)
         return both["cell"], both["slopes"]
 
+    @property
+    def forces(self) -> tuple[Drive, ...]:
+        """The harmonic forces."""
+        found: tuple[Drive, ...] = self.drive
+        return found
+
+    @property
+    def forced_size(self) -> float:
+        """Displacement under the forces held at their largest, F/g'(0)."""
+        total = sum(abs(each.amplitude) for each in self.forces)
+        return total / self.cell.frequency**2
+
     @cached_property
     def _scalars(self) -> tuple[str, ...]:
         return tuple(n for n in self.names if not isinstance(self.site_values[n], np.ndarray))
@@ -345,6 +368,7 @@ class OscillatorChain(SmoothChain, model="chain"):
             neighbours=self.network is None,
             velocity_coupling=self.velocity_coupling != 0.0,
             overdamped=self.overdamped,
+            drives=len(self.drive),
         )
 
     @cached_property
@@ -354,13 +378,13 @@ class OscillatorChain(SmoothChain, model="chain"):
     @property
     def kernel_layout(self) -> tuple[int, ...]:
         """How many numbers the kernel takes, and of a network how many arrays follow them."""
-        count = OWN + len(self._scalars)
+        count = OWN + len(self._scalars) + clock_size(len(self.drive))
         if self.network is None:
             return (count,)
-        return count, len(self._arrays), int(self.velocity_coupling != 0.0)
+        return count, len(self._arrays) + len(self.drive), int(self.velocity_coupling != 0.0)
 
     def kernel_parameters(self) -> FloatArray:
-        """Return c, ε, d, the number of weights, ω, the named parameters, and the network."""
+        """Return c, ε, d, the number of weights, ω, named parameters, drive, and network."""
         return self._packed
 
     @cached_property
@@ -369,9 +393,12 @@ class OscillatorChain(SmoothChain, model="chain"):
         links = 0 if self.network is None else self.network.weights.size
         own = [self.c, self.eps, self.velocity_coupling, float(links), self.cell.frequency]
         head = np.array(own + [float(np.asarray(values[name])) for name in self._scalars])
+        clock = [np.array([each.frequency, each.phase, np.cos(each.phase)]) for each in self.drive]
+        clock = [np.zeros(1), *clock] if clock else []
         arrays = [np.asarray(values[name]) for name in self._arrays]
+        arrays += [each.amplitudes(self.sites) for each in self.drive]
         network = [] if self.network is None else [self.network.packed()]
-        packed: FloatArray = np.concatenate([head, *arrays, *network])
+        packed: FloatArray = np.concatenate([head, *clock, *arrays, *network])
         packed.setflags(write=False)
         return packed
 
@@ -407,6 +434,9 @@ class OscillatorChain(SmoothChain, model="chain"):
         found |= {"damping": str(self.damping), "stiffness": str(self.stiffness)}
         found["values"] = {name: listed(value) for name, value in self.values.items()}
         found["disorder"] = dict(self.disorder)
+        found["drive"] = [str(each) for each in self.drive]
+        if not self.drive:
+            del found["drive"]
         if not isinstance(self.coupling, str):
             found["coupling"] = f"weights {self.links.digest}"
         elif is_file(self.coupling):
@@ -486,6 +516,7 @@ sites, ends, shape
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.check_unforced("the averaged chain, whose frequency is its own")
         if self.overdamped:
             raise ParameterError("overdamped", "true", "false: it has no period", "leave it out")
         off = self._phase_lost()

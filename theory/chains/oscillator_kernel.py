@@ -26,6 +26,11 @@ OWN = 5
 """Numbers at the beginning of a kernel's parameters: c, ε, d, the number of weights, ω."""
 
 
+def clock_size(drives: int) -> int:
+    """Return how many numbers the time and so many harmonic functions of it take."""
+    return 1 + 3 * drives if drives else 0
+
+
 @dataclass(frozen=True, kw_only=True)
 class KernelText:
     """What the text of a right-hand side depends on.
@@ -40,6 +45,8 @@ class KernelText:
         Whether a site is given its two neighbours, and not the pull of a network.
     velocity_coupling, overdamped : bool
         Whether velocities are coupled; whether there is no inertia.
+    drives : int
+        Number of harmonic forces; their amplitudes at the sites follow the other arrays.
     """
 
     stiffness: Polynomial
@@ -49,15 +56,19 @@ class KernelText:
     neighbours: bool
     velocity_coupling: bool
     overdamped: bool
+    drives: int = 0
 
     @property
     def _values(self) -> list[str]:
         """The lines that read the parameters."""
-        head = OWN + len(self.scalars)
+        first = OWN + len(self.scalars)
+        head = first + clock_size(self.drives)
+        arrays = [*self.arrays, *(f"_force{k}" for k in range(self.drives))]
         lines = [f"    _c, _eps, _d, {FREQUENCY} = _p[0], _p[1], _p[2], _p[4]"]
         lines += [f"    {name} = _p[{OWN + at}]" for at, name in enumerate(self.scalars)]
         lines += [f"    {name} = _p[{head} + {at} * _sites + _n]"
-                  for at, name in enumerate(self.arrays)]  # fmt: skip
+                  for at, name in enumerate(arrays)]  # fmt: skip
+        lines += [f"    _cosine{k} = _p[{first + 3 * k + 3}]" for k in range(self.drives)]
         return lines
 
     @property
@@ -77,6 +88,7 @@ class KernelText:
         force = f"{own} - _eps*_c*{self._pull(0, 'y')}"
         if self.velocity_coupling:
             force += f" - _eps*_c*_d*{self._pull(1, 'v')}"
+        force += "".join(f" + _force{k}*_cosine{k}" for k in range(self.drives))
         rate = f"{force}, -v" if self.overdamped else f"v, {force}"
         by_y = f"-({self.stiffness.derivative('y').source()})"
         damped = self.damping.times("v")

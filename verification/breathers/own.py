@@ -136,6 +136,7 @@ def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> Orbit:
         If the chain has no breathers, is too long, or the nucleus does not stay localised.
     """
     started = time.perf_counter()
+    chain.check_unforced("a breather, which is motion of a chain that is left alone")
     if not (chain.oscillates or chain.overdamped):
         raise ParameterError("model", chain.model, "chain for a breather", "take chain.full()")
     if chain.overdamped or chain.c == 0.0:

@@ -43,6 +43,7 @@ SAMPLES = 16
 HOLD = 4
 STEADY = 1e-5
 SMALL = 1e-3
+_STATE = "a map of states, which are of motion that is left alone"
 
 
 class SmoothRules(StateRules):
@@ -51,6 +52,11 @@ class SmoothRules(StateRules):
     default_end: ClassVar[float] = 2000.0
     shortest_end: ClassVar[float] = 4.0 * HOLD * WINDOW
     longest_end: ClassVar[float] = 1e6
+
+    def check(self, chain: Any) -> None:
+        """Refuse a chain on which forces act, too."""
+        super().check(chain)
+        chain.check_unforced(_STATE)
 
     def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
         """Return a start at rest but for some sites, by default the middle one."""
@@ -106,6 +112,7 @@ def find_smooth_state(
     """
     begin = perf_counter()
     within("tolerance", tolerance, 1e-13, 1e-3)
+    chain.check_unforced(_STATE)
     level = chain.unstable_amplitude
     state, elapsed, steps = checked_state(chain, start), 0.0, 0
     ever = np.hypot(*state) > level

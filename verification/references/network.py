@@ -1,6 +1,6 @@
 """Oscillators on any network written once more, for scipy: plain functions and a matrix L.
 
-ÿ + g(y) + ε h(y, ẏ) ẏ + εc L (y + d ẏ) = 0,        or        ẏ + g(y) + c L y = 0
+ÿ + g(y) + ε h(y, ẏ) ẏ + εc L (y + d ẏ) = F(t),      or      ẏ + g(y) + c L y = F(t)
 """
 
 from __future__ import annotations
@@ -19,8 +19,20 @@ Force = Callable[[FloatArray], FloatArray]
 Damping = Callable[[FloatArray, FloatArray], FloatArray]
 
 
+def undriven(_: float) -> float:
+    """Return F = 0."""
+    return 0.0
+
+
 def oscillator_rate(
-    g: Force, h: Damping, matrix: Any, *, c: float, eps: float, d: float = 0.0
+    g: Force,
+    h: Damping,
+    matrix: Any,
+    *,
+    c: float,
+    eps: float,
+    d: float = 0.0,
+    force: Callable[[float], Any] = undriven,
 ) -> Rate:
     """Return the right side for a flat state (y, ẏ).
 
@@ -31,19 +43,21 @@ def oscillator_rate(
     [1.0, -2.4]
     """
 
-    def rate(_: float, state: FloatArray) -> FloatArray:
+    def rate(t: float, state: FloatArray) -> FloatArray:
         y, v = np.split(state, 2)
-        force = g(y) + eps * (h(y, v) * v + c * (matrix @ (y + d * v)))
-        return np.concatenate([v, -force])
+        restoring = g(y) + eps * (h(y, v) * v + c * (matrix @ (y + d * v)))
+        return np.concatenate([v, force(t) - restoring])
 
     return rate
 
 
-def overdamped_rate(g: Force, matrix: Any, *, c: float) -> Rate:
+def overdamped_rate(
+    g: Force, matrix: Any, *, c: float, force: Callable[[float], Any] = undriven
+) -> Rate:
     """Return the right side without inertia, for y alone."""
 
-    def rate(_: float, y: FloatArray) -> FloatArray:
-        slope: FloatArray = -g(y) - c * (matrix @ y)
+    def rate(t: float, y: FloatArray) -> FloatArray:
+        slope: FloatArray = force(t) - g(y) - c * (matrix @ y)
         return slope
 
     return rate

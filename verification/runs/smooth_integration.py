@@ -139,6 +139,8 @@ class SmoothIntegration(Integration):
             self.level,
             self.trailing_sites,
             self.times * self._rate,
+            smooth.clock_place(chain),
+            chain.forced_size,
         )
 
     def _drift(self, rates: dict[str, float]) -> FloatArray:
@@ -153,10 +155,14 @@ class SmoothIntegration(Integration):
 
     def _close_window(self) -> float:
         """Close the window around what moves; return the amplitude below which a site rests."""
-        rest = self.tolerance * self._size
+        chain: SmoothChain = self.chain
+        rest = self.tolerance * max(self._size, chain.forced_size)
         state, counters, sites = self._run.state, self._run.counters, self.chain.sites
         counters[smooth.HI] = sites
-        moving = np.flatnonzero(np.hypot(*state) > rest)
+        moves = np.hypot(*state) > rest
+        for force in chain.forces:
+            moves |= force.amplitudes(sites) != 0.0
+        moving = np.flatnonzero(moves)
         if moving.size:
             counters[smooth.LO] = max(0, moving[0] - self._margin)
             counters[smooth.HI] = min(sites, moving[-1] + self._margin + 1)
@@ -250,6 +256,8 @@ class SmoothIntegration(Integration):
 
     def going_to_rest(self) -> bool:
         """Whether no further site will be reached, since all are below half of the level."""
+        if self.chain.forces:
+            return False
         return bool(self.amplitude.max() < _DECAYED * self.chain.unstable_amplitude)
 
     def least_error(self) -> float:

@@ -32,6 +32,7 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
     order : int
         8 for DOP853, or 4 for the classical step.
     """
+    chain.check_unforced("equal steps")
     make = {8: dop853_step, 4: classical_step}[order]
     code = RING if chain.ends is Ends.PERIODIC else FREE
     ends = (code, code) if chain.network is None else (0, chain.sites)

@@ -81,6 +81,10 @@ class Task(NamedTuple):
         Sites stepped behind the foremost arrival, which must move to larger n; 0 for all.
     times : ndarray, shape (M,)
         Kernel times of the samples, ascending.
+    clock_place : int
+        Where the parameters have the time; -1 if the kernel does not depend on it.
+    least_size : float
+        Errors are relative to the largest value of the state, or to this where it is larger.
     """
 
     parameters: FloatArray
@@ -96,6 +100,8 @@ class Task(NamedTuple):
     level: float
     trailing: int
     times: FloatArray
+    clock_place: int
+    least_size: float
 
 
 class Run(NamedTuple):
@@ -199,7 +205,9 @@ def _try_steps(
 
     What is returned is below ``task.shortest`` if no such step is found.
     """
-    size = largest(rows.x)
+    size = max(largest(rows.x), task.least_size)
+    if task.clock_place >= 0:
+        p[task.clock_place] = clock[0] + clock[4]
     h = clock[1] if clock[1] > 0.0 else _FIRST * task.tolerance**0.125
     h = task.longest if task.tolerance == 0.0 else min(h, task.longest)
     drifting = np.any(task.drift != 0.0)
@@ -461,6 +469,12 @@ def _stop(
     return condition(t, h, before, after, parameters, K, room, memory)
 
 
+def clock_place(chain: SmoothChain) -> int:
+    """Return where the kernel's parameters have the time; -1 if it does not depend on it."""
+    count = len(chain.forces)
+    return chain.kernel_layout[0] - 3 * count - 1 if count else -1
+
+
 def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
     """Return the loop of a chain and a stop condition; from disk, what is compiled already.
 
@@ -472,9 +486,10 @@ def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
         A function of a module that makes the stop condition; by default the run goes to its end.
     """
     kernel = chain.kernel()
-    key = (kernel, *chain.kernel_layout, chain.front_phase_step)
+    clock = clock_place(chain), len(chain.forces)
+    key = (kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
     if key not in _STEPS:
-        step = dop853_step(slope_of(chain))
+        step = dop853_step(slope_of(chain), clock)
         mark = "-".join([source_mark(kernel), *map(str, key[1:])])
         _STEPS[key] = step, mark, pointer(_step, _STEP, mark, step_of_chain=step)
     step, mark, take_step = _STEPS[key]

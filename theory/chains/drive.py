@@ -1,0 +1,137 @@
+"""A harmonic force F cos(ωt + phase) on chosen sites."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError, real_number, whole_number
+
+FloatArray = npt.NDArray[np.float64]
+
+MAX_FORCE, MAX_FREQUENCY = 1e6, 1e6
+
+_FORM = "amplitude,frequency,phase@sites"
+_EXAMPLE = "write it as 0.1,1.2@1,4:6 or 0.1,1.2,0.5@all"
+_KEYS = ("amplitude", "frequency", "phase", "sites")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """One harmonic force; dimensionless.
+
+    Attributes
+    ----------
+    amplitude, frequency, phase : float
+        F, ω and the phase at t = 0, in radians.
+    sites : tuple of int
+        Sites from 1 on which it acts; empty for all.
+    """
+
+    amplitude: float
+    frequency: float
+    phase: float
+    sites: tuple[int, ...]
+
+    def __str__(self) -> str:
+        """Return it as text, from which it is read back to the same bits."""
+        sites = ",".join(map(str, self.sites)) or "all"
+        return f"{self.amplitude!r},{self.frequency!r},{self.phase!r}@{sites}"
+
+    def amplitudes(self, sites: int) -> FloatArray:
+        """Return F at every site, shape (N,)."""
+        found = np.zeros(sites)
+        found[np.array(self.sites) - 1 if self.sites else slice(None)] = self.amplitude
+        return found
+
+
+def read_drives(given: Any, sites: int) -> tuple[Drive, ...]:
+    """Return the forces that texts or mappings describe.
+
+    Parameters
+    ----------
+    given : str, mapping, Drive, or sequence of them
+        A text is ``amplitude,frequency[,phase]@sites``; sites are ``1,4:6`` or ``all``. A mapping
+        has these keys; its sites are numbers or such a text.
+    sites : int
+        Number of sites N.
+
+    Raises
+    ------
+    ParameterError
+        If one is none of these, or a number is out of range.
+
+    Examples
+    --------
+    >>> [str(each) for each in read_drives("0.1,1.2@1,4:6", 9)]
+    ['0.1,1.2,0.0@1,4,5,6']
+    """
+    single = isinstance(given, (str, Mapping, Drive))
+    every = [given] if single else given
+    if not isinstance(every, Sequence):
+        raise _refused(repr(given)[:60])
+    return tuple(_read(each, sites) for each in every)
+
+
+def _refused(given: object) -> ParameterError:
+    return ParameterError("drive", given, _FORM, _EXAMPLE)
+
+
+def _read(given: Any, sites: int) -> Drive:
+    if isinstance(given, Drive):
+        given = str(given)
+    if isinstance(given, str):
+        numbers, _, places = given.partition("@")
+        parts = numbers.split(",")
+        if not places or len(parts) not in (2, 3):
+            raise _refused(repr(given))
+        values = [*parts, "0"][:3]
+        named: Mapping[str, Any] = dict(zip(_KEYS, [*values, places], strict=True))
+    elif isinstance(given, Mapping) and {*_KEYS} - {"phase"} <= {*given} <= {*_KEYS}:
+        named = {"phase": 0.0, **given}
+    else:
+        raise _refused(repr(given)[:60])
+    limits = (MAX_FORCE, MAX_FREQUENCY, MAX_FREQUENCY)
+    checked = [
+        real_number(f"{key} of the drive", _number(named[key]), -high, high, "give such a number")
+        for key, high in zip(_KEYS, limits, strict=False)
+    ]
+    return Drive(
+        amplitude=checked[0],
+        frequency=checked[1],
+        phase=checked[2],
+        sites=_places(named["sites"], sites),
+    )
+
+
+def _number(given: Any) -> Any:
+    if not isinstance(given, str):
+        return given
+    try:
+        return float(given)
+    except ValueError:
+        raise _refused(repr(given)) from None
+
+
+def _places(given: Any, sites: int) -> tuple[int, ...]:
+    """Return sites from 1, ascending; none for all."""
+    if isinstance(given, str):
+        if given.strip() == "all":
+            return ()
+        given = [place for part in given.split(",") for place in _run(part)]
+    if not isinstance(given, (Sequence, np.ndarray)) or len(given) == 0:
+        raise ParameterError("sites of the drive", repr(given), "1,4:6 or all", _EXAMPLE)
+    return tuple(sorted({whole_number("site of the drive", n, 1, sites) for n in given}))
+
+
+def _run(text: str) -> range:
+    """Return the sites of ``4`` or ``4:6``."""
+    first, _, last = text.partition(":")
+    try:
+        return range(int(first), int(last or first) + 1)
+    except ValueError:
+        raise _refused(repr(text)) from None

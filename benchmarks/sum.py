@@ -38,7 +38,7 @@ from theory.piecewise.kinetic_relation import KineticRelation, trace_kinetic_rel
 from theory.piecewise.root_count import height_above_roots
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.bessel import sum_by_bessel
-from theory.piecewise.sums.integral import sum_by_integral, sums
+from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import KineticSum
@@ -48,7 +48,7 @@ from verification.quantities.problems import Problem
 from verification.references import piecewise
 
 DIGITS = 60
-BATCH_SIZE = 4096
+BATCH_SIZE = MANY
 BATCH, ONE_CALL, PRECISE = "integral, in a batch", "integral, one call", "integral, many digits"
 SERIES, CUT_OFF = "root series", "root series, cut off"
 BESSEL, PIECES = "Bessel series", "quadrature in pieces"
@@ -256,7 +256,7 @@ Relation = Literal["at least", "below", "no target"]
 def _batch_target(quick: bool) -> Target:
     """Return evaluations of Σ a second at 1e-12 for random v, c from 0.3 to 3."""
     random = np.random.default_rng(_SEED)
-    v, c = np.exp(random.uniform(np.log(0.3), np.log(3.0), (2, 20_000)))
+    v, c = np.exp(random.uniform(np.log(0.3), np.log(3.0), (2, MANY)))
     cpu, start = process_time(), perf_counter()
     found = sums(v, c, 1e-12)
     cores = (process_time() - cpu) / (perf_counter() - start)
@@ -265,7 +265,7 @@ def _batch_target(quick: bool) -> Target:
     exact = [sum_by_roots(float(v[i]), float(c[i]), 30).value for i in checked]
     worst = max(distance(found.value[i], true) for i, true in zip(checked, exact, strict=True))
     detail = (
-        f"20000 random pairs, seed {_SEED}; worst of {len(checked)} errors {worst:.1e}, largest "
+        f"{MANY} random pairs, seed {_SEED}; worst of {len(checked)} errors {worst:.1e}, largest "
         f"bound {found.error.max():.1e}; {np.mean(found.points):.0f} points each; "
         f"{cores:.2f} cores busy"
     )
@@ -278,7 +278,7 @@ def _corners(repeats: int) -> Target:
 
     v within a factor of three of V√c for V = 1, c from 1e-8 to 1e8; the same number of values each.
     """
-    spread = np.geomspace(1.0 / 3.0, 3.0, 5_000)
+    spread = np.geomspace(1.0 / 3.0, 3.0, MANY)
     near = 0.3 * np.geomspace(0.9, 1.1, spread.size)
     _, ordinary = _timed(partial(sums, near, 0.5, 1e-12), repeats)
     costs = {}

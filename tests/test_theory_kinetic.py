@@ -313,6 +313,56 @@ def test_derivatives_of_v_are_those_of_finite_differences(c: float, eta: float) 
         assert b.by_eta == pytest.approx(by_eta, rel=1e-5, abs=noise / eta)
 
 
+def exact_derivatives(branch: Branch, c: float, eta: float) -> tuple[mp.mpf, mp.mpf]:
+    """Return ∂v/∂c and ∂v/∂η at the true velocity, from 30 digits of the series over the roots."""
+    direction, shift = (1, 0) if branch.v > 0 else (-1, 2)
+
+    def size(v: mp.mpf, c: mp.mpf) -> mp.mpf:
+        return abs(sum_by_roots(mp.nstr(v, 40), mp.nstr(c, 40), 30).value + shift)
+
+    c_, h = mp.mpf(c), mp.mpf(10) ** -10
+    v = abs(mp.mpf(branch.v))
+    steep = 2 * mp.diff(exact_ratio, eta) / mp.mpf(branch.by_eta) * direction
+    for _ in range(2):  # of the distance, each leaves the part by which the slope is wrong
+        v -= (size(v, c_) - 2 * exact_ratio(eta)) / steep
+    by_v = (size(v * (1 + h), c_) - size(v * (1 - h), c_)) / (2 * h * v)
+    by_c = (size(v, c_ * (1 + h)) - size(v, c_ * (1 - h))) / (2 * h * c_)
+    return -direction * by_c / by_v, direction * 2 * mp.diff(exact_ratio, eta) / by_v
+
+
+@pytest.mark.parametrize(
+    ("c", "eta"),
+    [(0.5, ETA), (0.45, ETA), (fold_at(ETA) + 1e-6, ETA), (fold_at(ETA) + 1e-9, ETA), (2.0, 0.11),
+     (100.0, 1e-4), (0.3, 1e-9)],
+)  # fmt: skip
+def test_the_errors_of_the_derivatives_of_v_bound_the_true_ones(c: float, eta: float) -> None:
+    for branch in velocities(c, eta):
+        with mp.workdps(40):
+            by_c, by_eta = exact_derivatives(branch, c, eta)
+            off_c, off_eta = abs(branch.by_coupling - by_c), abs(branch.by_eta - by_eta)
+        # the differences are good to 1e-30/1e-10, and to 1e-20 of third derivatives
+        assert off_c <= branch.by_coupling_error + 1e-17 * abs(by_c)
+        assert off_eta <= branch.by_eta_error + 1e-17 * abs(by_eta)
+        assert branch.by_coupling_error < 1e-3 * abs(branch.by_coupling)
+        assert branch.by_eta_error < 1e-3 * abs(branch.by_eta)
+
+
+def test_where_the_fold_is_within_the_error_the_derivatives_have_no_bound_and_say_so() -> None:
+    fold = fold_coupling(ETA)
+    assert fold is not None
+    seen = 0
+    c = fold.value + np.arange(-8, 9) * math.ulp(fold.value)
+    for answer in trace_kinetic_relation(c, ETA, admissibility=False):
+        for branch in answer.branches:
+            if math.isinf(branch.by_coupling_error):
+                seen += 1
+                assert math.isinf(branch.by_eta_error)
+                shown = branch.to_dict()
+                assert shown["by_c_error"] is None
+                assert shown["by_eta_error"] is None
+    assert seen > 0
+
+
 def test_the_papers_point_has_one_admissible_front() -> None:
     answer = kinetic_relation(0.5, ETA)
     (branch,) = answer.branches

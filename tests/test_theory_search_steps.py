@@ -24,11 +24,14 @@ class Curve:
         self.evaluations += t.size
         self.calls += 1
         full = np.full(t.shape, 1.0)
-        return self.g(t) * full, self.slope(t) * full, self.error * full, self.by_c * full
+        g, slope = self.g(t) * full, self.slope(t) * full
+        return branch_search._Values(
+            g, slope, self.error * full, self.by_c * full, 0.0 * full, 0.0 * full
+        )
 
     def cells(self, points: list[float]) -> np.ndarray:
         t = np.array(points)
-        g, d, e, _ = self(np.zeros(t.size, dtype=int), t)
+        g, d, e = self(np.zeros(t.size, dtype=int), t)[:3]
         self.evaluations = self.calls = 0
         ends = np.stack([t, g, d, e])
         return np.concatenate([ends[:, :-1], ends[:, 1:]])
@@ -150,16 +153,13 @@ def test_where_newton_leaves_the_bracket_it_is_halved() -> None:
 @pytest.mark.parametrize("t", [-3.7, 0.4, 5.2])
 def test_the_spread_is_the_least_that_shows_a_change_of_sign(t: float) -> None:
     curve = line(t)
-    place, nothing = np.array([t]), np.zeros(1)
-    exact = branch_search._confirmed_spread(
-        curve, np.zeros(1, dtype=int), place, nothing, np.ones(1), nothing
-    )
+    place, scene = np.array([t]), np.zeros(1, dtype=int)
+    exact, _ = branch_search._confirmed_spread(curve, scene, place, curve(scene, place))
     assert exact[0] == pytest.approx(4 * EPS * max(1.0, abs(t)), rel=1e-12)
     # a value that is off by 1e-9, with slope 4, moves the root by a quarter of that
     off = line(t, 4.0)
-    wide = branch_search._confirmed_spread(
-        off, np.zeros(1, dtype=int), place, np.array([1e-9]), np.array([4.0]), nothing
-    )
+    there = off(scene, place)._replace(g=np.array([1e-9]))
+    wide, _ = branch_search._confirmed_spread(off, scene, place, there)
     assert wide[0] == pytest.approx(2.5e-9 / 4, rel=1e-5)
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 
 import mpmath as mp
 import numpy as np
 import numpy.typing as npt
 import pytest
 
+from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums import integral, rules
+from theory.piecewise.sums import rules
 from theory.piecewise.sums.compiled import compiled_rules
-from theory.piecewise.sums.integral import sum_by_integral, sums
+from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
 
@@ -155,16 +157,11 @@ def test_compiled_or_not_the_rules_give_the_same() -> None:
 
 
 @pytest.mark.parametrize("slopes", [False, True])
-def test_many_values_at_once_are_as_good_as_single_ones(
-    slopes: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_values_at_once_are_as_good_as_single_ones(slopes: bool) -> None:
     """As arrays and in compiled loops, where points on the axis are enough; groups of any size."""
     rng = np.random.default_rng(34)
     v, c = np.exp(rng.uniform(np.log(0.02), np.log(1.5), (2, 900)))
-    monkeypatch.setattr(integral, "_FOR_PLAIN", integral._Loader(10**9))
-    plain = sums(v, c, 1e-12, slopes)
-    monkeypatch.setattr(integral, "_FOR_PLAIN", integral._Loader(0))
-    fast = sums(v, c, 1e-12, slopes)
+    plain, fast = (sums(v, c, 1e-12, slopes, compiled) for compiled in (False, True))
     assert np.array_equal(plain.points, fast.points)
     np.testing.assert_allclose(fast.error, plain.error, rtol=1e-6)
     # the truncation is the same, and roundings are below the part of the error that is theirs
@@ -176,6 +173,47 @@ def test_many_values_at_once_are_as_good_as_single_ones(
         exact = precise_sum_by_integral(float(v[i]), float(c[i]), 20)
         for found in (plain, fast):
             assert abs(complex(exact.value) - found.value[i]) <= found.error[i]
+
+
+def test_what_was_computed_before_does_not_show_in_the_last_digit() -> None:
+    rng = np.random.default_rng(36)
+    v, c = np.exp(rng.uniform(np.log(0.02), np.log(40.0), (2, MANY)))
+    few = slice(0, 300)
+    before = sums(v[few], c[few], 1e-12, slopes=True)
+    sums(v, c, 1e-12)  # so many that compiled rules are loaded
+    after = sums(v[few], c[few], 1e-12, slopes=True)
+    for name in ("value", "error", "by_v", "by_c", "error_by_v", "error_by_c", "points"):
+        assert np.array_equal(getattr(before, name), getattr(after, name)), name
+
+
+def fast_sum(v: float, c: float) -> mp.mpc:
+    """Return Σ at v ≥ c/3, v ≫ 1, from the real line, less the same at c = 0, where Σ = 0."""
+    with mp.workdps(40):
+        v_, c_ = mp.mpf(v), mp.mpf(c)
+
+        def integrand(k: mp.mpf) -> mp.mpc:
+            A, onsite, x2 = mp.mpf(0.5) - 1j * c_ * (1 - mp.cos(k)), mp.mpf(0.25), (v_ * k) ** 2
+            return (onsite - A * A) / ((A * A + x2) * (onsite + x2))
+
+        decades = [mp.mpf(10) ** j / v_ for j in range(-3, int(mp.log10(v)) + 1)]
+        return v_ / mp.pi * mp.quad(integrand, [0, *decades, *mp.linspace(mp.pi, 9 * mp.pi, 9)])
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_fronts_of_any_velocity_have_a_sum(compiled: bool) -> None:
+    for v, c in ((5e16, 1.0), (5.4e16, 1.0), (1e18, 1e-3), (1e20, 1e20), (4e19, 1e20)):
+        found = sums([v], [c], 1e-12, compiled=compiled)
+        assert abs(complex(fast_sum(v, c)) - found.value[0]) <= found.error[0] < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("v", "c", "said"),
+    [(2e20, 1.0, "velocity v = 2e+20"), ([1.0, 0.0], 1.0, "velocity v = 0"),
+     (1.0, 1e21, "coupling c = 1e+21"), (1.0, [0.5, math.nan], "coupling c = nan")],
+)  # fmt: skip
+def test_values_that_the_rules_cannot_compute_are_refused(v, c, said) -> None:
+    with pytest.raises(ParameterError, match=re.escape(said)):
+        sums(v, c)
 
 
 def test_no_values_are_an_empty_answer() -> None:

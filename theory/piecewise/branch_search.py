@@ -13,14 +13,15 @@ rounding).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.limits import resonant_velocities, static_sum, strong_coupling_sum
-from theory.piecewise.sums.integral import sums
+from theory.piecewise.sums.integral import MANY, sums
 from theory.piecewise.sums.result import PrecisionError
 
 IntArray = npt.NDArray[np.int64]
@@ -35,7 +36,7 @@ NEAREST_TO_PINNING = 1e-12
 """Solutions that need |Σ| nearer than this to its limit at v = 0 are not looked for (v < 0.018)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Solutions:
     """Solutions of the kinetic relation, of all scenes in one list, ascending in (scene, v).
 
@@ -49,6 +50,9 @@ class Solutions:
         ∂|Σ + shift|/∂v.
     by_coupling : ndarray of float, shape (n,)
         ∂|Σ + shift|/∂c.
+    error_along_coupling, error_along_target : ndarray of float, shape (n,)
+        Bounds on the errors of ∂v/∂c = -by_coupling/slope and ∂v/∂target = 1/slope; infinite where
+        the slope may vanish within the error of v, as beside a fold.
     evaluations : int
         Values of Σ computed, over all scenes.
     """
@@ -58,30 +62,53 @@ class Solutions:
     error: FloatArray
     slope: FloatArray
     by_coupling: FloatArray
+    error_along_coupling: FloatArray
+    error_along_target: FloatArray
     evaluations: int
+
+
+class _Values(NamedTuple):
+    """g and bounds at some t = ln v, arrays of one shape."""
+
+    g: FloatArray
+    by_t: FloatArray
+    error: FloatArray
+    by_c: FloatArray
+    error_by_t: FloatArray
+    error_by_c: FloatArray
 
 
 @dataclass
 class _Relation:
-    """g and its derivative in t = ln v, for scenes with couplings and targets; counts its work."""
+    """g and its derivatives by t = ln v and c, for scenes of one c and target; counts its work."""
 
     c: FloatArray
     target: FloatArray
     shift: float
+    many: bool
     evaluations: int = 0
 
-    def __call__(self, scene: IntArray, t: FloatArray) -> tuple[FloatArray, ...]:
-        """Return g, dg/dt, the error of g, and ∂|Σ|/∂c."""
+    def __call__(self, scene: IntArray, t: FloatArray) -> _Values:
+        """Return g, its derivatives, and bounds on their errors."""
         self.evaluations += t.size
         v, c = np.exp(t), self.c[scene]
-        found = sums(v, c, _TOLERANCE, slopes=True)
+        found = sums(v, c, _TOLERANCE, slopes=True, compiled=self.many)
         assert found.by_v is not None
         assert found.by_c is not None
+        assert found.error_by_v is not None
+        assert found.error_by_c is not None
         value = found.value + self.shift
         size = np.abs(value)
-        direction = np.conj(value) / np.where(size > 0, size, 1.0)
-        by_t = v * np.real(direction * found.by_v)
-        return size - self.target[scene], by_t, found.error, np.real(direction * found.by_c)
+        inverse = 1.0 / np.where(size > 0, size, 1.0)
+        direction, turned = np.conj(value) * inverse, 2.0 * found.error * inverse
+        return _Values(
+            g=size - self.target[scene],
+            by_t=v * np.real(direction * found.by_v),
+            error=found.error,
+            by_c=np.real(direction * found.by_c),
+            error_by_t=v * (found.error_by_v + turned * np.abs(found.by_v)),
+            error_by_c=found.error_by_c + turned * np.abs(found.by_c),
+        )
 
 
 def all_velocities(
@@ -103,16 +130,29 @@ def all_velocities(
     PrecisionError
         If a coupling needs more than ``MOST_POINTS`` points: c above some 10⁴ and η near 2/25.
     """
-    relation = _Relation(c, target, 2.0 if retreating else 0.0)
+    shift = 2.0 if retreating else 0.0
     starts = [
-        _first_points(float(c_), float(target_), relation.shift, refine)
+        _first_points(float(c_), float(target_), shift, refine)
         for c_, target_ in zip(c, target, strict=True)
     ]
-    scene = np.concatenate([np.full(s.size, i) for i, s in enumerate(starts)])
-    t = np.concatenate(starts)
+    sizes = np.array([s.size for s in starts], dtype=np.int64)
+    relation = _Relation(c, target, shift, many=sizes.sum() >= MANY)
+    # so many scenes at a time that their points are one array of moderate size
+    pieces = np.flatnonzero(np.diff(np.cumsum(sizes) // MOST_POINTS)) + 1
+    scenes = np.split(np.arange(c.size), pieces)
+    found = [_solve(relation, some, [starts[i] for i in some]) for some in scenes]
+    columns = [each.name for each in fields(Solutions) if each.name != "evaluations"]
+    return Solutions(
+        **{name: np.concatenate([getattr(some, name) for some in found]) for name in columns},
+        evaluations=relation.evaluations,
+    )
+
+
+def _solve(relation: _Relation, scenes: IntArray, starts: list[FloatArray]) -> Solutions:
+    """Return the solutions of some scenes, each searched from its own points."""
+    scene, t = np.repeat(scenes, [s.size for s in starts]), np.concatenate(starts)
     left = np.flatnonzero(scene[1:] == scene[:-1])
-    g, d, e, _ = relation(scene, t)
-    ends = np.stack([t, g, d, e])
+    ends = np.stack([t, *relation(scene, t)[:3]])
     cells = np.concatenate([ends[:, left], ends[:, left + 1]])
     owner, brackets = _brackets(relation, scene[left], cells)
     return _polish(relation, owner, brackets)
@@ -235,8 +275,7 @@ def _brackets(
         owner, cells = owner[rest], cells[:, rest]
         if owner.size:
             middle_t = 0.5 * (cells[0] + cells[4])
-            g, d, e, _ = relation(owner, middle_t)
-            middle = np.stack([middle_t, g, d, e])
+            middle = np.stack([middle_t, *relation(owner, middle_t)[:3]])
             cells = np.concatenate(
                 [np.concatenate([cells[:4], middle]), np.concatenate([middle, cells[4:]])], axis=1
             )
@@ -257,7 +296,7 @@ def _told_apart(
     if owner.size < 2:
         return owner, cells
     between = 0.5 * (cells[4, :-1] + cells[0, 1:])
-    g, _, e, _ = relation(owner[:-1], between)
+    g, _, e = relation(owner[:-1], between)[:3]
     flat = np.maximum(np.abs(cells[5, :-1]), np.abs(cells[1, 1:])) <= 2.0 * e
     joined = (owner[:-1] == owner[1:]) & flat & (np.abs(g) <= 2.0 * e)
     kept: list[int] = []
@@ -272,45 +311,71 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     owner, cells = _told_apart(relation, owner, cells)
     ta, ga, _, _, tb, gb, _, _ = (row.copy() for row in cells)
     t = np.where(ga == gb, ta, ta - ga * (tb - ta) / np.where(ga == gb, 1.0, gb - ga))
-    slope, error, by_c = np.ones(t.size), np.zeros(t.size), np.zeros(t.size)
-    value = np.zeros(t.size)
+    here = relation(owner, t)
     for _ in range(30):
-        value, slope, error, by_c = relation(owner, t)
-        left = (value > 0) == (ga > 0)
+        left = (here.g > 0) == (ga > 0)
         ta, tb = np.where(left, t, ta), np.where(left, tb, t)
-        step = value / np.where(slope == 0, 1.0, slope)
-        newton = t - step
-        inside = (newton >= ta) & (newton <= tb) & (slope != 0)
+        steep = np.where(here.by_t == 0, 1.0, here.by_t)
+        newton = t - here.g / steep
+        inside = (newton >= ta) & (newton <= tb) & (here.by_t != 0)
         new = np.where(inside, newton, 0.5 * (ta + tb))
-        settled = np.abs(new - t) <= 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / np.abs(
-            np.where(slope == 0, 1.0, slope)
-        )
+        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / np.abs(steep)
+        settled = np.abs(new - t) <= rounding
         if np.all(settled):
             break
         t = np.where(settled, t, new)
-    spread = _confirmed_spread(relation, owner, t, value, slope, error)
+        here = relation(owner, t)
+    spread, beside = _confirmed_spread(relation, owner, t, here)
     v = np.exp(t)
-    return Solutions(owner, v, v * spread, slope / v, by_c, relation.evaluations)
+    along_c, along_target = _errors_along(v, spread, here, beside)
+    return Solutions(
+        scene=owner,
+        v=v,
+        error=v * spread,
+        slope=here.by_t / v,
+        by_coupling=here.by_c,
+        error_along_coupling=along_c,
+        error_along_target=along_target,
+        evaluations=relation.evaluations,
+    )
 
 
 def _confirmed_spread(
-    relation: _Relation,
-    owner: IntArray,
-    t: FloatArray,
-    value: FloatArray,
-    slope: FloatArray,
-    error: FloatArray,
-) -> FloatArray:
-    """Return δ such that g at t - δ and t + δ has opposite signs beyond its own error."""
+    relation: _Relation, owner: IntArray, t: FloatArray, here: _Values
+) -> tuple[FloatArray, tuple[_Values, _Values]]:
+    """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and both values."""
     floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
-    spread = floor + 2.5 * (np.abs(value) + error) / np.where(slope == 0, 1e-300, np.abs(slope))
-    spread = np.minimum(spread, 1e-3)
-    for _ in range(12):
-        below, _, e_below, _ = relation(owner, t - spread)
-        above, _, e_above, _ = relation(owner, t + spread)
-        sure = (np.abs(below) > e_below) & (np.abs(above) > e_above)
-        sure &= (below > 0) != (above > 0)
+    steep = np.where(here.by_t == 0, 1e-300, np.abs(here.by_t))
+    spread = np.minimum(floor + 2.5 * (np.abs(here.g) + here.error) / steep, 1e-3)
+    beside = relation(owner, t - spread), relation(owner, t + spread)
+    for _ in range(11):
+        below, above = beside
+        sure = (np.abs(below.g) > below.error) & (np.abs(above.g) > above.error)
+        sure &= (below.g > 0) != (above.g > 0)
         if np.all(sure):
             break
         spread = np.where(sure, spread, 2.0 * spread)
-    return spread
+        beside = relation(owner, t - spread), relation(owner, t + spread)
+    return spread, beside
+
+
+def _errors_along(
+    v: FloatArray, spread: FloatArray, here: _Values, beside: tuple[_Values, _Values]
+) -> tuple[FloatArray, FloatArray]:
+    """Bound the errors of ∂v/∂c and ∂v/∂target, computed at v, at the true velocity.
+
+    That lies within the spread, where the derivatives of g are taken to be between those at its
+    middle and its ends.
+    """
+    values = (here, *beside)
+    steep = np.stack([each.by_t + s * each.error_by_t for each in values for s in (-1.0, 1.0)])
+    by_c = np.stack([each.by_c + s * each.error_by_c for each in values for s in (-1.0, 1.0)])
+    decided = (steep.min(axis=0) > 0) | (steep.max(axis=0) < 0)
+    inverse = v / np.where(decided, np.stack([steep.min(axis=0), steep.max(axis=0)]), 1.0)
+    middle = v / np.where(decided, here.by_t, 1.0)
+    rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # and v itself changes by its error
+    along_target = np.abs(inverse - middle).max(axis=0) + rounding
+    corners = inverse[:, None] * np.stack([by_c.min(axis=0), by_c.max(axis=0)])
+    along_c = np.abs(corners - middle * here.by_c).max(axis=(0, 1))
+    along_c += rounding * np.abs(by_c).max(axis=0)
+    return np.where(decided, along_c, np.inf), np.where(decided, along_target, np.inf)

@@ -25,7 +25,7 @@ from theory.result import Result
 
 LARGEST_COUPLING = 1e8
 SMALLEST_COUPLING = 1e-8
-_BLOCK = 200
+_BLOCK = 2000
 """Scenes whose velocities are sought at once; more are no faster and take memory."""
 
 
@@ -50,8 +50,10 @@ class Branch(Result):
     slope : int
         Sign of d|Σ|/d|v|: -1 on the branch that a direct run follows.
     by_coupling, by_eta : float
-        ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold. They come without a
-        bound on their errors, which grow like that of v towards a fold.
+        ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
+    by_coupling_error, by_eta_error : float
+        Bounds on their errors, which grow like that of v towards a fold; infinite (null in JSON)
+        where the fold is nearer than the error of v.
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
@@ -68,6 +70,8 @@ class Branch(Result):
     slope: int
     by_coupling: float = field(metadata={"json": "by_c"})
     by_eta: float
+    by_coupling_error: float = field(metadata={"json": "by_c_error"})
+    by_eta_error: float
     admissible: bool | None
     fails_at: float | None
     stable: bool | None = None
@@ -159,6 +163,8 @@ class KineticRelation(Result):
             "slope": listed("slope", object),
             "by_c": listed("by_coupling", float),
             "by_eta": listed("by_eta", float),
+            "by_c_error": listed("by_coupling_error", float),
+            "by_eta_error": listed("by_eta_error", float),
             "admissible": listed("admissible", object),
             "fails_at": listed("fails_at", float),
             "stable": listed("stable", object),
@@ -311,23 +317,26 @@ def _branches(
 ) -> Iterator[tuple[int, Branch]]:
     """Yield (scene, branch) for each solution."""
     direction = -1.0 if retreating else 1.0
-    numbers = zip(found.scene, found.v, found.error, found.slope, found.by_coupling, strict=True)
-    for scene, group in groupby(numbers, key=lambda row: int(row[0])):
+    scenes = groupby(range(found.v.size), key=lambda i: int(found.scene[i]))
+    for scene, group in scenes:
         c_, eta_ = float(c[scene]), float(eta[scene])
         r = threshold_ratio(eta_)
         by_eta = 2.0 * threshold_ratio_slope(eta_)
-        for _, speed, error, slope, by_c in group:
-            v = direction * float(speed)
+        for i in group:
+            v, slope = direction * float(found.v[i]), float(found.slope[i])
             verdict = check_admissible(v, c_, r) if admissibility else None
-            steep = float(slope) if slope else math.inf
+            inverse = direction / slope if slope else math.inf
             yield (
                 scene,
                 Branch(
                     v=v,
-                    error=float(error),
+                    error=float(found.error[i]),
                     slope=int(np.sign(slope)),
-                    by_coupling=-direction * float(by_c) / steep,
-                    by_eta=direction * by_eta / steep,
+                    by_coupling=-inverse * float(found.by_coupling[i]),
+                    by_eta=inverse * by_eta,
+                    by_coupling_error=float(found.error_along_coupling[i]),
+                    by_eta_error=by_eta
+                    * (float(found.error_along_target[i]) + 1e-15 * abs(inverse)),
                     admissible=verdict.admissible if verdict else None,
                     fails_at=verdict.fails_at if verdict else None,
                 ),

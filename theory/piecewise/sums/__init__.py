@@ -1,1 +1,1 @@
-"""Σ(v, c) of (53), four ways: contour integral, root series, Bessel series, quadrature."""
+"""Σ(v, c) of (53), by a contour integral, the root series, a Bessel series, and quadrature."""

@@ -26,10 +26,17 @@ from theory.parameters import within
 from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums import rules
+from theory.piecewise.sums.compiled import compiled_rules
 from theory.piecewise.sums.result import KineticSum
 
-_PLAIN_VALUES, _ROOT_VALUES = 100_000, 8_000
-"""Values in one process from which compiled rules are loaded, which takes as long as these."""
+MANY = 20_000
+"""Values from which the compiled rules are taken; loading them takes half a second.
+
+They differ from the plain ones by roundings. The choice therefore depends on the question alone:
+what a process has computed before must not show in the last digit.
+"""
+SMALLEST, LARGEST = 1e-20, 1e20
+"""Range of v and c in arrays: beyond, squares of what the rules compute leave that of numbers."""
 _FEW_VALUES = 3
 """Values that are computed sooner one by one than as an array."""
 _PIECE = 2**15
@@ -98,44 +105,54 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
 
 
 def sums(
-    v: npt.ArrayLike, c: npt.ArrayLike, tolerance: float = 1e-13, slopes: bool = False
+    v: npt.ArrayLike,
+    c: npt.ArrayLike,
+    tolerance: float = 1e-13,
+    slopes: bool = False,
+    compiled: bool | None = None,
 ) -> SumArray:
     """Return Σ(v, c) for arrays of v and c, broadcast together.
 
     Parameters
     ----------
     v, c : array_like of float
-        Positive; not checked one by one.
+        Front velocity v̂ and coupling, dimensionless, from 1e-20 to 1e20.
     tolerance : float
         Truncation error wanted, from 1e-15 to 0.1. Points are spent accordingly.
     slopes : bool
         Also return ∂Σ/∂v and ∂Σ/∂c.
+    compiled : bool, optional
+        Whether to take the compiled rules; by default from ``MANY`` values on.
 
     Raises
     ------
     ParameterError
-        If the tolerance is out of range.
+        If the tolerance, or any v or c, is out of range.
     """
     within("tolerance", tolerance, 1e-15, 0.1)
-    v_, c_ = np.broadcast_arrays(np.asarray(v, dtype=float), np.asarray(c, dtype=float))
+    v_, c_ = np.asarray(v, dtype=float), np.asarray(c, dtype=float)
+    for name, given in (("velocity v", v_), ("coupling c", c_)):
+        for extreme in (given.min(), given.max()) if given.size else ():
+            within(name, float(extreme), SMALLEST, LARGEST, "use a limit formula beyond")
+    v_, c_ = np.broadcast_arrays(v_, c_)
     shape = v_.shape
     v_, c_ = v_.ravel(), c_.ravel()
     values, errors = np.empty((3, v_.size), dtype=complex), np.empty((3, v_.size))
     points, truncation = np.empty(v_.size, dtype=np.int64), np.empty(v_.size)
-    compiled = _FOR_PLAIN.compiled(v_.size)
-    (compiled["plan"] if compiled else rules.plan)(v_, c_, tolerance, points, truncation)
+    fast = compiled_rules() if (v_.size >= MANY if compiled is None else compiled) else None
+    (fast["plan"] if fast else rules.plan)(v_, c_, tolerance, points, truncation)
     # sixteen bits are sorted in linear time, and no plain rule has as many points
     order = np.argsort(points.astype(np.int16), kind="stable")
     counts, first = np.unique(points[order], return_index=True)
     for count, part in zip(counts.tolist(), np.split(order, first)[1:], strict=True):
         at = v_[part], c_[part]
-        if count and (compiled or part.size > _FEW_VALUES):
-            values[:, part], errors[:, part] = _plain(
-                *at, truncation[part], count, slopes, compiled
-            )
+        if count and (fast or part.size > _FEW_VALUES):
+            values[:, part], errors[:, part] = _plain(*at, truncation[part], count, slopes, fast)
             points[part] = count // 2
         else:
-            values[:, part], errors[:, part], points[part] = _one_by_one(*at, tolerance, slopes)
+            values[:, part], errors[:, part], points[part] = _one_by_one(
+                *at, tolerance, slopes, fast
+            )
     value, by_v, by_c = values.reshape(3, *shape)
     error, error_by_v, error_by_c = errors.reshape(3, *shape)
     if not slopes:
@@ -145,16 +162,16 @@ def sums(
 
 def _plain(
     v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, slopes: bool,
-    compiled: dict[str, Any] | None,
+    fast: dict[str, Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
     """Return Σ and derivatives with no root taken away, and their error bounds, shapes (3, n)."""
     values, sizes = np.zeros((3, v.size), dtype=complex), np.zeros((2, v.size))
-    if compiled:
+    if fast:
         q = 0.5 / v
-        re, im, squares = compiled["block_values"](v, c, count)
+        re, im, squares = fast["block_values"](v, c, count)
         values[0], sizes[0] = q * (re + 1j * im), q * np.sqrt(squares)
         if slopes:
-            re, im, squares, re_c, im_c = compiled["block_slopes"](v, c, count)
+            re, im, squares, re_c, im_c = fast["block_slopes"](v, c, count)
             values[1], sizes[1] = -2.0 * q * q * (re + 1j * im), 2.0 * q * np.sqrt(squares)
             values[2] = q * q * (im_c - 1j * re_c)
     else:
@@ -170,31 +187,11 @@ def _plain(
 
 
 def _one_by_one(
-    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any] | None
 ) -> tuple[ComplexArray, FloatArray, npt.NDArray[np.int64]]:
     """Return Σ, derivatives and error bounds, shapes (3, n), and points, by any rule."""
     values, errors = np.empty((3, v.size), dtype=complex), np.empty((3, v.size))
     points = np.empty(v.size, dtype=np.int64)
-    compiled = _FOR_ROOTS.compiled(v.size)
-    fill = compiled["fill"] if compiled else rules.fill
+    fill = fast["fill"] if fast else rules.fill
     fill(v, c, tolerance, slopes, values, errors, points)
     return values, errors, points
-
-
-class _Loader:
-    """Hands out the compiled rules once the process has done as much as loading them costs."""
-
-    def __init__(self, enough: int) -> None:
-        self._enough, self._done = enough, 0
-
-    def compiled(self, count: int) -> dict[str, Any] | None:
-        """Return the compiled rules by name, or None where ``count`` more values do not pay."""
-        self._done += count
-        if self._done < self._enough:
-            return None
-        from theory.piecewise.sums.compiled import compiled_rules
-
-        return compiled_rules()
-
-
-_FOR_PLAIN, _FOR_ROOTS = _Loader(_PLAIN_VALUES), _Loader(_ROOT_VALUES)

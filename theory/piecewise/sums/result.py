@@ -1,8 +1,9 @@
 """What a method returns for Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of (53).
 
-Four methods give it:
+Four methods give it in floating point, and ``theory.piecewise.certified_sum`` in ball arithmetic:
 
-* ``theory.piecewise.sums.integral``: the periodised integral by the trapezoidal rule, the fast one;
+* ``theory.piecewise.sums.integral``: the periodised integral by the trapezoidal rule, the fast one,
+  and ``theory.piecewise.sums.precise``, the same to any precision;
 * ``theory.piecewise.sums.series``: the printed series over the roots, its tail summed, at any
   precision;
 * ``theory.piecewise.sums.bessel``: a series of Bessel-function integrals, from the direct solution
@@ -10,7 +11,7 @@ Four methods give it:
 * ``theory.piecewise.sums.quadrature``: adaptive quadrature on the real line, the plain baseline.
 
 The last two share no code with the others or with each other. The first two share the solver for
-roots, where the integral has to know how near a pole comes to its contour.
+roots beyond double precision, where the integral is corrected for poles beside its contour.
 """
 
 from __future__ import annotations

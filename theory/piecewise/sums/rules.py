@@ -56,6 +56,8 @@ STEEPEST = 3.0
 _PAIR_FROM = 1.0
 MOST_PLAIN = 400
 """Points that are computed sooner than the roots that would save some of them."""
+_MAX_POINTS = 2.0**40
+"""Of the plain rule, in a compiled integer; so many are never taken."""
 _DEPTH = 1.6
 _BLOCK = 256
 _PI = (math.floor(math.pi * 2.0**28) / 2.0**28, math.pi % 2.0**-28, math.sin(math.pi))
@@ -181,7 +183,7 @@ def _points_for(bound: float, tolerance: float, depth: float) -> int:
 
 
 def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
-    """Return N with no root taken away, and the bound, proved.
+    """Return N with no root taken away, at most some 10¹², and the bound, proved.
 
     N is a multiple of 4, and up to an eighth larger than it need be so that few different N occur.
 
@@ -205,12 +207,12 @@ def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
     gap = 0.5 - c * sinh
     lost = -math.expm1(strip - gap / v)
     peak = (2.0 - lost) / (lost * 2.0 * gap)
-    wanted = math.log(1.0 + 2.0 * peak / tolerance) / strip
+    wanted = min(math.log(1.0 + 2.0 * peak / tolerance) / strip, _MAX_POINTS)
     unit = 4.0
     while wanted > 16.0 * unit:
         unit *= 2.0
     count = max(8, int(unit * math.ceil(wanted / unit)))
-    return count, 2.0 * peak / (math.exp(count * strip) - 1.0)
+    return count, 2.0 * peak / math.expm1(count * strip)
 
 
 def is_plain(v: float, c: float, count: int) -> bool:

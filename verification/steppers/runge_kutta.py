@@ -62,36 +62,25 @@ _FIFTH, _THIRD = _weighted(DOP853.E5[:STAGES]), _weighted(DOP853.E3[:STAGES])
 _NODES = tuple(float(c) for c in DOP853.C[:STAGES])
 
 
-def _at_stage(slope: Slope, clock: tuple[int, int]) -> Callable[..., None]:
-    """Return the right-hand side with its harmonic functions of t put at a time within the step.
+@njit(forceinline=True, error_model="numpy")
+def _put_cosines(p: FloatArray, place: int, count: int, later: float) -> None:
+    """Put cos(ωt + phase) of the harmonic forces at a time within a step into the parameters.
 
-    Parameters
-    ----------
-    slope : callable
-        Right-hand side.
-    clock : (int, int)
-        Where the parameters have the time at the beginning of the step, and the number of harmonic
-        functions that follow it: ω, phase and cos(ωt + phase) of each.
+    From ``place`` on they have the time at the beginning of the step, and ω, phase and cosine of
+    each of ``count`` forces.
     """
-    place, count = clock
-
-    @njit(forceinline=True)
-    def stage(
-        x: FloatArray, p: FloatArray, left: int, right: int, later: float, out: FloatArray
-    ) -> None:
-        for k in range(count):
-            at = place + 1 + 3 * k
-            p[at + 2] = math.cos(p[at] * (p[place] + later) + p[at + 1])
-        slope(x, p, left, right, out)
-
-    found: Callable[..., None] = stage
-    return found
+    for k in range(count):
+        at = place + 1 + 3 * k
+        p[at + 2] = math.cos(p[at] * (p[place] + later) + p[at + 1])
 
 
 @lru_cache(maxsize=64)
 def dop853_step(slope: Slope, clock: tuple[int, int] = (0, 0)) -> Step:
-    """Return one step of DOP853, of order 8, for a right-hand side; ``clock``: `_at_stage`."""
-    stage = _at_stage(slope, clock)
+    """Return one step of DOP853, of order 8, for a right-hand side.
+
+    ``clock`` is the place of the time among the parameters, and the number of harmonic forces.
+    """
+    place, count = clock
     c = _NODES
 
     @fast
@@ -104,29 +93,41 @@ def dop853_step(slope: Slope, clock: tuple[int, int] = (0, 0)) -> Step:
         K: FloatArray,
         out: FloatArray,
     ) -> None:
-        stage(x, p, left, right, 0.0, K[0])
+        _put_cosines(p, place, count, 0.0)
+        slope(x, p, left, right, K[0])
         _C1(x, h, K, out)
-        stage(out, p, left, right, c[1] * h, K[1])
+        _put_cosines(p, place, count, c[1] * h)
+        slope(out, p, left, right, K[1])
         _C2(x, h, K, out)
-        stage(out, p, left, right, c[2] * h, K[2])
+        _put_cosines(p, place, count, c[2] * h)
+        slope(out, p, left, right, K[2])
         _C3(x, h, K, out)
-        stage(out, p, left, right, c[3] * h, K[3])
+        _put_cosines(p, place, count, c[3] * h)
+        slope(out, p, left, right, K[3])
         _C4(x, h, K, out)
-        stage(out, p, left, right, c[4] * h, K[4])
+        _put_cosines(p, place, count, c[4] * h)
+        slope(out, p, left, right, K[4])
         _C5(x, h, K, out)
-        stage(out, p, left, right, c[5] * h, K[5])
+        _put_cosines(p, place, count, c[5] * h)
+        slope(out, p, left, right, K[5])
         _C6(x, h, K, out)
-        stage(out, p, left, right, c[6] * h, K[6])
+        _put_cosines(p, place, count, c[6] * h)
+        slope(out, p, left, right, K[6])
         _C7(x, h, K, out)
-        stage(out, p, left, right, c[7] * h, K[7])
+        _put_cosines(p, place, count, c[7] * h)
+        slope(out, p, left, right, K[7])
         _C8(x, h, K, out)
-        stage(out, p, left, right, c[8] * h, K[8])
+        _put_cosines(p, place, count, c[8] * h)
+        slope(out, p, left, right, K[8])
         _C9(x, h, K, out)
-        stage(out, p, left, right, c[9] * h, K[9])
+        _put_cosines(p, place, count, c[9] * h)
+        slope(out, p, left, right, K[9])
         _C10(x, h, K, out)
-        stage(out, p, left, right, c[10] * h, K[10])
+        _put_cosines(p, place, count, c[10] * h)
+        slope(out, p, left, right, K[10])
         _C11(x, h, K, out)
-        stage(out, p, left, right, c[11] * h, K[11])
+        _put_cosines(p, place, count, c[11] * h)
+        slope(out, p, left, right, K[11])
         _C12(x, h, K, out)
 
     found: Step = step

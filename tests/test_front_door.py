@@ -37,14 +37,9 @@ def _python(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_import_loads_nothing_heavy_and_takes_no_time(tmp_path):
-    code = (
-        "import sys, time; t = time.perf_counter(); import fronts; t = time.perf_counter() - t;"
-        "print(t, *{name.partition('.')[0] for name in sys.modules})"
-    )
-    shown = [_python(code, tmp_path).stdout.split() for _ in range(3)]
-    assert not {*HEAVY} & {*shown[0]}
-    assert min(float(words[0]) for words in shown) < 0.1  # of three: other work on the machine
+def test_import_loads_nothing_heavy(tmp_path):
+    code = "import sys, fronts; print(*{name.partition('.')[0] for name in sys.modules})"
+    assert not {*HEAVY} & {*_python(code, tmp_path).stdout.split()}
 
 
 def test_every_public_name_is_there_and_types_know_the_same_ones():

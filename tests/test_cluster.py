@@ -40,6 +40,26 @@ def test_a_worker_killed_in_mid_sweep_costs_no_point_and_changes_no_bit(
     assert list(found.rows()) == list(sweep(task, sweep_example.POINTS, workers=1).rows())
 
 
+def test_a_map_with_boundaries_on_a_cluster_is_the_local_one_in_every_byte(
+    local: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["map", "averaged", "--eta", "0.03:0.13:3", "--c", "0.1:0.6:3", "--n", "16"]
+    command += ["--refine", "0.25"]
+    found = {}
+    for name, where in (
+        ("here", ["--workers", "1"]), ("there", ["--scheduler", local.scheduler_address]),
+    ):  # fmt: skip
+        out = tmp_path / f"{name}.csv"
+        assert main([*command, *where, "--out", str(out)]) == 0
+        found[name] = [
+            [line for line in file.read_text().splitlines() if not line.startswith("# command")]
+            for file in (out, tmp_path / f"{name}-boundary.csv")
+        ]
+        capsys.readouterr()
+    assert found["there"] == found["here"]
+    assert [len(lines) > 1 for lines in found["here"]] == [True, True]
+
+
 @pytest.mark.parametrize("address", ["somewhere", "tcp://127.0.0.1:1", ""])
 def test_an_address_where_no_scheduler_answers_is_refused(
     address: str, monkeypatch: pytest.MonkeyPatch

@@ -16,9 +16,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, nullcontext
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from theory.parameters import MissingPackageError, ParameterError, count_within
@@ -27,9 +28,9 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 MAX_WORKERS = 1024
-MAX_PENDING = 4 * MAX_WORKERS
-"""Items handed over and not yet answered: enough for every pool, so memory does not grow with them.
-"""
+MAX_PENDING = MAX_WORKERS
+"""Items handed over and not yet answered: one for each worker of the largest pool. A dask scheduler
+keeps 14 kB of each, so memory must not grow with all of them."""
 CLUSTER_TIMEOUT = 5.0
 """Seconds in which a scheduler must answer, and then have a worker."""
 
@@ -231,37 +232,42 @@ def _side_by_side(
     pool: Executor,
     begun: Callable[[int], None] | None,
 ) -> Iterator[tuple[int, Answer | Exception]]:
+    """Yield answers as they come, with at most `MAX_PENDING` items handed over and not answered."""
     futures: dict[Future[Answer], int] = {}
+    # Each future puts itself here when it is done: asking all of them costs more than an answer.
+    done: SimpleQueue[Future[Answer]] = SimpleQueue()
+    left = iter(enumerate(items))
     try:
-        for index, item in enumerate(items):
-            if begun is not None:
-                begun(index)
-            try:
-                futures[pool.submit(function, item)] = index
-            except BrokenProcessPool:
-                yield index, WorkerDiedError()
-            if len(futures) >= MAX_PENDING:
-                yield from _first_done(futures)
-        while futures:
-            yield from _first_done(futures)
+        while True:
+            for index, item in left:
+                if begun is not None:
+                    begun(index)
+                try:
+                    future = pool.submit(function, item)
+                except BrokenProcessPool:
+                    yield index, WorkerDiedError()
+                    continue
+                futures[future] = index
+                future.add_done_callback(done.put)
+                if len(futures) >= MAX_PENDING:
+                    break
+            if not futures:
+                return
+            future = done.get()
+            yield futures.pop(future), _answer_of(future)
     finally:
         for future in futures:
             future.cancel()
 
 
-def _first_done(
-    futures: dict[Future[Answer], int],
-) -> Iterator[tuple[int, Answer | Exception]]:
-    """Wait for the first answers, take them from the dictionary, and yield them."""
-    for future in wait(futures, return_when=FIRST_COMPLETED).done:
-        index = futures.pop(future)
-        try:
-            answer: Answer | Exception = future.result()
-        except BrokenProcessPool:
-            answer = WorkerDiedError()
-        except Exception as error:
-            answer = error
-        yield index, answer
+def _answer_of(future: Future[Answer]) -> Answer | Exception:
+    """Return the answer of a future that is done, or what was raised."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        return WorkerDiedError()
+    except Exception as error:
+        return error
 
 
 def _sendable(function: Callable[..., Any]) -> bool:

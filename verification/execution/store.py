@@ -43,7 +43,6 @@ _SETTINGS = (
     "PRAGMA locking_mode = EXCLUSIVE",  # before the first access: no file of shared memory then
     "PRAGMA journal_mode = WAL",
     "PRAGMA synchronous = NORMAL",
-    "PRAGMA wal_autocheckpoint = 64",  # pages, so that the journal stays small beside the results
 )
 _FULL = ("disk is full", "disk I/O error")
 

@@ -184,8 +184,8 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "-o", "--out", "--picture",
         dest="out", type=Path, action=_Files, default=[], metavar="FILE",
-        help="write the result to a file ending in .csv, .json, .npz, .png, .svg or .pdf, a run "
-        "also as a film in .gif or .mp4; repeat it for several. Each holds the command, the "
+        help="write the result to a file ending in .csv, .json, .npz, .zarr, .png, .svg or .pdf, "
+        "a run also as a film in .gif or .mp4; repeat it for several. Each holds the command, the "
         "parameters and the versions",
     )  # fmt: skip
 
@@ -293,7 +293,8 @@ def _computed(
         chain, chosen = _grid(options, bound, fields)
         arguments |= chosen
         if "out" in takes:
-            arguments["out"] = next((each for each in options.out if each.suffix == ".csv"), None)
+            resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
+            arguments["out"] = next(resumable, None)
         parameters = {**chain.parameters(), **parameters, **arguments}
         return function(chain, **arguments, **further), parameters
     fields = _with_eta(bound, fields, options)

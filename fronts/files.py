@@ -1,9 +1,9 @@
 """Results written to files: the formats, and what every file says of where it comes from.
 
 A file carries the command, the parameters and the versions: as keys of a .json, as an array
-``provenance`` of a .npz, as lines that begin with ``#`` at the end of a .csv (read it with
-``pandas.read_csv(path, comment="#")``), and in the metadata of a picture or film. No date is
-among them, so that the same command writes the same file.
+``provenance`` of a .npz and an attribute of a .zarr, as lines that begin with ``#`` at the end of a
+.csv (read it with ``pandas.read_csv(path, comment="#")``), and in the metadata of a picture or
+film. No date is among them, so that the same command writes the same file.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from typing import Any
 
 from fronts.answer import UsageError
 from fronts.arguments import check_writable
-from theory.result import Result, plain
+from theory.result import Result, optional_package, plain
 from verification.execution.files import write_by
 from verification.execution.metadata import installed_versions
-from verification.execution.table import commented
+from verification.execution.table import commented, zarr_writer
 
 PICTURES = (".png", ".svg", ".pdf")
 FILMS = (".gif", ".mp4")
-FORMATS = (".csv", ".json", ".npz", *PICTURES)
+FORMATS = (".csv", ".json", ".npz", ".zarr", *PICTURES)
 """Of every result; of a run there are films too."""
 
 
@@ -68,10 +68,14 @@ def check_files(paths: Sequence[tuple[Path, str]], filmed: bool) -> None:
     ------
     UsageError
         If there is one.
+    MissingPackageError
+        If one needs a package that is not installed.
     """
     seen: dict[Path, Path] = {}
     for path, option in paths:
         check_writable(path, (*FORMATS, *FILMS) if filmed else FORMATS, option)
+        if path.suffix.lower() == ".zarr":
+            optional_package("zarr")
         if path.resolve() in seen:
             raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
         seen[path.resolve()] = path
@@ -172,6 +176,10 @@ def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     return lambda path: np.savez_compressed(path, **arrays)
 
 
+def _zarr(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+    return zarr_writer(result.to_xarray(), provenance)
+
+
 def _array(values: list[Any]) -> Any:
     """Return a column as an array that needs no pickle: text where its values are not numbers."""
     import numpy as np
@@ -227,6 +235,7 @@ _WRITERS: dict[str, Callable[[Result, dict[str, Any]], Callable[[Path], None]]] 
     ".json": _json,
     ".csv": _csv,
     ".npz": _npz,
+    ".zarr": _zarr,
     **dict.fromkeys(FILMS, _film),
 }
 

@@ -25,6 +25,8 @@ from verification.maps.state_map import Agreement, StateMap, StateTask, boundary
 from verification.runs.excite import StartPoint
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from verification.execution.table import Table
 
 MAX_POINTS = 100_000
@@ -56,6 +58,10 @@ class ComparedMap(Result):
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a point."""
         return self.found.columns()
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return the states over the axes."""
+        return self.found.to_xarray()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers of points by state, what is undecided, and the run times."""
@@ -181,7 +187,9 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
 
 def _check_resumption(out: Path | None, resume: bool) -> None:
     if resume and out is None:
-        raise UsageError("--resume needs --out with a .csv file: what can be resumed is beside it.")
+        raise UsageError(
+            "--resume needs --out with a .csv or .zarr file: what can be resumed is beside it."
+        )
     if out is None:
         return
     from verification.execution.sweep import part_path

@@ -60,6 +60,19 @@ class Killed:
         return {"value": math.sin(point.number("x")) / point.number("y")}
 
 
+@dataclass(frozen=True)
+class Area:
+    """Number and word over two axes; a line a call goes into ``log``."""
+
+    log: str
+
+    def __call__(self, point: Point) -> dict[str, float | str]:
+        with Path(self.log).open("a", encoding="ascii") as file:
+            file.write(f"{point['x']} {point['y']} {os.getpid()}\n")
+        side = "high" if point.number("y") >= 0.5 else "low"
+        return {"area": point.number("x") * point.number("y"), "side": side}
+
+
 HUNGRY: set[int] = set()
 """Points at which memory runs out."""
 

@@ -340,3 +340,48 @@ def test_a_table_keeps_special_numbers(tmp_path: Path) -> None:
     read = np.genfromtxt(out, names=True, delimiter=",", dtype=None, encoding="utf-8")
     assert np.array_equal(read["x"], table["x"], equal_nan=True)
     assert isinstance(table, Table)
+
+
+def test_a_zarr_store_holds_the_table_over_its_axes_and_is_resumed(tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    xarray = pytest.importorskip("xarray")
+    out = tmp_path / "map.zarr"
+    axes = {"x": [1, 3, 2], "y": [0.5, 0.25]}
+    task = sweep_example.Area(str(tmp_path / "log"))
+
+    def stop(done: float) -> None:
+        if done == 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(task, axes, out=out, workers=1, progress=stop)
+    table = sweep(task, axes, out=out, workers=1, resume=True)
+    assert table.resumed == 3
+    assert len(_computed(tmp_path / "log")) == 6
+    data = xarray.open_zarr(out).load()
+    assert data["area"].dims == ("x", "y")
+    assert data["area"].values.tolist() == [[0.5, 0.25], [1.5, 0.75], [1.0, 0.5]]
+    assert data["side"].sel(x=3, y=0.5).item() == "high"
+    assert "versions" in json.loads(data.attrs["provenance"])
+    again = sweep(task, axes, out=out, workers=1, resume=True)  # taken from the store
+    assert len(_computed(tmp_path / "log")) == 6
+    assert list(again.rows()) == list(table.rows())
+    assert again.axes == ("x", "y")
+    sweep(task, {"x": [5], "y": [2.0]}, out=out, workers=1)  # takes the place of another store
+    assert xarray.open_zarr(out)["area"].values.tolist() == [[10.0]]
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["log", "map.zarr", "map.zarr.json"]
+
+
+def test_a_changed_zarr_store_is_computed_again_and_other_folders_are_left(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr")
+    out, log = tmp_path / "map.zarr", tmp_path / "log"
+    task, axes = sweep_example.Area(str(log)), {"x": [1, 2], "y": [3.0]}
+    sweep(task, axes, out=out, workers=1)
+    zarr.open_group(out)["area"][0, 0] = 7.0
+    table = sweep(task, axes, out=out, workers=1, resume=True)
+    assert table["area"].tolist() == [3.0, 6.0]
+    assert len(_computed(log)) == 4
+    other = tmp_path / "folder.zarr"
+    other.mkdir()
+    with pytest.raises(FileError, match="is a folder"):
+        sweep(task, axes, out=other, workers=1)

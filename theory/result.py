@@ -171,7 +171,7 @@ class Result:
             If pandas is not installed.
         """
         columns = self.columns()
-        frame: pd.DataFrame = _optional("pandas").DataFrame(columns)
+        frame: pd.DataFrame = optional_package("pandas").DataFrame(columns)
         return frame
 
     def to_xarray(self) -> xr.Dataset:
@@ -193,7 +193,7 @@ class Result:
             dims = _dimensions(self)
         except TypeError:
             columns = self.columns()  # of its own, or refused in the same words
-            listed: xr.Dataset = _optional("xarray").Dataset(
+            listed: xr.Dataset = optional_package("xarray").Dataset(
                 {name: ("row", values) for name, values in columns.items()}
             )
             return listed
@@ -204,7 +204,7 @@ class Result:
                 variables[name] = (over, getattr(self, name))
             else:
                 coordinates[axis] = getattr(self, name)
-        data: xr.Dataset = _optional("xarray").Dataset(variables, coordinates)
+        data: xr.Dataset = optional_package("xarray").Dataset(variables, coordinates)
         return data
 
     def __repr__(self) -> str:
@@ -296,7 +296,14 @@ def _coordinate(result: Result, axis: str) -> Any:
     return None
 
 
-def _optional(package: str) -> Any:
+def optional_package(package: str) -> Any:
+    """Return a package of the extra ``tables``.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed.
+    """
     try:
         return import_module(package)
     except ModuleNotFoundError:

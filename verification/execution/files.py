@@ -3,7 +3,8 @@
 A plain file is written beside its place, forced to the disk and renamed, so that a reader, a kill
 or a full disk finds the old file or the new one and never a part of one. A symbolic link stays and
 the file it leads to is written; into a FIFO the content is passed on; a folder, a device or a
-socket is refused and left alone.
+socket is refused and left alone. The one kind of folder that is written is a zarr store, under the
+same rule.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import errno
 import io
 import json
 import os
+import shutil
 import stat
 import sys
 import tempfile
@@ -25,6 +27,9 @@ if sys.platform != "win32":  # there, two writers of one file are not told apart
 
 PREFIX = ".writing-"
 """Beginning of the names of files that are being written; a kill may leave one behind."""
+
+ZARR_MARK = ".zgroup"
+"""What every zarr store has, and a folder of anything else has not."""
 
 _REMEDIES = {
     errno.ENOSPC: "free some space, or name a file on another disk",
@@ -145,7 +150,7 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
     path : Path
         The file.
     write : callable
-        Fills the file at the path it is given, which has the same suffix.
+        Fills the file at the path it is given, which has the same suffix, or puts a folder there.
 
     Raises
     ------
@@ -161,8 +166,9 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
         return
     with _replacing(path, target) as part:
         write(part)
-        with part.open("rb") as file:
-            os.fsync(file.fileno())
+        if part.is_file():
+            with part.open("rb") as file:
+                os.fsync(file.fileno())
 
 
 @contextmanager
@@ -274,6 +280,8 @@ def _target(path: Path) -> Path | None:
     if stat.S_ISFIFO(mode):
         return None
     if stat.S_ISDIR(mode):
+        if (path / ZARR_MARK).is_file():
+            return Path(os.path.realpath(path))
         raise FileError(path, "is a folder", "name a file in it", errno.EISDIR)
     kind = "a socket" if stat.S_ISSOCK(mode) else "a device"
     raise FileError(path, f"is {kind}", "name a file")
@@ -291,15 +299,20 @@ def _replacing(path: Path, target: Path) -> Iterator[Path]:
         os.close(handle)
         part = Path(name)
         yield part
-        part.chmod(mode)
+        if part.is_file():
+            part.chmod(mode)
+        if target.is_dir():  # no folder takes the name of one that is not empty
+            target.rename(part.with_suffix(".old"))
         part.replace(target)
         _sync_folder(target.parent)
     except OSError as error:
         raise file_error(path, error) from None
     finally:
         if part is not None:
-            with suppress(OSError):
-                part.unlink(missing_ok=True)
+            for left in (part, part.with_suffix(".old")):
+                shutil.rmtree(left, ignore_errors=True)
+                with suppress(OSError):
+                    left.unlink(missing_ok=True)
 
 
 def _pass_on(path: Path, content: bytes) -> None:

@@ -253,14 +253,14 @@ def _side_by_side(
                     break
             if not futures:
                 return
-            future = done.get()
-            yield futures.pop(future), _answer_of(future)
+            finished = done.get()
+            yield futures.pop(finished), _answer_of(finished)
     finally:
         for future in futures:
             future.cancel()
 
 
-def _answer_of(future: Future[Answer]) -> Answer | Exception:
+def _answer_of(future: Future[Any]) -> Any:
     """Return the answer of a future that is done, or what was raised."""
     try:
         return future.result()

@@ -77,8 +77,8 @@ def sweep(
         Where: all with the same names; or names with values, of which every combination is taken,
         the last one fastest.
     out : Path, optional
-        CSV file for the table; its record goes beside it into ``<out>.json``, and while the sweep
-        runs the finished points into ``<out>.part``.
+        CSV file for the table, or a zarr store if it ends in ``.zarr``; its record goes beside it
+        into ``<out>.json``, and while the sweep runs the finished points into ``<out>.part``.
     resume : bool, optional
         Go on from ``<out>.part``, if it is there; take the table if that is there already.
     workers : int, optional
@@ -135,7 +135,10 @@ def sweep(
         if failures:
             raise _failed([(asked[index], failures[index]) for index in sorted(failures)])
         rows = [{**point, **found[index]} for index, point in enumerate(asked)]
-        table = table_of(rows, metadata, time.perf_counter() - begin, resumed)
+        axes = (
+            tuple(points) if isinstance(points, Mapping) and not isinstance(points, Point) else ()
+        )
+        table = table_of(rows, metadata, time.perf_counter() - begin, resumed, axes)
         if out is not None and store is not None:
             table.save(out)
             store.remove()

@@ -1,4 +1,4 @@
-"""A table of results with named columns: in memory, and as CSV that every reader opens."""
+"""A table of results with named columns: in memory, as CSV that every reader opens, and as zarr."""
 
 from __future__ import annotations
 
@@ -6,16 +6,19 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from theory.result import Result
+from theory.result import Result, optional_package
 from verification.execution.digest import digest_of
-from verification.execution.files import write_text
+from verification.execution.files import write_by, write_text
 from verification.execution.metadata import Metadata
 from verification.execution.record import Record
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Scalar: TypeAlias = bool | int | float | str
 """What a cell of a table may hold."""
@@ -109,6 +112,9 @@ class Table(Result):
         Wall time of the session that finished the table.
     resumed : int
         Rows that came from an earlier session.
+    axes : tuple of str
+        Coordinates of which the rows are every combination, the last one fastest; empty if they are
+        none.
 
     Examples
     --------
@@ -121,6 +127,7 @@ class Table(Result):
     metadata: Metadata | None = None
     seconds: float = 0.0
     resumed: int = 0
+    axes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         return self.arrays[name]
@@ -143,6 +150,26 @@ class Table(Result):
         words, numbers = np.unique(self.arrays[name], return_counts=True)
         return dict(zip(words.tolist(), numbers.tolist(), strict=True))
 
+    def to_xarray(self) -> xr.Dataset:
+        """Return the table as a dataset of xarray, over its axes if it has them, else its rows.
+
+        Raises
+        ------
+        MissingPackageError
+            If xarray is not installed.
+        """
+        dataset: type[xr.Dataset] = optional_package("xarray").Dataset
+        if not self.axes:
+            return dataset({name: ("row", each) for name, each in self.arrays.items()})
+        ticks = {name: list(dict.fromkeys(self.arrays[name].tolist())) for name in self.axes}
+        shape = tuple(len(values) for values in ticks.values())
+        over = {
+            name: (self.axes, column.reshape(shape))
+            for name, column in self.arrays.items()
+            if name not in ticks
+        }
+        return dataset(over, ticks)
+
     def as_csv(self) -> str:
         r"""Return the table as CSV; floats have the digits that give back the same float.
 
@@ -156,27 +183,53 @@ class Table(Result):
         return "\n".join(lines) + "\n"
 
     def save(self, path: Path) -> None:
-        """Write the CSV, whole or not at all, and its record beside it in ``<path>.json``.
+        """Write the table, whole or not at all, and its record beside it in ``<path>.json``.
 
-        Lines at the end of the CSV that begin with ``#`` say command, parameters and versions; read
-        it with ``pandas.read_csv(path, comment="#")``. The record has them as JSON, with the date,
-        the machine, the digest of the code, and what `load_table` needs.
+        It is a zarr store, written by chunks, where the path ends in ``.zarr``
+        (``xarray.open_zarr``); else CSV, of which lines at the end that begin with ``#`` say
+        command, parameters and versions (``pandas.read_csv(path, comment="#")``). The record has
+        them as JSON, with the date, the machine, the digest of the code, and what `load_table`
+        needs.
 
         Raises
         ------
         FileError
             If they cannot be written.
+        MissingPackageError
+            If a package for zarr is not installed.
         """
         metadata = self.metadata or Metadata()
-        text = self.as_csv() + commented(metadata.to_dict(), ("command", "parameters", "versions"))
+        text = _written(self, metadata)
         about = {
             "columns": {name: column.dtype.kind for name, column in self.arrays.items()},
+            "axes": list(self.axes),
             "digest": digest_of(text),
             "seconds": self.seconds,
             "resumed": self.resumed,
         }
         Record(kind="table", content={"table": about}, metadata=metadata).save(record_path(path))
-        write_text(path, text)
+        if path.suffix == ".zarr":
+            write_by(path, zarr_writer(self.to_xarray(), metadata.to_dict()))
+        else:
+            write_text(path, text)
+
+
+def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Path], None]:
+    """Return what writes a dataset as a zarr store, with where it comes from as an attribute.
+
+    Raises
+    ------
+    MissingPackageError
+        If zarr is not installed.
+    """
+    optional_package("zarr")
+    data = data.assign_attrs(provenance=json.dumps(provenance))
+
+    def write(path: Path) -> None:
+        path.unlink(missing_ok=True)
+        data.to_zarr(path, mode="w-", zarr_format=2)  # words are not yet in the standard of 3
+
+    return write
 
 
 def commented(entries: Mapping[str, Any], names: Iterable[str]) -> str:
@@ -198,23 +251,45 @@ def load_table(path: Path) -> Table | None:
     """Read a table that `Table.save` wrote; None if it is missing or no longer what was written."""
     try:
         record = Record.load(record_path(path), "table")
-        text = path.read_bytes().decode()
         about = record.content["table"]
-        if about["digest"] != digest_of(text):
-            return None
-        reads: dict[str, Callable[[str], Scalar]] = {
-            "f": float,
-            "i": int,
-            "U": str,
-            "b": lambda word: word == "True",
-        }
-        kinds = [reads[kind] for kind in about["columns"].values()]
-        lines = [line.split(",") for line in text.splitlines()[1:] if not line.startswith("#")]
-        rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
-        named = [dict(zip(about["columns"], row, strict=True)) for row in rows]
-        return table_of(named, record.metadata, float(about["seconds"]), len(rows))
+        if path.suffix == ".zarr":
+            rows = _rows_of_zarr(path, about["columns"])
+        else:
+            text = path.read_bytes().decode()
+            rows = _rows_of_csv(text, about["columns"])
+        axes = tuple(about.get("axes", ()))
+        table = table_of(rows, record.metadata, float(about["seconds"]), len(rows), axes)
+        if path.suffix == ".zarr":
+            text = _written(table, record.metadata)
+        return table if about["digest"] == digest_of(text) else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
+
+
+def _written(table: Table, metadata: Metadata) -> str:
+    """Return the CSV of a table with where it comes from; its digest is that of the table."""
+    said = ("command", "parameters", "versions")
+    return table.as_csv() + commented(metadata.to_dict(), said)
+
+
+def _rows_of_csv(text: str, columns: Mapping[str, str]) -> list[dict[str, Scalar]]:
+    reads: dict[str, Callable[[str], Scalar]] = {
+        "f": float,
+        "i": int,
+        "U": str,
+        "b": lambda word: word == "True",
+    }
+    kinds = [reads[kind] for kind in columns.values()]
+    lines = [line.split(",") for line in text.splitlines()[1:] if not line.startswith("#")]
+    rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
+    return [dict(zip(columns, row, strict=True)) for row in rows]
+
+
+def _rows_of_zarr(path: Path, columns: Iterable[str]) -> list[dict[str, Scalar]]:
+    xarray = optional_package("xarray")
+    with xarray.open_zarr(path) as data:
+        lists = [each.values.ravel().tolist() for each in xarray.broadcast(*map(data.get, columns))]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
 
 
 def record_path(path: Path) -> Path:
@@ -233,6 +308,7 @@ def table_of(
     metadata: Metadata | None = None,
     seconds: float = 0.0,
     resumed: int = 0,
+    axes: tuple[str, ...] = (),
 ) -> Table:
     """Put rows of the same names into a table.
 
@@ -252,7 +328,7 @@ def table_of(
         column = _column(name, [row[name] for row in rows])
         column.flags.writeable = False
         columns[name] = column
-    return Table(arrays=columns, metadata=metadata, seconds=seconds, resumed=resumed)
+    return Table(arrays=columns, metadata=metadata, seconds=seconds, resumed=resumed, axes=axes)
 
 
 def _column(name: str, cells: list[Scalar]) -> npt.NDArray[Any]:

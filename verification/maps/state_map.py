@@ -21,7 +21,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -38,6 +38,9 @@ from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.rules import rules_of
 from verification.maps.state import Reason, State
 from verification.runs.excite import StartPoint
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 HELD = ("a", "b")
 
@@ -293,6 +296,10 @@ class StateMap(Result):
         """Return the table of states by column."""
         return self.states.columns()
 
+    def to_xarray(self) -> xr.Dataset:
+        """Return the states over the axes, as a dataset of xarray."""
+        return self.states.to_xarray()
+
 
 def state_map(
     what: Chain | StateTask,
@@ -321,7 +328,8 @@ def state_map(
     executor : concurrent.futures.Executor, optional
         Used in place of own processes, and left open: that of a cluster, for instance.
     out : Path, optional
-        CSV file for the map; the boundaries go beside it, see `boundary_path`.
+        CSV file or zarr store for the map (`sweep`); the boundaries go beside it, see
+        `boundary_path`.
     resume : bool, optional
         Go on from what an interrupted map left beside ``out``.
     progress : callable, optional
@@ -354,8 +362,9 @@ def state_map(
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
     points = state_points(task, axes)
+    values = {name: [float(value) for value in each] for name, each in axes.items()}
     with _pool(workers, len(points)) if executor is None else nullcontext(executor) as pool:
-        states = _swept(task, points, out=out, resume=resume, executor=pool, progress=progress)
+        states = _swept(task, values, out=out, resume=resume, executor=pool, progress=progress)
         map_seconds = perf_counter() - begin
         boundary = None
         if refine > 0.0:
@@ -383,7 +392,7 @@ def boundary_path(out: Path) -> Path:
     >>> boundary_path(Path("map.csv")).name
     'map-boundary.csv'
     """
-    return out.with_name(f"{out.stem}-boundary.csv")
+    return out.with_name(f"{out.stem}-boundary{out.suffix}")
 
 
 def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
@@ -394,7 +403,7 @@ def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor |
 
 def _swept(
     task: Task,
-    points: tuple[Point, ...],
+    points: tuple[Point, ...] | Mapping[str, Sequence[float]],
     *,
     out: Path | None,
     resume: bool,

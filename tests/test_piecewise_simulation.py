@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import jv
 
 from fronts.cli import main
 from theory.parameters import ParameterError
@@ -169,6 +170,26 @@ def test_the_truncation_bound_bounds_the_window_error(c, v):
         error = np.max(np.abs(short.phi[around] - exact))
         # images of the sites four from the front are four sites nearer; 1e-13 is round-off
         assert error <= truncation_bound(c, v, sites - 4) + 1e-13
+
+
+@pytest.mark.parametrize(("c", "v", "distance"), [(1e-3, 0.1, 4), (0.1, 0.3, 4), (0.01, 1.0, 16)])
+def test_images_disturb_within_a_hundred_of_the_truncation_bound(c, v, distance):
+    """φ and 1 - φ at the distances of the images, from the sites crossed before: no window."""
+
+    def from_bessel_functions(zeta):
+        node, weight = np.polynomial.legendre.leggauss(200)
+        total = 0j
+        for m in range(math.floor(zeta) + 1, 60):  # J_m(cs) is nothing there for cs ≤ 7
+            half = 0.5 * min((m - zeta) / v, 70.0)
+            s = half * (node + 1)
+            waves = np.exp((-0.5 + 1j * c) * s) * jv(abs(m), c * s)
+            total += (-1j) ** (abs(m) % 4) * half * np.sum(weight * waves)
+        return 0.5 * total
+
+    images = [from_bessel_functions(j * distance) for j in (1, 2, 3)]
+    images += [from_bessel_functions(-j * distance) - 1 for j in (1, 2, 3)]
+    bound = truncation_bound(c, v, distance)
+    assert 0.01 * bound < abs(sum(images)) <= bound
 
 
 def test_no_zero_is_missed_by_the_polynomial_search():

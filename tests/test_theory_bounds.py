@@ -124,6 +124,43 @@ def test_the_error_of_the_profile_holds_at_every_tolerance_and_distance() -> Non
             assert found.error <= tolerance + 1e-11, f"seed {seed}, trial {trial}"
 
 
+@pytest.mark.parametrize(
+    ("v", "c", "tolerance", "extent"),
+    [(0.31, 1.44e-3, 0.075, 3), (0.378, 3.66e-3, 0.0896, 2), (0.559, 2.53e-3, 0.0723, 2)],
+)
+def test_the_truncation_of_the_profile_is_within_a_hundred_of_its_bound(
+    v: float, c: float, tolerance: float, extent: int
+) -> None:
+    """Where coupling is weak and points are few: a hundredth of the bound would be wrong."""
+    grid = ProfileGrid.make(v, c, float(extent), tolerance)
+    zeta = np.arange(-extent, extent + 1.0)[:, None] + np.array([0.0, 0.5, 0.999])
+    exact = [complex(exact_profile(each, v, c, 60)) for each in zeta.ravel().tolist()]
+    off = float(np.abs(grid.at(zeta.ravel()) - exact).max())
+    assert 0.01 * grid.error < off <= grid.error
+
+
+@pytest.mark.parametrize(
+    ("v", "c", "digits", "method"),
+    [
+        pytest.param(0.27897857, 0.00038978, 3, "integral", id="points on the axis"),
+        pytest.param(0.083398, 0.0451136, 4, "integral", id="points on the axis, more coupling"),
+        pytest.param(2.013796, 8.003987, 3, "integral", id="graded points"),
+        pytest.param(0.0015, 0.00276, 142, "static limit", id="limit of slow fronts"),
+    ],
+)
+def test_the_error_of_many_digits_is_within_a_hundred_of_its_bound(
+    v: float, c: float, digits: int, method: str
+) -> None:
+    found = precise_sum_by_integral(v, c, digits)
+    assert found.method == method
+    # the series, and where it would need too many roots the integral that the limit saved
+    better = sum_by_roots(v, c, 40) if digits < 40 else precise_sum_by_integral(v, c, 170)
+    assert better.method != method or digits < 40
+    with mp.workdps(200):
+        off = abs(found.value - better.value)
+        assert 0.01 * found.error < off <= found.error
+
+
 @pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 1.0), (3.0, 0.1), (0.4, 2.0)])
 def test_the_profile_is_the_one_built_up_in_time(v: float, c: float) -> None:
     zeta = np.array([-3.3, -0.45, 0.0, 0.3, 2.0])

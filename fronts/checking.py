@@ -251,7 +251,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     from paper_checks import discover
     from paper_checks.run import run
     from paper_checks.shipped import FOLDER, Shipped
-    from verification.execution.digest import SOURCES
+    from verification.execution.imports import SOURCES
 
     begin = perf_counter()
     every = discover.find_entries()
@@ -263,7 +263,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
         entries,
         jobs=count_within("workers", workers, 1, 256),
         package=discover.PACKAGE,
-        shipped=None if full else Shipped(FOLDER, discover.PACKAGE, SOURCES),
+        shipped=None if full else Shipped(FOLDER, SOURCES),
     )
     return Verdicts(outcomes=outcomes, seconds=perf_counter() - begin)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from paper_checks.claim import Method
-from verification.execution.digest import closure
+from verification.execution.imports import closure
 
 PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 

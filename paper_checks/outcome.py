@@ -6,9 +6,11 @@ import logging
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from paper_checks.claim import NAME, Claim, Finding, Picture, Verdict
 from paper_checks.discover import Entry
+from paper_checks.plain_evidence import plain_evidence
 from paper_checks.report.safe_svg import safe_svg
 from verification.execution.metadata import now
 
@@ -72,6 +74,8 @@ class Judgement:
     shared : float
         Wall-clock time of the shared work; next to nothing where an earlier judge of the same
         process has done it.
+    evidence : plain data or None
+        What an expensive claim was judged by, if that was computed in this run.
     """
 
     finding: Finding | None
@@ -81,6 +85,7 @@ class Judgement:
     stored: bool = False
     provenance: Provenance | None = None
     shared: float = 0.0
+    evidence: Any = None
 
     @property
     def stale(self) -> bool:
@@ -150,16 +155,19 @@ def judge(claim: Claim) -> Judgement:
     start = begin = time.perf_counter()
     finding: Finding | None = None
     failure: str | None = None
+    held: Any = None
     try:
         if claim.shared is not None:
             claim.shared()
         begin = time.perf_counter()
-        finding = checked_finding(claim.judge())
+        evidence = claim.evidence()
+        finding = checked_finding(claim.found(evidence))
+        held = plain_evidence(evidence) if claim.expensive else None
     except (Exception, SystemExit) as error:
         logger.info("the judge of %s failed", claim.key, exc_info=True)
         failure = _sentence(error)
     seconds = time.perf_counter() - begin
-    return Judgement(finding, failure, seconds, now(), shared=begin - start)
+    return Judgement(finding, failure, seconds, now(), shared=begin - start, evidence=held)
 
 
 def _sentence(error: BaseException) -> str:

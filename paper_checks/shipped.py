@@ -1,23 +1,24 @@
-"""Findings of expensive claims that come with the toolkit, for the quick run.
+"""Evidence of expensive claims that comes with the toolkit, for the quick run.
 
-``fronts check --record`` writes those that are missing or stale into ``paper_checks/findings``,
-``--full --record`` all of them. Each carries the
-command that reproduces it, the versions and the machine it was found with, its date, and a
-fingerprint of the code it depends on: the files that the claim's module imports, directly or
-through others. Parameters are part of that code. Versions of other packages are shown but not
-part of the fingerprint. A finding whose fingerprint no longer fits is stale.
+``fronts check --record`` writes what is missing or stale into ``paper_checks/findings``, ``--full
+--record`` all of it: one file for each function that computes evidence, for all claims that rest on
+it. The rule, the text and the figures of a claim are applied to it anew in every run, so that only
+the code that the evidence comes from can make it stale (`verification.execution.reach`). Parameters
+are part of that code. Each file carries the command that reproduces it, its date, and the versions
+and the machine it was found with, which are shown but make nothing stale.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from paper_checks.discover import Entry
-from paper_checks.outcome import Judgement, Provenance
-from paper_checks.stored_judgement import judgement_from, plain_judgement
+from paper_checks.outcome import Judgement, Provenance, checked_finding
+from paper_checks.plain_evidence import evidence_from
 from theory.parameters import ParameterError
 from verification.execution.digest import digest_of_code
 from verification.execution.metadata import Code, Metadata
@@ -25,94 +26,98 @@ from verification.execution.record import Record
 
 FOLDER = Path(__file__).parent / "findings"
 
-SHOWN = (
-    "theory.result", "paper_checks.report.pictures", "paper_checks.report.data_table",
-    "paper_checks.report.state_picture", "paper_checks.report.velocity_plot",
-)  # fmt: skip
-"""Modules that show what was found and change nothing of it: they do not make a finding stale.
-
-The base of results is one: it loads pictures by name, and would bring in all of its package."""
+SHOWN = ("theory.result",)
+"""The base of results shows what was found and changes nothing of it; it loads pictures by a name
+that it computes, and would bring in all of its package."""
 
 CHEAP = 60.0
-"""Seconds. A stale finding that took less than this is computed anew even in the quick run."""
+"""Seconds. Stale evidence that took less than this is computed anew even in the quick run."""
 
 logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Shipped:
-    """The folder of shipped findings.
+    """The folder of shipped evidence.
 
     Attributes
     ----------
     folder : Path
-        One JSON file a claim.
-    package : str
-        Dotted name of the package that holds the claims.
+        One JSON file for each function that computes evidence.
     packages : collection of str
         Top-level packages whose code may matter.
     renew : bool
-        Whether every stale finding is computed anew, however long it takes.
+        Whether everything stale is computed anew, however long it takes.
     """
 
     folder: Path
-    package: str
     packages: Collection[str]
     renew: bool = False
 
     def load(self, entry: Entry) -> Judgement | None:
-        """Return the shipped judgement of an expensive claim, to be shown as stored.
+        """Judge an expensive claim by the evidence that is shipped, to be shown as stored.
 
         Returns
         -------
         Judgement or None
-            None if the claim is not expensive, there is no finding or it is damaged, or it is
-            stale and cheap. Its ``provenance`` says whether it is stale.
+            None if the claim is not expensive, its evidence is missing or damaged, or stale and
+            cheap. Its ``provenance`` says whether it is stale.
         """
-        key = entry.claim.key
-        path = self.folder / f"{key}.json"
-        if not entry.claim.expensive or not path.exists():
+        claim = entry.claim
+        if not claim.expensive or not (path := self.path(claim.evidence)).exists():
             return None
         try:
-            record = Record.load(path, "finding")
-            if record.metadata.parameters["claim"] != key:
-                raise ValueError("claim")
-            judgement = judgement_from(record.content["judgement"])
-        except (OSError, ParameterError, ValueError, KeyError, TypeError):
-            logger.info("the shipped finding of %s is damaged and is ignored", key)
+            record = Record.load(path, "evidence")
+            metadata, seconds = record.metadata, float(record.content["seconds"])
+            if metadata.parameters["evidence"] != root_of(claim.evidence):
+                raise ValueError("evidence")
+            evidence = evidence_from(record.content["evidence"], tuple(self.packages))
+            finding = checked_finding(claim.found(evidence))
+        except (OSError, ParameterError, ValueError, KeyError, TypeError, AttributeError,
+                ImportError):  # fmt: skip
+            logger.info("the shipped evidence of %s is damaged and is ignored", claim.key)
             return None
-        metadata = record.metadata
-        stale = metadata.code != self._code(entry)
-        if stale and (self.renew or judgement.seconds < CHEAP):
-            logger.info("the shipped finding of %s is stale and is computed anew", key)
+        stale = metadata.code != self._code(claim.evidence)
+        if stale and (self.renew or seconds < CHEAP):
+            logger.info("the shipped evidence of %s is stale and is computed anew", claim.key)
             return None
         provenance = Provenance(metadata.command, metadata.versions, metadata.machine, stale)
-        return replace(judgement, provenance=provenance)
+        return Judgement(finding, None, seconds, metadata.date, stored=True, provenance=provenance)
 
     def record(
         self, entry: Entry, judgement: Judgement, versions: Mapping[str, str | None]
     ) -> Path:
-        """Write the judgement of an expensive claim that was computed in this run.
+        """Write the evidence of an expensive claim that was computed in this run.
 
         Raises
         ------
         OSError
             If the folder takes no files, as that of an installed package may not.
         """
-        key = entry.claim.key
+        evidence = entry.claim.evidence
         metadata = Metadata(
-            command=f"fronts check {key} --full --record",
-            parameters={"claim": key},
+            command=f"fronts check {entry.claim.key} --full --record",
+            parameters={"evidence": root_of(evidence)},
             versions=versions,
-            code=self._code(entry),
+            code=self._code(evidence),
+            date=judgement.judged,
         )
-        content = {"judgement": plain_judgement(judgement)}
+        content = {"evidence": judgement.evidence, "seconds": judgement.seconds}
         self.folder.mkdir(parents=True, exist_ok=True)
-        path = self.folder / f"{key}.json"
-        Record(kind="finding", content=content, metadata=metadata).save(path)
+        path = self.path(evidence)
+        Record(kind="evidence", content=content, metadata=metadata).save(path)
         return path
 
-    def _code(self, entry: Entry) -> Code:
-        """Return the code that a finding depends on, as it is now."""
-        module = f"{self.package}.{entry.group}"
-        return Code(modules=(module,), digest=digest_of_code([module], self.packages, SHOWN))
+    def path(self, evidence: Callable[[], Any]) -> Path:
+        """Return the file of some evidence, named by the last parts of module and function."""
+        return self.folder / f"{root_of(evidence).rpartition('.')[2].replace(':', '.')}.json"
+
+    def _code(self, evidence: Callable[[], Any]) -> Code:
+        """Return the code that evidence depends on, as it is now."""
+        root = root_of(evidence)
+        return Code(modules=(root,), digest=digest_of_code([root], self.packages, SHOWN))
+
+
+def root_of(evidence: Callable[[], Any]) -> str:
+    """Return where evidence is computed, as ``package.module:function``."""
+    return f"{evidence.__module__}:{evidence.__qualname__}"

@@ -1,4 +1,4 @@
-"""Judgements as plain data, for the store of a run and for the findings that are shipped."""
+"""Judgements as plain data, for the store of a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from paper_checks.outcome import Judgement, checked_finding
 
 def plain_judgement(judgement: Judgement) -> dict[str, Any]:
     """Return a judgement as JSON has it, without what says that it was stored."""
-    return asdict(replace(judgement, stored=False, provenance=None))
+    return asdict(replace(judgement, stored=False, provenance=None, evidence=None))
 
 
 def judgement_from(record: Mapping[str, Any]) -> Judgement:

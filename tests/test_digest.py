@@ -1,5 +1,6 @@
 """A stored measurement is stale when the code it is of has changed, and only then."""
 
+import ast
 import sys
 from pathlib import Path
 
@@ -8,12 +9,11 @@ import pytest
 
 from verification.execution.digest import (
     DRAWING,
-    closure,
     digest_of_arrays,
-    essence,
-    imports_of,
 )
+from verification.execution.imports import closure, imports_of
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, staleness
+from verification.execution.reach import reached, shape
 
 OURS = ("timed_code",)
 
@@ -35,10 +35,15 @@ def package(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("file", "text", "stale"),
     [
-        ("deep.py", "def f(x):\n    # a remark\n    return (\n        x + 1\n    )\n", True),
+        ("deep.py", "def f(x):\n    # a remark\n    return (\n        x + 1\n    )\n", False),
         ("deep.py", "def f(x):  # a remark\n\n    'Other words.'\n    return x + 1\n", False),
         ("deep.py", "def f(x):\n    return x + 2\n", True),
         ("deep.py", "def f(x):\n    if x:\n        pass\n    return x + 1\n", True),
+        ("deep.py", "def f(x: int) -> int:\n    return x + 1\n", True),
+        ("deep.py", "def f(x):\n    return x + 1\n\n\ndef unused():\n    return 2\n", False),
+        ("deep.py", "def f(x):\n    return x + 1\n\n\nprint('imported')\n", True),
+        ("deep.py", "def f(x):\n    return x + N\n\n\nN = 1\n", True),
+        ("__init__.py", "print('imported')\n", True),
         ("other.py", "N = 2\n", False),
         ("top.py", "def g(x):\n    return x\n", True),
     ],
@@ -62,19 +67,83 @@ def test_a_record_that_names_no_code_is_stale():
     assert staleness(None) == staleness({}) == UNKNOWN
 
 
-def test_the_essence_keeps_strings_that_are_used_and_blocks(tmp_path):
-    path = tmp_path / "code.py"
-    found = []
-    for text in (
-        "x = f'{1 + 1:d} # not a remark'\n",
-        "x = f'{1 + 2:d} # not a remark'\n",
-        "if a:\n    b\n    c\n",
-        "if a:\n    b\nc\n",
-    ):
-        path.write_text(text + "#" * len(found))  # another size, so that nothing is remembered
-        found.append(essence(path))
-    assert len(set(found)) == 4
-    assert "# not a remark" in found[0]
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        ("x = f'{1 + 1:d} # not a remark'", "x = f'{1 + 2:d} # not a remark'", False),
+        ("x = 'a'", "x = 'b'", False),
+        ("x = 1", "x = 1.0", False),
+        ("if a:\n    b\n    c", "if a:\n    b\nc", False),
+        ("f(a, b)", "f(a, *b)", False),
+        ("x = f(\n    a,  # one\n    b,\n)", "x = f(a, b)", True),
+        ("class A:\n    'Say.'\n    n = 1\n    'Of n.'", "class A:\n    n = (1)", True),
+    ],
+)
+def test_the_shape_of_code_keeps_what_it_does_and_nothing_else(one, other, alike):
+    assert (shape(ast.parse(one)) == shape(ast.parse(other))) is alike
+
+
+REACHING = """
+import functools
+import reached_code.deep as below
+from reached_code import deep
+from reached_code.again import named, Kind as Type
+from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    from reached_code.deep import typed
+
+@functools.singledispatch
+def by_type(x):
+    return 0
+
+def through_module(): return below.f()
+def through_package(): return deep.g
+def passed_about(): return vars(below)
+def through_another(): return named()
+def of_a_class(x: typed) -> typed: return Type().twice
+def dispatched(): return by_type(1)
+def late():
+    from .deep import f as other
+    return other
+def computed(name):
+    return __import__(name)
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "names"),
+    [
+        ("through_module", "deep:f"),
+        ("late", "deep:f"),
+        ("through_package", "deep:g deep:N"),
+        ("passed_about", "deep:* deep:N"),
+        ("through_another", "deep:f"),
+        ("of_a_class", "again:Kind deep:g deep:N"),
+        ("dispatched", "top:by_type registering:@reached_code.top:by_type deep:f"),
+        ("computed", "deep:* again:* registering:* top:*"),
+    ],
+)
+def test_a_function_reaches_what_it_uses_however_it_is_imported(tmp_path, monkeypatch, name, names):
+    home = tmp_path / "reached_code"
+    home.mkdir()
+    (home / "__init__.py").touch()
+    (home / "deep.py").write_text(
+        "N = 1\ndef f(): return 1\ndef g(): return N\ndef typed(): return 1\n"
+    )
+    (home / "again.py").write_text(
+        "from reached_code.deep import f as named, g\n"
+        "class Kind:\n    @property\n    def twice(self): return g\n"
+    )
+    (home / "registering.py").write_text(
+        "from reached_code.top import by_type\nfrom reached_code import deep\n"
+        "@by_type.register\ndef _(x: int): return deep.f()\n"
+    )
+    (home / "top.py").write_text(REACHING + "def loads(): import reached_code.registering\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = {each for each, _ in reached([f"reached_code.top:{name}"], ["reached_code"])}
+    held = {each.removeprefix("reached_code.") for each in found if not each.endswith(":")}
+    wanted = {f"top:{name}", *names.split()}
+    assert wanted <= held if name == "computed" else held == wanted
 
 
 def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():

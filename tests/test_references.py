@@ -14,7 +14,7 @@ from theory.chains.chain import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.piecewise.limits import static_sum_distance
-from verification.execution.digest import closure
+from verification.execution.imports import closure
 from verification.references import equations
 from verification.references.network import states_by_scipy
 from verification.references.piecewise import static_sum, sum_by_quadrature, threshold_ratio

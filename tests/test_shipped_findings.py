@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fronts.cli import main
 from fronts.commands import check
-from paper_checks import discover, shipped
+from paper_checks import discover, prose, shipped
 from paper_checks.discover import find_entries
 from paper_checks.outcome import judge
-from verification.execution.digest import closure, digest_of, digest_of_code
+from paper_checks.plain_evidence import evidence_from, plain_evidence
+from paper_checks.ruling import Ruling, Verdict, holds
+from verification.execution.digest import digest_of, digest_of_code
+from verification.execution.imports import closure
 
 CLAIM = """
 import os
@@ -31,12 +37,20 @@ def evidence(name):
         log.write(name + "\\n")
     return Seen(number())
 
+def slow():
+    return evidence("slow")
+
+def fast():
+    return evidence("fast")
+
+def rule(e):
+    return holds()
+
 CLAIMS = tuple(
-    Claim(key=name, place="Fig. 1", quote="It is so.", statement="It is so.",
-          recorded=Verdict.REPRODUCED, command="true", evidence=lambda name=name: evidence(name),
-          rule=lambda e: holds(), text=__name__, methods=(Method("one", "m:f"),),
-          expensive=name == "slow")
-    for name in ("slow", "fast")
+    Claim(key=each.__name__, place="Fig. 1", quote="It is so.", statement="It is so.",
+          recorded=Verdict.REPRODUCED, command="true", evidence=each, rule=rule, text=__name__,
+          methods=(Method("one", "m:f"),), expensive=each is slow)
+    for each in (slow, fast)
 )
 """
 
@@ -60,8 +74,15 @@ def package(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(discover, "PACKAGE", "slow_code.claims")
     monkeypatch.setattr("fronts.commands.check.FOLDER", tmp_path / "findings")
+    monkeypatch.setattr(check, "stored_sections", tuple)  # sections of their own, with other stores
     monkeypatch.setenv("SLOW_LOG", str(tmp_path / "log"))
     yield home
+    forget()
+
+
+def forget():
+    """Have the package read again."""
+    prose._sections.cache_clear()
     for name in [name for name in sys.modules if name.startswith("slow_code")]:
         del sys.modules[name]
 
@@ -80,7 +101,7 @@ def record(capsys, tmp_path):
     code, _, _, ran = run(capsys, tmp_path, "--full", "--record")
     assert code == 0
     assert ran == ["slow", "fast"]
-    return tmp_path / "findings" / "slow.json"
+    return tmp_path / "findings" / "fig1.slow.json"
 
 
 def change(path, edit):
@@ -91,7 +112,7 @@ def change(path, edit):
 
 
 def long_ago(held):
-    held["judgement"]["seconds"] = 1000.0
+    held["seconds"] = 1000.0
 
 
 def other_versions(held):
@@ -100,7 +121,7 @@ def other_versions(held):
 
 def test_only_expensive_findings_are_recorded_and_the_quick_run_shows_them(capsys, tmp_path):
     path = record(capsys, tmp_path)
-    assert [one.name for one in path.parent.iterdir()] == ["slow.json"]
+    assert [one.name for one in path.parent.iterdir()] == ["fig1.slow.json"]
     code, claims, report, ran = run(capsys, tmp_path)
     assert code == 0
     assert ran == ["fast"]
@@ -114,11 +135,11 @@ def test_only_expensive_findings_are_recorded_and_the_quick_run_shows_them(capsy
 
 
 def test_a_claim_that_is_not_expensive_is_computed_whatever_is_in_the_folder(capsys, tmp_path):
-    slow = shipped.Shipped(tmp_path / "findings", "slow_code.claims", check._sources())
+    slow = shipped.Shipped(tmp_path / "findings", check._sources())
     fast = next(e for e in find_entries("slow_code.claims") if e.claim.key == "fast")
     record(capsys, tmp_path)
     slow.record(fast, judge(fast.claim), {})
-    assert (tmp_path / "findings" / "fast.json").exists()
+    assert (tmp_path / "findings" / "fig1.fast.json").exists()
     assert run(capsys, tmp_path)[3] == ["fast"]
 
 
@@ -135,16 +156,81 @@ def test_code_that_it_does_not_import_does_not_make_it_stale(capsys, tmp_path, p
     assert run(capsys, tmp_path)[3] == ["fast"]
 
 
-@pytest.mark.parametrize("changed", ["needed.py", "deep.py", "claims/fig1.py"])
-def test_code_that_it_imports_makes_it_stale_and_a_cheap_one_is_computed_anew(
-    capsys, tmp_path, package, changed
+@pytest.mark.parametrize(
+    ("changed", "edit", "stale"),
+    [
+        ("needed.py", ("return N", "return N + 1"), True),
+        ("deep.py", ("N = 1", "N = 2"), True),
+        ("deep.py", ("N = 1", "N = (1)  # as before\nOTHER = 3"), False),
+        ("claims/fig1.py", ('return evidence("slow")', 'return evidence("slow") or None'), True),
+        ("claims/fig1.py", ("return holds()", "return not e or holds()"), False),
+        ("claims/fig1.py", ('place="Fig. 1"', 'place="Fig. 2"'), False),
+        ("claims/fig1.md", ("It is.", "So it is."), False),
+    ],
+)
+def test_the_code_that_evidence_comes_from_makes_it_stale_and_the_rest_of_a_claim_does_not(
+    capsys, package, changed, edit, stale
+):
+    record(capsys, package.parent)
+    path = package / changed
+    old, new = edit
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    _, claims, _, ran = run(capsys, package.parent)
+    assert ran == (["slow", "fast"] if stale else ["fast"])
+    assert claims["slow"]["stored"] is not stale
+
+
+def test_rule_text_and_figure_are_those_of_the_run_and_not_those_of_the_recording(
+    capsys, tmp_path, package
 ):
     record(capsys, tmp_path)
-    with (package / changed).open("a") as file:
-        file.write("\nOTHER = 3\n")
-    _, claims, _, ran = run(capsys, tmp_path)
-    assert ran == ["slow", "fast"]
-    assert not claims["slow"]["stored"]
+    (package / "claims" / "fig1.md").write_text(TEXT.replace("It is.", "So {{ number }} is."))
+    path = package / "claims" / "fig1.py"
+    text = path.read_text().replace("import holds", "import fails, holds")
+    path.write_text(text.replace("return holds()", "return fails('No.')"))
+    forget()
+    code, claims, _, ran = run(capsys, tmp_path)
+    assert (code, ran) == (1, ["fast"])
+    assert claims["slow"]["explanation"] == "So 1 is."
+    assert claims["slow"]["verdict"] == "not reproduced"
+    assert claims["slow"]["stored"]
+
+
+@dataclass(frozen=True)
+class Held:
+    """Evidence with one of everything."""
+
+    pairs: dict[int | None, dict[float, str]]
+    points: tuple[tuple[float, float | None], ...]
+    waves: np.ndarray
+    words: np.ndarray
+    found: frozenset[tuple[str, ...]]
+    verdict: Verdict
+    inner: tuple[Ruling, ...]
+    never: float = math.inf
+
+
+def test_evidence_is_read_back_to_the_last_bit():
+    third = np.array([[1.0 / 3.0 + 2e-300j], [-0.0]])
+    held = Held(
+        pairs={None: {0.1: "front"}, 1: {}},
+        points=((0.1 + 0.2, None), (5e-324, -0.0)),
+        waves=third,
+        words=np.array(["front", "rest"]),
+        found=frozenset({("a", "b"), ("c",)}),
+        verdict=Verdict.PARTIAL,
+        inner=(holds(),),
+    )
+    plain = json.loads(json.dumps(plain_evidence(held), allow_nan=False))
+    back = evidence_from(plain, (__name__.partition(".")[0], "paper_checks"))
+    assert repr(back) == repr(held)
+    assert back.waves.tobytes() == third.tobytes()
+    assert back.verdict is Verdict.PARTIAL
+    with pytest.raises(ValueError, match=r"evidence holds a Verdict of paper_checks\.ruling"):
+        evidence_from(plain, (__name__.partition(".")[0],))
+    with pytest.raises(TypeError, match="evidence cannot hold"):
+        plain_evidence(print)
 
 
 def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, package):
@@ -165,12 +251,11 @@ def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, pack
 
 def test_record_computes_what_is_missing_or_stale_and_nothing_else(capsys, tmp_path, package):
     assert run(capsys, tmp_path, "--record")[3] == ["slow", "fast"]
-    path = tmp_path / "findings" / "slow.json"
+    path = tmp_path / "findings" / "fig1.slow.json"
     change(path, long_ago)
     assert run(capsys, tmp_path, "--record")[3] == ["fast"]
     (package / "deep.py").write_text("N = 2\n")
-    for name in [name for name in sys.modules if name.startswith("slow_code")]:
-        del sys.modules[name]
+    forget()
     code, claims, _, ran = run(capsys, tmp_path, "--record")
     assert (code, ran) == (0, ["slow", "fast"])
     assert claims["slow"]["value"] == "2"
@@ -184,7 +269,7 @@ def test_a_damaged_one_is_ignored(capsys, tmp_path, damage):
     path.write_text(
         {
             "half": text[: len(text) // 2],
-            "digits": text.replace('"value": "1"', '"value": "2"'),
+            "digits": text.replace('"number": 1', '"number": 2'),
             "field": text.replace('"machine"', '"mashine"'),
         }[damage]
     )
@@ -263,7 +348,11 @@ def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):
     assert "verification.piecewise.simulation" in loaded
 
 
-def test_the_shipped_findings_are_of_expensive_claims():
-    expensive = {e.claim.key for e in find_entries("paper_checks.claims") if e.claim.expensive}
-    held = {path.stem for path in shipped.FOLDER.glob("*.json")}
-    assert held <= expensive  # a claim without a shipped finding is computed
+def test_the_shipped_evidence_is_that_of_expensive_claims():
+    folder = shipped.Shipped(shipped.FOLDER, check._sources())
+    every = [each.claim for each in find_entries("paper_checks.claims")]
+    dear = [each.evidence for each in every if each.expensive]
+    files = {shipped.root_of(each): folder.path(each) for each in dear}
+    assert set(shipped.FOLDER.glob("*.json")) <= set(files.values())  # the others are computed
+    assert len(set(files.values())) == len(files)  # one file each
+    assert all("<" not in root for root in files)  # functions that another process finds by name

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from verification.execution.digest import digest_of, digest_of_files, imports_of
+from verification.execution.digest import digest_of, digest_of_files
 from verification.execution.files import write_text
+from verification.execution.imports import imports_of
 
 LONGEST_FILE = 400.0
 """Seconds after which a file that is being recorded is given up."""

@@ -32,8 +32,9 @@ from paper_checks.report.table import duration, entries_as_text
 from paper_checks.report.terminal import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
-from verification.execution.digest import SOURCES, digest_of_packages
+from verification.execution.digest import digest_of_packages
 from verification.execution.files import write_text
+from verification.execution.imports import SOURCES
 from verification.execution.metadata import installed_versions
 from verification.execution.progress import Progress
 from verification.execution.store import Store
@@ -107,7 +108,7 @@ def run(options: argparse.Namespace) -> Answer:
         return _listing(entries, width, options)
     folder = _checked_folder(options)
     versions, source = installed_versions(PACKAGES), digest_of_packages(_sources())
-    shipped = Shipped(FOLDER, discover.PACKAGE, _sources(), renew=options.record)
+    shipped = Shipped(FOLDER, _sources(), renew=options.record)
 
     start = time.perf_counter()
     shown = Progress("claims", steps=len(entries), at_once=options.jobs or 1, quiet=options.json)
@@ -269,8 +270,10 @@ def _record(shipped: Shipped, report: Report) -> str:
         for outcome in report.outcomes
         if outcome.claim.expensive and outcome.finding and not outcome.judgement.stored
     ]
+    # Claims that share evidence were judged together, and the first took its time.
+    first = {shipped.path(each.claim.evidence): each for each in reversed(found)}
     try:
-        for outcome in found:
+        for outcome in first.values():
             shipped.record(outcome.entry, outcome.judgement, report.versions)
     except OSError as error:
         raise UsageError(

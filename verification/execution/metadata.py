@@ -13,7 +13,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from verification.execution.digest import SOURCES, digest_of_code
+from verification.execution.digest import digest_of_code
+from verification.execution.imports import SOURCES
 
 TOOLKIT = "excitation-fronts"
 """Name of the distribution."""

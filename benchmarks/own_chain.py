@@ -29,10 +29,10 @@ from benchmarks.work_precision import (
     Setting,
     least_factor,
     measure_side_by_side,
-    time_limit,
 )
 from theory.chains.oscillator import OscillatorChain
 from verification.execution.metadata import installed_versions, this_machine
+from verification.execution.time_limit import time_limit
 from verification.references.network import oscillator_rate, states_by_scipy
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration

@@ -9,12 +9,9 @@ processor seconds, and the first call stands apart.
 from __future__ import annotations
 
 import math
-import signal
 import statistics
-import threading
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
@@ -24,6 +21,7 @@ import mpmath as mp
 import numpy as np
 
 from benchmarks.record import Failure, Target, WorkPoint
+from verification.execution.time_limit import time_limit
 
 if TYPE_CHECKING:
     from verification.quantities.problems import Problem
@@ -245,10 +243,6 @@ class WorkPrecision:
         return self.prepare.__module__
 
 
-class TooSlowError(RuntimeError):
-    """A call that was given up."""
-
-
 def measure_side_by_side(
     quantity: str,
     problem: str,
@@ -316,25 +310,6 @@ def _first_call(
         answer = setting.evaluate()
         seconds = clock() - start
     return answer, seconds, _short(str(caught[0].message)) if caught else ""
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Raise ``TooSlowError`` inside the block after so long, where the system has such an alarm."""
-    if not hasattr(signal, "SIGALRM") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def give_up(*_: object) -> None:
-        raise TooSlowError(f"not done within {seconds:g} s")
-
-    before = signal.signal(signal.SIGALRM, give_up)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def _short(text: str) -> str:

@@ -24,15 +24,14 @@ from benchmarks.work_precision import (
     Effort,
     Setting,
     Style,
-    TooSlowError,
     WorkPrecision,
     distance,
     measure_side_by_side,
-    time_limit,
 )
 from fronts.cli import main
 from fronts.commands import bench
 from verification.execution.metadata import staleness
+from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.problems import timed
 from verification.quantities.quantity import Quantity
 from verification.runs.excite import excite
@@ -95,7 +94,7 @@ def test_a_failure_is_listed_by_name_and_does_not_stop_the_others():
 
 
 def test_a_call_that_takes_too_long_is_given_up():
-    with pytest.raises(TooSlowError, match=r"0\.05 s"), time_limit(0.05):
+    with pytest.raises(TimeIsUpError, match=r"0\.05 s"), time_limit(0.05):
         time.sleep(5.0)
     time.sleep(0.06)  # and the alarm is off again
 

@@ -10,7 +10,6 @@ import math
 import numbers
 import signal
 from collections.abc import Mapping
-from contextlib import contextmanager
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
@@ -30,6 +29,7 @@ from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import PrecisionError
 from theory.piecewise.sums.series import sum_by_roots
 from theory.result import Result
+from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.registry import all_computations
 
 REFUSALS = (ParameterError, PrecisionError, RunError, MissingPackageError)
@@ -66,20 +66,6 @@ def anything(draw):
         return draw(KINDS)(number)
 
 
-@contextmanager
-def limited(seconds):
-    def stop(*_):
-        raise TimeoutError(f"no answer within {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-
-
 def floats_in(value, where=""):
     """Every number in a result, with the name of the place where it stands."""
     if isinstance(value, (str, bytes, bool, Enum, type(None))):
@@ -104,7 +90,7 @@ def floats_in(value, where=""):
 def check_outcome(call):
     """Call, and hold the outcome against the rule."""
     try:
-        with limited(SECONDS):
+        with time_limit(SECONDS):
             found = call()
     except REFUSALS as refusal:
         said = str(refusal)
@@ -233,7 +219,7 @@ def test_the_rule_itself_finds_nan_raw_errors_and_calls_without_end(monkeypatch)
         check_outcome(lambda: {"v": [0.3, complex(0.0, math.nan)]})
     with pytest.raises(ZeroDivisionError):
         check_outcome(lambda: 1 / 0)
-    with pytest.raises(TimeoutError):
+    with pytest.raises(TimeIsUpError):
         check_outcome(signal.pause)
     with pytest.raises(AssertionError):
         check_outcome(_two_lines)

@@ -116,6 +116,19 @@ def test_costly_computations_are_right_at_single_points(
     assert found["outcome"] == Outcome.RIGHT.value, found
 
 
+def test_the_reference_of_a_running_front_knows_its_velocity() -> None:
+    """It once stepped another chain, and was uncertain by more than any velocity."""
+    found = judge(computation_named("front-vdp"), {"c": 0.6, "eta": 0.03125, "eps": 0.01})
+    assert found["outcome"] == Outcome.RIGHT.value, found
+    assert float(found["distance"]) < float(found["uncertainty"]) < 1e-3
+
+
+def test_a_breather_that_pulses_keeps_its_label() -> None:
+    """Far from a harmonic motion |Ψ| itself changes sixfold within a period."""
+    pulsing = {"eta": 0.0135, "c": 0.0017, "displacement": 4.0779, "eps": 0.362}
+    assert judge(computation_named("label-vdp"), pulsing)["outcome"] == Outcome.RIGHT.value
+
+
 def test_an_orbit_too_stiff_to_be_found_is_refused_at_once() -> None:
     stiff = {"eta": 0.005, "c": 1e-6, "eps": 1.0}  # it once took more than 100 s
     for name in ("orbit", "multipliers"):

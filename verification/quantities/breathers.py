@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import mpmath as mp
@@ -16,6 +17,7 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import solve_envelope_breather, staggered_branch
 from verification.breathers.orbits import solve_orbit
+from verification.quantities.chains import vdp_chain
 from verification.quantities.quantity import (
     Axis,
     Computation,
@@ -23,26 +25,20 @@ from verification.quantities.quantity import (
     Quantity,
     ReferenceCheck,
     StatedValue,
+    axes,
 )
 from verification.references.equations import averaged_damping, pull, variational_rate
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.result import ThresholdMethod
 
 ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END,))
-A, C, EPSILON = (
-    Axis(name="a", low=1e-6, high=1e6),
-    Axis(name="c", low=1e-8, high=1e6),
-    Axis(name="eps", low=1e-6, high=1.0),
-)
-WEAK = Axis(name="c", low=1e-8, high=1e2)
-READING = Axis(name="reading", low=1, high=2, whole=True)
+A, C, READING = axes(a=(1e-6, 1e6), c=(1e-8, 1e6), reading=(1, 2))
+WEAK, EPSILON = axes(c=(1e-8, 1e2), eps=(1e-6, 1.0))
 _SITES = 9
 
 
 def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:
-    a = at.get("a", 1.0)
-    eps = at.get("eps", 0.01)
-    return VdpChain(a=a, b=at["eta"] * a * a, c=at["c"], eps=eps, sites=sites)
+    return vdp_chain({"a": 1.0, "eps": 0.01, "sites": sites, **at})
 
 
 def _reading(at: Mapping[str, float]) -> Reading:
@@ -51,7 +47,7 @@ def _reading(at: Mapping[str, float]) -> Reading:
 
 def _fold(at: Mapping[str, float]) -> StatedValue:
     found = closed_form_fold(_chain({**at, "c": 1.0}), _reading(at))
-    return StatedValue(value=found.c, error=found.error, extra=found)
+    return StatedValue.of(found, found.c)
 
 
 def _gain(S: Any, a: Any, b: Any) -> Any:
@@ -94,22 +90,18 @@ def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     with mp.workdps(60):
         if _reading(at) is Reading.TAIL:
             m = (a * a - 8 * b) / (16 * b)
-            return ReferenceCheck(
-                distance=float(abs(mp.sqrt(m * (1 + m)) - stated.value)), method="closed form"
-            )
+            off = abs(mp.sqrt(m * (1 + m)) - stated.value)
+            return ReferenceCheck(distance=float(off), method="closed form")
         start = _scan(at)
         if start is None or stated.value is None:
-            return ReferenceCheck(
-                distance=math.inf if start is not stated.value else 0.0, method="whether it exists"
-            )
+            return ReferenceCheck.exact(start is stated.value, "whether it exists")
         S, w = mp.mpf(start[0]) / a, mp.mpf(start[1])
         try:
             S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-40)
         except (ValueError, ZeroDivisionError):
             raise NoReferenceError("Newton in 60 digits does not converge.") from None
-        return ReferenceCheck(
-            distance=float(abs(_gain(S, a, b) / mp.sqrt(w) - stated.value)), method="Newton"
-        )
+        off = abs(_gain(S, a, b) / mp.sqrt(w) - stated.value)
+        return ReferenceCheck(distance=float(off), method="Newton")
 
 
 def _on_branch(S: Any, w: Any, a: Any, b: Any) -> Any:
@@ -131,11 +123,8 @@ def _tangency(S: Any, w: Any, a: Any, b: Any) -> tuple[Any, Any]:
 
 def _breather(at: Mapping[str, float]) -> StatedValue:
     found = solve_breather(_chain(at), _reading(at))
-    if found.status is BreatherStatus.NONE:
-        return StatedValue(value=None, error=0.0, extra=found)
-    assert found.alpha_0 is not None
-    assert found.decay is not None
-    return StatedValue(value=np.array([found.alpha_0, found.decay]), error=found.error, extra=found)
+    none = found.status is BreatherStatus.NONE
+    return StatedValue.of(found, None if none else np.array([found.alpha_0, found.decay]))
 
 
 def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -168,7 +157,7 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
             x, y = mp.findroot(both, (mp.mpf(1), mp.mpf(1)), tol=1e-40)
         except (ValueError, ZeroDivisionError):
             if top is not None and at["c"] > top * (1.0 - 1e-12):
-                return ReferenceCheck(distance=0.0, method="at the fold to within rounding")
+                return ReferenceCheck.exact(True, "at the fold to within rounding")
             raise NoReferenceError("Newton in 60 digits does not converge.") from None
         off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1))
         return ReferenceCheck(distance=float(off), method="Newton in 60 digits")
@@ -176,9 +165,8 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
 
 def _envelope(at: Mapping[str, float]) -> StatedValue:
     found = solve_envelope_breather(_chain(at, _SITES), Nucleus(1))
-    if found.status is BreatherStatus.NONE:
-        return StatedValue(value=None, error=0.0, extra=found)
-    return StatedValue(value=np.append(found.phi, found.omega), error=found.error, extra=found)
+    none = found.status is BreatherStatus.NONE
+    return StatedValue.of(found, None if none else np.append(found.phi, found.omega))
 
 
 def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -188,58 +176,34 @@ def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
         if fold is None:
             raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
-        return ReferenceCheck(
-            distance=0.0 if at["c"] > 0.98 * fold.c else math.inf, method="quarter-turn reduction"
-        )
+        return ReferenceCheck.exact(at["c"] > 0.98 * fold.c, "quarter-turn reduction")
     phi = np.asarray(stated.value[:-1])
-    start = [*phi.real, *phi.imag, complex(stated.value[-1]).real]
-    centre = int(np.argmax(np.abs(phi)))
+    start = [float(x) for x in (*phi.real, *phi.imag, complex(stated.value[-1]).real)]
+    defect = partial(_envelope_defect, at, int(np.argmax(np.abs(phi))))
     with mp.workdps(30):
-        x = mp.matrix([mp.mpf(float(value)) for value in start])
-        for _ in range(3):
-            x = x - mp.lu_solve(_envelope_slope(x, at), _envelope_defect(x, at, centre))
-        off = max(abs(x[i] - mp.mpf(float(start[i]))) for i in range(len(start)))
-        left = max(abs(value) for value in _envelope_defect(x, at, centre))
-        if left > 1e-18:
-            raise NoReferenceError("Newton in 30 digits does not converge.")
+        try:
+            x = mp.findroot(defect, start, tol=1e-36)
+        except (ValueError, ZeroDivisionError):
+            raise NoReferenceError("Newton in 30 digits does not converge.") from None
+        off = max(abs(true - value) for true, value in zip(x, start, strict=True))
     return ReferenceCheck(distance=float(off), method="Newton in 30 digits")
 
 
-def _envelope_defect(x: Any, at: Mapping[str, float], centre: int) -> Any:
+def _envelope_defect(at: Mapping[str, float], centre: int, *x: Any) -> list[Any]:
     a, b, c = mp.mpf(1), mp.mpf(at["eta"]), mp.mpf(at["c"])
-    n = (len(x) - 1) // 2
-    p = [mp.mpc(x[i], x[n + i]) for i in range(n)]
-    out = mp.matrix(2 * n + 1, 1)
-    springs = pull(np.array(p))
-    for i in range(n):
-        rate = 0.5j * c * springs[i] - p[i] / 2 * averaged_damping(abs(p[i]), a, b)
-        rate -= 1j * x[2 * n] * p[i]
-        out[i], out[n + i] = rate.real, rate.imag
-    out[2 * n] = x[n + centre]
-    return out
-
-
-def _envelope_slope(x: Any, at: Mapping[str, float]) -> Any:
-    """Return the Jacobian by central differences: exact enough for Newton, and sharing nothing."""
-    n = (len(x) - 1) // 2
-    centre = max(range(n), key=lambda i: x[i] ** 2 + x[n + i] ** 2)
-    h = mp.mpf(10) ** -12
-    out = mp.matrix(len(x), len(x))
-    for j in range(len(x)):
-        up, down = x.copy(), x.copy()
-        up[j] += h
-        down[j] -= h
-        column = (_envelope_defect(up, at, centre) - _envelope_defect(down, at, centre)) / (2 * h)
-        for i in range(len(x)):
-            out[i, j] = column[i]
-    return out
+    n, omega = len(x) // 2, x[-1]
+    p = [mp.mpc(*pair) for pair in zip(x[:n], x[n:-1], strict=True)]
+    rates = [
+        0.5j * c * springs - phi / 2 * averaged_damping(abs(phi), a, b) - 1j * omega * phi
+        for phi, springs in zip(p, pull(np.array(p)), strict=True)
+    ]
+    return [*(rate.real for rate in rates), *(rate.imag for rate in rates), x[n + centre]]
 
 
 def _orbit(at: Mapping[str, float]) -> StatedValue:
     found = solve_orbit(_chain(at, _SITES), Nucleus(1))
-    if found.status is BreatherStatus.NONE:
-        return StatedValue(value=None, error=0.0, extra=found)
-    return StatedValue(value=np.append(found.state, found.period), error=found.error, extra=found)
+    none = found.status is BreatherStatus.NONE
+    return StatedValue.of(found, None if none else np.append(found.state, found.period))
 
 
 def _flow(state: Any, period: float, at: Mapping[str, float]) -> Any:
@@ -275,10 +239,10 @@ def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck
 
 
 def _multipliers(at: Mapping[str, float]) -> StatedValue:
-    found = solve_orbit(_chain(at, _SITES), Nucleus(1))
-    if found.multipliers is None:
-        return StatedValue(value=None, error=0.0, extra=found)
-    return StatedValue(value=found.multipliers.values, error=found.multipliers.error, extra=found)
+    orbit = solve_orbit(_chain(at, _SITES), Nucleus(1))
+    found = orbit.multipliers
+    stated = StatedValue.of(found, None if found is None else found.values)
+    return replace(stated, extra=orbit)
 
 
 def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -301,7 +265,7 @@ def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> Referenc
 
 def _threshold(at: Mapping[str, float]) -> StatedValue:
     found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), ThresholdMethod.ENVELOPE)
-    return StatedValue(value=found.c, error=found.error, extra=found)
+    return StatedValue.of(found, found.c)
 
 
 def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -320,109 +284,63 @@ def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceC
 
 QUANTITIES = (
     Quantity(
-        name="closed-form",
-        title="closed form of a breather, and its largest coupling",
-        equation="(29), (37)",
-        problems="breather",
+        name="closed-form", title="closed form of a breather, and its largest coupling",
+        equation="(29), (37)", problems="breather", accuracy=1e-15, default="closed form",
         reference="Newton in 60 digits from a plain scan",
-        accuracy=1e-15,
-        default="closed form",
         computations=(
             Computation(
-                name="closed-form-fold",
-                title="the largest coupling of the closed form (29), (37)",
-                axes=(A, ETA, READING),
-                compute=_fold,
-                check=_check_fold,
-                seconds=0.1,
-                share=0.4,
-                problems="breather",
+                name="closed-form-fold", title="the largest coupling of the closed form (29), (37)",
+                axes=(A, ETA, READING), compute=_fold, check=_check_fold,
+                seconds=0.1, share=0.4, problems="breather",
             ),
             Computation(
                 name="closed-form-breather",
                 title="amplitude and decay of the closed form (29), (37)",
-                axes=(A, ETA, C, READING),
-                compute=_breather,
-                check=_check_breather,
-                seconds=0.1,
-                share=0.4,
-                problems="breather",
+                axes=(A, ETA, C, READING), compute=_breather, check=_check_breather,
+                seconds=0.1, share=0.4, problems="breather",
             ),
         ),
     ),
     Quantity(
-        name="breather",
-        title="breather of the chain (8)",
-        equation="(8), (34)",
-        problems="breather",
+        name="breather", title="breather of the chain (8)", equation="(8), (34)",
+        problems="breather", accuracy=1e-9, default="shooting", useful=(1e-8, 1e-3),
         reference="root of scipy over the flow of its DOP853, both at 1e-13",
-        accuracy=1e-9,
-        default="shooting",
-        useful=(1e-8, 1e-3),
         computations=(
             Computation(
-                name="envelope-breather",
-                title="a breather of the averaged chain (34)",
-                axes=(ETA, C),
-                compute=_envelope,
-                check=_check_envelope,
-                seconds=5.0,
-                share=0.15,
-                problems="breather",
+                name="envelope-breather", title="a breather of the averaged chain (34)",
+                axes=(ETA, C), compute=_envelope, check=_check_envelope,
+                seconds=5.0, share=0.15, problems="breather",
             ),
             Computation(
-                name="orbit",
-                title="a true periodic orbit of (8)",
-                axes=(ETA, WEAK, EPSILON),
-                compute=_orbit,
-                check=_check_orbit,
-                seconds=20.0,
-                share=0.1,
-                problems="breather",
+                name="orbit", title="a true periodic orbit of (8)",
+                axes=(ETA, WEAK, EPSILON), compute=_orbit, check=_check_orbit,
+                seconds=20.0, share=0.1, problems="breather",
             ),
         ),
     ),
     Quantity(
-        name="multipliers",
-        title="Floquet multipliers of a breather, Eqs. 39-42",
-        equation="(39)-(42)",
-        problems="multipliers",
+        name="multipliers", title="Floquet multipliers of a breather, Eqs. 39-42",
+        equation="(39)-(42)", problems="multipliers", accuracy=1e-10, useful=(1e-10, 1e-3),
         reference="the variational equations (42) by scipy's DOP853 at 1e-13",
-        accuracy=1e-10,
         default="Taylor series with variations",
-        useful=(1e-10, 1e-3),
         computations=(
             Computation(
-                name="multipliers",
-                title="Floquet multipliers of a true orbit",
-                axes=(ETA, WEAK, EPSILON),
-                compute=_multipliers,
-                check=_check_multipliers,
-                seconds=20.0,
-                share=0.1,
-                problems="breather",
+                name="multipliers", title="Floquet multipliers of a true orbit",
+                axes=(ETA, WEAK, EPSILON), compute=_multipliers, check=_check_multipliers,
+                seconds=20.0, share=0.1, problems="breather",
             ),
         ),
     ),
     Quantity(
-        name="threshold",
-        title="coupling at which a breather ends",
-        equation="(34)",
-        problems="breather",
+        name="threshold", title="coupling at which a breather ends", equation="(34)",
+        problems="breather", accuracy=1e-6, default="continuation",
         reference="reduction to quarter-turn phase steps",
-        accuracy=1e-6,
-        default="continuation",
         computations=(
             Computation(
-                name="envelope-threshold",
-                title="the coupling at which a breather of (34) ends",
-                axes=(ETA,),
-                compute=_threshold,
-                check=_check_threshold,
-                seconds=20.0,
-                share=0.1,
-                problems="breather",
+                name="envelope-threshold", title="the coupling at which a breather of (34) ends",
+                axes=(ETA,), compute=_threshold, check=_check_threshold,
+                seconds=20.0, share=0.1, problems="breather",
             ),
         ),
     ),
-)
+)  # fmt: skip

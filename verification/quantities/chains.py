@@ -21,13 +21,13 @@ from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.quantities.quantity import (
-    Axis,
     Computation,
-    NoReferenceError,
     ReferenceCheck,
     StatedValue,
+    axes,
     whole,
 )
+from verification.quantities.scipy_states import compared, last_state
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -35,13 +35,18 @@ OWN_ROWS = ("vdp", "averaged", "chain", "averaged-chain")
 """Smooth models whose runs are held against a right side written a second time."""
 
 _END = 10.0
-_TOLERANCE = 1e-12
 _RANGE = (1e-2, 1e1)
 """Of each real parameter of a chain that says nothing of its range: what it refuses is refused."""
 
 
 def vdp_chain(at: Mapping[str, float]) -> VdpChain:
-    """Return the chain of (8) with b = η a²."""
+    """Return the chain of (8) with b = ηa²; a module adds what its points leave out.
+
+    Examples
+    --------
+    >>> vdp_chain({"a": 4.0, "eps": 0.01, "sites": 7, "eta": 0.03125, "c": 0.6}).b
+    0.5
+    """
     return VdpChain(
         a=at["a"], b=at["eta"] * at["a"] ** 2, c=at["c"], eps=at["eps"], sites=whole(at["sites"])
     )
@@ -72,11 +77,7 @@ def _run_of(kind: type[SmoothChain]) -> Computation:
     return Computation(
         name=f"run-{kind.model}",
         title=f"state of the chain {kind.model} at t = {_END:g} from one excited site",
-        axes=(
-            *(Axis(name=name, low=_RANGE[0], high=_RANGE[1]) for name in names),
-            Axis(name="sites", low=2, high=20, whole=True),
-            Axis(name="tolerance", low=1e-12, high=1e-4),
-        ),
+        axes=axes(**dict.fromkeys(names, _RANGE), sites=(2, 20), tolerance=(1e-12, 1e-4)),
         compute=partial(_run, kind, names),
         check=partial(_check_run, kind, names),
         seconds=60.0,
@@ -105,8 +106,6 @@ def _check_run(
     kind: type[SmoothChain], names: list[str], at: Mapping[str, float], stated: StatedValue
 ) -> ReferenceCheck:
     """Step all sites by scipy, each by the chain's right side in plain Python."""
-    from scipy.integrate import solve_ivp
-
     chain = _chain(kind, names, at)
     right_side, numbers, sites = chain.kernel(), chain.kernel_parameters(), chain.sites
 
@@ -119,18 +118,8 @@ def _check_run(
         return out.T.ravel()
 
     def last(tolerance: float) -> FloatArray:
-        run = solve_ivp(
-            rate, (0.0, _END * chain.kernel_rate), stated.extra.ravel(), method="DOP853",
-            rtol=tolerance, atol=tolerance * float(np.abs(stated.extra).max()),
-        )  # fmt: skip
-        if not run.success:
-            raise NoReferenceError(run.message)
-        state: FloatArray = run.y[:, -1].reshape(2, sites)
-        return state
+        atol = tolerance * float(np.abs(stated.extra).max())
+        end, start = _END * chain.kernel_rate, stated.extra.ravel()
+        return last_state(rate, end, start, rtol=tolerance, atol=atol).reshape(2, sites)
 
-    found = last(_TOLERANCE)
-    return ReferenceCheck(
-        distance=float(np.abs(found - stated.value).max()),
-        uncertainty=float(np.abs(found - last(30.0 * _TOLERANCE)).max()),
-        method="scipy's DOP853 on the chain's own right side",
-    )
+    return compared(stated.value, last, "scipy's DOP853 on the chain's own right side")

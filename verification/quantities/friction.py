@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -18,14 +20,18 @@ from theory.chains.friction import FrictionChain
 from theory.parameters import RunError
 from verification.quantities.chains import friction_cell, friction_chain
 from verification.quantities.quantity import (
-    Axis,
     Computation,
     NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
+    axes,
 )
-from verification.quantities.runs import REST, on_growing_part
+from verification.quantities.runs import REST
+from verification.quantities.scipy_states import at_all_sites, moving_sites
+
+if TYPE_CHECKING:
+    from verification.references.friction_events import EventRun
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,6 +45,8 @@ _ROUNDED, _DECIDED = 4e-15, 1e-3
 
 _LONGEST = 400.0
 """τ that the slow reference follows."""
+
+_BY = "scipy's DOP853 with events"
 
 
 def stable_cycle(at: Mapping[str, float]) -> StatedValue:
@@ -54,7 +62,7 @@ def stable_cycle(at: Mapping[str, float]) -> StatedValue:
 
 def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Let the belt carry the cell to its release, and locate every event on scipy's DOP853."""
-    from verification.references.friction_events import BEGINS, ENDS, run_events
+    from verification.references.friction_events import BEGINS, ENDS
 
     cell = friction_cell(at)
     period = float(stated.value[0])
@@ -64,29 +72,28 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
     # From the middle of the stick phase; where there is none, from shortly before its end.
     carried = 0.5 * float(stated.value[1]) or min(0.01, cell.mu_st / cell.v_d)
     start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
-    try:
-        with np.errstate(all="ignore"):  # scipy tries steps that overflow
-            run = run_events(
-                FrictionChain.of(cell, c=0.0, sites=1), start, end, times=np.array([end])
-            )
-    except ArithmeticError as error:
-        raise NoReferenceError(str(error)) from None
-    ends, begins = (run.log[run.log[:, 2] == kind, 0] for kind in (ENDS, BEGINS))
+    log = _events(FrictionChain.of(cell, c=0.0, sites=1), start, end).log
+    ends, begins = (log[log[:, 2] == kind, 0] for kind in (ENDS, BEGINS))
     if not period:
-        return ReferenceCheck(
-            distance=float(begins.size), uncertainty=0.5, method="scipy's DOP853 with events"
-        )
+        return ReferenceCheck(distance=float(begins.size), uncertainty=0.5, method=_BY)
     if ends.size < 2 or begins.size < 1:
-        return ReferenceCheck(
-            distance=period, uncertainty=1e-9, method="scipy's DOP853 with events"
-        )
+        return ReferenceCheck(distance=period, uncertainty=1e-9, method=_BY)
     last = ends[-1]
     true = np.array([last - ends[-2], last - begins[begins < last][-1]])
-    return ReferenceCheck(
-        distance=float(np.abs(true - stated.value).max()),
-        uncertainty=1e-9,
-        method="scipy's DOP853 with events",
-    )
+    distance = float(np.abs(true - stated.value).max())
+    return ReferenceCheck(distance=distance, uncertainty=1e-9, method=_BY)
+
+
+def _events(
+    chain: FrictionChain, start: FloatArray, end: float, tolerance: float = 1e-13
+) -> EventRun:
+    from verification.references.friction_events import run_events
+
+    try:
+        with np.errstate(all="ignore"):  # scipy tries steps that overflow
+            return run_events(chain, start, end, times=np.array([end]), tolerance=tolerance)
+    except ArithmeticError as error:
+        raise NoReferenceError(str(error)) from None
 
 
 def friction_state(at: Mapping[str, float]) -> StatedValue:
@@ -108,41 +115,27 @@ def friction_state(at: Mapping[str, float]) -> StatedValue:
 
 def friction_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Locate every event on scipy's DOP853."""
-    from verification.references.friction_events import run_events
-
     chain, rest = friction_chain(at), friction_chain(at).cell.steady_sliding
     if at["v0"] < 1e-3 or at["v_d"] < 1e-2:
         raise NoReferenceError("too many steps for scipy")
 
-    def last(part_sites: int, tolerance: float, start: FloatArray) -> FloatArray:
-        part = replace(chain, sites=part_sites)
-        try:
-            with np.errstate(all="ignore"):  # scipy tries steps that overflow
-                run = run_events(
-                    part, start[:, :part_sites], _TAU, times=np.array([_TAU]), tolerance=tolerance
-                )
-        except ArithmeticError as error:
-            raise NoReferenceError(str(error)) from None
-        answer: FloatArray = run.y[-1]
-        return answer
+    @cache
+    def last(part: int) -> FloatArray:
+        run = _events(replace(chain, sites=part), stated.extra[:, :part], _TAU)
+        return np.asarray(run.y[-1])
 
-    part_sites, answer = on_growing_part(
-        lambda part_sites: last(part_sites, 1e-13, stated.extra),
-        lambda answer: bool(abs(answer[-1] - rest) <= REST * (at["displacement"] + rest)),
-        chain.sites,
-        _FIRST_PART,
-        _MAX_PART,
-    )
-    distance = float(np.abs(stated.value[:part_sites] - answer).max())
-    distance = max(distance, float(np.abs(stated.value[part_sites:] - rest).max(initial=0.0)))
-    nearby = stated.extra.copy()
+    def at_rest(part: int) -> bool:
+        return bool(abs(last(part)[-1] - rest) <= REST * (at["displacement"] + rest))
+
+    part = moving_sites(at_rest, chain.sites, _FIRST_PART, _MAX_PART)
+    nearby = stated.extra[:, :part].copy()
     nearby[0] *= 1.0 + _ROUNDED
-    uncertainty = float(np.abs(answer - last(part_sites, 1e-12, nearby)).max())
-    if uncertainty > _DECIDED * float(np.abs(answer).max()):
+    changed = _events(replace(chain, sites=part), nearby, _TAU, 1e-12).y[-1]
+    uncertainty = float(np.abs(last(part) - changed).max())
+    if uncertainty > _DECIDED * float(np.abs(last(part)).max()):
         raise NoReferenceError("rounding of the start decides what the reference finds")
-    return ReferenceCheck(
-        distance=distance, uncertainty=uncertainty + 1e-12, method="scipy's DOP853 with events"
-    )
+    distance = float(np.abs(stated.value - at_all_sites(last(part), chain.sites, rest)).max())
+    return ReferenceCheck(distance=distance, uncertainty=uncertainty + 1e-12, method=_BY)
 
 
 _SHORT = 10.0
@@ -170,79 +163,45 @@ def _root_energy(c: float, y: npt.NDArray[np.float64], velocity: npt.NDArray[np.
 
 def within_the_work_of_friction(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Compare with √(2E) of the start and the most that friction can add."""
-    most = (
-        _root_energy(at["c"], *stated.extra) + 2.0 * at["mu_st"] * math.sqrt(at["sites"]) * _SHORT
-    )
-    return ReferenceCheck(
-        distance=max(0.0, float(stated.value) - most),
-        uncertainty=1e-9 * most,
-        method="the work of friction",
-    )
+    added = 2.0 * at["mu_st"] * math.sqrt(at["sites"]) * _SHORT
+    most = _root_energy(at["c"], *stated.extra) + added
+    beyond = max(0.0, float(stated.value) - most)
+    return ReferenceCheck(distance=beyond, uncertainty=1e-9 * most, method="the work of friction")
 
 
 QUANTITIES = (
     Quantity(
-        name="friction",
-        title="trajectory of the friction chain (5)",
-        equation="(5), (6)",
-        problems="friction",
+        name="friction", title="trajectory of the friction chain (5)", equation="(5), (6)",
+        problems="friction", accuracy=1e-9, default="event-exact", useful=(1e-8, 0.1),
         reference="scipy's DOP853 with located events, at 1e-13, beside ours at 1e-13",
-        accuracy=1e-9,
-        default="event-exact",
-        useful=(1e-8, 0.1),
         computations=(
             Computation(
                 name="run-friction",
                 title="state of the friction chain (5) at tau = 40 from one displaced site",
-                axes=(
-                    Axis(name="c", low=1e-8, high=1e1),
-                    Axis(name="v_d", low=1e-2, high=1e1),
-                    Axis(name="v0", low=1e-3, high=1e1),
-                    Axis(name="xi", low=1e-6, high=1.0),
-                    Axis(name="mu_st", low=0.51, high=1e1),
-                    Axis(name="sites", low=1, high=1e4, whole=True),
-                    Axis(name="displacement", low=1e-8, high=1e1),
+                axes=axes(
+                    c=(1e-8, 1e1), v_d=(1e-2, 1e1), v0=(1e-3, 1e1), xi=(1e-6, 1.0),
+                    mu_st=(0.51, 1e1), sites=(1, 10_000), displacement=(1e-8, 1e1),
                 ),
-                compute=friction_state,
-                check=friction_by_scipy,
-                seconds=60.0,
-                share=0.3,
+                compute=friction_state, check=friction_by_scipy, seconds=60.0, share=0.3,
                 limits="faster belts, thinner friction curves and stronger springs take minutes, "
                 "with as many events",
             ),
             Computation(
                 name="cycle-friction",
                 title="period and stick time of the stick-slip cycle of a friction cell",
-                axes=(
-                    Axis(name="v_d", low=1e-8, high=1e8),
-                    Axis(name="v0", low=1e-6, high=1e6),
-                    Axis(name="xi", low=1e-6, high=1.0),
-                    Axis(name="mu_st", low=0.51, high=1e3),
-                ),
-                compute=stable_cycle,
-                check=cycle_by_scipy,
-                seconds=10.0,
-                share=0.5,
+                axes=axes(v_d=(1e-8, 1e8), v0=(1e-6, 1e6), xi=(1e-6, 1.0), mu_st=(0.51, 1e3)),
+                compute=stable_cycle, check=cycle_by_scipy, seconds=10.0, share=0.5,
             ),
             Computation(
                 name="switch-friction",
                 title="energy of the switch model of (5) at tau = 10, for any stick band and step",
-                axes=(
-                    Axis(name="band", low=1e-12, high=0.5),
-                    Axis(name="step", low=1e-4, high=1.0),
-                    Axis(name="c", low=1e-8, high=1e8),
-                    Axis(name="v_d", low=1e-8, high=1e8),
-                    Axis(name="v0", low=1e-8, high=1e8),
-                    Axis(name="xi", low=1e-6, high=1.0),
-                    Axis(name="mu_st", low=0.51, high=1e3),
-                    Axis(name="sites", low=1, high=100, whole=True),
-                    Axis(name="displacement", low=1e-8, high=1e3),
+                axes=axes(
+                    band=(1e-12, 0.5), step=(1e-4, 1.0), c=(1e-8, 1e8), v_d=(1e-8, 1e8),
+                    v0=(1e-8, 1e8), xi=(1e-6, 1.0), mu_st=(0.51, 1e3), sites=(1, 100),
+                    displacement=(1e-8, 1e3),
                 ),
-                compute=switch_energy,
-                check=within_the_work_of_friction,
-                seconds=30.0,
-                share=0.5,
+                compute=switch_energy, check=within_the_work_of_friction, seconds=30.0, share=0.5,
             ),
         ),
     ),
-)
+)  # fmt: skip

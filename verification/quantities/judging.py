@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-import signal
-import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from types import FrameType
 
 import numpy as np
 
 from theory.parameters import ParameterError, RunError
 from theory.piecewise.sums.result import PrecisionError
 from verification.execution.table import Point, Scalar
+from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.quantity import (
     Computation,
     NoReferenceError,
@@ -29,7 +26,7 @@ SLACK = 5.0
 """A value is given up after so many times its limit."""
 
 CHECK_SECONDS = 15.0
-"""A reference is given up after so long."""
+"""A reference is given up after so long, of the processor."""
 
 
 class Outcome(StrEnum):
@@ -54,10 +51,6 @@ class Outcome(StrEnum):
 
 BAD = (Outcome.EXCEEDED, Outcome.NAN, Outcome.CRASH, Outcome.SLOW)
 """Of these there must be none."""
-
-
-class TimeIsUpError(Exception):
-    """A computation that took longer than it was given."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +87,7 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
         return time.process_time() - begin
 
     try:
-        with limited(SLACK * computation.seconds):
+        with time_limit(SLACK * computation.seconds, of_processor=True):
             stated = computation.compute(values)
     except TimeIsUpError:
         return _row(Outcome.SLOW, "given up", seconds=spent())
@@ -111,10 +104,10 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
     if seconds > computation.seconds:
         return _row(Outcome.SLOW, f"limit {computation.seconds:g} s", stated, seconds=seconds)
     try:
-        with limited(CHECK_SECONDS):
+        with time_limit(CHECK_SECONDS, of_processor=True):
             check = computation.check(values, stated)
     except (NoReferenceError, ParameterError, PrecisionError, TimeIsUpError) as error:
-        return _row(Outcome.UNCHECKED, str(error) or "reference too slow", stated, seconds=seconds)
+        return _row(Outcome.UNCHECKED, str(error), stated, seconds=seconds)
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"
         return _row(Outcome.CRASH, said, stated, seconds=seconds)
@@ -132,26 +125,6 @@ def is_clear(message: str) -> bool:
     (True, False)
     """
     return 20 < len(message) < 300 and message.endswith(".") and "\n" not in message
-
-
-@contextmanager
-def limited(seconds: float) -> Iterator[None]:
-    """Raise `TimeIsUpError` after so long; only in the main thread of a system with alarms."""
-    here = threading.current_thread() is threading.main_thread()
-    if not here or not hasattr(signal, "setitimer"):
-        yield
-        return
-
-    def ring(_: int, __: FrameType | None) -> None:
-        raise TimeIsUpError("the reference takes too long")
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def _finite(stated: StatedValue) -> bool:

@@ -26,11 +26,12 @@ from verification.quantities.quantity import (
     Quantity,
     ReferenceCheck,
     StatedValue,
+    axes,
 )
 from verification.quantities.sums import reference_sum
 from verification.references.piecewise import static_sum, threshold_ratio
 
-C = Axis(name="c", low=1e-8, high=1e8)
+(C,) = axes(c=(1e-8, 1e8))
 ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END, ETA_PIN_END))
 EPS = float(np.finfo(float).eps)
 _DIGITS = 40
@@ -90,17 +91,14 @@ def _changes_of_sign(at: Mapping[str, float]) -> int:
 
 
 def _closed(
-    value: Callable[[float], float | None], name: str, condition: Callable[[float, float], float]
+    value: Callable[[float], float | None], name: str, condition: Callable[[float], float]
 ) -> Callable[[Mapping[str, float]], StatedValue]:
-    """Return a closed form as a stated: right to rounding, of its argument as well."""
+    """Return how a closed form is stated: right to rounding, of its argument as well."""
 
     def compute(at: Mapping[str, float]) -> StatedValue:
         found = value(at[name])
-        if found is None:
-            return StatedValue(value=None, error=0.0)
-        return StatedValue(
-            value=found, error=16.0 * EPS * found * (1.0 + condition(at[name], found))
-        )
+        error = 16.0 * EPS * found * (1.0 + condition(at[name])) if found else 0.0
+        return StatedValue(value=found, error=error)
 
     return compute
 
@@ -111,16 +109,14 @@ def _by_newton(
     """Return a check: Newton's step of a defining equation, in many digits, from the stated."""
 
     def check(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-        if (stated.value is not None) != exists(at[name]):
-            return ReferenceCheck(distance=math.inf, method="whether it exists")
-        if stated.value is None:
-            return ReferenceCheck(distance=0.0, method="whether it exists")
+        if stated.value is None or not exists(at[name]):
+            return ReferenceCheck.exact(
+                (stated.value is not None) == exists(at[name]), "whether it exists"
+            )
         with mp.workdps(100):
             x, given = mp.mpf(stated.value), mp.mpf(at[name])
             if x == 0:
-                return ReferenceCheck(
-                    distance=0.0 if defect(x, given) == 0 else math.inf, method="zero put in"
-                )
+                return ReferenceCheck.exact(defect(x, given) == 0, "zero put in")
             h = x * mp.mpf(10) ** -40
             here = defect(x, given)
             slope = (defect(x + h, given) - defect(x - h, given)) / (2 * h)
@@ -146,43 +142,35 @@ def _static_eta(eta: Any, c: Any) -> Any:
     return _pinned(c, eta)
 
 
-def _near_pin_end(eta: float, _: float) -> float:
-    return eta / abs(ETA_PIN_END - eta) + _near_end(eta, 0.0)
-
-
-def _near_end(eta: float, _: float) -> float:
-    """|d ln r/d ln η| = 1/(2s), s = √(1 - 8η)."""
-    return 1.0 / math.sqrt(max(1.0 - 8.0 * eta, EPS))
+def _near_pin_end(eta: float) -> float:
+    """Beside |d ln r/d ln η| = 1/(2s), s = √(1 - 8η), what the end of pinning adds."""
+    return eta / abs(ETA_PIN_END - eta) + 1.0 / math.sqrt(max(1.0 - 8.0 * eta, EPS))
 
 
 def _fold(at: Mapping[str, float]) -> StatedValue:
     found = fold_coupling(at["eta"])
-    if found is None:
-        return StatedValue(value=None, error=0.0)
-    return StatedValue(value=found.value, error=found.error, extra=found.velocity)
+    return StatedValue.of(found, None if found is None else found.value)
 
 
 def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Hold the height of |Σ| near the fold's velocity against 2r on both sides of c_fold."""
     eta, below_end = at["eta"], at["eta"] < ETA_PIN_END
     if stated.value is None or not below_end:
-        return ReferenceCheck(
-            distance=0.0 if (stated.value is None) != below_end else math.inf, method="existence"
-        )
-    if stated.extra == 0.0:  # at pinning itself
+        return ReferenceCheck.exact((stated.value is None) != below_end, "existence")
+    if stated.extra.velocity == 0.0:  # at pinning itself
         with mp.workdps(60):
             h = mp.mpf(stated.value) * mp.mpf(10) ** -25
             slope = (_pinned(stated.value + h, eta) - _pinned(stated.value - h, eta)) / (2 * h)
-            rounding = 16.0 * EPS * stated.value * (1.0 + _near_pin_end(eta, 0.0))
+            rounding = 16.0 * EPS * stated.value * (1.0 + _near_pin_end(eta))
             off = float(abs(_pinned(mp.mpf(stated.value), eta) / slope))
         return ReferenceCheck(distance=off, uncertainty=rounding, method="Newton in 60 digits")
-    return _check_height(stated.value, stated.extra, eta, stated.error, 0.0)
+    return _check_height(stated.value, stated.extra.velocity, eta, stated.error, 0.0)
 
 
 def _check_height(
     c: float, v: float, eta: float, c_error: float, eta_error: float
 ) -> ReferenceCheck:
-    """ReferenceCheck that the local maximum of |Σ| over v passes 2r within the stated error."""
+    """Check that the local maximum of |Σ| over v passes 2r within the stated error."""
 
     def excess(v_: float, side: int) -> float:
         at = {"c": c + side * c_error, "eta": eta - side * eta_error}
@@ -191,109 +179,72 @@ def _check_height(
     above = excess(v, 1)
     beside = [excess(v * (1.0 + t), -1) for t in (-1e-7, 0.0, 1e-7)]
     held = above >= 0 and all(value <= 0 for value in beside)
-    return ReferenceCheck(
-        distance=0.0 if held else math.inf, method="height of the maximum in many digits"
-    )
+    return ReferenceCheck.exact(held, "height of the maximum in many digits")
 
 
 def _eta_fold(at: Mapping[str, float]) -> StatedValue:
     found = fold_eta(at["c"])
-    return StatedValue(value=found.value, error=found.error, extra=found.velocity)
+    return StatedValue.of(found, found.value)
 
 
 def _check_eta_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    if stated.extra == 0.0:
+    if stated.extra.velocity == 0.0:
         return _by_newton(_static_eta, lambda _: True, "c")(at, stated)
-    return _check_height(at["c"], stated.extra, stated.value, 0.0, stated.error)
+    return _check_height(at["c"], stated.extra.velocity, stated.value, 0.0, stated.error)
 
+
+_OF_ETA: Mapping[str, Any] = {"axes": (ETA,), "problems": "relation"}
 
 QUANTITIES = (
     Quantity(
-        name="velocity",
-        title="front velocity of Eq. (54)",
-        equation="(54)",
-        problems="relation",
+        name="velocity", title="front velocity of Eq. (54)", equation="(54)",
+        problems="relation", accuracy=1e-27, default="kinetic relation", useful=(1e-12, 1e-2),
         reference="secants of mpmath over the series and over the integral, 30 digits each",
-        accuracy=1e-27,
-        default="kinetic relation",
-        useful=(1e-12, 1e-2),
         computations=(
             Computation(
-                name="kinetic",
-                title="every velocity of (54), none missed",
-                axes=(C, ETA),
-                compute=_velocities,
-                check=_check_velocities,
-                seconds=20.0,
-                share=0.3,
-                problems="relation",
+                name="kinetic", title="every velocity of (54), none missed", axes=(C, ETA),
+                compute=_velocities, check=_check_velocities,
+                seconds=20.0, share=0.3, problems="relation",
             ),
         ),
     ),
     Quantity(
-        name="limits",
-        title="couplings and η at which fronts begin, are pinned, retreat",
-        equation="(54)",
-        problems="relation",
+        name="limits", title="couplings and η at which fronts begin, are pinned, retreat",
+        equation="(54)", problems="relation", accuracy=1e-15, default="closed form or fold",
         reference="Newton's step of the defining equation in 100 digits",
-        accuracy=1e-15,
-        default="closed form or fold",
         computations=(
             Computation(
-                name="c-pin",
-                title="the coupling up to which static fronts exist",
-                axes=(ETA,),
+                name="c-pin", title="the coupling up to which static fronts exist",
                 compute=_closed(pinning_coupling, "eta", _near_pin_end),
                 check=_by_newton(_pinned, lambda eta: eta < ETA_PIN_END, "eta"),
-                seconds=0.01,
-                problems="relation",
+                seconds=0.01, **_OF_ETA,
             ),
             Computation(
-                name="c-retreat",
-                title="the coupling above which the excited state retreats",
-                axes=(ETA,),
+                name="c-retreat", title="the coupling above which the excited state retreats",
                 compute=_closed(retreat_coupling, "eta", _near_pin_end),
                 check=_by_newton(_retreats, lambda eta: eta > ETA_PIN_END, "eta"),
-                seconds=0.01,
-                problems="relation",
+                seconds=0.01, **_OF_ETA,
             ),
             Computation(
-                name="strong-coupling-velocity",
-                title="V of v = V sqrt(c) as c grows",
-                axes=(ETA,),
+                name="strong-coupling-velocity", title="V of v = V sqrt(c) as c grows",
                 compute=_closed(strong_coupling_velocity, "eta", _near_pin_end),
                 check=_by_newton(_strong, lambda eta: eta < ETA_PIN_END, "eta"),
-                seconds=0.05,
-                problems="relation",
+                seconds=0.05, **_OF_ETA,
             ),
             Computation(
-                name="eta-pin",
-                title="the eta above which static fronts exist",
-                axes=(Axis(name="c", low=1e-8, high=1e8),),
-                compute=_closed(pinning_eta, "c", lambda *_: 0.0),
-                check=_by_newton(_static_eta, lambda _: True, "c"),
-                seconds=0.01,
+                name="eta-pin", title="the eta above which static fronts exist", axes=(C,),
+                compute=_closed(pinning_eta, "c", lambda _: 0.0),
+                check=_by_newton(_static_eta, lambda _: True, "c"), seconds=0.01,
             ),
             Computation(
-                name="c-fold",
-                title="the coupling at which moving fronts begin",
-                axes=(ETA,),
-                compute=_fold,
-                check=_check_fold,
-                seconds=1.0,
-                share=0.6,
-                problems="relation",
+                name="c-fold", title="the coupling at which moving fronts begin",
+                compute=_fold, check=_check_fold, seconds=1.0, share=0.6, **_OF_ETA,
             ),
             Computation(
-                name="eta-fold",
-                title="the eta at which moving fronts end",
-                axes=(C,),
-                compute=_eta_fold,
-                check=_check_eta_fold,
-                seconds=1.0,
-                share=0.6,
+                name="eta-fold", title="the eta at which moving fronts end", axes=(C,),
+                compute=_eta_fold, check=_check_eta_fold, seconds=1.0, share=0.6,
                 problems="relation",
             ),
         ),
     ),
-)
+)  # fmt: skip

@@ -12,21 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.oscillator import OscillatorChain
-from verification.quantities.quantity import (
-    Axis,
-    Computation,
-    NoReferenceError,
-    ReferenceCheck,
-    StatedValue,
-    whole,
-)
+from verification.quantities.quantity import Computation, ReferenceCheck, StatedValue, axes, whole
+from verification.quantities.scipy_states import compared, last_state
 from verification.references.equations import pull_matrix
-from verification.references.network import oscillator_rate, states_by_scipy
+from verification.references.network import oscillator_rate
 
 FloatArray = npt.NDArray[np.float64]
 
 _END = 30.0
-_REFERENCE = 1e-12
 
 
 def own_chain(at: Mapping[str, float]) -> OscillatorChain:
@@ -77,42 +70,20 @@ def own_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck
     size = at["displacement"]
 
     def last(tolerance: float) -> FloatArray:
-        # In units of the displacement, so that the absolute tolerance fits small motion.
-        try:
-            found = states_by_scipy(
-                lambda t, x: rate(t, size * x) / size, stated.extra.ravel() / size,
-                np.array([0.0, _END]), tolerance,
-            )  # fmt: skip
-        except ArithmeticError as error:
-            raise NoReferenceError(str(error)) from None
-        state: FloatArray = size * found[-1].reshape(2, sites)
-        return state
+        # The absolute tolerance fits small motion.
+        start, atol = stated.extra.ravel(), 1e-2 * tolerance * size
+        return last_state(rate, _END, start, rtol=tolerance, atol=atol).reshape(2, sites)
 
-    found = last(_REFERENCE)
-    return ReferenceCheck(
-        distance=float(np.abs(found - stated.value).max()),
-        uncertainty=float(np.abs(found - last(30.0 * _REFERENCE)).max()) + 1e-14 * size,
-        method="scipy's DOP853",
-    )
+    return compared(stated.value, last, "scipy's DOP853", 1e-14 * size)
 
 
 RUN_OF_OWN_CHAIN = Computation(
     name="run-chain",
     title="state of a chain of one's own at t = 30 from one displaced site",
-    axes=(
-        Axis(name="k", low=1e-6, high=1.0),
-        Axis(name="far", low=1e-3, high=1.0),
-        Axis(name="d", low=1e-6, high=1.0),
-        Axis(name="spread", low=1e-6, high=0.3),
-        Axis(name="c", low=1e-8, high=10.0),
-        Axis(name="eps", low=1e-6, high=1.0),
-        Axis(name="sites", low=5, high=60, whole=True),
-        Axis(name="displacement", low=1e-6, high=3.0),
-        Axis(name="tolerance", low=1e-12, high=1e-4),
+    axes=axes(
+        k=(1e-6, 1.0), far=(1e-3, 1.0), d=(1e-6, 1.0), spread=(1e-6, 0.3), c=(1e-8, 10.0),
+        eps=(1e-6, 1.0), sites=(5, 60), displacement=(1e-6, 3.0), tolerance=(1e-12, 1e-4),
     ),
-    compute=own_run,
-    check=own_by_scipy,
-    seconds=60.0,
-    share=0.3,
+    compute=own_run, check=own_by_scipy, seconds=60.0, share=0.3,
     limits="one polynomial stands for all; stronger damping takes scipy minutes",
-)
+)  # fmt: skip

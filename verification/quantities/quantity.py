@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
@@ -166,6 +166,12 @@ class StatedValue:
     note: str = ""
     extra: Any = None
 
+    @classmethod
+    def of(cls, found: Any, value: Any, note: str = "") -> Self:
+        """Return a value of a result, None where it has none, with the error of the result."""
+        error = 0.0 if value is None else found.error
+        return cls(value=value, error=error, note=note, extra=found)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceCheck:
@@ -184,6 +190,11 @@ class ReferenceCheck:
     distance: float
     uncertainty: float = 0.0
     method: str
+
+    @classmethod
+    def exact(cls, held: bool, method: str) -> Self:
+        """Return what a method says that knows only right and wrong."""
+        return cls(distance=0.0 if held else math.inf, method=method)
 
 
 class NoReferenceError(ArithmeticError):
@@ -263,6 +274,23 @@ class Computation:
         [False, True, False, True, True]
         """
         return index % 2 == 1 or index // 2 >= len(self.fixed_points)
+
+
+def axes(**ranges: tuple[float, float]) -> tuple[Axis, ...]:
+    """Return an axis for each range; one whose ends are written as whole numbers has no others.
+
+    Examples
+    --------
+    >>> [(axis.name, axis.whole) for axis in axes(c=(1e-8, 10.0), sites=(2, 10_000))]
+    [('c', False), ('sites', True)]
+    """
+    return tuple(
+        Axis(
+            name=name, low=float(low), high=float(high),
+            whole=isinstance(low, int) and isinstance(high, int),
+        )
+        for name, (low, high) in ranges.items()
+    )  # fmt: skip
 
 
 def whole(number: float) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
+from typing import TypeVar
 
 from theory.parameters import ParameterError
 from verification.execution.discovery import check_distinct, exposed
@@ -11,6 +12,8 @@ from verification.quantities.chains import computations_of_chains
 from verification.quantities.quantity import Computation, Quantity
 
 PACKAGE = "verification.quantities"
+
+_Named = TypeVar("_Named", Quantity, Computation)
 
 
 @functools.cache
@@ -32,21 +35,6 @@ def all_quantities() -> tuple[Quantity, ...]:
     return found
 
 
-def quantity_named(name: str) -> Quantity:
-    """Return the quantity of that name.
-
-    Raises
-    ------
-    ParameterError
-        If there is none.
-    """
-    for quantity in all_quantities():
-        if quantity.name == name:
-            return quantity
-    known = ", ".join(quantity.name for quantity in all_quantities())
-    raise ParameterError("quantity", name, f"one of {known}", "name one of these")
-
-
 def all_computations() -> tuple[Computation, ...]:
     """Return the rows of the stability table, those of chains registered since among them.
 
@@ -66,18 +54,21 @@ def all_computations() -> tuple[Computation, ...]:
     return found
 
 
-def computation_named(name: str) -> Computation:
-    """Return the computation of that name.
+def quantity_named(name: str) -> Quantity:
+    """Return the quantity of that name; raise `ParameterError` when there is none."""
+    return _named(all_quantities(), name)
 
-    Raises
-    ------
-    ParameterError
-        If there is none.
-    """
-    for computation in all_computations():
-        if computation.name == name:
-            return computation
-    known = ", ".join(computation.name for computation in all_computations())
+
+def computation_named(name: str) -> Computation:
+    """Return the computation of that name; raise `ParameterError` when there is none."""
+    return _named(all_computations(), name)
+
+
+def _named(registered: Sequence[_Named], name: str) -> _Named:
+    for each in registered:
+        if each.name == name:
+            return each
+    known = ", ".join(each.name for each in registered)
     raise ParameterError("quantity", name, f"one of {known}", "name one of these")
 
 

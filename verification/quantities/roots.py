@@ -13,16 +13,15 @@ from theory.piecewise.profile import FrontProfile, front_profile
 from theory.piecewise.root_count import count_in_strips
 from theory.piecewise.roots import labelled_roots
 from verification.quantities.quantity import (
-    Axis,
     Computation,
     NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
+    axes,
 )
 from verification.references.piecewise import dispersion, dispersion_slope
 
-V, C = Axis(name="v", low=1e-8, high=1e8), Axis(name="c", low=1e-8, high=1e8)
 _TERMS = 400
 
 
@@ -98,56 +97,30 @@ def _check_profile(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
 
 QUANTITIES = (
     Quantity(
-        name="roots",
-        title="41 roots of Eq. (50), none left out",
-        equation="(50)",
-        problems="sum",
+        name="roots", title="41 roots of Eq. (50), none left out", equation="(50)",
+        problems="sum", accuracy=1e-35, default="labelled roots", useful=(1e-12, 1e-2),
         reference="secants of mpmath at 40 digits; their number from the winding of L",
-        accuracy=1e-35,
-        default="labelled roots",
-        useful=(1e-12, 1e-2),
         computations=(
             Computation(
-                name="roots",
-                title="labelled roots of (50), five strips in a row",
-                axes=(
-                    V,
-                    C,
-                    Axis(name="label", low=1, high=1e6, whole=True),
-                    Axis(name="side", low=1, high=4, whole=True),
-                ),
-                compute=_roots,
-                check=_check_roots,
-                seconds=0.1,
-                share=2.0,
-                problems="sum",
+                name="roots", title="labelled roots of (50), five strips in a row",
+                axes=axes(v=(1e-8, 1e8), c=(1e-8, 1e8), label=(1, 1_000_000), side=(1, 4)),
+                compute=_roots, check=_check_roots, seconds=0.1, share=2.0, problems="sum",
             ),
         ),
     ),
     Quantity(
-        name="profile",
-        title="shape of the front",
-        equation="(49)",
-        problems="sum",
+        name="profile", title="shape of the front", equation="(49)",
+        problems="sum", accuracy=1e-9, default="periodised integral",
         reference="the printed series (49), summed root by root",
-        accuracy=1e-9,
-        default="periodised integral",
         computations=(
             Computation(
-                name="profile",
-                title="the shape (49) of the front",
-                axes=(
-                    V,
-                    C,
-                    Axis(name="distance", low=1e-3, high=1e4),
-                    Axis(name="tolerance", low=1e-14, high=0.1),
-                    Axis(name="side", low=1, high=3, whole=True),
+                name="profile", title="the shape (49) of the front",
+                axes=axes(
+                    v=(1e-8, 1e8), c=(1e-8, 1e8), distance=(1e-3, 1e4), tolerance=(1e-14, 0.1),
+                    side=(1, 3),
                 ),
-                compute=_profile,
-                check=_check_profile,
-                seconds=10.0,
-                problems="sum",
+                compute=_profile, check=_check_profile, seconds=10.0, problems="sum",
             ),
         ),
     ),
-)
+)  # fmt: skip

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,14 @@ from verification.quantities.quantity import (
     Quantity,
     ReferenceCheck,
     StatedValue,
+    axes,
+)
+from verification.quantities.scipy_states import (
+    TOLERANCE,
+    at_all_sites,
+    compared,
+    last_state,
+    moving_sites,
 )
 from verification.references.equations import (
     as_complex,
@@ -31,10 +40,8 @@ from verification.references.equations import (
 )
 
 ComplexArray = npt.NDArray[np.complex128]
-FloatArray = npt.NDArray[np.float64]
 
 _END = 30.0
-_REFERENCE = 1e-12
 _FIRST_PART, _MAX_PART = 30, 400
 """Sites that a slow reference follows at first, and at most: those that move."""
 
@@ -46,6 +53,7 @@ _ROUNDING = 1e-14
 
 
 def _run(at: Mapping[str, float], full: bool) -> StatedValue:
+    """Return the state of (8) at t = 30, or of (43) at T = 30, from one displaced site."""
     from verification.runs.excite import as_psi, excite
     from verification.runs.simulate import simulate
 
@@ -61,20 +69,8 @@ def _run(at: Mapping[str, float], full: bool) -> StatedValue:
     return StatedValue(value=run.psi[-1], error=run.error, extra=as_psi(start))
 
 
-def full_run(at: Mapping[str, float]) -> StatedValue:
-    """State of (8) at t = 30 from one displaced site."""
-    return _run(at, True)
-
-
-def averaged_run(at: Mapping[str, float]) -> StatedValue:
-    """State of (43) at T = 30 from one displaced site."""
-    return _run(at, False)
-
-
-def full_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+def _full_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """(8) by Radau where the damping is stiff, else by DOP853."""
-    from scipy.integrate import solve_ivp
-
     square = at["displacement"] ** 2
     chain = vdp_chain(at)
     rate = chain.eps * max(1.0, chain.a * square, chain.b * square**2, chain.c)
@@ -83,97 +79,59 @@ def full_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChec
         raise NoReferenceError("too stiff for scipy")
 
     def last(part_sites: int, tolerance: float) -> ComplexArray:
-        part, start = replace(chain, sites=part_sites), stated.extra[:part_sites]
-        state = as_state(start)
-        options: Any = {"jac": full_jacobian(part)} if stiff else {}
-        run = solve_ivp(
-            full_rate(part),
-            (0.0, _END),
-            state,
-            method="Radau" if stiff else "DOP853",
-            rtol=tolerance,
-            atol=tolerance * max(1e-300, float(np.abs(state).max())),
-            **options,
+        part, state = replace(chain, sites=part_sites), as_state(stated.extra[:part_sites])
+        options: Any = {"method": "Radau", "jac": full_jacobian(part)} if stiff else {}
+        atol = tolerance * max(1e-300, float(np.abs(state).max()))
+        return as_complex(
+            last_state(full_rate(part), _END, state, rtol=tolerance, atol=atol, **options)
         )
-        if not run.success:
-            raise NoReferenceError(run.message)
-        return as_complex(run.y[:, -1])
 
-    return _compared(stated, last, chain.sites, at["displacement"], "scipy")
+    return _where_it_moves(at, stated, last, "scipy")
 
 
-def averaged_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+def _averaged_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """(43) in complex form by DOP853."""
-    from scipy.integrate import solve_ivp
-
     chain = vdp_chain(at)
     square = at["displacement"] ** 2
     if max(chain.a * square, chain.b * square**2, chain.c) > 1e4:
         raise NoReferenceError("too stiff for DOP853")
 
     def last(part_sites: int, tolerance: float) -> ComplexArray:
-        run = solve_ivp(
-            averaged_rate(chain), (0.0, _END), stated.extra[:part_sites], method="DOP853",
-            rtol=tolerance, atol=tolerance * abs(at["displacement"]),
-        )  # fmt: skip
-        if not run.success:
-            raise NoReferenceError(run.message)
-        answer: ComplexArray = run.y[:, -1]
-        return answer
+        start, atol = stated.extra[:part_sites], tolerance * abs(at["displacement"])
+        return last_state(averaged_rate(chain), _END, start, rtol=tolerance, atol=atol)
 
-    return _compared(stated, last, chain.sites, at["displacement"], "scipy's DOP853")
+    return _where_it_moves(at, stated, last, "scipy's DOP853")
 
 
-def on_growing_part(
-    run: Callable[[int], npt.NDArray[Any]],
-    at_rest: Callable[[npt.NDArray[Any]], bool],
-    sites: int,
-    first: int,
-    most: int,
-) -> tuple[int, npt.NDArray[Any]]:
-    """Run a reference on more and more sites until its last ones stay at rest, or on all."""
-    part_sites = min(sites, first)
-    while True:
-        answer = run(part_sites)
-        if part_sites == sites or at_rest(answer):
-            return part_sites, answer
-        if part_sites == most:
-            raise NoReferenceError("motion leaves the part that a slow reference follows")
-        part_sites = min(sites, 2 * part_sites, most)
-
-
-def _compared(
+def _where_it_moves(
+    at: Mapping[str, float],
     stated: StatedValue,
     last: Callable[[int, float], ComplexArray],
-    sites: int,
-    displacement: float,
     by: str,
 ) -> ReferenceCheck:
     """Hold the stated against a reference on so many sites that its last ones stay at rest."""
-    part_sites, answer = on_growing_part(
-        lambda part_sites: last(part_sites, _REFERENCE),
-        lambda answer: float(np.abs(answer[-2:]).max()) <= REST * displacement,
-        sites,
-        _FIRST_PART,
-        _MAX_PART,
-    )
-    distance = float(np.abs(stated.value[:part_sites] - answer).max())
-    distance = max(distance, float(np.abs(stated.value[part_sites:]).max(initial=0.0)))
-    uncertainty = float(np.abs(answer - last(part_sites, 30.0 * _REFERENCE)).max())
-    return ReferenceCheck(
-        distance=distance, uncertainty=uncertainty + _ROUNDING * displacement, method=by
+    size, sites, last = at["displacement"], stated.value.size, cache(last)
+
+    def at_rest(part: int) -> bool:
+        return float(np.abs(last(part, TOLERANCE)[-2:]).max()) <= REST * size
+
+    part = moving_sites(at_rest, sites, _FIRST_PART, _MAX_PART)
+    return compared(
+        stated.value,
+        lambda tolerance: at_all_sites(last(part, tolerance), sites),
+        by,
+        _ROUNDING * size,
     )
 
 
 _VDP = (
-    Axis(name="a", low=1e-2, high=1e2),
+    *axes(a=(1e-2, 1e2)),
     Axis(name="eta", low=1e-12, high=1.0, near=(0.125,)),
-    Axis(name="c", low=1e-8, high=1e2),
-    Axis(name="eps", low=1e-6, high=1.0),
-    Axis(name="sites", low=2, high=1e5, whole=True),
-    Axis(name="displacement", low=1e-8, high=1e3),
-    Axis(name="tolerance", low=1e-12, high=1e-4),
-)
+    *axes(
+        c=(1e-8, 1e2), eps=(1e-6, 1.0), sites=(2, 100_000), displacement=(1e-8, 1e3),
+        tolerance=(1e-12, 1e-4),
+    ),
+)  # fmt: skip
 
 _AVERAGED = tuple(replace(axis, low=1e-6) if axis.name == "eta" else axis for axis in _VDP)
 
@@ -181,37 +139,23 @@ _LIMITS = "stronger couplings of 1e5 sites take minutes; a changes only the unit
 
 QUANTITIES = (
     Quantity(
-        name="chain",
-        title="trajectory of the Van der Pol chain (8)",
-        equation="(8), (43)",
-        problems="chain",
-        reference="scipy's DOP853 at 1e-13, beside our Taylor series at 1e-14",
-        accuracy=1e-9,
-        default="Runge-Kutta 8 (default)",
-        useful=(1e-9, 1e-3),
+        name="chain", title="trajectory of the Van der Pol chain (8)", equation="(8), (43)",
+        problems="chain", reference="scipy's DOP853 at 1e-13, beside our Taylor series at 1e-14",
+        accuracy=1e-9, default="Runge-Kutta 8 (default)", useful=(1e-9, 1e-3),
         computations=(
             RUN_OF_OWN_CHAIN,
             Computation(
-                name="run-vdp",
-                title="state of the chain (8) at t = 30 from one displaced site",
-                axes=_VDP,
-                compute=full_run,
-                check=full_by_scipy,
-                seconds=60.0,
-                share=0.3,
-                limits=_LIMITS,
+                name="run-vdp", title="state of the chain (8) at t = 30 from one displaced site",
+                axes=_VDP, compute=partial(_run, full=True), check=_full_by_scipy,
+                seconds=60.0, share=0.3, limits=_LIMITS,
             ),
             Computation(
                 name="run-envelope",
                 title="state of the averaged chain (43) at T = 30 from one displaced site",
-                axes=_AVERAGED,
-                compute=averaged_run,
-                check=averaged_by_scipy,
-                seconds=60.0,
-                share=0.3,
-                limits=_LIMITS
-                + "; at smaller eta the cycle attracts at a rate of 2/eta, and steps are explicit",
+                axes=_AVERAGED, compute=partial(_run, full=False), check=_averaged_by_scipy,
+                seconds=60.0, share=0.3, limits=f"{_LIMITS}; at smaller eta the cycle attracts "
+                "at a rate of 2/eta, and steps are explicit",
             ),
         ),
     ),
-)
+)  # fmt: skip

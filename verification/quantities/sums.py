@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import mpmath as mp
@@ -16,18 +17,18 @@ from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import KineticSum
 from theory.piecewise.sums.series import sum_by_roots
 from verification.quantities.quantity import (
-    Axis,
     Computation,
     NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
+    axes,
     whole,
 )
 from verification.references.piecewise import static_sum
 
-V, C = Axis(name="v", low=1e-8, high=1e8), Axis(name="c", low=1e-8, high=1e8)
-
+Method = Callable[[float, float, Any], KineticSum]
+"""Of v, c and a tolerance or a number of digits."""
 
 MAX_PERIODS = 1500.0
 """Of c/v, up to which the roots are summed in high precision: about a root a unit of it."""
@@ -83,99 +84,47 @@ def needed_digits(error: float) -> int:
     return max(20, math.ceil(-math.log10(max(error, 1e-300))) + 4)
 
 
-def _stated(found: KineticSum) -> StatedValue:
-    return StatedValue(value=found.value, error=found.error)
+def _sum(by: Method, at: Mapping[str, float]) -> StatedValue:
+    found = by(at["v"], at["c"], whole(at["digits"]) if "digits" in at else at["tolerance"])
+    return StatedValue.of(found, found.value)
 
 
-def _check(without: str) -> Callable[[Mapping[str, float], StatedValue], ReferenceCheck]:
-    def check(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-        digits = needed_digits(stated.error)
-        value, uncertainty, by = reference_sum(at["v"], at["c"], digits, without)
-        return ReferenceCheck(
-            distance=distance(stated.value, value, digits), uncertainty=uncertainty, method=by
-        )
-
-    return check
+def _check(without: str, at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    digits = needed_digits(stated.error)
+    value, uncertainty, by = reference_sum(at["v"], at["c"], digits, without)
+    off = distance(stated.value, value, digits)
+    return ReferenceCheck(distance=off, uncertainty=uncertainty, method=by)
 
 
-def _by_integral(at: Mapping[str, float]) -> StatedValue:
-    return _stated(sum_by_integral(at["v"], at["c"], at["tolerance"]))
-
-
-def _by_series(at: Mapping[str, float]) -> StatedValue:
-    return _stated(sum_by_roots(at["v"], at["c"], whole(at["digits"])))
-
-
-def _by_bessel(at: Mapping[str, float]) -> StatedValue:
-    return _stated(sum_by_bessel(at["v"], at["c"], at["tolerance"]))
-
-
-def _by_quadrature(at: Mapping[str, float]) -> StatedValue:
-    return _stated(sum_by_quadrature(at["v"], at["c"], at["tolerance"]))
-
-
-def _by_precise_integral(at: Mapping[str, float]) -> StatedValue:
-    return _stated(precise_sum_by_integral(at["v"], at["c"], whole(at["digits"])))
+def _row(
+    name: str, title: str, by: Method, without: str = "", *,
+    seconds: float, share: float = 1.0, **accuracy: tuple[float, float],
+) -> Computation:  # fmt: skip
+    """Return the row of one method, a function of v, c and an accuracy."""
+    return Computation(
+        name=f"sigma-{name}", title=f"the sum (53) {title}",
+        axes=axes(v=(1e-8, 1e8), c=(1e-8, 1e8), **accuracy),
+        compute=partial(_sum, by), check=partial(_check, without),
+        seconds=seconds, share=share, problems="sum",
+    )  # fmt: skip
 
 
 QUANTITIES = (
     Quantity(
-        name="sum",
-        title="the sum Σ(v, c) of Eq. (53)",
-        equation="(53)",
-        problems="sum",
+        name="sum", title="the sum Σ(v, c) of Eq. (53)", equation="(53)",
+        problems="sum", accuracy=1e-55, default="integral, in a batch", useful=(1e-12, 1e-2),
         reference="the series over the roots and the integral over k, 60 digits each",
-        accuracy=1e-55,
-        default="integral, in a batch",
-        useful=(1e-12, 1e-2),
         computations=(
-            Computation(
-                name="sigma-integral",
-                title="the sum (53) by the periodised integral",
-                axes=(V, C, Axis(name="tolerance", low=1e-15, high=0.1)),
-                compute=_by_integral,
-                check=_check("integral in double"),
-                seconds=0.2,
-                share=4.0,
-                problems="sum",
-            ),
-            Computation(
-                name="sigma-series",
-                title="the sum (53) over the roots, in double and in many digits",
-                axes=(V, C, Axis(name="digits", low=1, high=60, whole=True)),
-                compute=_by_series,
-                check=_check("series"),
-                seconds=20.0,
-                problems="sum",
-            ),
-            Computation(
-                name="sigma-precise-integral",
-                title="the sum (53) by the periodised integral in many digits",
-                axes=(V, C, Axis(name="digits", low=1, high=60, whole=True)),
-                compute=_by_precise_integral,
-                check=_check("integral"),
-                seconds=30.0,
-                share=0.6,
-                problems="sum",
-            ),
-            Computation(
-                name="sigma-bessel",
-                title="the sum (53) by Bessel functions",
-                axes=(V, C, Axis(name="tolerance", low=1e-14, high=0.1)),
-                compute=_by_bessel,
-                check=_check("bessel"),
-                seconds=30.0,
-                problems="sum",
-            ),
-            Computation(
-                name="sigma-quadrature",
-                title="the sum (53) by adaptive quadrature",
-                axes=(V, C, Axis(name="tolerance", low=1e-14, high=0.1)),
-                compute=_by_quadrature,
-                check=_check("quadrature"),
-                seconds=30.0,
-                problems="sum",
-            ),
+            _row("integral", "by the periodised integral", sum_by_integral,
+                 tolerance=(1e-15, 0.1), seconds=0.2, share=4.0),
+            _row("series", "over the roots, in double and in many digits", sum_by_roots,
+                 "series", digits=(1, 60), seconds=20.0),
+            _row("precise-integral", "by the periodised integral in many digits",
+                 precise_sum_by_integral, "integral", digits=(1, 60), seconds=30.0, share=0.6),
+            _row("bessel", "by Bessel functions", sum_by_bessel,
+                 tolerance=(1e-14, 0.1), seconds=30.0),
+            _row("quadrature", "by adaptive quadrature", sum_by_quadrature,
+                 tolerance=(1e-14, 0.1), seconds=30.0),
         ),
     ),
-)
+)  # fmt: skip

@@ -1,0 +1,77 @@
+"""States of a chain held against scipy's: at two tolerances, and on no more sites than move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from verification.quantities.quantity import NoReferenceError, ReferenceCheck
+
+AnyArray = npt.NDArray[Any]
+
+TOLERANCE, LOOSER = 1e-12, 3e-11
+"""Relative tolerances of a reference; by how much its two states differ is its uncertainty."""
+
+
+def last_state(
+    rate: Callable[..., Any], end: float, start: AnyArray, rtol: float, atol: float, **options: Any
+) -> AnyArray:
+    """Return the state at the end by ``scipy.integrate.solve_ivp`` from zero, DOP853 by default.
+
+    Raises
+    ------
+    NoReferenceError
+        If scipy does not reach the end.
+    """
+    from scipy.integrate import solve_ivp
+
+    options = {"method": "DOP853", "rtol": rtol, "atol": atol, **options}
+    run = solve_ivp(rate, (0.0, end), start, **options)
+    if not run.success:
+        raise NoReferenceError(run.message)
+    return np.asarray(run.y[:, -1])
+
+
+def compared(
+    value: AnyArray, last: Callable[[float], AnyArray], by: str, rounding: float = 0.0
+) -> ReferenceCheck:
+    """Hold a state against that of a reference, a function of the tolerance.
+
+    The reference is uncertain by how far its states at two tolerances are apart, and by rounding.
+    """
+    found = last(TOLERANCE)
+    return ReferenceCheck(
+        distance=float(np.abs(found - value).max()),
+        uncertainty=float(np.abs(found - last(LOOSER)).max()) + rounding,
+        method=by,
+    )
+
+
+def moving_sites(at_rest: Callable[[int], bool], sites: int, first: int, most: int) -> int:
+    """Return how many sites a slow reference must follow: ``at_rest`` says when its last ones rest.
+
+    Raises
+    ------
+    NoReferenceError
+        If that is not so even with the most that it can follow.
+    """
+    part = min(sites, first)
+    while part < sites and not at_rest(part):
+        if part == most:
+            raise NoReferenceError("motion leaves the part that a slow reference follows")
+        part = min(sites, 2 * part, most)
+    return part
+
+
+def at_all_sites(state: AnyArray, sites: int, rest: float = 0.0) -> AnyArray:
+    """Return the state of a part, with those at rest beyond it.
+
+    Examples
+    --------
+    >>> at_all_sites(np.array([2.0, 1.0]), 4).tolist()
+    [2.0, 1.0, 0.0, 0.0]
+    """
+    return np.pad(state, (0, sites - state.size), constant_values=rest)

@@ -102,6 +102,30 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
     return low, high, count
 
 
+def is_range(value: Any) -> bool:
+    """Tell whether an option was given as ``low:high:count``.
+
+    Examples
+    --------
+    >>> is_range((0.0, 1.0, 5)), is_range((14, 15, 16)), is_range(0.5)
+    (True, False, False)
+    """
+    return isinstance(value, tuple) and len(value) == 3 and isinstance(value[0], float)
+
+
+def values_of(given: tuple[float, float, int]) -> list[float]:
+    """Return the values of a range, without the rounding that 0.1 added thrice would show.
+
+    Examples
+    --------
+    >>> values_of((0.01, 0.14, 14))[2]
+    0.03
+    """
+    import numpy as np
+
+    return [float(f"{value:.15g}") for value in np.linspace(*given)]
+
+
 def size_or_shape(text: str) -> int | tuple[int, int]:
     """Read a number of sites, or rows and columns.
 

@@ -15,7 +15,6 @@ from typing import NoReturn
 from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
 from fronts.catalogue import ALIASES, COMMANDS, Call, Command
-from verification.execution.files import FileError
 
 _OF_A_FILE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
@@ -115,13 +114,14 @@ def _chosen(
         module.configure(parser)
         return parser, module.run, list(rest)
     from fronts import derived
+    from fronts.bound import Bound, configure, models_of
 
-    calls = command.calls if "" in command.calls else derived.models_of(command)
+    calls = command.calls if "" in command.calls else models_of(command)
     model, rest = _model(name, command, calls, rest)
-    bound = derived.Bound(calls[model], model)
+    bound = Bound(calls[model], model)
     examples = _examples(command, model, f"{name} {model} {bound.required()}".rstrip())
     parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, examples)
-    derived.configure(parser, bound)
+    configure(parser, bound)
     words = [word for word in (name, model, *rest) if word]
     return parser, lambda options: derived.run(options, bound, words), rest
 
@@ -226,7 +226,7 @@ def _completion(words: Sequence[str]) -> str:
 
 def whole_parser() -> argparse.ArgumentParser:
     """Return one parser with every command, model and option, as shell completion needs it."""
-    from fronts import derived
+    from fronts.bound import Bound, configure, models_of
 
     whole = argparse.ArgumentParser(prog="fronts", description="Excitation fronts.")
     commands = whole.add_subparsers()
@@ -236,11 +236,11 @@ def whole_parser() -> argparse.ArgumentParser:
             importlib.import_module(f"fronts.commands.{command.module}").configure(parser)
             continue
         if "" in command.calls:
-            derived.configure(parser, derived.Bound(command.calls[""], ""))
+            configure(parser, Bound(command.calls[""], ""))
             continue
         models = parser.add_subparsers()
-        for model, call in derived.models_of(command).items():
-            derived.configure(models.add_parser(model), derived.Bound(call, model))
+        for model, call in models_of(command).items():
+            configure(models.add_parser(model), Bound(call, model))
     return whole
 
 
@@ -278,9 +278,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
     one sentence says why. 3: a defect of the toolkit. 130: interrupted.
 
-    An error meant for the user is a ``UsageError``, an ``OSError`` on a file, a ``ValueError``
-    with the attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``
-    a ``RunError`` or a ``MissingPackageError``.
+    An error meant for the user is a ``UsageError``, an ``OSError`` on a file, one with the
+    attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``, a
+    ``RunError`` or a ``MissingPackageError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -291,43 +291,47 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = _run(arguments)
         sys.stdout.flush()
         return code
-    except UsageError as error:
-        _complain(str(error), as_json, error.details)
-        return 2
     except KeyboardInterrupt as interrupted:
-        kept = str(interrupted) or "nothing half-written is left behind"
-        _complain(f"interrupted; {kept}.", as_json, {})
+        left = str(interrupted) or "nothing half-written is left behind"
+        _complain(f"interrupted; {left}.", as_json, {})
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except FileError as error:
-        fields = ("quantity", "value", "allowed", "remedy")
-        _complain(str(error), as_json, {field: str(getattr(error, field)) for field in fields})
+    except Exception as error:
+        said = _said_to_the_user(error)
+        if said is None:
+            return _defect(error, as_json)
+        _complain(said, as_json, _details(error))
         return 2
-    except MemoryError:
-        _complain("memory ran out: ask for fewer sites, samples or points.", as_json, {})
-        return 2
-    except OSError as error:
+
+
+def _said_to_the_user(error: Exception) -> str | None:
+    """Return the sentence of an error that the user can mend; None for a defect."""
+    if isinstance(error, MemoryError):
+        return "memory ran out: ask for fewer sites, samples or points."
+    if isinstance(error, UsageError) or hasattr(error, "remedy"):
+        return str(error)
+    if isinstance(error, OSError):
         # Of a file only: what a file system says while writing is for the user to mend.
         if error.filename is None and error.errno not in _OF_A_FILE:
-            return _defect(error, as_json)
+            return None
         where = "" if error.filename is None else f" {error.filename}"
-        _complain(f"the file{where} cannot be used: {error.strerror}.", as_json, {})
-        return 2
-    except Exception as error:
-        if isinstance(error, ValueError) and hasattr(error, "remedy"):
-            fields = ("quantity", "value", "allowed", "remedy")
-            details = {field: str(getattr(error, field)) for field in fields}
-            _complain(str(error), as_json, details)
-            return 2
-        from theory.parameters import MissingPackageError, RunError
-        from theory.piecewise.sums.result import PrecisionError
+        return f"the file{where} cannot be used: {error.strerror}."
+    from theory.parameters import MissingPackageError, RunError
+    from theory.piecewise.sums.result import PrecisionError
 
-        if isinstance(error, (PrecisionError, RunError, MissingPackageError)):
-            _complain(str(error), as_json, {})
-            return 2
-        return _defect(error, as_json)
+    if isinstance(error, PrecisionError | RunError | MissingPackageError):
+        return str(error)
+    return None
+
+
+def _details(error: Exception) -> dict[str, str]:
+    """Return quantity, value, allowed and remedy of an error that has them."""
+    if isinstance(error, UsageError):
+        return error.details
+    fields = ("quantity", "value", "allowed", "remedy")
+    return {name: str(getattr(error, name)) for name in fields if hasattr(error, "remedy")}
 
 
 def _defect(error: Exception, as_json: bool) -> int:

@@ -38,20 +38,8 @@ def piecewise_front(
     ParameterError
         If a value is out of range.
     """
+    from verification.fronts.measure import front_of_switchings
     from verification.piecewise.simulation import simulate_front
 
     run = simulate_front(chain.c, chain.eta, start, start_velocity=start_v, tolerance=accuracy)
-    return Front(
-        chain=chain,
-        status=run.status,
-        v=run.v,
-        error=run.error,
-        excited=None,
-        left_boundary=None,
-        outruns_waves=False,
-        arrivals=run.crossing_times,
-        method=run.method,
-        counts={"events": run.events, "grazes": run.grazes, "window": run.window},
-        seconds=run.seconds,
-        detail=run,
-    )
+    return front_of_switchings(chain, run)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from theory.result import Result
@@ -418,6 +418,17 @@ def _trajectory(run: Any) -> str:
             f"  {run.steps} steps of {run.mean_active:.1f} sites ({counts}), {run.seconds:.3f} s",
         ]
     )
+
+
+def in_words_also(payload: Mapping[str, Any]) -> str:
+    """Return what is said of further entries: how a nucleus ended."""
+    nucleus = payload.get("nucleus")
+    if nucleus is None:
+        return ""
+    stations = [f"{size} from {joined:.4g}" for joined, size in nucleus["sizes"]]
+    listed = stations if len(stations) < 9 else [*stations[:6], "…", *stations[-2:]]
+    joined = ", ".join(listed)
+    return f"\n  nucleus: {nucleus['end']}; sites that had joined by slow time: {joined}"
 
 
 def _front(found: Any) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fronts.derived import models
+from fronts.bound import models
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Chain, Ends, SmoothChain
 from theory.chains.friction import FrictionChain

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import fronts as fr
-from fronts import derived
+from fronts.bound import Bound, located, models_of
 from fronts.catalogue import COMMANDS
 from fronts.cli import main, whole_parser
 from fronts.signatures import described, documented
@@ -94,7 +94,7 @@ def test_every_result_is_frozen_and_keyword_only():
         getattr(fr, name)
     for name in COMMANDS:
         for call in COMMANDS[name].calls.values():
-            derived.located(call.function)
+            located(call.function)
     kinds = _subclasses(Result) - {Result}
     assert len(kinds) > 8
     for kind in kinds:
@@ -285,9 +285,9 @@ def _parsers():
     for name, command in COMMANDS.items():
         if command.module:
             continue
-        calls = command.calls if "" in command.calls else derived.models_of(command)
+        calls = command.calls if "" in command.calls else models_of(command)
         for model, call in calls.items():
-            yield pytest.param(derived.Bound(call, model), id=f"{name} {model}".strip())
+            yield pytest.param(Bound(call, model), id=f"{name} {model}".strip())
 
 
 @pytest.mark.parametrize("bound", list(_parsers()))
@@ -317,7 +317,7 @@ def test_help_of_a_model_has_its_options_and_no_others(line, own, others, capsys
 
 def test_options_have_the_defaults_of_the_library():
     call = COMMANDS["profile"].calls[""]
-    parameters = {each.name: each.default for each in described(derived.located(call.function))}
+    parameters = {each.name: each.default for each in described(located(call.function))}
     assert parameters["points"] == inspect.signature(fr.front_profile).parameters["points"].default
     parser_defaults = vars(whole_parser().parse_args(["profile", "--c", "1"]))
     assert "points" not in parser_defaults  # absent, so that the function's own default holds

@@ -159,7 +159,7 @@ def steps() -> str:
 
 def commands() -> dict[str, str]:
     """Return a page for each command, from its own help."""
-    from fronts import cli, derived
+    from fronts import bound, cli
     from fronts.catalogue import COMMANDS
 
     os.environ["COLUMNS"] = "96"
@@ -170,7 +170,7 @@ def commands() -> dict[str, str]:
             parser, _, _ = cli._chosen(name, command, [])
             text.append(f"```text\n{parser.format_help().rstrip()}\n```\n")
         else:
-            for model in derived.models_of(command):
+            for model in bound.models_of(command):
                 parser, _, _ = cli._chosen(name, command, [model])
                 text.append(
                     f"## `fronts {name} {model}`\n\n```text\n{parser.format_help().rstrip()}\n```\n"

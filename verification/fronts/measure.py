@@ -24,7 +24,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import singledispatch
 from time import perf_counter
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -48,6 +48,9 @@ from verification.runs.excite import StartPoint, excite, excite_edge
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.integration import Integration
 from verification.runs.smooth_integration import SmoothIntegration
+
+if TYPE_CHECKING:
+    from verification.piecewise.run import FrontRun
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -505,6 +508,11 @@ def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
         tolerance=1e-12 if request.accuracy is None else request.accuracy,
         max_periods=1000 if request.max_sites is None else request.max_sites,
     )
+    return front_of_switchings(chain, run)
+
+
+def front_of_switchings(chain: PiecewiseChain, run: FrontRun) -> Front:
+    """Return what a run of (44) from switching to switching says of its front."""
     return Front(
         chain=chain,
         status=run.status,

@@ -1,0 +1,176 @@
+"""A command bound to the model that was named: the functions behind it, and their options.
+
+Options come from three places, in this order: the fields of the chain, those of a function that
+makes the start, and the parameters of the function that answers. Where two of them have one name,
+each is kept apart by a prefix.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fronts.arguments import real, real_or_range
+from fronts.catalogue import EVERY, Call, Command
+from fronts.options import Group, option
+from fronts.output import add_output_options
+from fronts.signatures import Described, described
+
+if TYPE_CHECKING:
+    from theory.chains.chain import Chain
+
+_NUCLEUS = "theory.chains.nucleus:Nucleus"
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A call with the model that was named, and what its options are read from."""
+
+    call: Call
+    model: str
+
+    @property
+    def function(self) -> Callable[..., Any]:
+        """What answers."""
+        return located(self.call.function)
+
+    @property
+    def filmed(self) -> bool:
+        """Whether it returns a run, of which there is a film."""
+        return bool(self.function.__annotations__.get("return") == "Trajectory")
+
+    @property
+    def chain(self) -> type[Chain] | None:
+        """Class of the chain, or of what the function takes in its place; None if nothing."""
+        if isinstance(self.call.chain, str):
+            return located(self.call.chain)  # type: ignore[return-value]
+        return models()[self.model] if self.call.chain else None
+
+    @property
+    def fields(self) -> Group:
+        """Options of the chain."""
+        own = () if self.chain is None else described(self.chain)
+        allowed = getattr(self.chain, "allowed_ends", ())
+        own = tuple(
+            replace(each, choices=tuple(str(end.value) for end in allowed))
+            if each.name == "ends" and allowed
+            else each
+            for each in own
+        )
+        return self._group("chain.", own, ranged=self.call.ranged)
+
+    @property
+    def start(self) -> Group:
+        """Options of the function that makes the start."""
+        own = described(located(self.call.start)) if self.call.start else ()
+        return self._group("start.", own)
+
+    @property
+    def nucleus(self) -> Group:
+        """Options of a nucleus, if the function takes one."""
+        takes = any(each.kind == "Nucleus" for each in described(self.function))
+        return self._group("nucleus.", described(located(_NUCLEUS)) if takes else ())
+
+    @property
+    def own(self) -> Group:
+        """Options of the function itself."""
+        return self._group("", described(self.function))
+
+    def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
+        without = {*self.call.hidden, *(self.call.fixed if prefix == "chain." else ())}
+        shown = [each for each in parameters if each.name not in without]
+        return Group(prefix, tuple(shown), {"nucleus.size": 1, **self.call.presets}, ranged)
+
+    def required(self) -> str:
+        """Return the options that must be given, as they are written."""
+        free = {"a", "b"} if self.takes_eta else {*(self.call.grid or ())}
+        names = [
+            option(each.name)
+            for group in (self.fields, self.start, self.own)
+            for each in group.parameters
+            if group.is_required(each) and each.name not in free
+        ]
+        return " ".join(f"{name} {name.strip('-').upper()}" for name in names)
+
+    @property
+    def takes_file(self) -> bool:
+        """Whether the chain can be read from a model file."""
+        return hasattr(self.chain, "from_file")
+
+    @property
+    def takes_eta(self) -> bool:
+        """Whether η may stand for a and b of the chain."""
+        names = {each.name for each in self.fields.parameters}
+        return {"a", "b"} <= names and "eta" not in names
+
+
+def models() -> dict[str, type[Chain]]:
+    """Return every registered chain by the name of its model."""
+    from pkgutil import iter_modules
+
+    import theory.chains
+    from theory.chains.chain import CHAINS
+
+    for module in iter_modules(theory.chains.__path__):
+        import_module(f"theory.chains.{module.name}")
+    return CHAINS
+
+
+def models_of(command: Command) -> dict[str, Call]:
+    """Return the calls of a command by model, those of further registered models included."""
+    calls = {model: call for model, call in command.calls.items() if model != EVERY}
+    if EVERY in command.calls:
+        calls |= {model: command.calls[EVERY] for model in models() if model not in calls}
+    return calls
+
+
+def located(where: str) -> Callable[..., Any]:
+    """Return what ``module:name`` names."""
+    module, name = where.split(":")
+    found: Callable[..., Any] = getattr(import_module(module), name)
+    return found
+
+
+def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
+    """Declare the options of a call, and those of files.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Where.
+    bound : Bound
+        What.
+    """
+    if bound.fields.parameters:
+        group = parser.add_argument_group("the chain")
+        eta = bound.takes_eta
+        said = {"sites": "7 on each side of the nucleus"} if bound.call.sites else {}
+        grid = bound.call.grid or {}
+        said |= {name: ":".join(f"{part:g}" for part in each) for name, each in grid.items()}
+        from_file = bound.takes_file
+        names = tuple(each.name for each in bound.fields.parameters) if from_file else ()
+        bound.fields.declare(group, (*(("a", "b") if eta else ()), *grid, *names), said)
+        if from_file:
+            group.add_argument("--model", dest="chain_file", type=Path, metavar="FILE",
+                               default=argparse.SUPPRESS, help="a model file in TOML with these "
+                               "options; what is given beside it holds")  # fmt: skip
+        if eta:
+            words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
+            kind: Callable[[str], Any] = real
+            if bound.call.grid is not None:
+                kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
+            group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
+    if bound.start.parameters:
+        bound.start.declare(parser.add_argument_group("the start"))
+    if bound.nucleus.parameters:
+        bound.nucleus.declare(parser.add_argument_group("the nucleus"))
+    bound.own.declare(parser.add_argument_group("the method"))
+    if bound.call.ranged and bound.call.grid is None:
+        parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
+                            default=argparse.SUPPRESS, metavar="N",
+                            help="processes for a curve (default 1)")  # fmt: skip
+    add_output_options(parser)

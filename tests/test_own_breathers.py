@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,9 @@ from verification.breathers.breather import breather
 from verification.breathers.own import integrate_with_tangents, solve_own_orbit
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, states_by_scipy
+from verification.thresholds.continuation import breather_threshold
+from verification.thresholds.result import ThresholdMethod
+from verification.thresholds.threshold import threshold
 
 PAPER = {"damping": "1 - a*y**2 + b*y**4", "values": {"a": 2.5, "b": 0.5}}
 
@@ -59,6 +63,31 @@ def test_an_orbit_of_a_disordered_chain_is_one_of_scipy_with_its_multipliers() -
         for d in (-size, size)
     ]
     np.testing.assert_allclose(flow.by_c, (apart[1] - apart[0]) / (2.0 * size), atol=1e-8)
+
+
+def test_the_branch_of_a_rayleigh_chain_ends_where_that_of_van_der_pol_does() -> None:
+    """The velocity of ÿ + y + εh(ẏ)ẏ + … = 0 obeys (8): (h(w)w)' = (1 - 3aw² + 5bw⁴)w'."""
+    rayleigh = OscillatorChain(damping="1 - a*v**2 + b*v**4", values={"a": 2.5 / 3, "b": 0.1}, c=0)
+    ours = breather_threshold(rayleigh, Nucleus(1), ThresholdMethod.ORBIT, margin=3)
+    theirs = breather_threshold(VdpChain(a=2.5, b=0.5, c=0), Nucleus(1), ThresholdMethod.ORBIT, 3)
+    assert ours.c_stable is not None
+    assert ours.c == pytest.approx(theirs.c, abs=1e-10)
+    assert ours.c_stable == pytest.approx(theirs.c_stable, abs=1e-8)
+    assert ours.growth == pytest.approx(theirs.growth, abs=1e-4)
+    assert ours.stability_lost_by is theirs.stability_lost_by
+
+
+def test_a_branch_is_followed_of_alike_sites_along_a_line_only() -> None:
+    line: dict[str, Any] = {**PAPER, "c": 0.1}
+    for chain, words in (
+        (OscillatorChain(**line, disorder="a=0.1"), "take bisection"),
+        (OscillatorChain(**line, coupling="square", sites=(5, 5)), "take bisection"),
+        (OscillatorChain(**line, drive="1,1@1"), "none for a breather"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            threshold(chain, method="orbit")
+    with pytest.raises(ParameterError, match="bisection for the model chain"):
+        threshold(OscillatorChain(**line), method="envelope")
 
 
 def test_a_nucleus_that_spreads_has_no_orbit_and_an_overdamped_cell_none_at_all() -> None:

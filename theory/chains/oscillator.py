@@ -265,6 +265,12 @@ class OscillatorChain(SmoothChain, model="chain"):
     def _plain_ends(self) -> Ends:
         return Ends.PERIODIC if self.coupling == "ring" else self.ends
 
+    @property
+    def along_line(self) -> bool:
+        """Whether sites are coupled by their distance along a line, which can be made longer."""
+        named = isinstance(self.coupling, str) and self.shape is None
+        return named and self.coupling.partition(":")[0] in ("chain", "ring", "next-nearest")
+
     @cached_property
     def links(self) -> Network:
         """The weights of the coupling, whichever way they are stepped."""

@@ -235,21 +235,34 @@ def _from_small_eps(
 
 
 def leading_frequency(chain: VdpChain, u: Real) -> float:
-    """Return |arg μ|/(ε period) of the leading multiplier at (X, period), per unit T."""
+    """Return the frequency of the leading multiplier at (X, period), per unit T."""
     period = float(u[-1])
     flow = integrate_variations(chain, u[:-1], period, steps_for(chain))
-    leader = floquet_multipliers(flow.monodromy, period, chain.eps).leader
-    return abs(cmath.phase(leader)) / (chain.eps * period)
+    return frequency_of_leader(flow, period, chain.eps)
+
+
+def frequency_of_leader(flow: Flow, period: float, eps: float) -> float:
+    """Return |arg μ|/(ε period) of the leading multiplier of a flow over a period, per unit T."""
+    leader = floquet_multipliers(flow.monodromy, period, eps).leader
+    return abs(cmath.phase(leader)) / (eps * period)
 
 
 def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int | None = None) -> Monitor:
     """Return a monitor of (growth, own-parity growth, other-parity growth) less `MARGINAL`."""
     count = steps or steps_for(chain)
 
+    def flow(u: Real, c: float) -> Flow:
+        return integrate_variations(replace(chain, c=c), u[:-1], float(u[-1]), count)
+
+    return growth_monitor(flow, nucleus, chain.eps)
+
+
+def growth_monitor(flow: Callable[[Real, float], Flow], nucleus: Nucleus, eps: float) -> Monitor:
+    """Return a monitor as `stability_monitor` does, of any chain, from its flow over a period."""
+
     def monitor(u: Real, c: float) -> tuple[float, ...]:
-        flow = integrate_variations(replace(chain, c=c), u[:-1], float(u[-1]), count)
-        parity = _parity(u[:-1], nucleus, chain.sites)
-        found = floquet_multipliers(flow.monodromy, float(u[-1]), chain.eps, parity=parity)
+        parity = _parity(u[:-1], nucleus, u.size // 2)
+        found = floquet_multipliers(flow(u, c).monodromy, float(u[-1]), eps, parity=parity)
         own = found.growth if found.symmetric is None else found.symmetric
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - MARGINAL, own - MARGINAL, other - MARGINAL

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import time
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
@@ -19,7 +20,8 @@ from scipy.integrate import DOP853
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
-from verification.breathers.orbits import Orbit, measured_orbit
+from verification.breathers.orbits import FIRST_STEPS, STARTS, Orbit, measured_orbit
+from verification.continuation.branch import Branch, Monitor, trace
 from verification.continuation.newton import NotConvergedError, System, solve_at
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -120,6 +122,52 @@ def shooting_system(chain: OscillatorChain, centre: int, steps: int) -> System:
     return system
 
 
+def check_orbits(chain: OscillatorChain) -> None:
+    """Refuse a chain that has no periodic orbits, or is too long for them.
+
+    Raises
+    ------
+    ParameterError
+        With the reason.
+    """
+    chain.check_unforced("a breather, which is motion of a chain that is left alone")
+    if not (chain.oscillates or chain.overdamped):
+        raise ParameterError("model", chain.model, "chain for a breather", "take chain.full()")
+    if chain.overdamped:
+        raise ParameterError("overdamped", "true", "false for a breather", "change it")
+    if chain.sites > MAX_SITES:
+        raise ParameterError(
+            "number of sites n", chain.sites, f"at most {MAX_SITES} for an orbit", "take fewer"
+        )
+
+
+def own_branch(
+    chain: OscillatorChain, nucleus: Nucleus, monitor: Monitor | None = None, c_end: float = 2.0
+) -> Branch:
+    """Follow the orbit to which a nucleus settles at small c through its fold.
+
+    Raises
+    ------
+    ParameterError
+        If it settles at no small coupling.
+    """
+    check_orbits(chain)
+    system = shooting_system(chain, nucleus.centre(chain.sites), steps_for(chain))
+    for c in STARTS:
+        with suppress(NotConvergedError, ParameterError):
+            point = solve_at(system, _settled_start(chain.replace(c=c), nucleus), c)
+            return trace(system, point, c_end, monitor, FIRST_STEPS)
+    raise ParameterError(
+        "pattern", repr(nucleus.pattern), "one that is stable at small couplings", "take another"
+    )
+
+
+def flow_at(chain: OscillatorChain, u: Real, c: float) -> Flow:
+    """Return the flow over a period at (X, period) and a coupling."""
+    here = chain.replace(c=c)
+    return integrate_with_tangents(here, u[:-1], float(u[-1]), steps_for(chain))
+
+
 def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> Orbit:
     """Solve for the periodic orbit to which a nucleus settles.
 
@@ -136,16 +184,9 @@ def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> Orbit:
         If the chain has no breathers, is too long, or the nucleus does not stay localised.
     """
     started = time.perf_counter()
-    chain.check_unforced("a breather, which is motion of a chain that is left alone")
-    if not (chain.oscillates or chain.overdamped):
-        raise ParameterError("model", chain.model, "chain for a breather", "take chain.full()")
-    if chain.overdamped or chain.c == 0.0:
-        what = ("overdamped", "true") if chain.overdamped else ("coupling c", "0")
-        raise ParameterError(*what, "false and a positive coupling for a breather", "change it")
-    if chain.sites > MAX_SITES:
-        raise ParameterError(
-            "number of sites n", chain.sites, f"at most {MAX_SITES} for an orbit", "take fewer"
-        )
+    check_orbits(chain)
+    if chain.c == 0.0:
+        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
     centre, count = nucleus.centre(chain.sites), steps_for(chain)
     system = shooting_system(chain, centre, count)
     point = solve_at(system, _settled_start(chain, nucleus), chain.c)

@@ -343,9 +343,9 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
 @_measured.register
 def _own_front(chain: OscillatorChain, request: Request) -> Front:
     """Of a chain as of any other; of a lattice or a network from the middle outwards."""
-    word, _, weights = str(chain.coupling).partition(":")
-    if not isinstance(chain.coupling, str) or word not in ("chain", "ring", "next-nearest"):
+    if not chain.along_line:
         return _spreading_front(chain, request)
+    weights = chain.coupling.partition(":")[2]
     if any(np.ndim(each) for each in chain.values.values()):
         raise ParameterError(
             "values", "an array", "one number each for a front, whose chain is made longer",

@@ -8,13 +8,19 @@ zero, which can be earlier, or from the start.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from theory.chains.nucleus import MARGIN, Nucleus, Place
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import envelope as envelope_breather
-from verification.breathers import exponents, orbits
+from verification.breathers import exponents, orbits, own
 from verification.continuation.branch import Branch, Crossing, Monitor, first_crossing
 from verification.continuation.newton import System
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
@@ -24,7 +30,7 @@ EXTRA = 3
 
 
 def breather_threshold(
-    chain: VanDerPolChain,
+    chain: VanDerPolChain | OscillatorChain,
     nucleus: Nucleus,
     method: ThresholdMethod = ThresholdMethod.ENVELOPE,
     margin: int = MARGIN,
@@ -33,8 +39,8 @@ def breather_threshold(
 
     Parameters
     ----------
-    chain : VdpChain or AveragedChain
-        a, b, ε and the ends; its c and N are not used.
+    chain : VdpChain, AveragedChain or OscillatorChain
+        Its c and N are not used; one of your own has sites that are alike, along a line.
     nucleus : Nucleus
         Size, pattern, place.
     method : ThresholdMethod, optional
@@ -60,15 +66,16 @@ def breather_threshold(
             "method", method.value, "envelope or orbit", "call threshold() instead"
         )
     here = _sized(chain, nucleus, method, margin)
-    branch, system, monitor = _followed(here, nucleus)
+    path = _followed(here, nucleus)
+    branch, system, monitor = path.branch, path.system, path.monitor
     if branch.fold is None:
         raise ParameterError(
             "pattern", repr(nucleus.pattern), "one whose branch folds below c = 2", "change a or b"
         )
     longer = _sized(chain, nucleus, method, margin + EXTRA)
-    other = _followed(longer, nucleus, monitored=False)[0].fold
+    other = _followed(longer, nucleus, monitored=False).branch.fold
     finite = abs(other.c - branch.fold.c) if other is not None else branch.fold.c
-    error = branch.fold.error + finite + _step_error(here, nucleus, branch)
+    error = branch.fold.error + finite + _step_error(path)
     crossing = first_crossing(system, branch, monitor, 0)
     at_half = _nearest(branch, 0.5 * branch.fold.c)
     mirrored = nucleus.mirrored(here.sites)
@@ -84,49 +91,81 @@ def breather_threshold(
         sites=here.sites,
         c_stable=c_stable,
         error_stable=error_stable,
-        stability_lost_by=_mechanism(
-            crossing, system, monitor, chain=here, nucleus=nucleus, branch=branch
-        ),
+        stability_lost_by=_mechanism(crossing, path, mirrored=mirrored),
         growth=branch.monitored[at_half][0],
         growth_mirrored=branch.monitored[at_half][1] if mirrored else None,
         seconds=time.perf_counter() - started,
     )
 
 
-def _sized(
-    chain: VanDerPolChain, nucleus: Nucleus, method: ThresholdMethod, margin: int
-) -> VanDerPolChain:
+def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -> Any:
     """Return the chain whose breather is followed, with the nucleus and ``margin`` beside it."""
-    kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain
     # An edge needs the same rest on its one side.
     sides = 2 if nucleus.place is Place.BULK else 1
     sites = nucleus.size + sides * margin
+    if isinstance(chain, OscillatorChain):
+        if not chain.along_line or any(np.ndim(each) for each in chain.site_values.values()):
+            raise ParameterError(
+                "chain", "one whose sites differ, or a network", "of sites that are alike, along a "
+                f"line, for the method {method}", "take bisection",
+            )  # fmt: skip
+        return chain.replace(c=0.0, sites=sites)
+    kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
 
 
-def _followed(
-    chain: VanDerPolChain, nucleus: Nucleus, *, monitored: bool = True
-) -> tuple[Branch, System, Monitor]:
+class _Path(NamedTuple):
+    """A branch of breathers, its equations, its stability, and what its finer steps say.
+
+    Attributes
+    ----------
+    finer : System or None
+        The equations at twice the steps; None where there are none.
+    frequency : callable
+        From (u, c) to the imaginary part, per unit T, of what leads there.
+    """
+
+    branch: Branch
+    system: System
+    monitor: Monitor
+    finer: System | None
+    frequency: Callable[[Any, float], float]
+
+
+def _followed(chain: Any, nucleus: Nucleus, *, monitored: bool = True) -> _Path:
     centre = nucleus.centre(chain.sites)
+    if isinstance(chain, OscillatorChain):
+        steps, flow = own.steps_for(chain), partial(own.flow_at, chain)
+        monitor = orbits.growth_monitor(flow, nucleus, chain.eps)
+        return _Path(
+            own.own_branch(chain, nucleus, monitor if monitored else None),
+            own.shooting_system(chain, centre, steps),
+            monitor,
+            own.shooting_system(chain, centre, 2 * steps),
+            lambda u, c: orbits.frequency_of_leader(flow(u, c), float(u[-1]), chain.eps),
+        )
     if isinstance(chain, VdpChain):
-        return (
+        return _Path(
             orbits.orbit_branch(chain, nucleus, monitored=monitored),
             orbits.shooting_system(chain, centre),
             orbits.stability_monitor(chain, nucleus),
+            orbits.shooting_system(chain, centre, 2 * orbits.steps_for(chain)),
+            lambda u, c: orbits.leading_frequency(replace(chain, c=c), u),
         )
-    return (
+    return _Path(
         envelope_breather.envelope_branch(chain, nucleus, monitored=monitored),
         envelope_breather.rotating_system(chain, centre),
         exponents.stability_monitor(chain, nucleus),
+        None,
+        lambda u, c: exponents.exponents(*exponents.unpack(u), replace(chain, c=c)).frequency,
     )
 
 
-def _step_error(chain: VanDerPolChain, nucleus: Nucleus, branch: Branch) -> float:
+def _step_error(path: _Path) -> float:
     """Return the shift of the fold under a halved integration step: residual over |∂F/∂c|."""
-    if not isinstance(chain, VdpChain) or branch.fold is None:
+    if path.finer is None or path.branch.fold is None:
         return 0.0
-    finer = orbits.shooting_system(chain, nucleus.centre(chain.sites), 2 * orbits.steps_for(chain))
-    value, _, by_c = finer(branch.fold.u, branch.fold.c)
+    value, _, by_c = path.finer(path.branch.fold.u, path.branch.fold.c)
     return float(abs(value).max() / abs(by_c).max())
 
 
@@ -145,32 +184,14 @@ def _stable_until(
     return crossing.c, crossing.error + error
 
 
-def _mechanism(
-    crossing: Crossing | None,
-    system: System,
-    monitor: Monitor,
-    *,
-    chain: VanDerPolChain,
-    nucleus: Nucleus,
-    branch: Branch,
-) -> Mechanism:
+def _mechanism(crossing: Crossing | None, path: _Path, *, mirrored: bool) -> Mechanism:
     if crossing is None:
         return Mechanism.FOLD
     if crossing.from_start:
         return Mechanism.NEVER_STABLE
-    if nucleus.mirrored(chain.sites):
-        own = first_crossing(system, branch, monitor, 1)
-        if own is None or own.c > crossing.c:
+    if mirrored:
+        own_parity = first_crossing(path.system, path.branch, path.monitor, 1)
+        if own_parity is None or own_parity.c > crossing.c:
             return Mechanism.SYMMETRY_BREAKING
-    return (
-        Mechanism.COMPLEX_EXPONENTS if _turns(crossing, chain) > 1e-6 else Mechanism.REAL_EXPONENT
-    )
-
-
-def _turns(crossing: Crossing, chain: VanDerPolChain) -> float:
-    """Return the imaginary part, per unit T, of what crosses."""
-    here = replace(chain, c=crossing.c)
-    if isinstance(here, VdpChain):
-        return orbits.leading_frequency(here, crossing.u)
-    phi, omega = exponents.unpack(crossing.u)
-    return exponents.exponents(phi, omega, here).frequency
+    turns = path.frequency(crossing.u, crossing.c)
+    return Mechanism.COMPLEX_EXPONENTS if turns > 1e-6 else Mechanism.REAL_EXPONENT

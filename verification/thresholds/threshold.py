@@ -10,6 +10,7 @@ from theory.averaged.breather import Reading, closed_form_fold
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, within
 from verification.runs.excite import StartPoint
@@ -61,7 +62,8 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         Excited sites, their phase steps, and their place.
     method : ThresholdMethod or str, optional
         ``envelope`` (by default for an `AveragedChain`) and ``orbit`` (by default for a
-        `VdpChain`): continuation of the breather to its fold. ``closed-form``: fold of (29) with
+        `VdpChain`, also for an `OscillatorChain`): continuation of the breather to its fold.
+        ``closed-form``: fold of (29) with
         (37). ``sweep`` and ``hold``: runs of (43) from an in-phase start. ``bisection`` (by default
         for any other chain): runs of the chain itself that spread, or do not.
     definition : Definition or str, optional
@@ -123,15 +125,26 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
             chain, spreading, lowest=lowest, highest=highest, accuracy=accuracy, tests=tests,
             progress=progress,
         )  # fmt: skip
-    if not isinstance(chain, VanDerPolChain):
-        raise _refusal(chain, how)
-    _ = chain.stable_amplitude
     if nucleus.size > MAX_NUCLEUS:
         raise ParameterError("nucleus", nucleus.size, f"at most {MAX_NUCLEUS} sites", "excite less")
+    _ = chain.stable_amplitude
+    if isinstance(chain, OscillatorChain) and how is ThresholdMethod.ORBIT:
+        return _at_end_of_branch(chain, nucleus, how, what)
+    if not isinstance(chain, VanDerPolChain):
+        raise _refusal(chain, how)
     if how is ThresholdMethod.CLOSED_FORM:
         return closed_form_threshold(chain, nucleus)
     if how in (ThresholdMethod.SWEEP, ThresholdMethod.HOLD):
         return _by_runs_of_43(chain, nucleus, how, perturbation, seed)
+    return _at_end_of_branch(chain, nucleus, how, what)
+
+
+def _at_end_of_branch(
+    chain: VanDerPolChain | OscillatorChain,
+    nucleus: Nucleus,
+    how: ThresholdMethod,
+    what: Definition,
+) -> Threshold:
     found = breather_threshold(chain, _with_pattern(nucleus), how)
     return found if what is Definition.EXISTENCE else _of_stability(found)
 

@@ -180,6 +180,15 @@ def test_thresholds_are_enclosed_between_what_quadrature_shows():
     assert ends[0] < 0 < ends[1]
 
 
+def test_a_fold_at_pinning_is_proven_where_slow_fronts_are_nearly_as_high():
+    """At eta = 0.05, max |Sigma| is that at v = 0, and |Sigma| leaves it like e^{-1/2v}."""
+    proven = fr.kinetic_relation(0.3, 0.05, certify=True)
+    fold, pin = proven.c_fold_enclosure, proven.c_pin_enclosure
+    assert fold is not None, proven.unproven
+    assert fold.upper - fold.lower < 1e-11  # tried at 1e-15, widened where that is no proof
+    assert fold.lower < pin.lower <= fold.upper
+
+
 def test_retreating_fronts_and_their_threshold_are_enclosed():
     proven = fr.kinetic_relation(3.0, 0.11, certify=True)
     (velocity,) = proven.v_enclosures

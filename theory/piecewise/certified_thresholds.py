@@ -36,11 +36,8 @@ from theory.piecewise.limits import ETA_PIN_END
 _CLOSED_BITS = 320
 _NARROWEST = 1e-12
 _ROUNDED = 1.0 + 1e-12
-_MAX_WORK = 100_000
 _WIDENED = (1.0, 10.0, 100.0)
 _LEAST_ERROR = 1e-15
-_STRONG_ERROR = 1e-6
-"""Of a fold at pinning where c is not small: a narrower interval costs too much."""
 
 
 def ball_ratio(flint: Any, eta: float) -> Any:
@@ -90,8 +87,7 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
         return None
     target = 2 * ball_ratio(flint, eta)
     for wider in _WIDENED:
-        least = _LEAST_ERROR if fold.velocity > 0.0 or fold.value < 0.5 else _STRONG_ERROR
-        reach = wider * max(fold.error, least * fold.value)
+        reach = wider * max(fold.error, _LEAST_ERROR * fold.value)
         low = min(fold.value, pin.lower) - reach
         if low > 0.0 and _never_moves(flint, low, target, fold.velocity):
             break
@@ -110,7 +106,7 @@ def _never_moves(flint: Any, c: float, target: Any, peak: float) -> bool:
 
     ``peak`` is about where |Σ(v, c)| is greatest, 0 if that is at v = 0.
     """
-    relation = Relation(flint, flint.arb(c), target, most_work=_MAX_WORK)
+    relation = Relation(flint, flint.arb(c), target)
     low, high = lowest_velocity(relation), highest_velocity(relation)
     if low == 0.0 or not abs(ball_static_sum(flint, relation.c)) < target:
         return False
@@ -139,7 +135,8 @@ def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> 
             distance = relation.distance(centre)
             if distance + half * steepest(a, b, c, c)[0] < 0:
                 continue
-            slope, rate = relation.steepness(a, b)
+            # at small v the distance is small, and the derivatives are exponentially so
+            slope, rate = relation.steepness(a, b, 0.1 * float(abs(distance).upper()) / half)
             if distance + half * rate < 0 or relation.height(centre) + half * abs(slope) < 0:
                 continue
         if b - a < _NARROWEST * b:

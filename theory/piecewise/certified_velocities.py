@@ -141,10 +141,14 @@ class Relation:
         value = total + self.shift
         return 2 * (value.real * by.real + value.imag * by.imag)
 
-    def steepness(self, low: float, high: float) -> tuple[Any, Any]:
-        """Return ∂h/∂v and |∂Σ/∂v| over all velocities from low to high."""
+    def steepness(self, low: float, high: float, least: float = math.inf) -> tuple[Any, Any]:
+        """Return ∂h/∂v and |∂Σ/∂v| over all velocities from low to high.
+
+        They are truncated to within a part of 2r, or ``least`` where that is smaller.
+        """
         cell = self.flint.arb(low).union(self.flint.arb(high))
-        wide = self.sum(cell, 0.1 * self.tolerances[0], 1)
+        tolerance = max(min(0.1 * self.tolerances[0], least), self.tolerances[-1])
+        wide = self.sum(cell, tolerance, 1)
         return self.slope(wide.value, wide.by_v), abs(wide.by_v)
 
     def resolved(self, v: Any, c: Any = None) -> Any:

@@ -87,7 +87,7 @@ class Bound:
 
     def required(self) -> str:
         """Return the options that must be given, as they are written."""
-        free = {"a", "b"} if self.takes_eta else {*(self.call.grid or ())}
+        free = {*(self.call.grid or ()), *(("a", "b") if self.takes_eta else ())}
         names = [
             option(each.name)
             for group in (self.fields, self.start, self.own)

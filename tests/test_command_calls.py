@@ -1,0 +1,259 @@
+"""Which call of the library a command line becomes; nothing is computed here."""
+
+import argparse
+import functools
+import json
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fronts import bound, curves, derived
+from fronts.answer import UsageError
+from fronts.arguments import is_range
+from fronts.bound import Bound, located
+from fronts.catalogue import COMMANDS
+from fronts.cli import main
+from fronts.output import MAX_LINES, beside_files, check_output, command_line
+from fronts.wording import in_words_also
+from theory.chains.nucleus import Nucleus, Place
+from theory.chains.vdp import AveragedChain
+from verification.execution.metadata import COMMAND_LINE
+
+OF_THE_LIBRARY = {
+    where
+    for command in COMMANDS.values()
+    for call in command.calls.values()
+    for where in (call.function, call.curve)
+} - {""}
+
+
+class CalledError(Exception):
+    """Raised in place of an answer."""
+
+
+@pytest.fixture
+def called(monkeypatch):
+    """Give a function of a command line that returns the arguments of the call behind it."""
+    seen = []
+
+    def stand_in(function):
+        @functools.wraps(function)
+        def call(*args, **options):
+            seen.append((args, options, COMMAND_LINE.get()))
+            raise CalledError
+
+        return call
+
+    def instead(where):
+        return stand_in(located(where)) if where in OF_THE_LIBRARY else located(where)
+
+    monkeypatch.setattr(bound, "located", instead)
+    monkeypatch.setattr(derived, "located", instead)
+    monkeypatch.setattr(curves, "curve", stand_in(curves.curve))
+
+    def of(line):
+        seen.clear()
+        main(shlex.split(line))
+        (found,) = seen
+        return found
+
+    return of
+
+
+def bound_to(line):
+    name, model = line.split()
+    return Bound(COMMANDS[name].calls[model], model)
+
+
+@pytest.mark.parametrize(
+    ("line", "sites", "nucleus"),
+    [
+        ("breather --c 0.1", 15, None),
+        ("breather --c 0.1 --nucleus 3", 17, Nucleus(3, pattern="00")),
+        ("breather --c 0.1 --nucleus 3 --n 9 --pattern=-+", 9, Nucleus(3, pattern="-+")),
+        ("breather averaged --c 0.1 --place edge", 15, Nucleus(1, place=Place.EDGE)),
+    ],
+)
+def test_a_nucleus_is_given_where_an_option_is_and_the_chain_is_seven_sites_longer_on_each_side(
+    called, line, sites, nucleus
+):
+    (chain,), options, _ = called(line)
+    assert chain.sites == sites
+    assert options.get("nucleus") == nucleus
+
+
+@pytest.mark.parametrize(
+    ("line", "held", "a", "b"),
+    [
+        ("map averaged", "b", 4.0, 0.5),
+        ("map vdp --a 3", "a", 3.0, 0.5),
+        ("map averaged --b 0.7", "b", 4.0, 0.7),
+    ],
+)
+def test_of_a_and_b_a_map_holds_the_one_that_is_given(called, line, held, a, b):
+    (chain,), options, _ = called(line)
+    assert (options["held"], chain.a, chain.b) == (held, a, b)
+    assert {name: len(values) for name, values in options["axes"].items()} == {"eta": 14, "c": 20}
+    assert (options["axes"]["eta"][-1], options["axes"]["c"][0]) == (0.14, 0.05)
+    assert chain.c == 0.05
+    assert callable(options["progress"])
+
+
+def test_axes_of_a_map_are_what_is_a_range_and_what_the_command_names(called):
+    (chain,), options, _ = called("map vdp --eta 0.05 --c 0.1:0.3:3 --eps 0.01:0.1:2")
+    assert options["axes"] == {"eta": [0.05], "c": [0.1, 0.2, 0.3], "eps": [0.01, 0.1]}
+    assert chain.eps == 0.01
+    _, options, _ = called("map friction --c 0.02")
+    assert options["axes"]["c"] == [0.02]
+    assert len(options["axes"]["v_d"]) == 21
+
+
+def test_of_the_files_a_map_gets_the_one_that_can_be_resumed(called, tmp_path):
+    line = f"map averaged -o {tmp_path}/m.png"
+    assert called(line)[1]["out"] is None
+    assert called(f"{line} --out {tmp_path}/m.csv")[1]["out"] == tmp_path / "m.csv"
+
+
+def test_eta_stands_for_a_and_b(called):
+    (chain,), _, _ = called("front vdp --c 0.6 --eta 0.05")
+    assert (chain.a, chain.b, chain.sites) == (1.0, 0.05, 32)
+
+
+def test_a_run_gets_its_start_and_a_file_its_command(called, tmp_path):
+    (chain,), options, said = called(f"simulate vdp --n 5 --excite 2,3 -o {tmp_path}/r.npz")
+    assert chain.sites == 5
+    assert np.count_nonzero(options["start"].any(axis=0)) == 2
+    assert options["t_end"] == 2000.0
+    assert said == "fronts simulate vdp --n 5 --excite 2,3"
+
+
+def test_a_range_becomes_a_curve_of_chains(called):
+    (_, chains, along, values, own), options, _ = called("front vdp --c 0.5:1:3 --eta 0.05")
+    assert [chain.c for chain in chains] == [0.5, 0.75, 1.0] == values
+    assert (along, own, options["workers"]) == ("c", {}, 1)
+    _, options, _ = called("front vdp --c 0.5:1:5 --eta 0.05 --jobs 2")
+    assert options["workers"] == 2
+
+
+def test_options_of_a_method_go_with_it_and_with_all(called):
+    for method in ("simulation", "all"):
+        _, options, _ = called(f"breather --c 0.1 --method {method} --seed 3")
+        assert options["seed"] == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("breather --c 0.1 --method orbit --seed 3", "--seed is for --method simulation"),
+        ("breather --c 0.1 --seed 3", "--seed is for --method simulation"),
+        ("breather --c 0.1 --method simulation --seed -3", "must not be negative"),
+        ("map vdp --a 3 --b 0.5", "--b is not allowed with --a while eta varies"),
+        ("front vdp --c 0.6", "give --eta, or both --a and --b"),
+        ("front vdp --c 0.6 --a 4", "give --eta, or both --a and --b"),
+        ("front vdp --c 0.6 --a 4 --eta 0.05", "say the same thing twice"),
+        ("front vdp --c 0.5:1:3 --eta 0.05 --eps 0.01:0.1:2", "a range for --c or for --eps"),
+        ("front chain --c 0.5", "give --damping, or a model file"),
+        ("map chain --damping 1 --c 0.5", "a map needs a range"),
+        ("front averaged --c 0.6 --eta 0.05 -o front.gif", "must end in"),
+    ],
+)
+def test_what_says_nothing_or_twice_is_refused_before_any_call(line, said, capsys):
+    assert main(line.split()) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_options_are_those_of_the_model():
+    assert bound_to("simulate vdp").filmed
+    assert not bound_to("front vdp").filmed
+    (ends,) = (each for each in bound_to("simulate averaged").fields.parameters
+               if each.name == "ends")  # fmt: skip
+    assert ends.choices == tuple(end.value for end in AveragedChain.allowed_ends)
+    names = {each.name for each in bound_to("cell vdp").fields.parameters}
+    assert {"a", "b", "eps"} <= names
+    assert not names & {"c", "sites", "ends"}  # one cell alone has none
+    assert "method" in {each.name for each in bound_to("threshold vdp").own.parameters}
+
+
+@pytest.mark.parametrize(
+    ("line", "needed"),
+    [
+        ("front vdp", "--c C"),
+        ("front piecewise", "--c C"),
+        ("map vdp", ""),
+        ("map friction", ""),
+        ("simulate friction", ""),
+    ],
+)
+def test_what_must_be_given_is_what_has_no_default(line, needed):
+    assert bound_to(line).required() == needed
+
+
+def test_help_names_the_defaults_that_depend_on_others(capsys):
+    for line, said in (("breather vdp", "7 on each side"), ("map vdp", "0.05:1:20")):
+        parser = argparse.ArgumentParser()
+        bound.configure(parser, bound_to(line))
+        assert said in parser.format_help()
+    with pytest.raises(SystemExit):
+        main(["threshold", "vdp", "--help"])
+    assert "7 on each side" not in capsys.readouterr().out
+
+
+def test_a_file_holds_every_parameter_of_what_was_computed(tmp_path):
+    for line, wanted in (
+        ("cell friction --v-d 1.25", {"v_d": 1.25, "xi": 0.05}),
+        ("breather averaged --c 0.1 --nucleus 2", {"a": 2.5, "c": 0.1, "sites": 16}),
+        ("profile --c 0.5 --eta 0.03125 --points 3", {"c": 0.5, "points": 3}),
+    ):
+        out = tmp_path / "found.json"
+        assert main([*line.split(), "-o", str(out)]) == 0
+        found = json.loads(out.read_text())["provenance"]["parameters"]
+        assert {name: found[name] for name in wanted} == wanted
+
+
+def test_the_command_that_is_kept_says_nothing_of_files():
+    words = [
+        "map",
+        "vdp",
+        "-o",
+        "m.csv",
+        "--resume",
+        "--picture=m.png",
+        "--c",
+        "1",
+        "--out",
+        "x.csv",
+    ]
+    assert command_line([*words, "--json"]) == "fronts map vdp --c 1"
+
+
+def test_a_checkpoint_is_none_of_the_files(tmp_path):
+    path = tmp_path / "r.npz"
+    named = [(tmp_path / "p.png", "--picture"), (path, "--out")]
+    check_output(argparse.Namespace(named=named[:1], checkpoint=path), filmed=True)
+    with pytest.raises(UsageError, match="name two files"):
+        check_output(argparse.Namespace(named=named, checkpoint=path), filmed=True)
+
+
+def test_a_long_answer_is_shown_in_short_beside_its_file():
+    lines = [str(n) for n in range(MAX_LINES + 1)]
+    last = f"written to {Path('a.csv')}"
+    assert beside_files("\n".join(lines[:-1]), [Path("a.csv")]).splitlines() == [*lines[:-1], last]
+    short = beside_files("\n".join(lines), [Path("a.csv")]).splitlines()
+    assert short == [*lines[:3], "…", *lines[-2:], last]
+
+
+def test_of_many_sizes_of_a_nucleus_the_first_and_last_are_named():
+    def said(count):
+        sizes = [(float(n), n) for n in range(1, count + 1)]
+        return in_words_also({"nucleus": {"end": "spreads", "sizes": sizes}})
+
+    assert said(8).count(" from ") == 8
+    assert said(9).endswith("5 from 5, 6 from 6, …, 8 from 8, 9 from 9")
+    assert in_words_also({}) == ""
+
+
+def test_a_range_is_a_low_a_high_and_a_count_and_no_list_of_sites():
+    assert is_range((0.0, 1.0, 5))
+    assert not any(map(is_range, [(0.0, 1.0), (14, 15.0, 16), (14, 15, 16), 0.5, "0:1:5"]))

@@ -1,8 +1,8 @@
 # make paper : every check of the paper, with pictures, into report/index.html
-# make findings : stored findings of the claims that take long, renewed where their code changed
+# make findings : stored evidence of the claims that take long, renewed where its code changed
 # make test  : the tests, one process a core
-# make test-versions : some of the tests with the lowest versions that pyproject.toml declares;
-#              WITH=3.13 RESOLUTION=highest takes another Python and the newest versions
+# make test-versions : some of the tests with the lowest versions declared in pyproject.toml;
+#              WITH=3.13 RESOLUTION=highest is for another Python, and the newest versions
 # make lint  : linter, formatter and type checker
 # make bench : the benchmarks beside their peers, into benchmarks/results
 # make docs  : the documentation, into site/index.html; GALLERY=0 leaves its scripts unexecuted
@@ -39,9 +39,9 @@ test-versions: $(READY)
 		--dist loadfile $(SOME_TESTS)
 
 lock: $(READY)
-	$(BIN)/uv pip compile pyproject.toml --extra certify --extra dev --universal --upgrade \
-		--python-version 3.11 --strip-extras --no-emit-package excitation-fronts --no-header \
-		--quiet --output-file requirements.lock
+	$(BIN)/uv pip compile pyproject.toml --extra certify --extra dev --extra explore \
+		--universal --upgrade --python-version 3.11 --strip-extras --no-header --quiet \
+		--no-emit-package excitation-fronts --output-file requirements.lock
 
 lint: $(READY)
 	$(BIN)/ruff check .

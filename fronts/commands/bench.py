@@ -112,7 +112,8 @@ def _list(wanted: tuple[WorkPrecision, ...], growth: bool) -> Answer:
             {
                 "name": quantity.name,
                 "what": quantity.title,
-                "scenes": problems,
+                "problems": problems,
+                "scenes": problems,  # its name until version 1.0
                 "default": quantity.default,
                 "methods": list(benchmark.style.methods),
                 "useful": list(quantity.useful or ()),

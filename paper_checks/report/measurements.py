@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from paper_checks.report.method_sections import defaults, first_calls, problems
-from paper_checks.report.section import Diagram, Failure, Json, Section, stamp_of, warned
+from paper_checks.report.section import Diagram, Failure, Json, Section, origin_of, warned
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
@@ -79,7 +79,7 @@ def _speed(records: Mapping[str, Json], folder: Path) -> Section | None:
         ),
         ("Quantity", "What is compared", "Wanted", "Measured", "Verdict"),
         tuple(rows),
-        tuple(stamp_of(record) for record in measured.values()),
+        tuple(origin_of(record) for record in measured.values()),
         tuple(diagram for diagram in diagrams if diagram),
     )
 
@@ -109,7 +109,7 @@ def _growth(records: Mapping[str, Json], folder: Path) -> Section | None:
         warned("Time is fitted by a power of the size.", {"growth": record}),
         ("What", "Size", "Time", "Power", "Expected", "Why they differ", "Power of memory"),
         tuple(rows),
-        (stamp_of(record),),
+        (origin_of(record),),
         (diagram,) if diagram else (),
     )
 
@@ -159,7 +159,7 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
         ),
         ("Quantity", "What", "Over", "Points", *(one.capitalize() for one in OUTCOMES), "Slowest"),
         (*rows, total),
-        (stamp_of(record),),
+        (origin_of(record),),
     )
 
 
@@ -190,5 +190,5 @@ def _work_reduction(records: Mapping[str, Json], folder: Path) -> Section | None
             )
             for row in record["work_reduction"]
         ),
-        (stamp_of(record),),
+        (origin_of(record),),
     )

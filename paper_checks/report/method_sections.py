@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from paper_checks.report.section import Json, Section, Stamp, stamp_of, warned
+from paper_checks.report.section import Json, Origin, Section, origin_of, warned
 from verification.quantities.registry import all_quantities
 
 
@@ -36,7 +36,7 @@ def first_calls(records: Mapping[str, Json]) -> Section | None:
         ),
         ("Quantity", "Method", "Cold", "Loaded", "Again", "No value because"),
         tuple(rows),
-        tuple(stamp_of(record) for record in measured.values()),
+        tuple(origin_of(record) for record in measured.values()),
     )
 
 
@@ -73,7 +73,7 @@ def problems(records: Mapping[str, Json]) -> Section | None:
         "two references were apart where error and run time were measured.",
         ("Quantity", "Problem", "Tags", "Parameters", "Reference", "To within", "Measured apart"),
         tuple(rows),
-        tuple(stamp_of(record) for record in records.values() if "agreement" in record),
+        tuple(origin_of(record) for record in records.values() if "agreement" in record),
     )
 
 
@@ -115,7 +115,7 @@ def defaults(records: Mapping[str, Json]) -> Section | None:
             "Solve another problem",
         ),
         tuple(rows),
-        (Stamp("fronts bench --defaults", f"{dates[0]} to {dates[-1]}", "as above"),),
+        (Origin("fronts bench --defaults", f"{dates[0]} to {dates[-1]}", "as above"),),
     )
 
 

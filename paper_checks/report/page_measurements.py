@@ -9,7 +9,7 @@ from html import escape
 
 from paper_checks.report.inline_math import typeset
 from paper_checks.report.inline_svg import inline_svg
-from paper_checks.report.section import Diagram, Failure, Section, Stamp
+from paper_checks.report.section import Diagram, Failure, Origin, Section
 
 WORDS = {
     "sum": "Sum of (53)",
@@ -63,18 +63,18 @@ def _section(section: Section) -> str:
 <thead><tr>{head}</tr></thead>
 <tbody>
 {rows}</tbody></table></div>
-{_stored(section.stamps)}
+{_stored(section.origins)}
 </section>
 """
 
 
-def _stored(stamps: Sequence[Stamp]) -> str:
+def _stored(origins: Sequence[Origin]) -> str:
     commands = ", ".join(
-        f"<code>{escape(one)}</code>" for one in dict.fromkeys(stamp.command for stamp in stamps)
+        f"<code>{escape(one)}</code>" for one in dict.fromkeys(origin.command for origin in origins)
     )
-    dates = sorted({stamp.date for stamp in stamps})
+    dates = sorted({origin.date for origin in origins})
     when = escape(dates[0] if len(dates) == 1 else f"{dates[0]} to {dates[-1]}")
-    where = escape("; ".join(dict.fromkeys(stamp.machine for stamp in stamps)))
+    where = escape("; ".join(dict.fromkeys(origin.machine for origin in origins)))
     return f'<p class="record">Stored. Measured {when} by {commands}; {where}.</p>'
 
 

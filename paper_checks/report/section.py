@@ -13,7 +13,7 @@ Json = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Stamp:
+class Origin:
     """Where numbers come from: the command that gave them, when, and with what."""
 
     command: str
@@ -55,7 +55,7 @@ class Section:
         Names of the columns.
     rows : tuple of tuple of str
         Cells.
-    stamps : tuple of Stamp
+    origins : tuple of Origin
         Of the records it was read from.
     diagrams : tuple of Diagram
         Pictures below the table.
@@ -66,7 +66,7 @@ class Section:
     lead: str
     head: Row
     rows: tuple[Row, ...]
-    stamps: tuple[Stamp, ...]
+    origins: tuple[Origin, ...]
     diagrams: tuple[Diagram, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
@@ -76,11 +76,11 @@ class Section:
             "title": self.title,
             "head": list(self.head),
             "rows": [list(row) for row in self.rows],
-            "stored": [vars(stamp) for stamp in self.stamps],
+            "stored": [vars(origin) for origin in self.origins],
         }
 
 
-def stamp_of(record: Json) -> Stamp:
+def origin_of(record: Json) -> Origin:
     """Return where a record comes from, with the versions it was measured with."""
     machine = record["machine"]
     versions = ", ".join(
@@ -89,7 +89,7 @@ def stamp_of(record: Json) -> Stamp:
         if version not in (None, "not installed")
     )
     where = f"{machine['processor']}, {machine['cores']} cores" + (versions and f"; {versions}")
-    return Stamp(record["command"], record["date"], where, staleness(record.get("code")))
+    return Origin(record["command"], record["date"], where, staleness(record.get("code")))
 
 
 def warned(lead: str, records: Mapping[str, Json]) -> str:

@@ -6,7 +6,8 @@ The chain of Nagumo, ẏ_n = y_n (1 - y_n)(y_n - α) + c (y_{n-1} - 2 y_n + y_{n
 from dataclasses import dataclass
 
 import fronts as fr
-from theory.chains.chain import Ends, SmoothChain, parameter
+from theory.chains.chain import SmoothChain, parameter
+from theory.chains.ends import Ends
 
 
 def nagumo(site, left, right, p):  # type: ignore[no-untyped-def]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain
 from theory.result import plain
 

@@ -12,7 +12,7 @@ from scipy.optimize import fsolve, root
 
 from fronts.cli import main
 from theory.averaged.breather import BreatherStatus, solve_breather
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import (

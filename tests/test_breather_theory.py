@@ -18,7 +18,7 @@ from theory.averaged.envelope import (
     staggered_phase,
     staggered_rate,
 )
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.references.equations import damping, pull

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, outward_pattern
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError

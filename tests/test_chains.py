@@ -12,7 +12,8 @@ import pytest
 
 from fronts.bound import models
 from theory.cells.friction import FrictionCell
-from theory.chains.chain import Chain, Ends, SmoothChain
+from theory.chains.chain import Chain, SmoothChain
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.piecewise import PiecewiseChain

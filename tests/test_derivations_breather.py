@@ -15,7 +15,7 @@ from derivations.chain import PAPER
 from derivations.symbols import epsilon
 from theory.averaged.breather import Reading, solve_breather
 from theory.averaged.envelope import envelope_rate
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 
 CELL = {"a": 2.5, "b": 0.5, "c": 0.1}

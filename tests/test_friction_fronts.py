@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from theory.cells.friction import FrictionCell
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place, nucleus_sites
 from theory.chains.vdp import VdpChain

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import simpson
 
 from theory.cells.friction import FrictionCell
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError
 from verification.cells.friction import cycle_end_velocity

@@ -19,8 +19,8 @@ from derivations.cell.polynomial_text import read_polynomial as read_for_derivat
 from fronts.cli import main
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import read_polynomial
-from theory.chains.chain import Ends
 from theory.chains.coupling import network_of
+from theory.chains.ends import Ends
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError

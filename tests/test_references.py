@@ -10,7 +10,7 @@ import pytest
 
 from theory.averaged.envelope import envelope_rate
 from theory.cells.friction import FrictionCell
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.piecewise.limits import static_sum_distance

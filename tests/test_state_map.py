@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution.sweep import part_path, sweep

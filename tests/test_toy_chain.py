@@ -19,7 +19,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
-from theory.chains.chain import CHAINS, Ends, Kernel, SmoothChain, parameter
+from theory.chains.chain import CHAINS, Kernel, SmoothChain, parameter
+from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError
 from verification.fronts.measure import measure_front

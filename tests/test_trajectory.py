@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from theory.chains.chain import CHAINS, Ends
+from theory.chains.chain import CHAINS
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain

@@ -13,7 +13,7 @@ from mpmath import mp
 from scipy.integrate import simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.quantities.problems import PROBLEMS, Problem

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
 
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite

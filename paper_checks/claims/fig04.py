@@ -40,7 +40,7 @@ EVENTS = "verification.references.friction_events:run_events"
 def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> float:
     from dataclasses import replace
 
-    from theory.chains.chain import Ends
+    from theory.chains.ends import Ends
     from theory.chains.nucleus import Place
     from verification.thresholds.spreading import Spreading, spreading_threshold
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError
 

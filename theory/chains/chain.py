@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 
+from theory.chains.ends import Ends
 from theory.parameters import ParameterError, real_number, whole_number
-from theory.status import Status
 
 if TYPE_CHECKING:
     from theory.chains.coupling import Network
@@ -29,19 +29,6 @@ CHAINS: dict[str, type[Chain]] = {}
 
 MAX_SITES = 1_000_000
 MAX_COUPLING = 1e6
-
-
-class Ends(Status):
-    """What the end sites of a chain are coupled to."""
-
-    FREE = "free", "One neighbour only: the coupling of site 1 is c(y_1 - y_2)."
-    PERIODIC = "periodic", "The two ends are neighbours of each other, as in (40): a ring."
-    LITERAL = (
-        "literal",
-        "The missing neighbours are zero, as (5) stands: the coupling of site 1 is c(2y_1 - y_2), "
-        "a spring to a wall.",
-    )
-    FIXED = "fixed", "The missing neighbours are held at rest: springs to walls at both ends."
 
 
 class Site(NamedTuple):

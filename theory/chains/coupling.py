@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.parameters import MissingPackageError, ParameterError
 
 FloatArray = npt.NDArray[np.float64]

@@ -12,7 +12,8 @@ from typing import ClassVar
 
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
-from theory.chains.chain import MAX_COUPLING, MAX_SITES, Chain, Ends, Site, parameter
+from theory.chains.chain import MAX_COUPLING, MAX_SITES, Chain, Site, parameter
+from theory.chains.ends import Ends
 from theory.parameters import ParameterError
 
 

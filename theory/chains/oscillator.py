@@ -12,30 +12,21 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 
-from theory.cells.averaging import mean_shift_of_stiffness
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import Polynomial, as_polynomial
-from theory.chains.chain import (
-    MAX_COUPLING,
-    MAX_SITES,
-    Ends,
-    Kernel,
-    Site,
-    SmoothChain,
-    parameter,
-)
+from theory.chains.chain import MAX_COUPLING, MAX_SITES, Kernel, Site, SmoothChain, parameter
 from theory.chains.coupling import Network, is_file, network_of, size_of
 from theory.chains.drive import Drive, read_drives
+from theory.chains.ends import Ends
 from theory.chains.model_file import read_model
 from theory.chains.oscillator_kernel import OWN, KernelText, clock_size, functions_of
 from theory.chains.site_values import (
@@ -47,10 +38,10 @@ from theory.chains.site_values import (
 )
 from theory.parameters import ParameterError, whole_number
 
-FloatArray = npt.NDArray[np.float64]
+if TYPE_CHECKING:
+    from theory.chains.averaged_oscillator import AveragedOscillatorChain
 
-MAX_PHASE = 0.1
-"""Phase that the averaged chain may lose against the full one in a unit of εt by its stiffness."""
+FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -410,7 +401,9 @@ class OscillatorChain(SmoothChain, model="chain"):
 
     def averaged(self) -> AveragedOscillatorChain:
         """Return the averaged chain of the same parameters."""
-        return AveragedOscillatorChain(**_fields_of(self))
+        from theory.chains.averaged_oscillator import AveragedOscillatorChain
+
+        return AveragedOscillatorChain(**vars_of(self))
 
     def replace(self, **changes: Any) -> Self:
         """Return this chain with some parameters changed, those of the cell by their names."""
@@ -486,108 +479,8 @@ class OscillatorChain(SmoothChain, model="chain"):
         return cls(**read_model(Path(path), known, changes))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class AveragedOscillatorChain(OscillatorChain, model="averaged-chain"):
-    """An `OscillatorChain` averaged over a period, to first order in ε: the envelope φ.
-
-        φ_n' = -½H(|φ_n|²)φ_n + iΩ(|φ_n|²)φ_n + (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j)
-
-    per unit of εt, for y = Im(φ e^{iωt}) and ẏ = ω Re(φ e^{iωt}); ω is that of small motion of a
-    cell, H and Ω are in ``theory.cells.averaging``. A state is (Im φ, Re φ); times are t. What is
-    nonlinear in the stiffness must be of order ε.
-
-    Attributes
-    ----------
-    damping, c, stiffness, values, coupling, eps, velocity_coupling, overdamped, disorder, seed, \
-sites, ends, shape
-        As in :class:`OscillatorChain`.
-
-    Raises
-    ------
-    ParameterError
-        If one is out of range, there is no inertia, or the frequency on a cycle is not what first
-        order says it is.
-
-    References
-    ----------
-    J. Guckenheimer, P. Holmes (1983), Nonlinear Oscillations, Dynamical Systems, and Bifurcations
-    of Vector Fields.
-
-    Examples
-    --------
-    >>> chain = OscillatorChain(damping="v**2 - 1", c=0.5).averaged()
-    >>> round(chain.stable_amplitude**2, 12)
-    1.333333333333
-    """
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.check_unforced("the averaged chain, whose frequency is its own")
-        if self.overdamped:
-            raise ParameterError("overdamped", "true", "false: it has no period", "leave it out")
-        off = self._phase_lost()
-        if off > MAX_PHASE:
-            raise ParameterError(
-                "stiffness", repr(self.stiffness), "linear up to terms of order eps: the phase of "
-                f"the averaged chain would be wrong by {off:.2g} in a unit of eps t",
-                "make what is nonlinear smaller, or run the full chain",
-            )  # fmt: skip
-
-    def _phase_lost(self) -> float:
-        """Return by how much first order misses the frequency of a stable cycle, over ε."""
-        mean = mean_shift_of_stiffness(self._g).at(self._extreme_values()[0])
-        small, worst = self.cell.frequency, 0.0
-        for cycle in self.cell.cycles:
-            if cycle.stable:
-                shift = sum(value * cycle.amplitude ** (2 * i) for (i, _), value in mean.items())
-                first = small + (shift - 0.5 * small**2) / small
-                worst = max(worst, abs(2.0 * math.pi / cycle.period - first) / self.eps)
-        return worst
-
-    @property
-    def oscillates(self) -> bool:  # type: ignore[override]
-        """The envelope does not."""
-        return False
-
-    @property
-    def kernel_rate(self) -> float:
-        """ε: the kernel is in slow time."""
-        return self.eps
-
-    def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:
-        """Return (Im φ, Re φ) of a site on the motion of this amplitude; see `SmoothChain`."""
-        return SmoothChain.excited_state(self, displacement, quarter_turns)
-
-    @cached_property
-    def _source(self) -> str:
-        return self._text.averaged()
-
-    def kernels(self) -> tuple[Kernel, Kernel]:
-        """Refuse: derivatives are those of the full chain.
-
-        Raises
-        ------
-        ParameterError
-            Always.
-        """
-        raise ParameterError("model", self.model, "chain for a breather", "take chain.full()")
-
-    @property
-    def kernel_layout(self) -> tuple[int, ...]:
-        """As of the full chain; the pull on both parts of φ is needed."""
-        layout = super().kernel_layout
-        return layout if self.network is None else (*layout[:2], 1)
-
-    def averaged(self) -> AveragedOscillatorChain:
-        """Return this chain."""
-        return self
-
-    def full(self) -> OscillatorChain:
-        """Return the full chain of the same parameters."""
-        return OscillatorChain(**_fields_of(self))
-
-
-def _fields_of(chain: OscillatorChain) -> dict[str, Any]:
+def vars_of(chain: OscillatorChain) -> dict[str, Any]:
+    """Return the attributes of a chain by name."""
     return {each.name: getattr(chain, each.name) for each in dataclasses.fields(chain)}
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
-from theory.chains.chain import MAX_COUPLING, Chain, Ends, Site, parameter
+from theory.chains.chain import MAX_COUPLING, Chain, Site, parameter
+from theory.chains.ends import Ends
 from theory.parameters import ParameterError, real_number
 
 

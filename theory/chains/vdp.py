@@ -16,14 +16,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from theory.cells.vdp import ETA_END, eta_from_damping
-from theory.chains.chain import (
-    MAX_COUPLING,
-    MAX_SITES,
-    Ends,
-    Kernel,
-    SmoothChain,
-    parameter,
-)
+from theory.chains.chain import MAX_COUPLING, MAX_SITES, Kernel, SmoothChain, parameter
+from theory.chains.ends import Ends
 from theory.parameters import ParameterError
 
 SMALLEST_DAMPING, LARGEST_DAMPING = 1e-100, 1e100

@@ -23,7 +23,7 @@ from theory.averaged.envelope import (
     staggered_phase,
     staggered_rate,
 )
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, RunError

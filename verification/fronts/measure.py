@@ -30,7 +30,8 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import check_sliding_stable
-from theory.chains.chain import Chain, Ends, SmoothChain
+from theory.chains.chain import Chain, SmoothChain
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain

@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, positive, within
 from verification.maps.rules import RULES, StateRules

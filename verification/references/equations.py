@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VanDerPolChain
 

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Chain, Ends
+from theory.chains.chain import Chain
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import count_within, positive
 from verification.execution.digest import digest_of_arrays

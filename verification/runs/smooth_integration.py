@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Ends, SmoothChain
+from theory.chains.chain import SmoothChain
+from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, at_least
 from verification.execution.digest import digest_of_arrays

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.chain import Ends, SmoothChain
+from theory.chains.chain import SmoothChain
+from theory.chains.ends import Ends
 from verification.execution.compiled import njit
 from verification.steppers.active import FREE, RING
 from verification.steppers.kernel import slope_of

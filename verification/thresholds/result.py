@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from theory.chains.chain import Ends
+from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.result import Result
 from theory.status import Status

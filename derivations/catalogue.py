@@ -70,8 +70,11 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
         )
     module = importlib.import_module(f"derivations.{LISTING[name][0]}")
     given = () if model is None else (model,)
-    ordered = {"order": order} if name in WITH_ORDER else {}
-    made: Derivation = module.derive(*given, **ordered)
+    made: Derivation = module.derive(*given)
+    if order == 2 and name in WITH_ORDER:
+        from derivations.averaging.second_order import extended
+
+        return extended(made, *given)
     return made
 
 

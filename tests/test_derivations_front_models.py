@@ -14,7 +14,7 @@ from derivations import catalogue
 from derivations.algebra.equations import same
 from derivations.algebra.steps import Kind
 from derivations.chain import ChainModel
-from derivations.friction.steps import PAPER as FRICTION
+from derivations.friction.model import PAPER as FRICTION
 from derivations.friction.steps import derive as derive_friction
 from derivations.friction.symbols import d, eta_c, k, m
 from derivations.symbols import a, b, c

@@ -1,19 +1,27 @@
 """The algebra of derivations.
 
-``equations``   equations and systems as live objects, and when two are the same
-``operations``  the vocabulary: substitute, solve for, eliminate, divide, select a branch …
-``expansion``   time scales, truncation, collecting an order, linearising
-``oscillation`` harmonics, secular terms, averages, real and imaginary parts, square and add
-``harmonics``   exact polynomials in e^{iT}, for the second order
-``steps``       `Given` and `Derived` steps, checks, derivations
-``evidence``    checks: values at random points, a predicted order
-``rendering``   text, LaTeX, MathML, JSON; ``notation`` names what is shown
-``mathml``      LaTeX as MathML
+``equations``       equations and systems as live objects, and when two are the same
+``operations``      what an operation is, and how it says what it did
+``substitution``    substitute, eliminate, take a branch, change variables, enter a moving frame
+``rearrangement``   join and take, divide, isolate, rewrite, powers, coefficients, derivatives
+``solution``        solve for symbols, angles and oscillations; prescribe coefficients; cycles
+``expansion``       time scales, expansion in a small parameter, limits, linearising
+``oscillation``     harmonics, secular terms, averages, real and imaginary parts, square and add
+``balance``         the mean power of a harmonic motion
+``amplitudes``      modulation equations to second order; ``modulation`` and ``harmonics`` compute
+``lattice``         close a chain, write it to first order, insert a plane wave
+``dispersion``      group velocity, its maximum, the envelope of a wave
+``transform``       Fourier transform, contours, integrals over a period; ``sums`` over roots
+``roots``           count roots; terms at a root; square roots of complex numbers
+``steps``           `Given` and `Derived` steps, checks, derivations
+``evidence``        checks: values at random points, a predicted order
+``rendering``       text, LaTeX, MathML, JSON; ``notation`` names what is shown
+``mathml``          LaTeX as MathML
 
 A derivation is a function of its model and reads like an appendix::
 
     chain = model("chain", m.equation(), "The chain", check=..., number=8)
-    centre = derived("centre", (Specialise({n: 0}), ImposeMirrorSymmetry(y)), chain,
+    centre = derived("centre", (Substitute({n: 0}), mirrored(y, t, 1)), chain,
                      check=..., number=10)
 
 The first operation receives the results of all sources, each further one the result before it. No

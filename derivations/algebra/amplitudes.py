@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
+from typing import ClassVar
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -57,82 +59,56 @@ def _from_fields(
     return ring, [ring.element(polynomial.coeff_monomial(small**m)) for m in range(powers + 1)]
 
 
+class Route(Enum):
+    """How a modulation equation is found; the value says it in words."""
+
+    MULTIPLE_SCALES = (
+        "put y = A e^(it) + c.c. + εy⁽¹⁾ with the times T₀, T₁ and T₂ into {}, solve for y⁽¹⁾, and "
+        "remove secular terms at both orders"
+    )
+    AVERAGING = (
+        "put y′ + iy = φ e^(it) into {} and average, with the oscillating part of φ removed by a "
+        "near-identity change of variable"
+    )
+
+
 @dataclass(frozen=True)
-class ScalesToSecondOrder(Operation):
-    """Multiple scales to second order: secular terms are removed at both orders.
+class FindModulation(Operation):
+    """Slow equation of the complex amplitude of an oscillation, to first or second order.
 
     Attributes
     ----------
+    route : Route
+        By multiple scales for A of ``y_n = A_n e^{it} + c.c. + eps y_n^{(1)}``, or by averaging
+        for the mean of phi in ``y' + i y = phi e^{it}``.
     small : Symbol
         The small parameter.
     amplitude : function class
-        Of ``y_n = A_n e^{it} + c.c. + eps y_n^{(1)}``.
+        The complex amplitude.
     order : int
         1 or 2.
     """
 
+    route: Route
     small: sp.Symbol
     amplitude: sp.FunctionClass
     order: int = 2
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the equation of dA_n/dt."""
+        """Return ``rate of the amplitude = ...``."""
         (motion,) = sources
         index, time = _site_of(motion)
-        found = by_multiple_scales(Force.read(motion, self.small), self.order)
-        right = _total(found, self.small, self.amplitude, index, time)
+        find = by_multiple_scales if self.route is Route.MULTIPLE_SCALES else by_averaging
+        found = find(Force.read(motion, self.small), self.order)
+        right = self.small * _as_fields(found.ring, found.first, self.amplitude, index, time)
+        if found.second is not None:
+            second = _as_fields(found.ring, found.second, self.amplitude, index, time)
+            right += self.small**2 * second
         return equation(self.amplitude(index, time).diff(time), right)
 
     def words(self, labels: Sequence[str]) -> str:
-        """Name the expansion."""
-        return (
-            f"put y = A e^(it) + c.c. + εy⁽¹⁾ with the times T₀, T₁ and T₂ into {listed(labels)}, "
-            "solve for y⁽¹⁾, and remove secular terms at both orders"
-        )
-
-
-@dataclass(frozen=True)
-class AverageToSecondOrder(Operation):
-    """Averaging to second order: a near-identity change removes what oscillates.
-
-    Attributes
-    ----------
-    small : Symbol
-        The small parameter.
-    envelope : function class
-        Of ``y' + i y = phi e^{it}``.
-    order : int
-        1 or 2.
-    """
-
-    small: sp.Symbol
-    envelope: sp.FunctionClass
-    order: int = 2
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the equation of the mean of phi."""
-        (motion,) = sources
-        index, time = _site_of(motion)
-        found = by_averaging(Force.read(motion, self.small), self.order)
-        right = _total(found, self.small, self.envelope, index, time)
-        return equation(self.envelope(index, time).diff(time), right)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the change of variable."""
-        return (
-            f"put y′ + iy = φ e^(it) into {listed(labels)} and average, with the oscillating part "
-            "of φ removed by a near-identity change of variable"
-        )
-
-
-def _total(
-    found: Modulation, small: sp.Symbol, function: sp.FunctionClass, index: sp.Expr,
-    time: sp.Symbol,
-) -> sp.Expr:  # fmt: skip
-    right = small * _as_fields(found.ring, found.first, function, index, time)
-    if found.second is not None:
-        right += small**2 * _as_fields(found.ring, found.second, function, index, time)
-    return right
+        """Name the route."""
+        return self.route.value.format(listed(labels))
 
 
 @dataclass(frozen=True)
@@ -149,6 +125,7 @@ class FundamentalOfAverage(Operation):
         What the fundamental is called.
     """
 
+    phrase: ClassVar[str] = "take the coefficient of e^(it) in the displacement of {sources}"
     small: sp.Symbol
     envelope: sp.FunctionClass
     name: sp.Symbol
@@ -160,10 +137,6 @@ class FundamentalOfAverage(Operation):
         found = by_averaging(Force.read(motion, self.small), 1)
         shift = _as_fields(found.ring, fundamental_shift(found), self.envelope, index, time)
         return equation(self.name, -sp.I / 2 * (self.envelope(index, time) + self.small * shift))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the harmonic."""
-        return f"take the coefficient of e^(it) in the displacement of {listed(labels)}"
 
 
 @dataclass(frozen=True)
@@ -180,6 +153,7 @@ class ChangeAmplitude(Operation):
         The variable before and after.
     """
 
+    phrase: ClassVar[str] = "rewrite {first} for the fundamental of the displacement by {others}"
     small: sp.Symbol
     envelope: sp.FunctionClass
     amplitude: sp.FunctionClass
@@ -201,10 +175,6 @@ class ChangeAmplitude(Operation):
                      for m, part in ((1, first), (2, second))), sp.S.Zero)  # fmt: skip
         return equation(self.amplitude(index, time).diff(time), right)
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the change."""
-        return f"rewrite {labels[0]} for the fundamental of the displacement by {labels[1]}"
-
 
 @dataclass(frozen=True)
 class NextHarmonics(Operation):
@@ -222,6 +192,7 @@ class NextHarmonics(Operation):
         ``e^{it}``.
     """
 
+    phrase: ClassVar[str] = "solve {sources} at order ε for what is not resonant"
     small: sp.Symbol
     amplitude: sp.FunctionClass
     name: sp.Symbol
@@ -236,14 +207,10 @@ class NextHarmonics(Operation):
                     for m, value in sorted(found.correction.terms.items())), sp.S.Zero)  # fmt: skip
         return equation(self.name, wave)
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the order."""
-        return f"solve {listed(labels)} at order ε for what is not resonant"
-
 
 @dataclass(frozen=True)
-class _OfCycle(Operation):
-    """Common to what is read off the modulation of a cell.
+class SeekCycles(Operation):
+    """Constant amplitudes of a modulation of a cell to second order: its cycles.
 
     Attributes
     ----------
@@ -252,12 +219,33 @@ class _OfCycle(Operation):
     amplitude : function class
         The complex amplitude A of ``e^{it}``.
     square : Symbol
-        Square of the amplitude of y, ``4 |A|²``.
+        Square of the amplitude of y to first order, ``4 |A|²``.
+    frequency, size : Symbol
+        What the frequency and ``|A|`` to second order are called.
     """
 
+    phrase: ClassVar[str] = (
+        "seek constant amplitudes of {sources}: where the damping vanishes, and their frequency "
+        "and size"
+    )
     small: sp.Symbol
     amplitude: sp.FunctionClass
     square: sp.Symbol
+    frequency: sp.Symbol
+    size: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``damping of the mean = 0``, the frequency and the size in the square."""
+        (modulation,) = sources
+        (first, turning), (second, more) = self._rates(modulation)
+        shift = sp.S.Zero if second == 0 else sp.cancel(-second / sp.diff(first, self.square))
+        moved = sp.diff(turning, self.square) * shift
+        root = sp.sqrt(self.square)
+        return sp.Tuple(
+            equation(-2 * first),
+            equation(self.frequency, 1 + self.small * turning + self.small**2 * (more + moved)),
+            equation(self.size, root / 2 + self.small * shift / (4 * root)),
+        )
 
     def _rates(self, modulation: sp.Basic) -> list[tuple[sp.Expr, sp.Expr]]:
         """Real and imaginary part of A'/A at each order from the first, in the square."""
@@ -265,100 +253,3 @@ class _OfCycle(Operation):
         steady = sp.expand(modulation.rhs.subs(field, sp.sqrt(self.square) / 2).doit())
         relative = sp.Poly(sp.expand(steady * 2 / sp.sqrt(self.square)), self.small)
         return [complex_parts(relative.coeff_monomial(self.small**m)) for m in (1, 2)]
-
-    def _shift(self, rates: list[tuple[sp.Expr, sp.Expr]]) -> sp.Expr:
-        """Return what the second order adds to the square of the amplitude of a cycle."""
-        (first, _), (second, _) = rates
-        if second == 0:
-            return sp.S.Zero
-        return sp.cancel(-second / sp.diff(first, self.square))
-
-
-@dataclass(frozen=True)
-class CycleAmplitude(_OfCycle):
-    """Amplitudes at which a cell neither gains nor loses energy, to first order."""
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``damping of the mean = 0`` in the square of the amplitude."""
-        (modulation,) = sources
-        return equation(-2 * self._rates(modulation)[0][0])
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"seek constant amplitudes of {listed(labels)} to first order"
-
-
-@dataclass(frozen=True)
-class CycleFrequency(_OfCycle):
-    """Frequency of a cycle of a cell to second order.
-
-    Attributes
-    ----------
-    name : Symbol
-        What the frequency is called.
-    """
-
-    name: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = 1 + …`` in the square of the amplitude to first order."""
-        (modulation,) = sources
-        rates = self._rates(modulation)
-        (_, first), (_, second) = rates
-        moved = sp.diff(first, self.square) * self._shift(rates)
-        return equation(self.name, 1 + self.small * first + self.small**2 * (second + moved))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"take the turning of the amplitude of {listed(labels)} on a cycle"
-
-
-@dataclass(frozen=True)
-class CycleFundamental(_OfCycle):
-    """Amplitude of the fundamental of a cycle of a cell, with its first correction.
-
-    Attributes
-    ----------
-    name : Symbol
-        What ``|A|`` is called.
-    """
-
-    name: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``|A| = √s/2 + eps …``."""
-        (modulation,) = sources
-        shift = self._shift(self._rates(modulation))
-        root = sp.sqrt(self.square)
-        return equation(self.name, root / 2 + self.small * shift / (4 * root))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"seek constant amplitudes of {listed(labels)} to second order"
-
-
-@dataclass(frozen=True)
-class EliminatePowers(Operation):
-    """Lower the powers of a symbol by a polynomial equation that it satisfies.
-
-    Attributes
-    ----------
-    symbol : Symbol
-        The symbol.
-    """
-
-    symbol: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the first source with the remainder of its right side."""
-        target, relation = sources
-        if not target.rhs.is_polynomial(self.symbol):
-            return target
-        own = sp.Poly(left_minus_right(relation), self.symbol)
-        rest = sp.rem(sp.Poly(sp.expand(target.rhs), self.symbol), own)
-        terms = sp.collect(sp.expand(rest.as_expr()), self.symbol)
-        return equation(target.lhs, terms)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the relation."""
-        return f"lower the powers in {labels[0]} by {labels[1]}"

@@ -10,7 +10,6 @@ import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right
 from derivations.algebra.operations import Operation, listed, spoken
-from derivations.algebra.oscillation import harmonics_of
 
 
 @lru_cache(maxsize=1)
@@ -105,25 +104,3 @@ class BalancePower(Operation):
             f"put {spoken(self.field)} = {spoken(self.motion)} into {listed(labels)}, multiply by "
             "the velocity and average over the phase (first order in damping and friction)"
         )
-
-
-@dataclass(frozen=True)
-class ResonantPart(Operation):
-    """Keep of a quantity what varies as ``e^{i phase}``: its coefficient.
-
-    Attributes
-    ----------
-    phase : Symbol
-        The phase.
-    """
-
-    phase: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = coefficient``; the left side of the source is the name."""
-        (source,) = sources
-        return equation(source.lhs, harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the phase."""
-        return f"take the coefficient of e^(i{spoken(self.phase)}) in {listed(labels)}"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class DifferentiateDispersion(Operation):
         What the first and the higher derivatives are called.
     """
 
+    phrase: ClassVar[str] = "differentiate {sources} implicitly: {names}"
     frequency: sp.Symbol
     wavenumber: sp.Symbol
     names: tuple[sp.Symbol, ...]
@@ -45,12 +47,6 @@ class DifferentiateDispersion(Operation):
             out.append(equation(name, sp.expand(found)))
         return sp.Tuple(*out)
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the derivatives."""
-        return (
-            f"differentiate {listed(labels)} implicitly: {listed([spoken(q) for q in self.names])}"
-        )
-
 
 def _by_order(pair: tuple[sp.Basic, sp.Basic]) -> int:
     return -int(pair[0].derivative_count)
@@ -71,6 +67,10 @@ class FastestWave(Operation):
         The parameter at whose value ``probe`` the admissible root is told from the others.
     """
 
+    phrase: ClassVar[str] = (
+        "let the second derivative of the frequency in {first} vanish, with {others}, and keep the "
+        "root with |cos {wavenumber}| < 1"
+    )
     frequency: sp.Symbol
     wavenumber: sp.Symbol
 
@@ -90,13 +90,6 @@ class FastestWave(Operation):
         if len(admissible) != 1:
             raise OperationError("not one wave of largest group velocity")
         return equation(sp.cos(k), admissible[0])
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Say what vanishes."""
-        return (
-            f"let the second derivative of the frequency in {labels[0]} vanish, with "
-            f"{listed(labels[1:])}, and keep the root with |cos {spoken(self.wavenumber)}| < 1"
-        )
 
 
 def _is_cosine(root: sp.Expr) -> bool:
@@ -147,7 +140,7 @@ class AtFastestWave(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the wave."""
-        return f"evaluate {labels[0]} at the wave {listed(labels[2:])}, with {labels[1]}"
+        return f"evaluate {labels[0]} at the wave {labels[2]}, with {labels[1]}"
 
 
 def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.Expr]]:
@@ -180,6 +173,10 @@ class EnvelopeOfWave(Operation):
         First, second and third derivative of the frequency at the carrier.
     """
 
+    phrase: ClassVar[str] = (
+        "expand the frequency about the fastest wave to third order, write the distance of the "
+        "wavenumber as -i∂/∂{place} on the envelope, and add the local rate of {sources}"
+    )
     envelope: sp.Expr
     place: sp.Symbol
     time: sp.Symbol
@@ -193,63 +190,3 @@ class EnvelopeOfWave(Operation):
             moved = (-sp.I) ** order * self.envelope.diff((self.place, order))
             rate -= sp.I * coefficient / sp.factorial(order) * moved
         return equation(self.envelope.diff(self.time), sp.expand(rate) + local.rhs)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Say what is expanded."""
-        return (
-            "expand the frequency about the fastest wave to third order, write the distance of the "
-            f"wavenumber as -i∂/∂{spoken(self.place)} on the envelope, and add the local rate of "
-            f"{listed(labels)}"
-        )
-
-
-@dataclass(frozen=True)
-class RealWave(Operation):
-    """Take the real part of a characteristic equation, and solve it for the square of omega.
-
-    Attributes
-    ----------
-    frequency : Symbol
-        omega, real.
-    """
-
-    frequency: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``omega² = ...``."""
-        (source,) = sources
-        real = sp.re(sp.expand(left_minus_right(source))).doit()
-        square = sp.expand(real).coeff(self.frequency, 2)
-        rest = sp.expand(real - square * self.frequency**2)
-        if rest.has(self.frequency) or square == 0:
-            raise OperationError(f"the real part is not linear in {self.frequency} squared")
-        return equation(self.frequency**2, sp.expand(-rest / square))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the frequency."""
-        return f"take the real part of {listed(labels)} and solve for {spoken(self.frequency)}²"
-
-
-@dataclass(frozen=True)
-class NameNegative(Operation):
-    """Give a negative quantity's size a name: ``w = -size``.
-
-    Attributes
-    ----------
-    quantity, size : Symbol
-        The quantity, and the name of its size.
-    """
-
-    quantity: sp.Symbol
-    size: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the system with ``size = -value`` in the place of ``quantity = value``."""
-        (source,) = sources
-        parts = [equation(self.size, sp.expand(-part.rhs)) if part.lhs == self.quantity else part
-                 for part in parts_of(source)]  # fmt: skip
-        return sp.Tuple(*parts)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name both."""
-        return f"write {spoken(self.quantity)} = -{spoken(self.size)} in {listed(labels)}"

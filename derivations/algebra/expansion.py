@@ -1,12 +1,12 @@
-"""Operations of perturbation theory: time scales, expansion in a small parameter, linearisation."""
+"""Perturbation theory: time scales, expansion in a small parameter, limits, linearisation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of
 from derivations.algebra.operations import Operation, OperationError, listed, spoken
@@ -46,6 +46,7 @@ class DifferentiateInScales(Operation):
         Highest derivative.
     """
 
+    phrase: ClassVar[str] = "differentiate by the chain rule in the time scales {sources}"
     function: sp.Expr
     scaled: sp.Expr
     time: sp.Symbol
@@ -62,51 +63,6 @@ class DifferentiateInScales(Operation):
             )
             out.append(equation(self.function.diff((self.time, power)), current))
         return sp.Tuple(*out)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the motion."""
-        return f"differentiate by the chain rule in the time scales {listed(labels)}"
-
-
-@dataclass(frozen=True)
-class RescaleTime(Operation):
-    """Write an equation in the time scales.
-
-    The sources are the equation, the definition of the scales (the fast one first), and, where
-    there are any, the time derivatives in them.
-
-    Attributes
-    ----------
-    function, scaled : Expr
-        The motion as a function of time, and of the scales.
-    time : Symbol
-        The time, which must not remain.
-    """
-
-    function: sp.Expr
-    scaled: sp.Expr
-    time: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the equation in the scales."""
-        target, scales, *derivatives = sources
-        rules = {part.lhs: part.rhs for source in derivatives for part in parts_of(source)}
-        rules[self.function] = self.scaled
-        fast = parts_of(scales)[0]
-        speed = sp.diff(fast.rhs, self.time)
-
-        def rescaled(side: sp.Expr) -> sp.Expr:
-            known = side.xreplace(rules)
-            left = [q for q in known.atoms(AppliedUndef) if self.time in q.args]
-            if left:
-                raise OperationError(f"{left[0]} is a function of {self.time} without scales")
-            return known.subs(self.time, fast.lhs / speed)
-
-        return on_sides(target, rescaled)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the equations."""
-        return f"write {labels[0]} in the time scales by {listed(labels[1:])}"
 
 
 @dataclass(frozen=True)
@@ -179,31 +135,11 @@ class CollectPower(Operation):
 
 
 @dataclass(frozen=True)
-class SteadyState(Operation):
-    """Let slow functions be constant.
-
-    Attributes
-    ----------
-    constants : mapping of function to Symbol
-        The constant value of each.
-    """
-
-    constants: Mapping[sp.Expr, sp.Expr] = field(hash=False)
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the equation with vanishing derivatives."""
-        (source,) = sources
-        return on_sides(source, lambda side: side.subs(self.constants).doit())
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name what is constant."""
-        names = listed([spoken(constant) for constant in self.constants.values()])
-        return f"seek a steady state of {listed(labels)}: constant {names}"
-
-
-@dataclass(frozen=True)
 class Limit(Operation):
     """Let a parameter go to a value.
+
+    An integral over a period of hyperbolic functions of ``A / parameter`` has its limit taken under
+    the integral: the real part of A is positive, so it is that for a positive A.
 
     Attributes
     ----------
@@ -211,119 +147,94 @@ class Limit(Operation):
         What goes there.
     value : Expr
         The value.
+    side : int
+        From which side, 1 or -1; 0 where it makes no difference.
     """
 
     parameter: sp.Symbol
     value: sp.Expr | int = 0
+    side: int = 0
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the limit of both sides."""
         (source,) = sources
+        return on_sides(source, self._limited)
 
-        def limited(side: sp.Expr) -> sp.Expr:
-            plain = side.subs(self.parameter, self.value)
-            if plain.has(sp.nan, sp.zoo):
-                plain = sp.cancel(sp.together(side)).subs(self.parameter, self.value)
-            if plain.is_finite is False or plain.has(sp.nan, sp.zoo, sp.oo):
-                plain = sp.limit(side, self.parameter, self.value)
-            return plain
+    def _limited(self, side: sp.Expr) -> sp.Expr:
+        if side.has(sp.Integral):
+            (integral,) = side.atoms(sp.Integral)
+            return side.xreplace({integral: self._under(integral)})
+        plain = side.subs(self.parameter, self.value)
+        if plain.has(sp.nan, sp.zoo):
+            plain = sp.cancel(sp.together(side)).subs(self.parameter, self.value)
+        if plain.is_finite is False or plain.has(sp.nan, sp.zoo, sp.oo):
+            plain = sp.limit(side, self.parameter, self.value)
+        return plain
 
-        return on_sides(source, limited)
+    def _under(self, integral: sp.Integral) -> sp.Integral:
+        k, *bounds = integral.limits[0]
+        positive = sp.Dummy("A", positive=True)
+        (wave,) = integral.function.atoms(sp.sinh)
+        periodic = sp.expand(wave.args[0] * self.parameter)
+        plain = integral.function.subs(periodic, positive)
+        ratio = sp.Dummy("s", positive=True)  # e^{-A/|v|}
+        small = plain.subs(self.parameter, -self.side * positive / sp.log(ratio)).rewrite(sp.exp)
+        limit = sp.limit(sp.simplify(small), ratio, 0)
+        if self.side == 0 or limit.has(ratio) or not plain.has(positive):
+            raise OperationError("the integrand has no limit")
+        return sp.Integral(limit.xreplace({positive: periodic}), (k, *bounds))
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the limit."""
-        goal = spoken(sp.sympify(self.value))
+        goal = spoken(sp.sympify(self.value)) + {1: "⁺", -1: "⁻", 0: ""}[self.side]
         return f"take the limit {spoken(self.parameter)} → {goal} of {listed(labels)}"
 
 
 @dataclass(frozen=True)
-class Detune(Operation):
-    """Let a quantity differ by a small unknown from a value that was found for it.
-
-    Attributes
-    ----------
-    detuning : Symbol
-        The small difference.
-    """
-
-    detuning: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``quantity = value + detuning``."""
-        (source,) = sources
-        return equation(source.lhs, source.rhs + self.detuning)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the difference."""
-        return f"allow a small difference {spoken(self.detuning)} from {listed(labels)}"
-
-
-@dataclass(frozen=True)
 class Linearise(Operation):
-    """Perturb a solution and keep what is of first order in the perturbation.
+    """Perturb a state and keep what is of first order in the perturbation.
 
     Attributes
     ----------
-    perturbed : mapping of Expr to Expr
-        The perturbation that is added to each variable.
+    changes : mapping of Symbol or function class to the same
+        What is perturbed, and its perturbation. A field is perturbed at all places and times.
+    rate : Symbol or None
+        What the left side of a first-order system is called for the perturbation.
+    at_rest : bool
+        Whether the state is zero. Otherwise it is the value that a second source gives, or, for
+        symbols, whatever it is.
     """
 
-    perturbed: Mapping[sp.Expr, sp.Expr] = field(hash=False)
+    changes: Mapping[sp.Basic, sp.Basic] = field(hash=False)
+    rate: sp.Symbol | None = None
+    at_rest: bool = False
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the part of first order of both sides."""
-        (source,) = sources
-        small = sp.Dummy("s")
-        rules = {own: own + small * change for own, change in self.perturbed.items()}
+        """Return the linear equation of the perturbation."""
+        target, *state = sources
+        size = sp.Dummy("s", positive=True)
 
-        def first(side: sp.Basic) -> sp.Basic:
-            moved = side.xreplace(rules)
-            if isinstance(moved, sp.MatrixBase):
-                return sp.ImmutableMatrix(moved).applyfunc(lambda q: taylor(q, small, 1)[1])
-            return taylor(moved.doit(), small, 1)[1]
+        def first(side: sp.Expr) -> sp.Expr:
+            for own, change in self.changes.items():
+                side = self._perturbed(side, own, change, size, *state)
+            return sp.expand(taylor(side.doit(), size, 1)[1])
 
-        return on_sides(source, first)
+        if self.rate is None:
+            return equation(first(left_minus_right(target)))
+        return equation(self.rate, sp.ImmutableMatrix([first(row) for row in target.rhs]))
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Say what is kept."""
-        return f"perturb the solution of {listed(labels)} and keep the first order"
-
-
-@dataclass(frozen=True)
-class SolveOscillator(Operation):
-    """General real solution of ``u'' + Ω² u = 0`` in the fast time, with a slow amplitude.
-
-    Attributes
-    ----------
-    fast : Symbol
-        The fast time.
-    amplitude : Expr
-        The complex amplitude, a function of the slow time or a constant.
-    """
-
-    fast: sp.Symbol
-    amplitude: sp.Expr
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``u = A e^{iΩt} + A* e^{-iΩt}`` with Ω from the characteristic polynomial."""
-        (source,) = sources
-        whole = left_minus_right(source)
-        (unknown,) = (q for q in whole.atoms(AppliedUndef) if self.fast in q.args)
-        rate = sp.Dummy("rate")
-        trial = sp.exp(rate * self.fast)
-        characteristic = sp.cancel(whole.subs(unknown, trial).doit() / trial)
-        roots = sp.roots(sp.Poly(characteristic, rate))
-        upper = [root for root in roots if sp.im(root).is_positive and sp.re(root) == 0]
-        if len(upper) != 1 or sum(roots.values()) != 2:
-            raise OperationError(f"{source} is not the equation of an undamped oscillator")
-        wave = self.amplitude * sp.exp(upper[0] * self.fast)
-        return equation(unknown, wave + sp.conjugate(wave))
+    def _perturbed(
+        self, side: sp.Expr, own: sp.Basic, change: sp.Basic, size: sp.Symbol, *state: sp.Basic
+    ) -> sp.Expr:
+        if not isinstance(own, sp.FunctionClass):
+            return side.xreplace({own: own + size * change})
+        base = sp.S.Zero if self.at_rest else state[0].rhs
+        return side.replace(own, lambda *at: base + size * change(*at))
 
     def words(self, labels: Sequence[str]) -> str:
-        """Name the amplitude."""
-        return f"solve {listed(labels)} by its characteristic polynomial, with slow amplitude " + (
-            spoken(self.amplitude)
-        )
+        """Name the state."""
+        about = "rest" if self.at_rest else listed(labels[1:]) or "a solution"
+        return f"linearise {labels[0]} about {about}"
 
 
 def _raised(power: int) -> str:

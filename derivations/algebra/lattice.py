@@ -1,16 +1,18 @@
-"""Operations on a finite chain: close it, write it as a first-order system, linearise it."""
+"""Operations on a lattice: close a finite chain, write it to first order, insert a plane wave."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import ClassVar
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of
-from derivations.algebra.expansion import taylor
 from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.rearrangement import with_cosines
 
 
 class Ends(Enum):
@@ -80,6 +82,7 @@ class WriteFirstOrder(Operation):
         The time.
     """
 
+    phrase: ClassVar[str] = "write {first} as a first-order system for the state {others}"
     rate: sp.Symbol
     components: tuple[sp.Symbol, ...]
     time: sp.Symbol
@@ -102,40 +105,6 @@ class WriteFirstOrder(Operation):
             raise OperationError("the state does not determine its own rate")
         return equation(self.rate, sp.ImmutableMatrix([sp.expand(row) for row in rows]))
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the state."""
-        return f"write {labels[0]} as a first-order system for the state {listed(labels[1:])}"
-
-
-@dataclass(frozen=True)
-class LineariseSystem(Operation):
-    """Perturb the state of a first-order system and keep the first order.
-
-    Attributes
-    ----------
-    components, perturbations : tuple of Symbol
-        The entries of the state, and what is added to each.
-    rate : Symbol
-        The rate of the perturbation.
-    """
-
-    components: tuple[sp.Symbol, ...]
-    perturbations: tuple[sp.Symbol, ...]
-    rate: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``d(perturbation)/dt`` row by row."""
-        (source,) = sources
-        small = sp.Dummy("s")
-        pairs = zip(self.components, self.perturbations, strict=True)
-        moved = {own: own + small * change for own, change in pairs}
-        rows = [sp.expand(taylor(row.xreplace(moved), small, 1)[1]) for row in source.rhs]
-        return equation(self.rate, sp.ImmutableMatrix(rows))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Say what is kept."""
-        return f"perturb a solution of {listed(labels)} and keep the first order"
-
 
 @dataclass(frozen=True)
 class ReadMatrix(Operation):
@@ -149,6 +118,7 @@ class ReadMatrix(Operation):
         What the matrix is called.
     """
 
+    phrase: ClassVar[str] = "read the matrix {name} off {sources}"
     unknowns: tuple[sp.Symbol, ...]
     name: sp.Symbol
 
@@ -162,6 +132,40 @@ class ReadMatrix(Operation):
             raise OperationError("the system is not linear and homogeneous")
         return equation(self.name, matrix)
 
+
+@dataclass(frozen=True)
+class InsertPlaneWave(Operation):
+    """Put ``e^{rate time + i wavenumber n}`` into a linear lattice equation and divide by it.
+
+    Attributes
+    ----------
+    field : function class
+        The field, with arguments site and time.
+    rate : Expr
+        What multiplies the time in the exponent.
+    wavenumber : Symbol
+        What multiplies the site.
+    """
+
+    field: sp.FunctionClass
+    rate: sp.Expr
+    wavenumber: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the characteristic equation, in cosines of the wavenumber."""
+        (source,) = sources
+        whole = left_minus_right(source)
+        here = next(iter(sorted(whole.atoms(AppliedUndef), key=str)))
+        site, time = (next(iter(here.args[place].free_symbols)) for place in (0, 1))
+
+        def wave(place: sp.Expr, when: sp.Expr) -> sp.Expr:
+            return sp.exp(self.rate * when + sp.I * self.wavenumber * place)
+
+        found = whole.replace(self.field, wave).doit() / wave(site, time)
+        found = sp.powsimp(sp.expand(found, power_exp=False), combine="exp")
+        return equation(with_cosines(found))
+
     def words(self, labels: Sequence[str]) -> str:
-        """Name the matrix."""
-        return f"read the matrix {spoken(self.name)} off {listed(labels)}"
+        """Name the wave."""
+        wave = f"e^({spoken(self.rate)} t + i {spoken(self.wavenumber)} n)"
+        return f"insert the plane wave {wave} into {listed(labels)}"

@@ -1,15 +1,17 @@
-"""Operations on harmonics and on complex amplitudes."""
+"""Operations on harmonics of a phase and on complex amplitudes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of, system
-from derivations.algebra.operations import Operation, OperationError, Substitute, listed, spoken
+from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.substitution import Substitute
 
 
 def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
@@ -129,29 +131,33 @@ class RemoveSecularTerms(Operation):
 
 @dataclass(frozen=True)
 class CollectHarmonic(Operation):
-    """Take the coefficient of one harmonic of both sides.
+    """Take the coefficient of a harmonic of a quantity.
 
     Attributes
     ----------
     phase : Expr
         The phase.
+    name : Expr
+        What the coefficient is called.
     harmonic : int
         Which harmonic.
     """
 
     phase: sp.Expr
+    name: sp.Expr
     harmonic: int = 1
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the equation of the coefficients."""
+        """Return ``name = coefficient``."""
         (source,) = sources
-        sides = (harmonics_of(side, self.phase).get(self.harmonic, sp.S.Zero)
-                 for side in source.args)  # fmt: skip
-        return equation(*sides)
+        found = harmonics_of(source.rhs, self.phase).get(self.harmonic, sp.S.Zero)
+        return equation(self.name, found)
 
     def words(self, labels: Sequence[str]) -> str:
-        """Name the harmonic."""
-        return f"collect the harmonic e^({self.harmonic}i{spoken(self.phase)}) of {listed(labels)}"
+        """Name the harmonic and its name."""
+        number = "" if self.harmonic == 1 else str(self.harmonic)
+        wave = f"e^({number}i{spoken(self.phase)})"
+        return f"call the coefficient of {wave} in {listed(labels)} {spoken(self.name)}"
 
 
 @dataclass(frozen=True)
@@ -164,6 +170,9 @@ class Average(Operation):
         The fast phase, as in ``omega t``.
     """
 
+    phrase: ClassVar[str] = (
+        "average {sources} over a period of the fast phase {phase} at frozen amplitudes"
+    )
     phase: sp.Expr
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
@@ -171,13 +180,6 @@ class Average(Operation):
         (source,) = sources
         mean = harmonics_of(left_minus_right(source), self.phase).get(0, sp.S.Zero)
         return equation(with_modulus(mean))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the phase."""
-        return (
-            f"average {listed(labels)} over a period of the fast phase {spoken(self.phase)} "
-            "at frozen amplitudes"
-        )
 
 
 def with_modulus(expression: sp.Expr) -> sp.Expr:
@@ -203,15 +205,22 @@ class RealAndImaginaryParts(Operation):
 
     Attributes
     ----------
+    names : tuple of Symbol
+        What the two parts of the right side are called; empty where those of left minus right
+        vanish.
     imaginary_first : bool
         Order in which they are written.
     """
 
+    names: tuple[sp.Symbol, ...] = ()
     imaginary_first: bool = False
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``(real part = 0, imaginary part = 0)``."""
+        """Return ``(real part = 0, imaginary part = 0)``, or ``name = part`` twice."""
         (source,) = sources
+        if self.names:
+            plain = sp.expand(source.rhs, trig=True, complex=True).as_real_imag()
+            return sp.Tuple(*map(equation, self.names, (sp.expand(sp.simplify(q)) for q in plain)))
         real, imaginary = complex_parts(left_minus_right(source))
         pair = (imaginary, real) if self.imaginary_first else (real, imaginary)
         return sp.Tuple(*(equation(part) for part in pair))
@@ -258,65 +267,6 @@ class SquareAndAdd(Operation):
 
 
 @dataclass(frozen=True)
-class SquareRoot(Operation):
-    """Take the square root of both sides; both signs are kept."""
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the branches ``√left = +√right`` and ``√left = -√right``."""
-        (source,) = sources
-        left, right = (self._root(side) for side in source.args)
-        return sp.Tuple(equation(left, right), equation(left, -right))
-
-    @staticmethod
-    def _root(side: sp.Expr) -> sp.Expr:
-        found = sp.sqrt(sp.factor(side))
-        return found.replace(sp.Abs, lambda inner: inner)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"take the square root of {listed(labels)}, with both signs"
-
-
-@dataclass(frozen=True)
-class SolveCosine(Operation):
-    """Solve a relation between multiples of an angle under cosines; all branches are kept.
-
-    Attributes
-    ----------
-    angle : Symbol
-        The angle; only cosines of its multiples occur.
-    """
-
-    angle: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``angle = ±arccos(root)`` for each root, the negative sign first."""
-        (source,) = sources
-        cosine = sp.Dummy("cosine")
-        whole = sp.expand(left_minus_right(source))
-        whole = whole.replace(lambda q: isinstance(q, sp.cos) and q.has(self.angle), sp.expand_trig)
-        polynomial = sp.Poly(sp.expand(whole).xreplace({sp.cos(self.angle): cosine}), cosine)
-        if polynomial.has(self.angle):
-            raise OperationError(f"not only cosines of {self.angle} occur")
-        if polynomial.degree() == 1:
-            slope, rest = polynomial.all_coeffs()
-            roots = [sp.simplify(-rest / slope)]
-        elif polynomial.degree() == 2:
-            # The first root is the one that stays finite when the top coefficient goes to zero.
-            top, middle, low = polynomial.all_coeffs()
-            spread = sp.sqrt(middle**2 - 4 * top * low)
-            roots = [-2 * low / (middle + spread), -(middle + spread) / (2 * top)]
-        else:
-            raise OperationError(f"of degree {polynomial.degree()} in cos {self.angle}")
-        return sp.Tuple(*(equation(self.angle, sign * sp.acos(root))
-                          for root in roots for sign in (-1, 1)))  # fmt: skip
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the angle."""
-        return f"solve {listed(labels)} for {spoken(self.angle)}, with every branch"
-
-
-@dataclass(frozen=True)
 class MatchHarmonic(Operation):
     """Equate modulus and argument of one harmonic of two expressions for the same motion.
 
@@ -326,6 +276,7 @@ class MatchHarmonic(Operation):
         The phase.
     """
 
+    phrase: ClassVar[str] = "equate amplitude and phase of the fundamentals of {sources}"
     phase: sp.Expr
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
@@ -334,10 +285,6 @@ class MatchHarmonic(Operation):
                          for source in sources)  # fmt: skip
         sizes = equation(2 * modulus(first), 2 * modulus(second))
         return system((sizes, equation(argument(first), argument(second))))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the two."""
-        return f"equate amplitude and phase of the fundamentals of {listed(labels)}"
 
 
 @dataclass(frozen=True)
@@ -352,6 +299,7 @@ class TakeAmplitude(Operation):
         What the amplitude is called.
     """
 
+    phrase: ClassVar[str] = "take the amplitude of {sources}"
     phase: sp.Expr
     name: sp.Symbol
 
@@ -360,10 +308,6 @@ class TakeAmplitude(Operation):
         (source,) = sources
         found = harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero)
         return equation(self.name, 2 * modulus(found))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the motion."""
-        return f"take the amplitude of {listed(labels)}"
 
 
 def modulus(value: sp.Expr) -> sp.Expr:

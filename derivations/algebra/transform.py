@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError
 from derivations.algebra.sums import SumOver
 
 
@@ -27,6 +27,10 @@ class FourierTransform(Operation):
         The unknown and its transform.
     """
 
+    phrase: ClassVar[str] = (
+        "Fourier-transform {sources} in {coordinate}, with Im {wavenumber} > 0 and below the first "
+        "root, where the step has a transform"
+    )
     coordinate: sp.Symbol
     wavenumber: sp.Symbol
     profile: sp.FunctionClass
@@ -60,66 +64,6 @@ class FourierTransform(Operation):
             raise OperationError(f"the transform of {dependent} does not converge for Im k > 0")
         return sp.simplify(found).subs(s, -sp.I * k)
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the two variables."""
-        k = spoken(self.wavenumber)
-        return (
-            f"Fourier-transform {listed(labels)} in {spoken(self.coordinate)}, with Im {k} > 0 and "
-            "below the first root, where the step has a transform"
-        )
-
-
-@dataclass(frozen=True)
-class ReadFactor(Operation):
-    """Name the factor of a term on the left.
-
-    Attributes
-    ----------
-    term : Expr
-        The term.
-    name : Expr
-        What its factor is called.
-    """
-
-    term: sp.Expr
-    name: sp.Expr
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = factor``, with exponentials of opposite sign as cosines."""
-        (source,) = sources
-        factor = sp.expand(source.lhs).coeff(self.term)
-        return equation(self.name, sp.expand(cosines(factor)))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the factor."""
-        return f"call the factor of {spoken(self.term)} in {listed(labels)} {spoken(self.name)}"
-
-
-def cosines(expression: sp.Expr) -> sp.Expr:
-    """Return the expression with ``e^{iz}`` written by cosine and sine."""
-    return sp.expand(
-        expression.replace(sp.exp, lambda q: sp.cos(q / sp.I) + sp.I * sp.sin(q / sp.I))
-    )
-
-
-@dataclass(frozen=True)
-class SolveTransform(Operation):
-    """Divide a transformed equation by the named factor of the unknown."""
-
-    unknown: sp.Expr
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``unknown = right side / name``; the second source names the factor."""
-        source, named = sources
-        factor = sp.expand(source.lhs).coeff(self.unknown)
-        if sp.simplify((factor - named.rhs).rewrite(sp.exp)) != 0:
-            raise OperationError(f"{named.lhs} is not the factor of {self.unknown}")
-        return equation(self.unknown, source.rhs / named.lhs)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the two."""
-        return f"divide {labels[0]} by the factor {listed(labels[1:])}"
-
 
 @dataclass(frozen=True)
 class InvertTransform(Operation):
@@ -133,6 +77,10 @@ class InvertTransform(Operation):
         What was transformed.
     """
 
+    phrase: ClassVar[str] = (
+        "invert the transform {sources}, on a line between the real axis and the first root above "
+        "it"
+    )
     coordinate: sp.Symbol
     wavenumber: sp.Symbol
     profile: sp.Expr
@@ -142,11 +90,6 @@ class InvertTransform(Operation):
         (source,) = sources
         wave = sp.exp(sp.I * self.wavenumber * self.coordinate)
         return equation(self.profile, sp.Integral(source.rhs * wave / (2 * sp.pi), self.wavenumber))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Say where the contour lies."""
-        return f"invert the transform {listed(labels)}, on a line between the real axis and the "\
-            "first root above it"  # fmt: skip
 
 
 def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, k: sp.Symbol, slope: sp.Symbol) -> sp.Expr:
@@ -188,6 +131,10 @@ class CloseContour(Operation):
         Name of the derivative of the function at a root.
     """
 
+    phrase: ClassVar[str] = (
+        "close the contour of {first} above for {coordinate} > 0, below for {coordinate} < 0, and "
+        "sum the residues at the simple roots {others} and at {wavenumber} = 0"
+    )
     coordinate: sp.Symbol
     wavenumber: sp.Symbol
     slope: sp.Symbol
@@ -222,15 +169,6 @@ class CloseContour(Operation):
             found[isinstance(side, sp.Gt)] = part.lhs
         return found[True], found[False]
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Say how it is closed."""
-        z = spoken(self.coordinate)
-        return (
-            f"close the contour of {labels[0]} above for {z} > 0, below for {z} < 0, and sum the "
-            f"residues at the simple roots {listed(labels[1:])} and at "
-            f"{spoken(self.wavenumber)} = 0"
-        )
-
 
 @dataclass(frozen=True)
 class LayOnRealAxis(Operation):
@@ -244,6 +182,10 @@ class LayOnRealAxis(Operation):
         z and k.
     """
 
+    phrase: ClassVar[str] = (
+        "at {coordinate} = 0 lay the contour of {first} on the real axis, indented above the pole "
+        "at 0, with {others}: odd parts cancel"
+    )
     coordinate: sp.Symbol
     wavenumber: sp.Symbol
 
@@ -264,13 +206,6 @@ class LayOnRealAxis(Operation):
         at_zero = integral.lhs.subs(self.coordinate, 0)
         return equation(at_zero, sp.simplify(half_residue) + line)
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Say what cancels."""
-        return (
-            f"at {spoken(self.coordinate)} = 0 lay the contour of {labels[0]} on the real axis, "
-            f"indented above the pole at 0, with {listed(labels[1:])}: odd parts cancel"
-        )
-
 
 @dataclass(frozen=True)
 class SumOverPeriods(Operation):
@@ -285,6 +220,9 @@ class SumOverPeriods(Operation):
         k.
     """
 
+    phrase: ClassVar[str] = (
+        "sum the integrand of {sources} over all periods of A by partial fractions"
+    )
     wavenumber: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
@@ -308,10 +246,6 @@ class SumOverPeriods(Operation):
         factor, kernel = sp.factor_terms(period).as_independent(k, stand_in, as_Add=False)
         integral = sp.Integral(kernel.xreplace({stand_in: periodic}), (k, -sp.pi, sp.pi))
         return equation(source.lhs, source.rhs.xreplace({line: factor * integral}))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"sum the integrand of {listed(labels)} over all periods of A by partial fractions"
 
 
 def hyperbolic(comb: sp.Expr, k: sp.Symbol, periodic: sp.Symbol) -> sp.Expr:
@@ -339,46 +273,6 @@ def hyperbolic(comb: sp.Expr, k: sp.Symbol, periodic: sp.Symbol) -> sp.Expr:
 
 
 @dataclass(frozen=True)
-class StaticLimit(Operation):
-    """Let the velocity go to zero under the integral over a period.
-
-    The real part of A is positive, so the limit is that for a positive A.
-
-    Attributes
-    ----------
-    velocity : Symbol
-        What goes to zero.
-    sign : int
-        From which side: 1 or -1.
-    """
-
-    velocity: sp.Symbol
-    sign: int = 1
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the limit of both sides."""
-        (source,) = sources
-        (integral,) = source.rhs.atoms(sp.Integral)
-        k, *bounds = integral.limits[0]
-        positive = sp.Dummy("A", positive=True)
-        (ratio_of_waves,) = integral.function.atoms(sp.sinh)
-        periodic = sp.expand(ratio_of_waves.args[0] * self.velocity)
-        plain = integral.function.subs(periodic, positive)
-        ratio = sp.Dummy("s", positive=True)  # e^{-A/|v|}
-        small = plain.subs(self.velocity, -self.sign * positive / sp.log(ratio)).rewrite(sp.exp)
-        limit = sp.limit(sp.simplify(small), ratio, 0)
-        if limit.has(ratio) or not plain.has(positive):
-            raise OperationError("the integrand has no limit")
-        inside = sp.Integral(limit.xreplace({positive: periodic}), (k, *bounds))
-        return equation(source.lhs, source.rhs.xreplace({integral: inside}))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the side."""
-        side = "⁺" if self.sign > 0 else "⁻"
-        return f"let {spoken(self.velocity)} → 0{side} under the integral of {listed(labels)}"
-
-
-@dataclass(frozen=True)
 class IntegratePeriod(Operation):
     """Integrate a rational function of ``cos k`` over a period by residues in the unit disc.
 
@@ -391,6 +285,7 @@ class IntegratePeriod(Operation):
         change where no root crosses the unit circle.
     """
 
+    phrase: ClassVar[str] = "carry out the integral of {sources} by residues in the unit disc"
     probe: float = 0.7
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
@@ -421,57 +316,3 @@ class IntegratePeriod(Operation):
         if abs(abs(ratio.real) - 1) > 1e-9 or abs(ratio.imag) > 1e-9:
             raise OperationError("the sign of the square root is not clear")
         return round(ratio.real) * short
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"carry out the integral of {listed(labels)} by residues in the unit disc"
-
-
-@dataclass(frozen=True)
-class NameDerivative(Operation):
-    """Differentiate a named function and name its derivative.
-
-    Attributes
-    ----------
-    variable : Symbol
-        The variable.
-    name : Symbol
-        What the derivative is called.
-    """
-
-    variable: sp.Symbol
-    name: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = derivative``."""
-        (source,) = sources
-        return equation(self.name, sp.diff(source.rhs, self.variable))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name both."""
-        return f"differentiate {listed(labels)} with respect to {spoken(self.variable)}"
-
-
-@dataclass(frozen=True)
-class EliminateOnRoots(Operation):
-    """Eliminate a parameter by demanding that a function vanishes.
-
-    The second source is ``L(k) = ...``; the result is true only where that is zero.
-
-    Attributes
-    ----------
-    parameter : Symbol
-        What is eliminated.
-    """
-
-    parameter: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the first source without the parameter."""
-        target, function = sources
-        (value,) = sp.solve(function.rhs, self.parameter)
-        return equation(target.lhs, sp.expand(target.rhs.subs(self.parameter, value)))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the parameter."""
-        return f"eliminate {spoken(self.parameter)} from {labels[0]} by letting {labels[1]} vanish"

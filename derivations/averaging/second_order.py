@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
 from derivations.algebra.amplitudes import (
-    AverageToSecondOrder,
     ChangeAmplitude,
-    CycleAmplitude,
-    CycleFrequency,
-    CycleFundamental,
-    EliminatePowers,
+    FindModulation,
     FundamentalOfAverage,
     NextHarmonics,
-    ScalesToSecondOrder,
+    Route,
+    SeekCycles,
 )
 from derivations.algebra.equations import equation
-from derivations.algebra.operations import Divide, SolveFor, Substitute
+from derivations.algebra.rearrangement import Divide, Take
+from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Derivation, Step, ansatz, derived, model
+from derivations.algebra.substitution import EliminatePowers, Substitute
 from derivations.averaging.second_order_checks import SecondOrderChecks
 from derivations.averaging.symbols import (
     amplitude,
@@ -31,6 +32,7 @@ from derivations.averaging.symbols import (
 )
 from derivations.chain import PAPER, ChainModel
 from derivations.multiple_scales.steps import chain as chain_step
+from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import epsilon, i, n, omega, t
 
 
@@ -45,6 +47,20 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     start = chain_step(model)
     return Derivation("second-order", "Second order for the cell and the chain",
                       (start, *steps(model, start)))  # fmt: skip
+
+
+def extended(derivation: Derivation, model: ChainModel = PAPER) -> Derivation:
+    """Return a derivation of the chain carried on to second order.
+
+    Parameters
+    ----------
+    derivation : Derivation
+        Multiple scales or averaging, to first order.
+    model : ChainModel
+        Its chain.
+    """
+    start = derive_scales(model).numbered(8)
+    return replace(derivation, steps=(*derivation.steps, *steps(model, start)))
 
 
 def steps(given: ChainModel, chain: Step) -> tuple[Step, ...]:
@@ -67,10 +83,14 @@ def steps(given: ChainModel, chain: Step) -> tuple[Step, ...]:
 
 def _routes(name: str, start: Step, checks: SecondOrderChecks) -> tuple[Step, ...]:
     scales = derived(f"modulation by multiple scales, {name}",
-                     ScalesToSecondOrder(epsilon, amplitude), start,
+                     FindModulation(Route.MULTIPLE_SCALES, epsilon, amplitude), start,
                      check=checks.scales)  # fmt: skip
-    averaged = derived(f"modulation by averaging, {name}", AverageToSecondOrder(epsilon, phi),
-                       start, check=checks.averaging)  # fmt: skip
+    averaged = derived(
+        f"modulation by averaging, {name}",
+        FindModulation(Route.AVERAGING, epsilon, phi),
+        start,
+        check=checks.averaging,
+    )
     visible = derived(f"fundamental of the average, {name}",
                       FundamentalOfAverage(epsilon, phi, fundamental), start,
                       check=checks.fundamental)  # fmt: skip
@@ -86,15 +106,16 @@ def _cycle(cell: Step, scales: Step, checks: SecondOrderChecks) -> tuple[Step, .
     harmonics = derived("next harmonics of the cell",
                         NextHarmonics(epsilon, amplitude, y_next, turn), cell,
                         check=checks.next_harmonics, note="E is e^(it)")  # fmt: skip
-    own = derived("cycles of the cell", CycleAmplitude(epsilon, amplitude, square), scales,
+    seek = SeekCycles(epsilon, amplitude, square, omega, size)
+    own = derived("cycles of the cell", (seek, Take(0)), scales,
                   check=checks.cycles, note="s is the square of the amplitude of y")  # fmt: skip
     frequency = derived("frequency of the cell",
-                        CycleFrequency(epsilon, amplitude, square, omega), scales,
+                        (seek, Take(1)), scales,
                         check=checks.cell_frequency)  # fmt: skip
     reduced = derived("frequency of its cycles", EliminatePowers(square), frequency, own,
                       check=checks.cell_frequency)  # fmt: skip
     root = derived("fundamental of the cycles",
-                   CycleFundamental(epsilon, amplitude, square, size), scales,
+                   (seek, Take(2)), scales,
                    check=checks.cell_amplitude)  # fmt: skip
     return harmonics, own, frequency, reduced, root
 

@@ -8,28 +8,19 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Limit
-from derivations.algebra.operations import (
-    CancelCommonFactors,
+from derivations.algebra.oscillation import Average, RealAndImaginaryParts, TakeAmplitude
+from derivations.algebra.rearrangement import (
     Divide,
     DividedDifference,
-    Eliminate,
-    ImposeMirrorSymmetry,
+    Form,
     Isolate,
     Join,
-    SelectBranch,
-    SolveFor,
-    Specialise,
-    Substitute,
-    SwapSides,
+    Rewrite,
     Take,
 )
-from derivations.algebra.oscillation import (
-    Average,
-    RealAndImaginaryParts,
-    SolveCosine,
-    TakeAmplitude,
-)
+from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived
+from derivations.algebra.substitution import Eliminate, Substitute, mirrored
 from derivations.averaging.checks import Checks
 from derivations.averaging.symbols import A_n, divided, phi, psi, r, square, squares
 from derivations.chain import PAPER, ChainModel
@@ -38,15 +29,13 @@ from derivations.symbols import alpha_0, epsilon, i, k_1, k_2, n, omega, t, y
 
 
 @lru_cache(maxsize=8)
-def derive(model: ChainModel = PAPER, order: int = 1) -> Derivation:
+def derive(model: ChainModel = PAPER) -> Derivation:
     """Derive Eqs. (31)-(38) and (43) for a chain.
 
     Parameters
     ----------
     model : ChainModel
         The chain; that of Eq. (8) if left out.
-    order : {1, 2}
-        With 2 the second order of the cell and the chain follows.
 
     Returns
     -------
@@ -55,12 +44,9 @@ def derive(model: ChainModel = PAPER, order: int = 1) -> Derivation:
     checks = Checks(model)
     scales = derive_scales(model)
     averages = _to_average(model, scales, checks)
-    steps = (*averages, *_decaying(model, scales, averages, checks),
+    decaying = _decaying(model, scales, averages, checks)
+    steps = (*averages, *decaying, *_at_sites(model, scales.numbered(9), decaying[2], checks),
              *_staggered(model, averages, checks))  # fmt: skip
-    if order == 2:
-        from derivations.averaging.second_order import steps as second_order
-
-        steps += second_order(model, scales.numbered(8))
     title = "Averaging of the chain and its decaying solution (31)-(38), (43)"
     return Derivation("averaging", title, steps)
 
@@ -95,7 +81,7 @@ def _to_average(model: ChainModel, scales: Derivation, checks: Checks) -> tuple[
     )  # fmt: skip
     averaged = derived("averaged chain", Average(omega * t), rotating, check=checks.averaged,
                        number=34)  # fmt: skip
-    unit = derived("averaged chain at unit frequency", Specialise({omega: 1}), averaged,
+    unit = derived("averaged chain at unit frequency", Substitute({omega: 1}), averaged,
                    check=checks.averaged_at_unit, number=43)  # fmt: skip
     return variable, chain, frame, rotating, averaged, unit
 
@@ -116,54 +102,61 @@ def _decaying(
         "frequency by amplitude", Substitute(), scales.numbered(30),
         scales.named("half the amplitude"), check=checks.frequency,
     )  # fmt: skip
-    isolate = Isolate(k_2, (sp.sin(k_2), sp.cos(k_2)))
+    isolate = Isolate((k_2,), (sp.sin(k_2), sp.cos(k_2)))
     isolated = derived("phase step at any frequency", isolate, parts,
                        check=checks.isolated)  # fmt: skip
-    phases = derived("phase step", (Substitute(), CancelCommonFactors()), isolated, frequency,
+    phases = derived("phase step", (Substitute(), Rewrite(Form.CANCELLED)), isolated, frequency,
                      check=checks.phases, number=36)  # fmt: skip
     by_displacement = derived(
-        "phase step by displacement", (Specialise({alpha_0: omega * alpha_0}),), parts,
+        "phase step by displacement", Substitute({alpha_0: omega * alpha_0}), parts,
         check=checks.parts_by_displacement,
         note="By (31) |φ| = ω|y|: with α₀ the amplitude of y, as in (9), (29) and (38), φ has ωα₀",
     )  # fmt: skip
     limit = derived("phase step as eps vanishes", Limit(epsilon, 0), phases,
                     check=checks.limit)  # fmt: skip
-    branches = derived("branches of the phase step", (Take(1), SolveCosine(k_2)), limit,
+    branches = derived("branches of the phase step", (Take(1), SolveFor(k_2)), limit,
                        check=checks.branches)  # fmt: skip
     rule = ("sin k₂ < 0, as k₁ < 0 and positive damping of the site require: below the unstable "
             "cycle; above it, up to the stable one, the other sign holds")  # fmt: skip
-    branch = derived("branch of the phase step", SelectBranch(0, rule), branches,
+    branch = derived("branch of the phase step", Take(0, rule), branches,
                      check=checks.branch)  # fmt: skip
-    relation = derived("decay at a site", (Take(0), SwapSides()), limit, check=checks.swapped)
+    relation = derived(
+        "decay at a site", (Take(0), Rewrite(Form.EXCHANGED)), limit, check=checks.swapped
+    )
     quarter = derived("decay at a site in the branch", Substitute(), relation, branch,
                       check=checks.quarter)  # fmt: skip
     both = derived("second relation", Join(), quarter, branch, check=checks.second_relation,
                    number=37)  # fmt: skip
-    amplitude = derived("amplitudes", TakeAmplitude(omega * t, A_n), scales.numbered(9),
+    return (decaying, balance, parts, frequency, isolated, phases, by_displacement, limit, branches,
+            branch, relation, quarter, both)  # fmt: skip
+
+
+def _at_sites(model: ChainModel, wave: Step, parts: Step, checks: Checks) -> tuple[Step, ...]:
+    """Return what the decaying wave amounts to at several sites."""
+    amplitude = derived("amplitudes", TakeAmplitude(omega * t, A_n), wave,
                         check=checks.amplitude, number=38)  # fmt: skip
     size = definition("square of the amplitude", equation(square, alpha_0**2 * sp.exp(2 * k_1 * n)),
                       "the square of the amplitude of φ at site n",
                       check=checks.square)  # fmt: skip
     loss = derived("damping of a site", Take(0), parts, check=checks.real_part)
     by_size = derived(
-        "damping by amplitude", Eliminate(sp.exp(2 * k_1 * n)), loss, size, check=checks.by_size
+        "damping by amplitude", Eliminate((sp.exp(2 * k_1 * n),)), loss, size, check=checks.by_size
     )
     degree = max(model.damping) // 2
     two = derived(
         "two sites", DividedDifference(square, squares[:2], divided), by_size,
         check=checks.divided(2), note="(35) at both sites demands that it vanishes",
     )  # fmt: skip
-    found = [decaying, balance, parts, frequency, isolated, phases, by_displacement, limit,
-             branches, branch,
-             relation, quarter, both, amplitude, size, loss, by_size, two]  # fmt: skip
-    if degree > 1:
-        found.append(derived(
-            "too many sites", DividedDifference(square, squares[: degree + 1], divided), by_size,
-            check=checks.divided(degree + 1),
-            note="(35) at all of them demands that it vanishes, and it cannot: no decaying wave "
-            "with constant k₁ solves (34)",
-        ))  # fmt: skip
-    return tuple(found)
+    found = (amplitude, size, loss, by_size, two)
+    if degree <= 1:
+        return found
+    many = derived(
+        "too many sites", DividedDifference(square, squares[: degree + 1], divided), by_size,
+        check=checks.divided(degree + 1),
+        note="(35) at all of them demands that it vanishes, and it cannot: no decaying wave "
+        "with constant k₁ solves (34)",
+    )  # fmt: skip
+    return (*found, many)
 
 
 def _staggered(model: ChainModel, averages: tuple[Step, ...], checks: Checks) -> tuple[Step, ...]:
@@ -180,7 +173,7 @@ def _staggered(model: ChainModel, averages: tuple[Step, ...], checks: Checks) ->
         check=checks.staggered,
         note="Springs to odd neighbours have real coefficients: real r stay real",
     )  # fmt: skip
-    middle = derived("averaged centre", (Specialise({n: 0}), ImposeMirrorSymmetry(phi)), unit,
+    middle = derived("averaged centre", (Substitute({n: 0}), mirrored(phi, t, model.reach)), unit,
                      check=checks.averaged_centre)  # fmt: skip
     places = tuple(range(model.reach + 1))
     centre = derived(

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy as sp
 
-from derivations.algebra.amplitudes import AverageToSecondOrder
+from derivations.algebra.amplitudes import FindModulation, Route
 from derivations.algebra.equations import equation, parts_of
 from derivations.algebra.errors import DerivationInputError
-from derivations.algebra.operations import (
-    Divide,
-    Operation,
-    SolveFor,
-    Substitute,
-    Take,
-    listed,
-)
+from derivations.algebra.operations import Operation
 from derivations.algebra.oscillation import RealAndImaginaryParts
+from derivations.algebra.rearrangement import Divide, Take
+from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Derivation, Step, definition, derived, model
+from derivations.algebra.substitution import Substitute
 from derivations.algebra.sums import SumOver
+from derivations.averaging.second_order import steps as second_order
 from derivations.averaging.symbols import phi, square
 from derivations.cell.checks import CellChecks
 from derivations.cell.cycles import limit_cycles, ratio_of_cycles, shown
@@ -70,6 +67,10 @@ def damping_mean(amplitude: sp.Basic) -> sp.Expr:
 class FindCycles(Operation):
     """All amplitudes at which the amplitude of a cell stays constant."""
 
+    phrase: ClassVar[str] = (
+        "solve {sources} for constant amplitudes other than zero: the limit cycles"
+    )
+
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``r_1 = …``, inner to outer."""
         (amplitude,) = sources
@@ -77,14 +78,12 @@ class FindCycles(Operation):
         return sp.Tuple(*(equation(sp.Symbol(f"r_{place}"), cycle.amplitude)
                           for place, cycle in enumerate(cycles, start=1)))  # fmt: skip
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"solve {listed(labels)} for constant amplitudes other than zero: the limit cycles"
-
 
 @dataclass(frozen=True)
 class GrowthRates(Operation):
     """Growth rate of a small change of the amplitude of each cycle, a unit of eps t."""
+
+    phrase: ClassVar[str] = "linearise {first} about {others}"
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``lambda_1 = …`` for the cycles of the second source."""
@@ -95,24 +94,18 @@ class GrowthRates(Operation):
             for place, part in enumerate(parts_of(cycles), start=1)
         ))  # fmt: skip
 
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the sources."""
-        return f"linearise {labels[0]} about {labels[1]}"
-
 
 @dataclass(frozen=True)
 class RatioOfCycles(Operation):
     """Ratio of the unstable to the stable cycle of a cell with two of them."""
+
+    phrase: ClassVar[str] = "divide the unstable by the stable cycle of {sources}"
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``|phi_us|/|phi_s| = …``."""
         (amplitude,) = sources
         mean = damping_mean(amplitude)
         return equation(ratio, ratio_of_cycles(mean, limit_cycles(mean), {}))
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the source."""
-        return f"divide the unstable by the stable cycle of {listed(labels)}"
 
 
 @dataclass(frozen=True)
@@ -127,6 +120,10 @@ class FrontOfCell(Operation):
         The coupling c.
     """
 
+    phrase: ClassVar[str] = (
+        "put {first} into (54), with velocity and coupling divided by the damping at rest of "
+        "{others}"
+    )
     coupling: sp.Expr
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
@@ -134,13 +131,6 @@ class FrontOfCell(Operation):
         cycles, amplitude = sources
         rest = damping_mean(amplitude).subs(square, 0)
         return kinetic_relation(cycles.rhs, rest, self.coupling)
-
-    def words(self, labels: Sequence[str]) -> str:
-        """Name the sources."""
-        return (
-            f"put {labels[0]} into (54), with velocity and coupling divided by the damping at rest "
-            f"of {labels[1]}"
-        )
 
 
 def kinetic_relation(cycles: sp.Expr, rest: sp.Expr, coupling: sp.Expr) -> sp.Eq:
@@ -156,7 +146,7 @@ def averaged_cell(given: ChainModel) -> AveragedCell:
                   check=checks.motion)  # fmt: skip
     cell = model("isolated cell", given.cell().equation(), "the same without springs",
                  check=CellChecks(given.cell()).motion)  # fmt: skip
-    average = AverageToSecondOrder(epsilon, phi, order=1)
+    average = FindModulation(Route.AVERAGING, epsilon, phi, order=1)
     averaged = derived("averaged cell in its chain", average, chain, check=checks.averaged)
     alone = derived("averaged cell", average, cell, check=CellChecks(given.cell()).averaged)
     turn = sp.exp(i * angle)
@@ -187,8 +177,6 @@ def derive(given: ChainModel, order: int = 1) -> Derivation:
     found = averaged_cell(given)
     steps = (*found.steps, *_cycles(given, found))
     if order == 2:
-        from derivations.averaging.second_order import steps as second_order
-
         steps += second_order(given, found.steps[0])
     title = f"Averaged equation of the cell with damping {shown(given.damping)}"
     return Derivation("cell", title, steps)

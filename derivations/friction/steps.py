@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-
 import sympy as sp
 
 from derivations.algebra.balance import BalancePower
 from derivations.algebra.equations import equation
-from derivations.algebra.operations import (
-    Join,
-    SolveFor,
-    Specialise,
-    Substitute,
-    Take,
-)
-from derivations.algebra.scaling import (
-    ChangeVariables,
-    DivideByPositive,
-    ExpressIn,
-    InsertPlaneWave,
-    PerturbField,
-    PrescribeCoefficients,
-    PutEqual,
-    Rename,
-    RestUniformly,
-    SolveLimits,
-    TakeCoefficient,
-    TakeNegativeBranch,
-)
+from derivations.algebra.expansion import Linearise
+from derivations.algebra.lattice import InsertPlaneWave
+from derivations.algebra.rearrangement import Divide, Form, Join, Rewrite, Take, TakeCoefficient
+from derivations.algebra.solution import PrescribeCoefficients, SolveFor, SolveLimits
 from derivations.algebra.steps import Derivation, Given, Step, ansatz, definition, derived, model
+from derivations.algebra.substitution import (
+    ChangeVariables,
+    Eliminate,
+    Substitute,
+    TakeBranch,
+    alike,
+)
 from derivations.friction import checks
+from derivations.friction.model import PAPER, FrictionModel
 from derivations.friction.symbols import (
     F_N,
     F,
@@ -40,8 +28,6 @@ from derivations.friction.symbols import (
     c,
     d,
     eta_c,
-    k,
-    m,
     mu,
     mu_d,
     mu_fall,
@@ -67,49 +53,6 @@ from derivations.friction.symbols import (
     y_tilde,
     z,
 )
-
-
-def exponential(speed: sp.Expr) -> sp.Expr:
-    """Return the decay of Eq. (2), one at zero speed and zero at infinite speed."""
-    return sp.exp(-speed)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrictionModel:
-    """A friction chain: what Eqs. (1) and (2) say, and may say otherwise.
-
-    Attributes
-    ----------
-    inertia, damping, stiffness : Expr
-        Coefficients of y'', y' and y.
-    springs : mapping of int to Expr
-        Stiffness of the spring to the neighbours at each distance.
-    decay : callable
-        How friction falls with speed over ``v_0``.
-    parameters : mapping of Symbol to Rational
-        The numbers of Eq. (7).
-    """
-
-    inertia: sp.Expr = m
-    damping: sp.Expr = d
-    stiffness: sp.Expr = k
-    springs: Mapping[int, sp.Expr] = field(default_factory=lambda: {1: eta_c})
-    decay: Callable[[sp.Expr], sp.Expr] = exponential
-    parameters: Mapping[sp.Symbol, sp.Expr] = field(default_factory=lambda: {
-        mu_st: sp.Integer(1), mu_d: sp.Rational(1, 2), v_tilde_0: sp.Rational(1, 2),
-        xi: sp.Rational(1, 20)})  # fmt: skip
-
-    def newton(self) -> sp.Eq:
-        """Return Newton's law for an interior site."""
-        own = y(n, t)
-        left = self.inertia * own.diff(t, 2) + self.damping * own.diff(t) + self.stiffness * own
-        for distance, spring in self.springs.items():
-            left += spring * (2 * own - y(n + distance, t) - y(n - distance, t))
-        return equation(left, F)
-
-
-PAPER = FrictionModel()
-"""The chain of the paper."""
 
 
 def derive(chain: FrictionModel = PAPER) -> Derivation:
@@ -171,7 +114,7 @@ def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
     friction = derived("friction coefficient", SolveLimits(v_rel, (mu_far, mu_fall)),
                        given["falling friction"], given["friction at rest and at speed"],
                        check=checks.coefficient(chain), number=2)  # fmt: skip
-    raw = derived("newton in the scales", (ChangeVariables(t, tau), DivideByPositive(F_N)),
+    raw = derived("newton in the scales", (ChangeVariables(t, tau), Divide(F_N)),
                   given["newton"], given["scales"], check=checks.in_scales(chain))  # fmt: skip
     here = y_tilde(n, tau)
     sites = tuple(y_tilde(n + sign * distance, tau)
@@ -188,12 +131,23 @@ def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
                          "of coupling and damping")  # fmt: skip
     clock = derived("scaled time", Take(1), given["scales"], check=checks.clock)
     parameters = derived("scaling", Join(), units, clock, check=checks.scaling(chain), number=4)
-    dimensionless = derived("dimensionless chain", ExpressIn((d, eta_c)), raw, units,
-                            check=checks.dimensionless(chain), number=5)  # fmt: skip
-    law = derived("dimensionless law", (Substitute(), DivideByPositive(F_N)),
-                  given["friction law"], given["scaled velocities"],
-                  check=checks.scaled_law, number=6,
-                  note="mu is the function (2) of the dimensional velocity")  # fmt: skip
+    dimensionless = derived(
+        "dimensionless chain",
+        (Eliminate((d, eta_c)), Rewrite(Form.SIMPLIFIED)),
+        raw,
+        units,
+        check=checks.dimensionless(chain),
+        number=5,
+    )
+    law = derived(
+        "dimensionless law",
+        (Substitute(), Divide((F_N, omega_n * y_0, F_N, omega_n * y_0))),
+        given["friction law"],
+        given["scaled velocities"],
+        check=checks.scaled_law,
+        number=6,
+        note="mu is the function (2) of the dimensional velocity",
+    )
     force = derived("force of slip", Take(0), law, check=checks.force_of_slip)
     slip = derived("slip law", Substitute(index=v_rel, at=(omega_n * y_0 * v_tilde_rel,)),
                    force, friction, check=checks.slip(chain))  # fmt: skip
@@ -205,26 +159,27 @@ def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
 
 def _sliding(chain: FrictionModel, found: dict[str, Step]) -> tuple[Step, ...]:
     """Steady sliding, its waves and its loss of stability; then the cycle of pure slip."""
-    backwards = derived("slip backwards", TakeNegativeBranch(v_tilde_rel),
+    backwards = derived("slip backwards", TakeBranch(v_tilde_rel < 0),
                         found["slip law in scaled velocities"], check=checks.backwards(chain),
                         note="the belt is faster than the site")  # fmt: skip
     at_velocity = derived("force at a velocity of the site", Substitute(), backwards,
                           found["relative velocity"], check=checks.at_velocity(chain))  # fmt: skip
     slipping = derived("slipping chain", Substitute(), found["dimensionless chain"], at_velocity,
                        check=checks.slipping(chain))  # fmt: skip
-    sliding = derived("steady sliding", (RestUniformly(y_tilde, y_star), SolveFor(y_star)),
+    reach = max(chain.springs)
+    rest = Substitute({y_tilde(n, tau): y_star}, meaning="at rest")
+    sliding = derived("steady sliding", (alike(y_tilde, n, tau, reach), rest, SolveFor(y_star)),
                       slipping, check=checks.sliding(chain))  # fmt: skip
-    linear = derived("linearised chain", PerturbField(y_tilde, z), slipping, sliding,
+    linear = derived("linearised chain", Linearise({y_tilde: z}), slipping, sliding,
                      check=checks.linear(chain))  # fmt: skip
     waves = derived("waves about sliding", InsertPlaneWave(z, rate, q), linear,
                     check=checks.waves(chain), note="coupling does not damp them")  # fmt: skip
     damping = derived("effective damping", TakeCoefficient(rate), waves,
                       check=checks.damping(chain))  # fmt: skip
-    hopf = derived("Hopf velocity", (SolveFor(v_tilde_d), Rename(v_tilde_d, v_hopf)), damping,
+    hopf = derived("Hopf velocity", (SolveFor(v_tilde_d), Substitute({v_tilde_d: v_hopf})), damping,
                    check=checks.hopf(chain),
                    note="steady sliding is stable for faster belts")  # fmt: skip
-    cell = derived("slipping cell", Specialise({y_tilde(n + 1, tau): y_tilde(n, tau),
-                                                y_tilde(n - 1, tau): y_tilde(n, tau)}), slipping,
+    cell = derived("slipping cell", alike(y_tilde, n, tau, reach), slipping,
                    check=checks.cell(chain))  # fmt: skip
     balance = derived(
         "cycle of pure slip",
@@ -233,7 +188,7 @@ def _sliding(chain: FrictionModel, found: dict[str, Step]) -> tuple[Step, ...]:
         check=checks.balance(chain),
         note="its velocity amplitude is R; at R = 0 this is the Hopf velocity",
     )
-    bound = derived("end of pure slip", PutEqual(R, v_tilde_d), balance,
+    bound = derived("end of pure slip", Substitute({R: v_tilde_d}), balance,
                     check=checks.bound(chain),
                     note="the largest velocity of the cycle reaches that of the belt: it grazes "
                          "stick, and for slower belts there is no cycle of pure slip")  # fmt: skip

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.algebra.cycles import (
-    DecayAtRoot,
-    FactorRadicals,
-    LineariseAtRest,
-    MoveUniformly,
-    RatioOfAmplitudes,
-    StationaryAmplitudes,
-    TakeBranch,
-)
 from derivations.algebra.equations import equation
-from derivations.algebra.operations import Divide, SolveFor, Substitute, Subtract, Take
+from derivations.algebra.expansion import Linearise
 from derivations.algebra.oscillation import RealAndImaginaryParts
-from derivations.algebra.scaling import ExpressIn
+from derivations.algebra.rearrangement import Divide, Form, Rewrite, Subtract, Take
+from derivations.algebra.solution import (
+    DecayAtRoot,
+    RatioOfAmplitudes,
+    SolveFor,
+    StationaryAmplitudes,
+)
 from derivations.algebra.steps import Step, definition, derived
+from derivations.algebra.substitution import Eliminate, Substitute, TakeBranch, alike
 from derivations.chain import ChainModel
 from derivations.front.checks import Checks
 from derivations.front.symbols import (
@@ -50,7 +48,9 @@ def eliminated(chain: ChainModel) -> tuple[sp.Symbol, ...]:
 
 def steps(chain: ChainModel, averaged: Step, checks: Checks) -> dict[str, Step]:
     """From (43) to the ratio of the two cycles, for a cell that has them in closed form."""
-    uniform = derived("averaged cell", MoveUniformly(phi, n), averaged, check=checks.averaged_cell)
+    uniform = derived(
+        "averaged cell", alike(phi, n, t, chain.reach), averaged, check=checks.averaged_cell
+    )
     polar = definition("amplitude and phase", equation(phi(n, t), radius * sp.exp(i * phase)),
                        "modulus and argument of the envelope", check=checks.polar)  # fmt: skip
     parts = derived("averaged cell in parts",
@@ -79,24 +79,41 @@ def steps(chain: ChainModel, averaged: Step, checks: Checks) -> dict[str, Step]:
                                check=checks.forcing)  # fmt: skip
         found += [cycles, outer, quotient, parameter]
         if eliminated(chain):
-            found.append(derived("ratio by η", (ExpressIn(eliminated(chain)), FactorRadicals()),
-                                 quotient, parameter, check=checks.ratio))  # fmt: skip
+            found.append(
+                derived(
+                    "ratio by η",
+                    (
+                        Eliminate(eliminated(chain)),
+                        Rewrite(Form.SIMPLIFIED),
+                        Rewrite(Form.SHORT_ROOTS),
+                    ),
+                    quotient,
+                    parameter,
+                    check=checks.ratio,
+                )
+            )
     return {step.name: step for step in found}
 
 
-def comparison(averaged: Step, lines: Step, cycles: dict[str, Step], checks: Checks
+def comparison(chain: ChainModel, averaged: Step, lines: Step, checks: Checks
                ) -> tuple[Step, ...]:  # fmt: skip
     """Return what (44) keeps of (43), and what it drops, as steps."""
-    full = derived("averaged chain near rest", LineariseAtRest(phi), averaged,
+    size, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
+    below, above = (side(size, threshold, evaluate=False) for side in (sp.Lt, sp.Gt))
+    full = derived("averaged chain near rest", Linearise({phi: phi}, at_rest=True), averaged,
                    check=checks.near_rest)  # fmt: skip
-    lower = derived("two lines near rest", TakeBranch(0), lines, check=checks.near_rest)
+    lower = derived("two lines near rest", TakeBranch(below), lines, check=checks.near_rest)
     kept = derived("kept at rest", Subtract(), full, lower, check=checks.nothing,
                    note="(44) has the rest state of (43), its decay and its springs")  # fmt: skip
     shifted = definition("deviation from the cycle", equation(phi(n, t), phi_s * (1 + deviation)),
                          "a relative deviation: its real part is radial, its imaginary part turns "
                          "the phase", check=checks.shifted)  # fmt: skip
-    upper = derived("two lines near the cycle",
-                    (TakeBranch(1), MoveUniformly(phi, n)), lines, check=checks.upper)  # fmt: skip
+    upper = derived(
+        "two lines near the cycle",
+        (TakeBranch(above), alike(phi, n, t, chain.reach), Rewrite(Form.EXPANDED)),
+        lines,
+        check=checks.upper,
+    )
     decay = derived("dropped on the cycle", (Substitute(), Divide(phi_s),
                                              SolveFor(deviation.diff(t))), upper, shifted,
                     check=checks.upper_decay,

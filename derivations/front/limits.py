@@ -4,33 +4,25 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.algebra.cycles import SelectRoot
 from derivations.algebra.equations import equation
-from derivations.algebra.operations import Join, SolveFor, Substitute, Take
-from derivations.algebra.radicals import (
-    AddHalfPlanes,
-    EquateRatio,
-    Expand,
-    ParametriseRadical,
-    PutZero,
-    RootTerm,
-    ScaledLimit,
-    SquareModulus,
-    SquareSides,
-    VanishingDenominator,
+from derivations.algebra.expansion import Limit
+from derivations.algebra.rearrangement import (
+    Form,
+    Isolate,
+    Join,
+    RaiseToPower,
+    Rewrite,
+    Take,
 )
-from derivations.algebra.scaling import Rename
+from derivations.algebra.roots import ParametriseRadical, RootTerm, SquareModulus
+from derivations.algebra.solution import SelectRoot, SolveFor
 from derivations.algebra.steps import Step, definition, derived
-from derivations.algebra.transform import (
-    IntegratePeriod,
-    LayOnRealAxis,
-    StaticLimit,
-    SumOverPeriods,
-)
-from derivations.algebra.waves import EquateRightSides
+from derivations.algebra.substitution import Substitute
+from derivations.algebra.transform import IntegratePeriod, LayOnRealAxis, SumOverPeriods
 from derivations.chain import ChainModel
 from derivations.front.checks import Checks
 from derivations.front.symbols import (
+    L,
     M_minus,
     M_plus,
     V,
@@ -64,7 +56,7 @@ def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[St
     relation = derived("relation by the ratio", Substitute(), found["kinetic relation"], size,
                        check=checks.by_ratio)  # fmt: skip
     static = _static(forms["sum over one period"], relation, checks)
-    closed = _pinning(static, found, checks) if _one_radical(chain) else ()
+    closed = _pinning(static, {**found, "ratio": size}, checks) if _one_radical(chain) else ()
     strong = _strong(found["dispersion"], relation, checks)
     return (*forms.values(), size, relation, *static.values(), *closed, *strong)
 
@@ -75,29 +67,38 @@ def _one_radical(chain: ChainModel) -> bool:
 
 
 def _forms(found: dict[str, Step], checks: Checks) -> dict[str, Step]:
-    both = derived("both half-planes", (EquateRightSides(), SolveFor(over_roots(1, M_minus)),
-                                        AddHalfPlanes()),
-                   found["front from ahead"], found["front from behind"],
+    behind = over_roots(1, M_minus)
+    both = derived("both half-planes", (Substitute(), SolveFor(behind), Isolate((_TOTAL, behind))),
+                   found["front from behind"], found["front from ahead"],
                    check=checks.sums)  # fmt: skip
     laid = derived("front on the real axis", LayOnRealAxis(zeta, k),
                    found["front as a contour integral"], found["dispersion"],
                    check=checks.at_zero)  # fmt: skip
-    line = derived("sum on the real axis", (EquateRightSides(), SolveFor(_TOTAL), Expand()),
-                   found["front from ahead"], laid, check=checks.sums,
+    line = derived("sum on the real axis", (Substitute(), SolveFor(_TOTAL), Rewrite(Form.EXPANDED)),
+                   laid, found["front from ahead"], check=checks.sums,
                    note="holds for either sign of the velocity")  # fmt: skip
     period = derived("sum over one period", SumOverPeriods(k), line, check=checks.sums)
     return {step.name: step for step in (both, laid, line, period)}
 
 
 def _static(period: Step, relation: Step, checks: Checks) -> dict[str, Step]:
-    at_rest = derived("static sum", (StaticLimit(v), IntegratePeriod(), Rename(_TOTAL, static_sum),
-                                     Expand()), period, check=checks.static(1))  # fmt: skip
+    at_rest = derived(
+        "static sum",
+        (
+            Limit(v, 0, 1),
+            IntegratePeriod(),
+            Substitute({_TOTAL: static_sum}),
+            Rewrite(Form.EXPANDED),
+        ),
+        period,
+        check=checks.static(1),
+    )
     back = derived("static sum from behind",
-                   (StaticLimit(v, -1), IntegratePeriod(), Rename(_TOTAL, retreating_sum),
-                    Expand()), period, check=checks.static(-1))  # fmt: skip
-    ends = derived("end of pinning", (Rename(_TOTAL, static_sum),), relation,
+                   (Limit(v, 0, -1), IntegratePeriod(), Substitute({_TOTAL: retreating_sum}),
+                    Rewrite(Form.EXPANDED)), period, check=checks.static(-1))  # fmt: skip
+    ends = derived("end of pinning", Substitute({_TOTAL: static_sum}), relation,
                    check=checks.named_relation(static_sum))  # fmt: skip
-    leaves = derived("end of pinning from behind", (Rename(_TOTAL, retreating_sum),), relation,
+    leaves = derived("end of pinning from behind", Substitute({_TOTAL: retreating_sum}), relation,
                      check=checks.named_relation(retreating_sum))  # fmt: skip
     depins = derived(
         "depinning",
@@ -129,18 +130,21 @@ def _pinning(static: dict[str, Step], found: dict[str, Step], checks: Checks) ->
         rule = SelectRoot("p > 1", lambda q: abs(q.imag) < 1e-12 and q.real > 1, {ratio: ratios})
         root = derived(f"{source} parameter", (SolveFor(p), rule), squared,
                        check=checks.parameter(side))  # fmt: skip
-        coupling = derived(name, (Substitute(), Rename(c, symbol)), by_p, root,
+        coupling = derived(name, (Substitute(), Substitute({c: symbol})), by_p, root,
                            check=checks.threshold_coupling(side))  # fmt: skip
         out += [squared, root, coupling]
-    pole = derived("largest ratio of pinning", VanishingDenominator(ratio), out[3],
+    infinite = (RaiseToPower(-1), Limit(p, sp.oo), SolveFor(ratio),
+                SelectRoot("r > 0", lambda q: q.real > 0, {}))  # fmt: skip
+    pole = derived("largest ratio of pinning", infinite, out[3],
                    check=checks.largest_ratio,
                    note="beyond it static fronts exist at every coupling, and fronts retreat at "
                         "strong coupling")  # fmt: skip
     out.append(pole)
     if "ratio by η" in found:
-        named = derived("ratio named", (EquateRatio(ratio),), found["ratio by η"],
+        named = derived("ratio named", (Substitute(), SolveFor(ratio)), found["ratio by η"],
+                        found["ratio"],
                         check=checks.ratio_in_eta)  # fmt: skip
-        largest = derived("largest η of pinning", (Substitute(), SquareSides(), SolveFor(eta)),
+        largest = derived("largest η of pinning", (Substitute(), RaiseToPower(2), SolveFor(eta)),
                           named, pole, check=checks.largest_eta)  # fmt: skip
         out += [named, largest]
     return tuple(out)
@@ -148,15 +152,15 @@ def _pinning(static: dict[str, Step], found: dict[str, Step], checks: Checks) ->
 
 def _strong(dispersion: Step, relation: Step, checks: Checks) -> tuple[Step, ...]:
     """Strong coupling: two roots are left, one on each side."""
-    scales = {k: kappa / sp.sqrt(c), v: V * sp.sqrt(c)}
-    long = derived("long waves", ScaledLimit(scales, c, long_wave), dispersion,
+    scales = {L(k): long_wave, k: kappa / sp.sqrt(c), v: V * sp.sqrt(c)}
+    long = derived("long waves", (Substitute(scales), Limit(c, sp.oo)), dispersion,
                    check=checks.long_waves)  # fmt: skip
     above = SelectRoot("Im κ > 0", lambda q: q.imag > 0, {V: (0.2, 0.9, 3.0)})
-    root = derived("long-wave root", (PutZero(long_wave), SolveFor(kappa), above), long,
+    root = derived("long-wave root", (Substitute({long_wave: 0}), SolveFor(kappa), above), long,
                    check=checks.long_wave_root)  # fmt: skip
     term = derived("strong sum", RootTerm(strong_sum), long, root, check=checks.strong_sum,
                    note="the other roots contribute O(1/c)")  # fmt: skip
-    named = derived("relation at strong coupling", Rename(_TOTAL, strong_sum), relation,
+    named = derived("relation at strong coupling", Substitute({_TOTAL: strong_sum}), relation,
                     check=checks.named_relation(strong_sum))  # fmt: skip
     limit = derived("strong coupling", Join(), named, term, check=checks.strong_relation)
     return long, root, term, named, limit

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.algebra.half_planes import CountAbove, PartsOnLine
-from derivations.algebra.operations import SolveFor, Take
-from derivations.algebra.radicals import PutZero
+from derivations.algebra.oscillation import RealAndImaginaryParts
+from derivations.algebra.rearrangement import Take
+from derivations.algebra.roots import CountAbove
+from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Step, derived
+from derivations.algebra.substitution import Substitute
 from derivations.chain import ChainModel
 from derivations.front.checks import Checks
 from derivations.front.symbols import L_k, half_imag, half_real, k, turns, v, x, y
@@ -34,30 +36,30 @@ def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[St
     checks : Checks
         Of that chain.
     """
-    parts = (half_real, half_imag)
-    axis = derived("real axis", PartsOnLine({k: x}, parts), found["dispersion"],
+    parts = RealAndImaginaryParts((half_real, half_imag))
+    axis = derived("real axis", (Substitute({k: x}), parts), found["dispersion"],
                    check=checks.on_line(lambda point: point[x]),
                    note="the real part does not vanish: no root is real")  # fmt: skip
     if chain.reach != 1 or not chain.coupling.is_positive:
         return (axis,)
-    turning = derived("turning wavenumber", (PutZero(L_k), SolveFor(sp.sin(k))),
+    turning = derived("turning wavenumber", (Substitute({L_k: 0}), SolveFor(sp.sin(k))),
                       found["slope of the dispersion"], check=checks.turning,
                       note="its sine is real and negative: off the real axis Re k = -π/2 + 2πm, "
                            "and v = c cosh κ")  # fmt: skip
     at_turn = {k: -sp.pi / 2 + 2 * sp.pi * turns + i * kappa,
                v: chain.coupling * sp.cosh(kappa)}  # fmt: skip
-    level = derived("dispersion at a turning wavenumber", PartsOnLine(at_turn, parts),
+    level = derived("dispersion at a turning wavenumber", (Substitute(at_turn), parts),
                     found["dispersion"], check=checks.at_turning)  # fmt: skip
     double = derived(
         "no double root",
-        (Take(1), PutZero(half_imag), SolveFor(turns)),
+        (Take(1), Substitute({half_imag: 0}), SolveFor(turns)),
         level,
         check=checks.no_double,
         note="1/4 - 1/(2π cosh κ) lies between 0.09 and 0.25 and is no integer",
     )
     sides = derived(
         "sides of the strips",
-        PartsOnLine({k: turns * sp.pi + i * y}, parts),
+        (Substitute({k: turns * sp.pi + i * y}), parts),
         found["dispersion"],
         check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]),
     )

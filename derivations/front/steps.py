@@ -5,26 +5,28 @@ from __future__ import annotations
 import sympy as sp
 
 from derivations.algebra.equations import equation
-from derivations.algebra.operations import Divide, Join, SolveFor, Substitute
-from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
-from derivations.algebra.transform import (
-    CloseContour,
-    EliminateOnRoots,
-    FourierTransform,
-    InvertTransform,
-    NameDerivative,
-    ReadFactor,
-    SolveTransform,
+from derivations.algebra.rearrangement import (
+    Differentiate,
+    Divide,
+    Form,
+    Join,
+    Rewrite,
+    TakeCoefficient,
+    TakeModulus,
 )
-from derivations.algebra.waves import (
+from derivations.algebra.solution import SolveFor
+from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
+from derivations.algebra.substitution import (
     HALF,
+    Eliminate,
     EnterMovingFrame,
-    EvaluateBranch,
     InsertRightSide,
     LocateSteps,
-    TakeModulus,
+    Substitute,
+    TakeBranch,
     WriteWithStep,
 )
+from derivations.algebra.transform import CloseContour, FourierTransform, InvertTransform
 from derivations.averaging.steps import derive as derive_averages
 from derivations.chain import PAPER, ChainModel
 from derivations.front import cell, limits, roots, strong
@@ -64,7 +66,7 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
     averaged = derive_averages(chain).numbered(43)
     cycles = cell.steps(chain, averaged, checks)
     profile = _to_profile(chain, checks)
-    kept = cell.comparison(averaged, profile["two lines"], cycles, checks)
+    kept = cell.comparison(chain, averaged, profile["two lines"], checks)
     located = roots.steps(chain, profile, checks)
     relation = _to_kinetic_relation(profile, cycles, checks)
     found = (*cycles.values(), *profile.values(), *kept, *located, *relation.values(),
@@ -129,18 +131,24 @@ def _to_profile(chain: ChainModel, checks: Checks) -> dict[str, Step]:
                     check=checks.profile_equation(v), number=48)  # fmt: skip
     transformed = derived("transformed front", FourierTransform(zeta, k, phi, phi_hat), front,
                           check=checks.transformed)  # fmt: skip
-    dispersion = derived("dispersion", ReadFactor(phi_hat(k), L(k)), transformed,
+    dispersion = derived("dispersion", TakeCoefficient(phi_hat(k), L(k)), transformed,
                          check=checks.dispersion, number=50)  # fmt: skip
-    slope = derived("slope of the dispersion", NameDerivative(k, L_k), dispersion,
+    slope = derived("slope of the dispersion", Differentiate(k, L_k), dispersion,
                     check=checks.slope)  # fmt: skip
-    on_roots = derived("slope on the roots", EliminateOnRoots(v), slope, dispersion,
-                       check=checks.slope_on_roots, number=51,
-                       note="only where L = 0")  # fmt: skip
+    on_roots = derived(
+        "slope on the roots",
+        (Eliminate((v,), {L(k): 0}), Rewrite(Form.EXPANDED)),
+        slope,
+        dispersion,
+        check=checks.slope_on_roots,
+        number=51,
+        note="only where L = 0",
+    )
     sets = definition("roots", sp.Tuple(equation(M_plus, _half_plane(sp.Gt)),
                                         equation(M_minus, _half_plane(sp.Lt))),
                       "the roots in the upper and in the lower half-plane",
                       check=checks.root_sets, number=52)  # fmt: skip
-    image = derived("transform of the front", SolveTransform(phi_hat(k)), transformed, dispersion,
+    image = derived("transform of the front", SolveFor(phi_hat(k)), transformed, dispersion,
                     check=checks.image)  # fmt: skip
     inverse = derived("front as a contour integral", InvertTransform(zeta, k, phi(zeta)), image,
                       check=checks.contour)  # fmt: skip
@@ -165,8 +173,13 @@ def _to_kinetic_relation(
     """(53) and (54)."""
     total = over_roots(1, M_plus)
     summed = profile["front as sums over roots"]
-    ahead = derived("front from ahead", EvaluateBranch(zeta), summed, check=checks.at_zero)
-    behind = derived("front from behind", EvaluateBranch(zeta, 0, -1), summed,
+    ahead = derived(
+        "front from ahead",
+        (TakeBranch(zeta > 0), Substitute({zeta: 0})),
+        summed,
+        check=checks.at_zero,
+    )
+    behind = derived("front from behind", (TakeBranch(zeta < 0), Substitute({zeta: 0})), summed,
                      check=checks.at_zero)  # fmt: skip
     meeting = definition(
         "threshold at the front",

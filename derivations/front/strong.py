@@ -14,28 +14,20 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.algebra.cycles import FactorRadicals
 from derivations.algebra.dispersion import (
     AtFastestWave,
     DifferentiateDispersion,
     EnvelopeOfWave,
     FastestWave,
-    NameNegative,
-    RealWave,
 )
 from derivations.algebra.equations import equation
-from derivations.algebra.expansion import Limit
-from derivations.algebra.operations import Divide, Substitute, Take
-from derivations.algebra.scaling import (
-    ExpressIn,
-    InsertPlaneWave,
-    OnOneSide,
-    PerturbField,
-    PrescribeCoefficients,
-    RenameField,
-)
+from derivations.algebra.expansion import Limit, Linearise
+from derivations.algebra.lattice import InsertPlaneWave
+from derivations.algebra.oscillation import RealAndImaginaryParts
+from derivations.algebra.rearrangement import Divide, Form, Rewrite, Take
+from derivations.algebra.solution import PrescribeCoefficients, SolveFor
 from derivations.algebra.steps import Step, ansatz, definition, derived
-from derivations.algebra.waves import EnterMovingFrame
+from derivations.algebra.substitution import EnterMovingFrame, Substitute
 from derivations.chain import ChainModel
 from derivations.front.checks import Checks
 from derivations.front.symbols import (
@@ -64,11 +56,16 @@ def steps(chain: ChainModel, cycles: dict[str, Step], checks: Checks) -> tuple[S
     """From (8) and the cell of (43) to the law for the speed."""
     base = chain_step(chain)
     rest = definition("rest", equation(y(n, t), 0), "the chain at rest", check=checks.rest)
-    linear = derived("chain near rest", PerturbField(y, deviation_field), base, rest,
+    linear = derived("chain near rest", Linearise({y: deviation_field}), base, rest,
                      check=checks.chain_near_rest)  # fmt: skip
     waves = derived(
         "linear waves",
-        (InsertPlaneWave(deviation_field, -i * omega, q), RealWave(omega)),
+        (
+            InsertPlaneWave(deviation_field, -i * omega, q),
+            RealAndImaginaryParts(),
+            Take(0),
+            SolveFor(omega**2),
+        ),
         linear,
         check=checks.linear_waves,
         note="the imaginary part, the damping, is part of the local rate",
@@ -86,7 +83,7 @@ def steps(chain: ChainModel, cycles: dict[str, Step], checks: Checks) -> tuple[S
 def _outer(cycles: dict[str, Step], checks: Checks) -> dict[str, Step]:
     local = derived(
         "local rate of the envelope",
-        RenameField(radius, envelope, t),
+        Substitute({radius: envelope}, meaning="at each place"),
         cycles["amplitude of the cell"],
         check=checks.local_rate,
         note="the phase of the carrier drops out: the envelope is real",
@@ -113,12 +110,13 @@ def _outer(cycles: dict[str, Step], checks: Checks) -> dict[str, Step]:
                ((inner.diff(inner_place),), -kappa_front))  # fmt: skip
     law = derived(
         "speed by the group velocity",
-        (OnOneSide(), PrescribeCoefficients(demands, (length, v))),
+        (Rewrite(Form.ON_THE_LEFT), PrescribeCoefficients(demands, (length, v))),
         named,
         check=checks.speed_law,
         note="the coefficients of the third and the first derivative become 1 and -κ",
     )
-    problem = derived("inner problem", (ExpressIn(()), OnOneSide()), named, law,
+    problem = derived("inner problem", (Substitute(), Rewrite(Form.SIMPLIFIED),
+                                         Rewrite(Form.ON_THE_LEFT)), named, law,
                       check=checks.inner_problem,
                       note="κ is the value for which a solution joins the cycle at -∞ with rest at "
                            "+∞; it is found numerically")  # fmt: skip
@@ -132,11 +130,19 @@ def _law(waves: Step, slopes: Step, law: Step, checks: Checks) -> list[Step]:
                       check=checks.fastest)  # fmt: skip
     values = derived("largest group velocity", AtFastestWave(omega, q), slopes, waves, fastest,
                      check=checks.largest_group_velocity)  # fmt: skip
-    size = derived("size of the dispersion", NameNegative(w_3, w_3_size), values,
-                   check=checks.dispersion_size)  # fmt: skip
+    size = derived(
+        "size of the dispersion",
+        (Substitute({w_3: -w_3_size}), SolveFor((w_1, w_3_size))),
+        values,
+        check=checks.dispersion_size,
+    )
     alone = derived("speed in terms of the length", Take(1), law, check=checks.speed_alone)
     speed_law = derived("speed of the front", Substitute(), alone, size,
                         check=checks.closed_law)  # fmt: skip
-    weak = derived("speed of the averaged front", (Limit(epsilon, 0), FactorRadicals()), speed_law,
-                   check=checks.weak_law)  # fmt: skip
+    weak = derived(
+        "speed of the averaged front",
+        (Limit(epsilon, 0), Rewrite(Form.SHORT_ROOTS)),
+        speed_law,
+        check=checks.weak_law,
+    )
     return [fastest, values, size, alone, speed_law, weak]

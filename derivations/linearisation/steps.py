@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.algebra.balance import ResonantPart
 from derivations.algebra.equations import equation
 from derivations.algebra.errors import DerivationInputError
-from derivations.algebra.lattice import (
-    CloseChain,
-    Ends,
-    LineariseSystem,
-    ReadMatrix,
-    WriteFirstOrder,
-)
-from derivations.algebra.operations import Substitute
+from derivations.algebra.expansion import Linearise
+from derivations.algebra.lattice import CloseChain, Ends, ReadMatrix, WriteFirstOrder
+from derivations.algebra.oscillation import CollectHarmonic
 from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived
+from derivations.algebra.substitution import Substitute
 from derivations.chain import PAPER, ChainModel
 from derivations.linearisation import checks
 from derivations.linearisation.symbols import (
@@ -77,7 +72,7 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
                          number=40 if numbered else None)  # fmt: skip
         linear = derived(
             f"linearised system{suffix}",
-            LineariseSystem(own, change, delta_rate),
+            Linearise(dict(zip(own, change, strict=True)), delta_rate),
             system,
             check=checks.linear(chain, ends),
             number=41 if numbered else None,
@@ -105,7 +100,7 @@ def _extra_term() -> tuple[Step, ...]:
         "an oscillation at frequency one, and a deviation at the same frequency",
         check=checks.waves,
     )  # fmt: skip
-    mean = derived("resonant part of the added term", (Substitute(), ResonantPart(t)),
+    mean = derived("resonant part of the added term", (Substitute(), CollectHarmonic(t, resonant)),
                    product, waves, check=checks.mean,
                    note="it vanishes, so print errs at O(eps^2) only")  # fmt: skip
     return product, waves, mean

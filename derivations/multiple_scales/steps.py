@@ -7,34 +7,17 @@ from functools import lru_cache
 import sympy as sp
 
 from derivations.algebra.equations import equation
-from derivations.algebra.expansion import (
-    CollectPower,
-    Detune,
-    DifferentiateInScales,
-    Limit,
-    RescaleTime,
-    SolveOscillator,
-    SteadyState,
-    Truncate,
-)
-from derivations.algebra.operations import (
-    Divide,
-    DivideByLeftSide,
-    ImposeMirrorSymmetry,
-    SelectBranch,
-    SolveFor,
-    Specialise,
-    Substitute,
-    Take,
-)
+from derivations.algebra.expansion import CollectPower, DifferentiateInScales, Limit, Truncate
 from derivations.algebra.oscillation import (
     MatchHarmonic,
     RealAndImaginaryParts,
     RemoveSecularTerms,
     SquareAndAdd,
-    SquareRoot,
 )
+from derivations.algebra.rearrangement import Divide, RaiseToPower, Take
+from derivations.algebra.solution import SolveFor, SolveOscillator
 from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
+from derivations.algebra.substitution import RescaleTime, Substitute, mirrored
 from derivations.chain import PAPER, ChainModel
 from derivations.multiple_scales.checks import Checks
 from derivations.multiple_scales.symbols import Y_0, Y_1, A, R_slow, Y, theta_slow
@@ -59,15 +42,13 @@ from derivations.symbols import (
 
 
 @lru_cache(maxsize=8)
-def derive(model: ChainModel = PAPER, order: int = 1) -> Derivation:
+def derive(model: ChainModel = PAPER) -> Derivation:
     """Derive Eqs. (8)-(30) for a chain.
 
     Parameters
     ----------
     model : ChainModel
         The chain; that of Eq. (8) if left out.
-    order : {1, 2}
-        With 2 the second order of the cell and the chain follows.
 
     Returns
     -------
@@ -76,11 +57,8 @@ def derive(model: ChainModel = PAPER, order: int = 1) -> Derivation:
     checks = Checks(model)
     orders = _to_orders(model, checks)
     amplitudes = _to_amplitudes(orders, checks)
-    steps = (*orders, *amplitudes, *_to_breather(model, orders, amplitudes, checks))
-    if order == 2:
-        from derivations.averaging.second_order import steps as second_order
-
-        steps += second_order(model, orders[0])
+    consistent = _self_consistent(orders, amplitudes, checks)
+    steps = (*orders, *amplitudes, *consistent, *_to_breather(model, orders, consistent, checks))
     return Derivation("multiple-scales", "Multiple scales for the central particle (8)-(30)", steps)
 
 
@@ -106,7 +84,7 @@ def _to_orders(given: ChainModel, checks: Checks) -> tuple[Step, ...]:
     wave = breather_ansatz()
     neighbours = tuple(range(1, given.reach + 1))
     centre = derived(
-        "centre", (Specialise({n: 0}), ImposeMirrorSymmetry(y)), first,
+        "centre", (Substitute({n: 0}), mirrored(y, t, given.reach)), first,
         check=checks.centre, number=10,
     )  # fmt: skip
     forced = derived(
@@ -177,22 +155,23 @@ def _to_amplitudes(orders: tuple[Step, ...], checks: Checks) -> tuple[Step, ...]
         check=checks.parts, number=24,
     )  # fmt: skip
     steady = derived(
-        "steady amplitude and phase", SteadyState({R_slow: R, theta_slow: theta}), both,
+        "steady amplitude and phase", Substitute({R_slow: R, theta_slow: theta}), both,
         check=checks.steady_parts, number=25,
     )  # fmt: skip
     return secular, polar, turned, both, steady
 
 
-def _to_breather(
-    given: ChainModel, orders: tuple[Step, ...], amplitudes: tuple[Step, ...], checks: Checks
+def _self_consistent(
+    orders: tuple[Step, ...], amplitudes: tuple[Step, ...], checks: Checks
 ) -> tuple[Step, ...]:
-    wave, frequency, scales, free = orders[1], orders[4], orders[5], orders[-1]
+    """Return what it means that site 0 moves as was assumed of it."""
+    wave, scales, free = orders[1], orders[5], orders[-1]
     polar, steady = amplitudes[1], amplitudes[-1]
-    central = derived("assumed motion of site 0", Specialise({n: 0}), wave,
+    central = derived("assumed motion of site 0", Substitute({n: 0}), wave,
                       check=checks.central_motion)  # fmt: skip
     rescaled = derived("assumed motion in two times", RescaleTime(y(0, t), Y, t), central, scales,
                        check=checks.central_motion)  # fmt: skip
-    settled = (Substitute(), SteadyState({R_slow: R, theta_slow: theta}))
+    settled = (Substitute(), Substitute({R_slow: R, theta_slow: theta}))
     fundamental = derived("steady free oscillation", settled, free, polar,
                           check=checks.steady_oscillation)  # fmt: skip
     match = derived(
@@ -202,13 +181,22 @@ def _to_breather(
     doubled = derived("amplitude of site 0", Take(0), match, check=checks.doubled)
     own = derived("own amplitude", (Substitute(), Divide(R)), steady, doubled,
                   check=checks.own)  # fmt: skip
+    return central, rescaled, fundamental, match, doubled, own
+
+
+def _to_breather(
+    given: ChainModel, orders: tuple[Step, ...], consistent: tuple[Step, ...], checks: Checks
+) -> tuple[Step, ...]:
+    """Return decay and frequency of the breather."""
+    frequency, (*_, doubled, own) = orders[4], consistent
     modulus = derived("modulus", SquareAndAdd(theta), own, check=checks.modulus, number=26)
     free_frequency = derived(
         "frequency with neighbours at rest",
         (Take(1), Limit(k_1, -sp.oo), SolveFor(omega_1)), own, check=checks.free_frequency,
     )  # fmt: skip
     close = derived(
-        "close frequency", Detune(delta), free_frequency, check=checks.close_frequency,
+        "close frequency", (Substitute({omega_1: omega_1 - delta}), SolveFor(omega_1)),
+        free_frequency, check=checks.close_frequency,
         number=27, assumes=True,
     )  # fmt: skip
     exact = derived(
@@ -223,26 +211,27 @@ def _to_breather(
         number=28,
     )  # fmt: skip
     cost = derived(
-        "relative error", DivideByLeftSide(), detuned, check=checks.cost,
+        "relative error", Divide(), detuned, check=checks.cost,
         note="The term with δ² is the relative error of (28): small needs δ ≪ c e^(k₁), not only "
         "δ ≪ c",
     )  # fmt: skip
     branches = derived(
-        "both signs of the decay", (Divide(4 * given.coupling**2), SquareRoot()), neglected,
+        "both signs of the decay",
+        (Divide(4 * given.coupling**2), RaiseToPower(sp.Rational(1, 2))),
+        neglected,
         check=checks.branches,
-    )  # fmt: skip
+    )
     halved = derived("half the amplitude", SolveFor(R), doubled, check=checks.doubled)
     rule = ("the minus sign: e^(k₁) > 0 where the cell feeds energy into its motion, between its "
             "two cycles; the plus sign holds where the cell loses energy")  # fmt: skip
-    kept = derived("decay", SelectBranch(1, rule), branches, check=checks.decay_of_radius)
+    kept = derived("decay", Take(1, rule), branches, check=checks.decay_of_radius)
     decay = derived("decay of the amplitude", Substitute(), kept, halved,
                     check=checks.decay, number=29)  # fmt: skip
-    undetuned = derived("frequency at no detuning", Specialise({delta: 0}), close,
+    undetuned = derived("frequency at no detuning", Substitute({delta: 0}), close,
                         check=checks.free_frequency)  # fmt: skip
     breather_frequency = derived(
         "breather frequency", (Substitute(), Truncate(epsilon, 1)), frequency, undetuned,
         check=checks.breather_frequency, number=30,
     )  # fmt: skip
-    return (central, rescaled, fundamental, match, doubled, own, modulus, free_frequency, close,
-            exact, detuned, neglected, cost, branches, halved, kept, decay, undetuned,
-            breather_frequency)  # fmt: skip
+    return (modulus, free_frequency, close, exact, detuned, neglected, cost, branches, halved, kept,
+            decay, undetuned, breather_frequency)  # fmt: skip

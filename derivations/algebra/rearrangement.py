@@ -1,0 +1,355 @@
+"""Rearranging equations: systems, factors and terms, forms, powers, derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import ClassVar
+
+import sympy as sp
+
+from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of, system
+from derivations.algebra.operations import Operation, OperationError, listed, said, spoken
+
+
+@dataclass(frozen=True)
+class Join(Operation):
+    """Write several equations as one system."""
+
+    phrase: ClassVar[str] = "take {sources} together"
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return all parts of all sources."""
+        return sp.Tuple(*(part for source in sources for part in parts_of(source)))
+
+
+@dataclass(frozen=True)
+class Take(Operation):
+    """Take one equation out of a system, or one of several solutions.
+
+    Attributes
+    ----------
+    place : int
+        Which, from 0.
+    rule : str
+        Of solutions: why this one, where it holds.
+    """
+
+    place: int
+    rule: str = ""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return that equation."""
+        (source,) = sources
+        return parts_of(source)[self.place]
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the place, or the rule."""
+        if self.rule:
+            return f"keep the branch of {listed(labels)} with {self.rule}"
+        ordinal = ("first", "second", "third", "fourth")[self.place]
+        return f"take the {ordinal} equation of {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class Divide(Operation):
+    """Divide both sides by a factor that does not vanish.
+
+    Attributes
+    ----------
+    factor : Expr, tuple of Expr or None
+        The factor, or one for each relation of a system; None for the left side itself. Bounds
+        are divided by what is positive only.
+    """
+
+    factor: sp.Expr | tuple[sp.Expr, ...] | None = None
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the source with each side divided and expanded."""
+        (source,) = sources
+        if self.factor is None:
+            terms = sp.Add.make_args(source.rhs)
+            return equation(1, sum((term / source.lhs for term in terms), sp.S.Zero))
+        parts = parts_of(source)
+        own = self.factor if isinstance(self.factor, tuple) else (self.factor,) * len(parts)
+        return system(tuple(map(self._divided, parts, own)))
+
+    @staticmethod
+    def _divided(part: sp.Basic, factor: sp.Expr) -> sp.Basic:
+        if not isinstance(part, sp.Equality | sp.Unequality) and not factor.is_positive:
+            raise OperationError(f"{factor} is not known to be positive")
+        return on_sides(part, lambda side: sp.expand(side / factor))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the factor."""
+        if self.factor is None:
+            return f"divide {listed(labels)} by its left side"
+        if isinstance(self.factor, tuple):
+            factors = listed([spoken(factor) for factor in self.factor])
+            return f"divide the relations of {listed(labels)} by {factors}"
+        return f"divide {listed(labels)} by {spoken(self.factor)}"
+
+
+@dataclass(frozen=True)
+class Isolate(Operation):
+    """Bring the terms with a variable to the left and divide by the factor of one of them.
+
+    Of a system, part by part, with one target each. Where the target is the only such term this
+    solves for it.
+
+    Attributes
+    ----------
+    variables : tuple of Expr
+        What the terms on the left contain, one or other.
+    targets : tuple of Expr
+        One a part; its factor is divided by. Empty: nothing is divided.
+    """
+
+    variables: tuple[sp.Basic, ...]
+    targets: tuple[sp.Expr, ...] = ()
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``terms with the variable = the rest``."""
+        (source,) = sources
+        parts = parts_of(source)
+        targets = self.targets or (None,) * len(parts)
+        if len(targets) != len(parts):
+            raise OperationError(f"{len(parts)} equations, but {len(targets)} terms to isolate")
+        return system(tuple(map(self._isolated, parts, targets)))
+
+    def _isolated(self, part: sp.Basic, target: sp.Expr | None) -> sp.Basic:
+        whole = sp.expand(left_minus_right(part))
+        rest, kept = whole.as_independent(*self.variables, as_Add=True)
+        if target is None:
+            return equation(kept, -rest)
+        stand_in = sp.Dummy()
+        factor = sp.expand(kept.xreplace({target: stand_in})).coeff(stand_in, 1)
+        if factor == 0:
+            raise OperationError(f"there is no term with {target}")
+        others = sp.expand(kept - factor * target)
+        common = sp.factor_terms(factor)
+        return equation(target + sp.factor_terms(others) / common, -sp.factor_terms(rest) / common)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the variable and the targets."""
+        divided = f" and divide by the factor of {said(self.targets)}" if self.targets else ""
+        return (
+            f"bring the terms with {said(self.variables)} of {listed(labels)} to the left{divided}"
+        )
+
+
+@dataclass(frozen=True)
+class Subtract(Operation):
+    """Subtract the second equation from the first."""
+
+    phrase: ClassVar[str] = "subtract {others} from {first}"
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the difference of the two, everything on the left."""
+        one, other = sources
+        return equation(sp.factor(left_minus_right(one) - left_minus_right(other)))
+
+
+def _cancelled(side: sp.Expr, max_terms: int = 4) -> sp.Expr:
+    """Cancel what numerator and denominator have in common.
+
+    A side whose numerator is a sum of more than ``max_terms`` is left as it is: factors would hide
+    its form.
+    """
+    above, below = sp.fraction(sp.together(side))
+    if below == 1 or len(sp.Add.make_args(above)) > 2 * max_terms:
+        return side
+    above = sp.expand(above)
+    if len(sp.Add.make_args(above)) > max_terms:
+        return side
+    return sp.factor(above) / sp.factor(below)
+
+
+def _with_short_roots(side: sp.Expr) -> sp.Expr:
+    """Write each radicand as a product, and take squares out of roots."""
+    for shorter in (sp.factor, sp.cancel):
+        side = side.replace(
+            lambda q: q.is_Pow and q.exp == sp.Rational(1, 2),
+            lambda q, of=shorter: sp.sqrt(of(q.base)),
+        )
+    return side
+
+
+def _expanded(side: sp.Expr) -> sp.Expr:
+    """Multiply products of sums out, but not under integrals."""
+    return sp.Add(*(sp.expand(term, deep=False) for term in sp.Add.make_args(side)))
+
+
+class Form(Enum):
+    """How an equation may be written; the value says what is done."""
+
+    EXPANDED = "expand {}"
+    SIMPLIFIED = "simplify {}"
+    CANCELLED = "cancel common factors in {}"
+    SHORT_ROOTS = "take squares out of the roots of {}"
+    ON_THE_LEFT = "bring everything in {} to the left"
+    EXCHANGED = "exchange the sides of {}"
+
+
+_OF_SIDES: dict[Form, Callable[[sp.Expr], sp.Expr]] = {
+    Form.EXPANDED: _expanded,
+    Form.SIMPLIFIED: lambda side: sp.expand(sp.simplify(side)),
+    Form.CANCELLED: _cancelled,
+    Form.SHORT_ROOTS: _with_short_roots,
+}
+
+
+@dataclass(frozen=True)
+class Rewrite(Operation):
+    """Write an equation in another form; it says the same."""
+
+    form: Form
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the source in that form."""
+        (source,) = sources
+        if self.form is Form.ON_THE_LEFT:
+            return equation(sp.expand(left_minus_right(source)))
+        if self.form is Form.EXCHANGED:
+            return equation(source.rhs, source.lhs)
+        return on_sides(source, _OF_SIDES[self.form])
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the form."""
+        return self.form.value.format(listed(labels))
+
+
+@dataclass(frozen=True)
+class RaiseToPower(Operation):
+    """Raise both sides to a power; of a square root both signs are kept.
+
+    Attributes
+    ----------
+    exponent : Rational
+        2 for the square, 1/2 for the square root, -1 for the reciprocal.
+    """
+
+    exponent: sp.Rational | int
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the power of both sides, or the branches ``√left = ±√right``."""
+        (source,) = sources
+        if self.exponent != sp.Rational(1, 2):
+            return on_sides(source, lambda side: sp.cancel(side**self.exponent))
+        left, right = (
+            sp.sqrt(sp.factor(side)).replace(sp.Abs, lambda q: q) for side in source.args
+        )
+        return sp.Tuple(equation(left, right), equation(left, -right))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the power."""
+        if self.exponent == sp.Rational(1, 2):
+            return f"take the square root of {listed(labels)}, with both signs"
+        done = {2: "square", -1: "take the reciprocal of"}.get(self.exponent)
+        return f"{done or f'raise to the power {self.exponent}'} {listed(labels)}"
+
+
+@dataclass(frozen=True)
+class TakeModulus(Operation):
+    """Take absolute values on both sides."""
+
+    phrase: ClassVar[str] = "take absolute values of {sources}"
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``|left| = |right|``."""
+        (source,) = sources
+        return equation(sp.Abs(source.lhs), sp.Abs(source.rhs))
+
+
+@dataclass(frozen=True)
+class TakeCoefficient(Operation):
+    """Take the coefficient of a term of left minus right: give it a name, or equate it to zero.
+
+    Attributes
+    ----------
+    term : Expr
+        The term.
+    name : Expr or None
+        What its coefficient is called; None where it has to vanish.
+    """
+
+    term: sp.Expr
+    name: sp.Expr | None = None
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``coefficient = 0`` or ``name = coefficient``, with phase factors as cosines."""
+        (source,) = sources
+        factor = with_cosines(sp.expand(left_minus_right(source)).coeff(self.term))
+        return equation(factor) if self.name is None else equation(self.name, factor)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the term."""
+        own = f"the coefficient of {spoken(self.term)} in {listed(labels)}"
+        return f"let {own} vanish" if self.name is None else f"call {own} {spoken(self.name)}"
+
+
+def with_cosines(expression: sp.Expr) -> sp.Expr:
+    """Return the expanded expression with ``e^{iz}`` written by cosine and sine of z."""
+
+    def turned(exponent: sp.Expr) -> sp.Expr:
+        angle = sp.expand(exponent).as_coefficient(sp.I)
+        return sp.exp(exponent) if angle is None else sp.cos(angle) + sp.I * sp.sin(angle)
+
+    return sp.expand(expression.replace(sp.exp, turned))
+
+
+@dataclass(frozen=True)
+class Differentiate(Operation):
+    """Differentiate the right side, and name its derivative.
+
+    Attributes
+    ----------
+    variable : Symbol
+        The variable.
+    name : Symbol
+        What the derivative is called.
+    """
+
+    phrase: ClassVar[str] = "differentiate {sources} with respect to {variable}"
+    variable: sp.Symbol
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = derivative``."""
+        (source,) = sources
+        return equation(self.name, sp.diff(source.rhs, self.variable))
+
+
+@dataclass(frozen=True)
+class DividedDifference(Operation):
+    """Divided difference of left minus right over values of a variable.
+
+    If the equation held at all the values, it would vanish.
+
+    Attributes
+    ----------
+    variable : Symbol
+        What differs between the places.
+    values : tuple of Symbol
+        Its values there.
+    name : Symbol
+        What the divided difference is called.
+    """
+
+    phrase: ClassVar[str] = "take the divided difference of {sources} over {values}"
+    variable: sp.Symbol
+    values: tuple[sp.Symbol, ...]
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = divided difference``."""
+        (source,) = sources
+        whole = left_minus_right(source)
+        table = [whole.subs(self.variable, value) for value in self.values]
+        for width in range(1, len(self.values)):
+            table = [
+                sp.cancel((table[at + 1] - table[at]) / (self.values[at + width] - self.values[at]))
+                for at in range(len(table) - 1)
+            ]
+        return equation(self.name, table[0])

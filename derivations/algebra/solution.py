@@ -1,0 +1,351 @@
+"""Solving: equations for symbols and angles, limits and coefficients that are demanded, cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derivations.algebra.equations import equation, left_minus_right, parts_of, system
+from derivations.algebra.operations import Operation, OperationError, listed, said, spoken
+
+
+@dataclass(frozen=True)
+class SolveFor(Operation):
+    """Solve an equation for a symbol; all solutions are returned, as a system if several.
+
+    An angle that occurs under cosines only is found with every branch. The factor of a field may
+    have a name, which a second source gives.
+
+    Attributes
+    ----------
+    unknown : Expr, or tuple of Expr
+        What is solved for; one each for the parts of a system.
+    """
+
+    unknown: sp.Basic | tuple[sp.Basic, ...]
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``unknown = solution``, once for each solution."""
+        source, *named = sources
+        if isinstance(self.unknown, tuple):
+            pairs = zip(self.unknown, parts_of(source), strict=True)
+            return sp.Tuple(*(SolveFor(own)(part) for own, part in pairs))
+        stand_in = sp.Dummy(real=True) if self.unknown.is_real else sp.Dummy()
+        rest = left_minus_right(source).xreplace({self.unknown: stand_in})
+        if rest.has(sp.cos(stand_in)):
+            found = self._angles(rest, stand_in)
+        elif sp.diff(rest, stand_in).has(stand_in):
+            found = sp.solve(rest, stand_in)
+        else:
+            found = [-rest.subs(stand_in, 0) / self._factor(rest, stand_in, *named)]
+        if not found:
+            raise OperationError(f"{source} has no solution for {self.unknown}")
+        return system(tuple(equation(self.unknown, solution) for solution in found))
+
+    def _factor(self, rest: sp.Expr, stand_in: sp.Symbol, *named: sp.Basic) -> sp.Expr:
+        """Return what multiplies the unknown, or its name."""
+        slope = sp.diff(rest, stand_in)
+        if sp.expand(slope) == 0:
+            raise OperationError(f"the equation does not contain {self.unknown}")
+        for name in named:
+            if sp.simplify((slope - name.rhs).rewrite(sp.exp)) != 0:
+                raise OperationError(f"{name.lhs} is not the factor of {self.unknown}")
+            return name.lhs
+        return slope
+
+    def _angles(self, rest: sp.Expr, angle: sp.Symbol) -> list[sp.Expr]:
+        """Return ``±arccos(root)`` for each root, the negative sign first."""
+        cosine = sp.Dummy("cosine")
+        whole = sp.expand(rest)
+        whole = whole.replace(lambda q: isinstance(q, sp.cos) and q.has(angle), sp.expand_trig)
+        polynomial = sp.Poly(sp.expand(whole).xreplace({sp.cos(angle): cosine}), cosine)
+        if polynomial.has(angle):
+            raise OperationError(f"not only cosines of {self.unknown} occur")
+        if polynomial.degree() == 1:
+            slope, low = polynomial.all_coeffs()
+            roots = [sp.simplify(-low / slope)]
+        elif polynomial.degree() == 2:
+            # The first root is the one that stays finite when the top coefficient goes to zero.
+            top, middle, low = polynomial.all_coeffs()
+            spread = sp.sqrt(middle**2 - 4 * top * low)
+            roots = [-2 * low / (middle + spread), -(middle + spread) / (2 * top)]
+        else:
+            raise OperationError(f"of degree {polynomial.degree()} in cos {self.unknown}")
+        return [sign * sp.acos(root) for root in roots for sign in (-1, 1)]
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the unknown, and what names its factor."""
+        named = f", its factor by the name of {listed(labels[1:])}" if labels[1:] else ""
+        return f"solve {labels[0]} for {said(self.unknown)}{named}"
+
+
+@dataclass(frozen=True)
+class SelectRoot(Operation):
+    """Keep the one of several solutions that satisfies a rule wherever it is tried.
+
+    Attributes
+    ----------
+    rule : str
+        The rule in words.
+    accepts : callable
+        Whether a numerical value satisfies it.
+    values : mapping of Symbol to tuple of float
+        Where it is tried.
+    """
+
+    phrase: ClassVar[str] = "keep the solution of {sources} with {rule}"
+    rule: str
+    accepts: Callable[[complex], bool]
+    values: Mapping[sp.Symbol, tuple[float, ...]] = field(hash=False)
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the part that is kept."""
+        (source,) = sources
+        trials: list[dict[sp.Symbol, float]] = [{}]
+        for symbol, numbers in self.values.items():
+            trials = [{**trial, symbol: number} for trial in trials for number in numbers]
+        kept = [
+            part
+            for part in parts_of(source)
+            if all(self.accepts(complex(part.rhs.subs(trial).evalf())) for trial in trials)
+        ]
+        if len(kept) != 1:
+            raise OperationError(f"{len(kept)} of the solutions satisfy: {self.rule}")
+        return kept[0]
+
+
+@dataclass(frozen=True)
+class SolveOscillator(Operation):
+    """General real solution of ``u'' + Ω² u = 0`` in the fast time, with a slow amplitude.
+
+    Attributes
+    ----------
+    fast : Symbol
+        The fast time.
+    amplitude : Expr
+        The complex amplitude, a function of the slow time or a constant.
+    """
+
+    fast: sp.Symbol
+    amplitude: sp.Expr
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``u = A e^{iΩt} + A* e^{-iΩt}`` with Ω from the characteristic polynomial."""
+        (source,) = sources
+        whole = left_minus_right(source)
+        (unknown,) = (q for q in whole.atoms(AppliedUndef) if self.fast in q.args)
+        rate = sp.Dummy("rate")
+        trial = sp.exp(rate * self.fast)
+        characteristic = sp.cancel(whole.subs(unknown, trial).doit() / trial)
+        roots = sp.roots(sp.Poly(characteristic, rate))
+        upper = [root for root in roots if sp.im(root).is_positive and sp.re(root) == 0]
+        if len(upper) != 1 or sum(roots.values()) != 2:
+            raise OperationError(f"{source} is not the equation of an undamped oscillator")
+        wave = self.amplitude * sp.exp(upper[0] * self.fast)
+        return equation(unknown, wave + sp.conjugate(wave))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the amplitude."""
+        return f"solve {listed(labels)} by its characteristic polynomial, with slow amplitude " + (
+            spoken(self.amplitude)
+        )
+
+
+@dataclass(frozen=True)
+class PrescribeCoefficients(Operation):
+    """Demand values for coefficients of a linear left side, and solve for the scales.
+
+    Attributes
+    ----------
+    demands : tuple of (tuple of Expr, Expr)
+        Terms, and what their coefficients add to.
+    unknowns : tuple of Symbol
+        What is solved for, in the order in which it is written.
+    """
+
+    demands: tuple[tuple[tuple[sp.Expr, ...], sp.Expr], ...]
+    unknowns: tuple[sp.Symbol, ...]
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return one equation for each unknown."""
+        (source,) = sources
+        left = sp.expand(source.lhs)
+        rest = [sum((left.coeff(term) for term in terms), sp.S.Zero) - value
+                for terms, value in self.demands]  # fmt: skip
+        found = [self._one_by_one(rest)]
+        if not found[0]:
+            found = self._together(rest)
+        if len(found) != 1 or set(found[0]) != set(self.unknowns):
+            raise OperationError("these coefficients do not determine the scales")
+        return sp.Tuple(*(equation(own, sp.simplify(found[0][own])) for own in self.unknowns))
+
+    def _together(self, rest: list[sp.Expr]) -> list[dict[sp.Basic, sp.Expr]]:
+        """Solve all demands at once; only where a square occurs is the sign of a scale used."""
+        stand_in = {own: sp.Dummy(own.name) for own in self.unknowns
+                    if all(sp.diff(demand, own, 2) == 0 for demand in rest)}  # fmt: skip
+        back = {dummy: own for own, dummy in stand_in.items()}
+        plain = [demand.xreplace(stand_in) for demand in rest]
+        wanted = [stand_in.get(own, own) for own in self.unknowns]
+        return [{back.get(own, own): value for own, value in found.items()}
+                for found in sp.solve(plain, wanted, dict=True)]  # fmt: skip
+
+    def _one_by_one(self, rest: list[sp.Expr]) -> dict[sp.Basic, sp.Expr]:
+        """Solve the demands in their order for the unknowns in theirs; nothing if they mix."""
+        known: dict[sp.Basic, sp.Expr] = {}
+        for place, (demand, unknown) in enumerate(zip(rest, self.unknowns, strict=True)):
+            if demand.has(*self.unknowns[place + 1 :]):
+                return {}
+            roots = [root for root in sp.solve(demand.subs(known), unknown)
+                     if not (unknown.is_positive and root.is_positive is False)]  # fmt: skip
+            if len(roots) != 1:
+                return {}
+            known[unknown] = roots[0]
+        return known
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the demands."""
+        values = listed([spoken(value) for _, value in self.demands])
+        names = listed([spoken(own) for own in self.unknowns])
+        return f"demand the coefficients {values} in {listed(labels)} and solve for {names}"
+
+
+@dataclass(frozen=True)
+class SolveLimits(Operation):
+    """Find the constants of a law from its stated limits.
+
+    The first source is the law, the second the limits: ``f(0) = ...`` and ``f(oo) = ...``.
+
+    Attributes
+    ----------
+    variable : Symbol
+        The argument of the law.
+    constants : tuple of Symbol
+        What is solved for and put in.
+    """
+
+    phrase: ClassVar[str] = "find {constants} of {first} from {others}"
+    variable: sp.Symbol
+    constants: tuple[sp.Symbol, ...]
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the law with its constants."""
+        law, limits = sources
+        positive = sp.Dummy("positive", positive=True)
+        side = law.rhs.xreplace({self.variable: positive})
+        rest = [sp.limit(side, positive, part.lhs.args[0]) - part.rhs for part in parts_of(limits)]
+        found = sp.solve(rest, self.constants, dict=True)
+        if len(found) != 1:
+            raise OperationError("the limits do not determine the constants")
+        return equation(law.lhs, law.rhs.subs(found[0]))
+
+
+@dataclass(frozen=True)
+class StationaryAmplitudes(Operation):
+    """Find the amplitudes at which a cell neither gains nor loses: two cycles, by size.
+
+    Attributes
+    ----------
+    amplitude : Expr
+        The amplitude, a function of time.
+    names : tuple of Expr
+        What the inner and the outer amplitude are called.
+    """
+
+    phrase: ClassVar[str] = "let the rate in {sources} vanish: the inner and the outer cycle"
+    amplitude: sp.Expr
+    names: tuple[sp.Expr, sp.Expr]
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name² = value`` for the inner and the outer cycle."""
+        (source,) = sources
+        square = sp.Dummy("s", positive=True)
+        size = sp.Dummy("r", positive=True)
+        rate = sp.cancel(source.rhs.subs(self.amplitude, size) / size)
+        plain = sp.expand(rate).subs(size, sp.sqrt(square))
+        found = sp.solve(sp.numer(sp.together(plain)), square)
+        kept = _two_by_size(found, plain.free_symbols - {square})
+        return sp.Tuple(
+            *(equation(name**2, root) for name, root in zip(self.names, kept, strict=True))
+        )
+
+
+def _two_by_size(found: list[sp.Expr], symbols: set[sp.Symbol]) -> list[sp.Expr]:
+    """Return the two positive roots, the smaller first, wherever there are two."""
+    orders = set()
+    for values in _grid(symbols):
+        numbers = [complex(root.subs(values).evalf()) for root in found]
+        positive = [(q.real, place) for place, q in enumerate(numbers)
+                    if abs(q.imag) < 1e-12 and q.real > 0]  # fmt: skip
+        if len(positive) == 2:
+            orders.add(tuple(place for _, place in sorted(positive)))
+    if len(orders) != 1:
+        raise OperationError("not two cycles in closed form, one inside the other")
+    return [found[place] for place in orders.pop()]
+
+
+def _grid(symbols: set[sp.Symbol]) -> list[dict[sp.Symbol, float]]:
+    """Return numbers for symbols on a coarse grid: some of them give two cycles."""
+    grids: list[dict[sp.Symbol, float]] = [{}]
+    for symbol in sorted(symbols, key=str):
+        grids = [{**grid, symbol: value} for grid in grids for value in (0.1, 0.5, 1.7, 5.0)]
+    return grids
+
+
+@dataclass(frozen=True)
+class DecayAtRoot(Operation):
+    """Linearise a rate about a stationary amplitude.
+
+    The sources are the rate and the squares of the stationary amplitudes.
+
+    Attributes
+    ----------
+    amplitude : Expr
+        The amplitude, a function of time.
+    place : int
+        Which of the stationary amplitudes, from 0.
+    name : Symbol
+        What the rate of decay is called.
+    """
+
+    amplitude: sp.Expr
+    place: int
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = -d(rate)/d(amplitude)`` there."""
+        rate, amplitudes = sources
+        size = sp.Dummy("r", positive=True)
+        slope = sp.expand(sp.diff(rate.rhs.subs(self.amplitude, size), size))
+        square = parts_of(amplitudes)[self.place].rhs
+        return equation(self.name, sp.factor(sp.simplify(-slope.subs(size, sp.sqrt(square)))))
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the cycle."""
+        which = ("inner", "outer")[self.place]
+        return f"linearise {labels[0]} about the {which} cycle of {listed(labels[1:])}"
+
+
+@dataclass(frozen=True)
+class RatioOfAmplitudes(Operation):
+    """Divide the inner by the outer amplitude.
+
+    Attributes
+    ----------
+    factor : int
+        What the ratio is multiplied by on both sides.
+    """
+
+    phrase: ClassVar[str] = "divide the inner by the outer amplitude of {sources}"
+    factor: int = 1
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``factor inner / outer = factor sqrt(ratio of squares)``."""
+        (source,) = sources
+        inner, outer = parts_of(source)
+        named = inner.lhs.base / outer.lhs.base
+        value = sp.sqrt(sp.cancel(sp.together(inner.rhs / outer.rhs)))
+        return equation(self.factor * named, self.factor * value)

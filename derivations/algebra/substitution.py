@@ -1,0 +1,370 @@
+"""Substitution and change of variables: rules, branches, scaled quantities, moving frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of
+from derivations.algebra.operations import Operation, OperationError, listed, said, spoken
+from derivations.algebra.solution import SolveFor
+
+HALF = sp.Rational(1, 2)
+
+
+@dataclass(frozen=True)
+class Substitute(Operation):
+    """Put values into an equation: those given, and each further source read left to right.
+
+    Derivatives are carried out, integrals are not.
+
+    Attributes
+    ----------
+    values : mapping of Expr to Expr
+        What is put for each symbol or field, all at once.
+    index : Symbol or None
+        Index for which the further sources hold generally; None if they hold as they stand.
+    at : tuple of Expr
+        Values of the index at which they are used.
+    meaning : str
+        What the values amount to, where it is more than giving a value.
+    """
+
+    values: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict, hash=False)
+    index: sp.Symbol | None = None
+    at: tuple[sp.Expr | int, ...] = ()
+    meaning: str = ""
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the first source with everything put in."""
+        rules = {own: sp.sympify(value) for own, value in self.values.items()}
+        for rule in (part for source in sources[1:] for part in parts_of(source)):
+            if not isinstance(rule, sp.Equality):
+                raise OperationError(f"{rule} is not a rule that can be put in")
+            rules |= self._instances(rule)
+        return on_sides(sources[0], lambda side: side.xreplace(rules).doit(integrals=False))
+
+    def _instances(self, rule: sp.Equality) -> dict[sp.Basic, sp.Basic]:
+        if self.index is None:
+            return {rule.lhs: rule.rhs}
+        return {
+            rule.lhs.xreplace({self.index: sp.sympify(place)}): rule.rhs.subs(self.index, place)
+            for place in self.at
+        }
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Say which equations and values are put into which."""
+        done = []
+        if labels[1:]:
+            done.append(f"substitute {listed(labels[1:])}{self._where()} into {labels[0]}")
+        if self.values:
+            meaning = f"{self.meaning}: " if self.meaning else ""
+            done.append(f"{meaning}set {said(self.values)} in {'it' if done else labels[0]}")
+        return " and ".join(done)
+
+    def _where(self) -> str:
+        if self.index is None:
+            return ""
+        places = [sp.sympify(place) for place in self.at]
+        shown = listed([spoken(place) for place in places])
+        moved = any(place.has(self.index) for place in places)
+        return f" at the sites {shown}" if moved else f" at {spoken(self.index)} = {shown}"
+
+
+def mirrored(field: sp.FunctionClass, time: sp.Symbol, reach: int) -> Substitute:
+    """Return the substitution that makes a field even in the site, as far as springs reach."""
+    values = {field(-at, time): field(at, time) for at in range(1, reach + 1)}
+    return Substitute(values, meaning="mirror symmetry")
+
+
+def alike(field: sp.FunctionClass, index: sp.Symbol, time: sp.Symbol, reach: int) -> Substitute:
+    """Return the substitution that lets all sites that springs join move alike."""
+    others = [field(index + sign * at, time) for at in range(1, reach + 1) for sign in (1, -1)]
+    return Substitute(dict.fromkeys(others, field(index, time)), meaning="all sites alike")
+
+
+@dataclass(frozen=True)
+class Eliminate(Operation):
+    """Remove symbols or terms from the first source by solving the second one for them.
+
+    Parts of the second source without any of them are read from left to right. Powers of a term
+    are recognised: with ``exp(x)`` also ``exp(2 x)`` is eliminated.
+
+    Attributes
+    ----------
+    unknowns : tuple of Expr
+        What is eliminated.
+    where : mapping of Expr to Expr
+        Values that hold in the second source where it is used.
+    """
+
+    unknowns: tuple[sp.Basic, ...]
+    where: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict, hash=False)
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the first source without the unknowns."""
+        target, others = sources[0], Substitute(self.where)(sources[1])
+        rules: dict[sp.Basic, sp.Basic] = {}
+        for part in parts_of(others):
+            gone = [own for own in self.unknowns if part.rhs.has(own)]
+            solved = SolveFor(gone[0])(part) if gone else part
+            if len(parts_of(solved)) != 1:
+                raise OperationError(f"{part} has several solutions for {gone[0]}")
+            rules[solved.lhs] = solved.rhs
+
+        def written(side: sp.Expr) -> sp.Expr:
+            for _ in rules:  # the solution for one symbol may contain another
+                side = side.subs(rules)
+            return side.doit()
+
+        return on_sides(target, written)
+
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the unknowns."""
+        where = f" with {said(self.where)}" if self.where else ""
+        return f"eliminate {said(self.unknowns)} from {labels[0]} by {listed(labels[1:])}{where}"
+
+
+@dataclass(frozen=True)
+class EliminatePowers(Operation):
+    """Lower the powers of a symbol by a polynomial equation that it satisfies."""
+
+    phrase: ClassVar[str] = "lower the powers of {symbol} in {first} by {others}"
+    symbol: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the first source with the remainder of its right side."""
+        target, relation = sources
+        if not target.rhs.is_polynomial(self.symbol):
+            return target
+        own = sp.Poly(left_minus_right(relation), self.symbol)
+        rest = sp.rem(sp.Poly(sp.expand(target.rhs), self.symbol), own)
+        return equation(target.lhs, sp.collect(sp.expand(rest.as_expr()), self.symbol))
+
+
+@dataclass(frozen=True)
+class TakeBranch(Operation):
+    """Restrict an equation to where a condition holds.
+
+    A piecewise expression keeps its branch of that condition; for a negative variable a modulus
+    and a sign are resolved, ``|v| = -v, sgn v = -1``.
+
+    Attributes
+    ----------
+    condition : relation
+        The condition, as it stands beside the branch.
+    """
+
+    phrase: ClassVar[str] = "take the branch {condition} of {sources}"
+    condition: sp.core.relational.Relational
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the source on that branch."""
+        (source,) = sources
+        pieces = {q: self._branch(q) for q in source.atoms(sp.Piecewise)}
+        found = source.xreplace(pieces)
+        if isinstance(self.condition, sp.Lt) and self.condition.lts.is_Symbol:
+            variable, negative = self.condition.lts, sp.Dummy("negative", negative=True)
+            found = on_sides(found, lambda side: side.xreplace({variable: negative}).doit())
+            found = found.xreplace({negative: variable})
+            if found.has(sp.Abs(variable), sp.sign(variable)):
+                raise OperationError(f"a modulus or a sign is left for {variable} < 0")
+        if found == source:
+            raise OperationError(f"{source} has no branch {self.condition}")
+        return found
+
+    def _branch(self, pieces: sp.Piecewise) -> sp.Expr:
+        for value, condition in pieces.args:
+            if condition == self.condition:
+                return value
+        raise OperationError(f"no branch {self.condition}")
+
+
+@dataclass(frozen=True)
+class WriteWithStep(Operation):
+    """Write the right side, of two branches in one quantity, with a step function.
+
+    Attributes
+    ----------
+    name : Symbol
+        What the right side is called.
+    """
+
+    phrase: ClassVar[str] = "write the right side of {sources} with a step function"
+    name: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``name = below + (above - below) theta(quantity - threshold)``."""
+        (source,) = sources
+        (pieces,) = source.rhs.atoms(sp.Piecewise)
+        (low, below), (high, above) = pieces.args
+        if not (isinstance(below, sp.Lt) and isinstance(above, sp.Gt)) or below.args != above.args:
+            raise OperationError("the two branches do not meet at one threshold")
+        stepped = low + sp.expand(high - low) * sp.Heaviside(below.lhs - below.rhs, HALF)
+        return equation(self.name, sp.expand(source.rhs.xreplace({pieces: stepped})))
+
+
+@dataclass(frozen=True)
+class InsertRightSide(Operation):
+    """Give the first equation the right side of the second."""
+
+    phrase: ClassVar[str] = "put {others} on the right of {first}"
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``left of the first = right of the second``."""
+        first, second = sources
+        return equation(first.lhs, second.rhs)
+
+
+@dataclass(frozen=True)
+class LocateSteps(Operation):
+    """Use an equivalence of two inequalities to say where a step function switches."""
+
+    phrase: ClassVar[str] = "let the step in {first} be where {others} says"
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the first source with ``theta(p - q)`` as a step in the place."""
+        target, condition = sources
+        relations = {isinstance(part, sp.Gt): part for part in condition.args}
+        over, place = relations[True], relations[False]
+        if not isinstance(place, sp.Lt):
+            raise OperationError(f"{condition} does not say where the threshold is passed")
+        switch = sp.Heaviside(over.lhs - over.rhs, HALF)
+        found = on_sides(
+            target, lambda side: side.xreplace({switch: sp.Heaviside(place.rhs - place.lhs, HALF)})
+        )
+        if not found.has(sp.Heaviside) or found == target:
+            raise OperationError(f"{target} has no step at that threshold")
+        return found
+
+
+@dataclass(frozen=True)
+class ChangeVariables(Operation):
+    """Put scaled fields and a scaled time into an equation.
+
+    The second source holds the scales: ``y(n, t) = y_0 x(n, tau)`` for a field, read for every
+    index, ``tau = omega t`` for the time, and ``F = F_0 f`` for other quantities.
+
+    Attributes
+    ----------
+    time, scaled_time : Symbol
+        The time before and after.
+    """
+
+    phrase: ClassVar[str] = "change variables in {first} by {others}"
+    time: sp.Symbol
+    scaled_time: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the equation in the new variables; derivatives follow by the chain rule."""
+        target, scales = sources
+        rules = {part.lhs: part.rhs for part in parts_of(scales)}
+        clock = rules.pop(self.scaled_time)
+        (before,) = sp.solve(sp.Eq(self.scaled_time, clock), self.time)
+        fields = {own: new for own, new in rules.items() if isinstance(own, AppliedUndef)}
+        plain = {own: new for own, new in rules.items() if own not in fields}
+
+        def changed(side: sp.Expr) -> sp.Expr:
+            for own, new in fields.items():
+                side = side.replace(own.func, _scaled_field(own, new, self.scaled_time, clock))
+            return side.doit().subs(self.time, before).doit().xreplace(plain)
+
+        return on_sides(target, changed)
+
+
+def _scaled_field(
+    own: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, clock: sp.Expr
+) -> Callable[..., sp.Expr]:
+    """Return what replaces a field at any index."""
+    indices = own.args[:-1]
+
+    def scaled(*arguments: sp.Expr) -> sp.Expr:
+        places = dict(zip(indices, arguments[:-1], strict=True))
+        return new.subs(places).subs(scaled_time, clock)
+
+    return scaled
+
+
+@dataclass(frozen=True)
+class RescaleTime(Operation):
+    """Write an equation in the time scales.
+
+    The sources are the equation, the definition of the scales (the fast one first), and, where
+    there are any, the time derivatives in them.
+
+    Attributes
+    ----------
+    function, scaled : Expr
+        The motion as a function of time, and of the scales.
+    time : Symbol
+        The time, which must not remain.
+    """
+
+    phrase: ClassVar[str] = "write {first} in the time scales by {others}"
+    function: sp.Expr
+    scaled: sp.Expr
+    time: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the equation in the scales."""
+        target, scales, *derivatives = sources
+        rules = {part.lhs: part.rhs for source in derivatives for part in parts_of(source)}
+        rules[self.function] = self.scaled
+        fast = parts_of(scales)[0]
+        speed = sp.diff(fast.rhs, self.time)
+
+        def rescaled(side: sp.Expr) -> sp.Expr:
+            known = side.xreplace(rules)
+            left = [q for q in known.atoms(AppliedUndef) if self.time in q.args]
+            if left:
+                raise OperationError(f"{left[0]} is a function of {self.time} without scales")
+            return known.subs(self.time, fast.lhs / speed)
+
+        return on_sides(target, rescaled)
+
+
+@dataclass(frozen=True)
+class EnterMovingFrame(Operation):
+    """Put a travelling wave into a lattice equation.
+
+    The second source has a part ``field(n, t) = profile(n - v t)``, read for every n, and a part
+    ``profile(n - v t) = profile(zeta)``.
+
+    Attributes
+    ----------
+    site, time, coordinate : Symbol
+        n, t and zeta.
+    """
+
+    phrase: ClassVar[str] = "put the travelling wave {others} into {first}"
+    site: sp.Symbol
+    time: sp.Symbol
+    coordinate: sp.Symbol
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the equation of the profile; derivatives follow by the chain rule."""
+        target, wave = sources
+        parts = parts_of(wave)
+        (moving,) = (q for q in parts if q.lhs.args == (self.site, self.time))
+        (named,) = (q for q in parts if q.rhs.args == (self.coordinate,) and q.lhs == moving.rhs)
+        (there,) = sp.solve(sp.Eq(named.lhs.args[0], self.coordinate), self.site)
+        field, profile = moving.lhs.func, moving.rhs.func
+
+        def put(place: sp.Expr, *when: sp.Expr) -> sp.Expr:
+            return moving.rhs.subs(self.site, place) if when else field(place)  # a profile stays
+
+        def moved(side: sp.Expr) -> sp.Expr:
+            found = side.replace(field, put).doit().subs(self.site, there).doit()
+            return found.replace(
+                lambda q: isinstance(q, AppliedUndef) and q.func == profile,
+                lambda q: q.func(sp.expand(q.args[0])),
+            ).doit()
+
+        result = on_sides(target, moved)
+        if result.has(self.time) or result.has(self.site):
+            raise OperationError(f"{self.site} or {self.time} is left: not a travelling wave")
+        return result

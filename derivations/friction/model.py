@@ -1,0 +1,54 @@
+"""The model that the derivation of part 1 starts from: a chain of sites with dry friction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from derivations.algebra.equations import equation
+from derivations.friction.symbols import F, d, eta_c, k, m, mu_d, mu_st, n, t, v_tilde_0, xi, y
+
+
+def exponential(speed: sp.Expr) -> sp.Expr:
+    """Return the decay of Eq. (2), one at zero speed and zero at infinite speed."""
+    return sp.exp(-speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionModel:
+    """A friction chain: what Eqs. (1) and (2) say, and may say otherwise.
+
+    Attributes
+    ----------
+    inertia, damping, stiffness : Expr
+        Coefficients of y'', y' and y.
+    springs : mapping of int to Expr
+        Stiffness of the spring to the neighbours at each distance.
+    decay : callable
+        How friction falls with speed over ``v_0``.
+    parameters : mapping of Symbol to Rational
+        The numbers of Eq. (7).
+    """
+
+    inertia: sp.Expr = m
+    damping: sp.Expr = d
+    stiffness: sp.Expr = k
+    springs: Mapping[int, sp.Expr] = field(default_factory=lambda: {1: eta_c})
+    decay: Callable[[sp.Expr], sp.Expr] = exponential
+    parameters: Mapping[sp.Symbol, sp.Expr] = field(default_factory=lambda: {
+        mu_st: sp.Integer(1), mu_d: sp.Rational(1, 2), v_tilde_0: sp.Rational(1, 2),
+        xi: sp.Rational(1, 20)})  # fmt: skip
+
+    def newton(self) -> sp.Eq:
+        """Return Newton's law for an interior site."""
+        own = y(n, t)
+        left = self.inertia * own.diff(t, 2) + self.damping * own.diff(t) + self.stiffness * own
+        for distance, spring in self.springs.items():
+            left += spring * (2 * own - y(n + distance, t) - y(n - distance, t))
+        return equation(left, F)
+
+
+PAPER = FrictionModel()
+"""The chain of the paper."""

@@ -1,0 +1,100 @@
+"""Transforms and integrals along contours: both forms are integrated and compared."""
+
+import mpmath as mp
+import pytest
+import sympy as sp
+
+from derivations.algebra.equations import equation
+from derivations.algebra.expansion import Limit
+from derivations.algebra.operations import OperationError
+from derivations.algebra.sums import SumOver
+from derivations.algebra.transform import (
+    CloseContour,
+    IntegratePeriod,
+    LayOnRealAxis,
+    SumOverPeriods,
+)
+
+p, q, v = sp.symbols("p q v", positive=True)
+zeta = sp.Symbol("zeta", real=True)
+k, name, upper, lower = sp.symbols("k name upper lower")
+profile, L = sp.Function("g", real=True), sp.Function("L")
+HALF_PLANES = sp.Tuple(
+    *(
+        equation(
+            half, sp.ConditionSet(k, sp.And(sp.Eq(L(k), 0), relation(sp.im(k), 0)), sp.S.Complexes)
+        )
+        for half, relation in ((upper, sp.Gt), (lower, sp.Lt))
+    )
+)
+
+
+def contour(integrand):
+    return equation(profile(zeta), sp.Integral(integrand * sp.exp(sp.I * k * zeta), k))
+
+
+def test_closing_the_contour_gives_the_residues_on_either_side():
+    slope = sp.Symbol("L_k")
+    integral = contour(sp.I / (2 * sp.pi * k * L(k)))
+    found = CloseContour(zeta, k, slope)(integral, equation(L(k), p - sp.I * v * k), HALF_PLANES)
+    (behind, _), (ahead, _) = found.rhs.args
+    at_root = sp.exp(sp.I * k * zeta) / (k * slope)
+    assert sp.simplify(ahead + SumOver(at_root, k, upper)) == 0
+    assert sp.simplify(behind - 1 / p - SumOver(at_root, k, lower)) == 0
+
+
+def numerical(side, **values):
+    """An expression with integrals over k, by mpmath."""
+    plain = side.subs({sp.Symbol(letter, positive=True): value for letter, value in values.items()})
+    for integral in plain.atoms(sp.Integral):
+        own, low, high = integral.limits[0]
+        inner = sp.lambdify(own, integral.function, "mpmath")
+        if high is sp.oo:  # period by period while the integrand oscillates
+            bounds = [*(2 * mp.pi * place for place in range(60)), mp.inf]
+        else:
+            bounds = [mp.mpf(sp.N(low)), mp.mpf(sp.N(high))]
+        plain = plain.subs(integral, sp.sympify(mp.quad(inner, bounds)))
+    return complex(plain.evalf())
+
+
+def test_a_contour_on_the_real_axis_keeps_its_value():
+    # With L = p + i q k the profile is a decaying exponential: at zero half of the jump, here 1/p.
+    found = LayOnRealAxis(zeta, k)(
+        contour(sp.I / (2 * sp.pi * k * L(k))), equation(L(k), p + sp.I * q * k)
+    )
+    assert found.lhs == profile(0)
+    assert numerical(found.rhs, p=0.7, q=1.3) == pytest.approx(1 / 0.7)
+
+
+def test_the_sum_over_periods_keeps_the_integral():
+    whole = equation(name, sp.Integral(1 / ((2 + sp.cos(k)) ** 2 + q**2 * k**2), (k, 0, sp.oo)))
+    found = SumOverPeriods(k)(whole)
+    (one,) = found.rhs.atoms(sp.Integral)
+    assert one.limits[0][1:] == (-sp.pi, sp.pi)
+    # The quadrature up to infinity is good to 7e-9 here.
+    assert numerical(found.rhs, q=0.8) == pytest.approx(numerical(whole.rhs, q=0.8), rel=1e-7)
+    with pytest.raises(OperationError, match="periodic"):
+        SumOverPeriods(k)(equation(name, sp.Integral(1 / ((2 + k) ** 2 + k**2), (k, 0, sp.oo))))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_static_limit_is_approached(sign):
+    velocity = sp.Symbol("v", real=True)
+    wide = (2 + sp.cos(k)) / velocity
+    moving = equation(
+        name,
+        sp.Integral(
+            sp.sinh(wide) / (sp.cosh(wide) - sp.cos(k)) / (2 + sp.cos(k)), (k, -sp.pi, sp.pi)
+        ),
+    )
+    found = Limit(velocity, 0, sign)(moving)
+    near = numerical(moving.rhs.subs(velocity, sign * sp.Rational(1, 40)))
+    assert numerical(found.rhs) == pytest.approx(near, rel=1e-12)
+    assert found.rhs.has(sp.Integral)
+
+
+def test_the_integral_over_a_period_is_that_of_samples():
+    whole = equation(name, sp.Integral(1 / (2 - sp.cos(k)), (k, -sp.pi, sp.pi)))
+    assert numerical(IntegratePeriod()(whole).rhs) == pytest.approx(2 * mp.pi / mp.sqrt(3))
+    with pytest.raises(OperationError, match="rational"):
+        IntegratePeriod()(equation(name, sp.Integral(sp.exp(sp.cos(k)), (k, -sp.pi, sp.pi))))

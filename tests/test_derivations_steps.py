@@ -46,7 +46,7 @@ def test_a_difference_counts_relative_to_both_sides(tolerance: float, holds: boo
         return {x: 1.0}, [0.5]
 
     # found 1, expected 1/2: a half, of terms of size 1 and 1/2
-    evidence = equals(draw, "a half", tolerance=tolerance)(sp.Eq(x, 0, evaluate=False))
+    evidence = equals("a half", tolerance=tolerance)(draw)(sp.Eq(x, 0, evaluate=False))
     assert evidence.holds is holds
 
 

@@ -1,4 +1,4 @@
-"""The kinds of evidence: values at random points, a predicted order, an exact list.
+"""The kinds of evidence: an equation at points, with values or with zero for left minus right.
 
 A check receives an equation and numbers from elsewhere (a direct average, a numerical
 derivative, an integration). It never looks at how the equation was derived.
@@ -7,27 +7,27 @@ derivative, an integration). It never looks at how the equation was derived.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import wraps
 from typing import Any
 
 import mpmath
 import numpy as np
 import sympy as sp
 
-from derivations.algebra.steps import Check, Evidence
+from derivations.algebra.equations import parts_of
+from derivations.algebra.steps import Evidence
 
 Point = Mapping[sp.Basic, Any]
 """Values for symbols, functions or derivatives that occur in an equation."""
+Drawn = Point | tuple[Point, Sequence[complex] | None]
+Points = Iterator[tuple[Point, Sequence[complex] | None]]
+"""Points, each with one reference number a part, or None where the equation holds."""
 
 POINTS = 3
 """Random points a check: one finds a wrong coefficient almost surely; three for safety."""
 TOLERANCE = 1e-9
 """Relative to the size of the terms: far above rounding, far below any wrong coefficient."""
-
-
-def parts_of(equation: sp.Basic) -> tuple[sp.Basic, ...]:
-    """Return the equations of a system, or the equation alone."""
-    return tuple(equation.args) if isinstance(equation, sp.Tuple) else (equation,)
 
 
 def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
@@ -78,121 +78,73 @@ def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int 
     return -zero / (one - zero)
 
 
-def vanishes_at(
-    draw: Callable[[random.Random], Point],
-    what: str,
-    *,
-    count: int = POINTS,
-    tolerance: float = TOLERANCE,
-    parts: int | None = None,
-) -> Check:
-    """Check that each part of the equation is satisfied at points found without it."""
-    return equals(
-        lambda rng: (draw(rng), None), what, count=count, tolerance=tolerance, parts=parts
-    )
-
-
 def equals(
-    draw: Callable[[random.Random], tuple[Point, Sequence[complex] | None]],
-    what: str,
-    *,
-    count: int = POINTS,
-    tolerance: float = TOLERANCE,
-    parts: int | None = None,
+    what: str, *, count: int = POINTS, tolerance: float = TOLERANCE, parts: int | None = None,
     floor: float = 0.0,
-) -> Check:
-    """Check that left minus right of each part equals a reference number at random points.
+) -> Callable[[Callable[..., Drawn]], Callable[..., Evidence]]:  # fmt: skip
+    """Make a check of a draw: left minus right of each part equals a reference number there.
 
     Parameters
     ----------
-    draw : callable
-        From a random generator, a point and one reference a part (None for zeros).
     what : str
         What the reference is, for the statement.
     count : int
-        Number of points.
+        Number of points that are drawn.
     tolerance : float
         Allowed difference relative to the size of the terms.
     parts : int or None
         Number of parts the equation must have, where that is fixed.
     floor : float
         Least size of the terms, for an equation that says that something is zero.
+
+    Returns
+    -------
+    callable
+        Decorates a function, or a method, of a random generator, which returns a point and one
+        reference a part, or only a point at which the equation holds.
     """
 
-    def check(equation: sp.Basic) -> Evidence:
-        rng = random.Random(20)
-        pieces = parts_of(equation)
-        if parts is not None and len(pieces) != parts:
-            return Evidence(False, f"{len(pieces)} equations where {parts} are expected")
-        worst = 0.0
-        for _ in range(count):
-            point, references = draw(rng)
-            if references is not None and len(references) != len(pieces):
-                return Evidence(False, f"{len(pieces)} equations, {len(references)} references")
-            for place, piece in enumerate(pieces):
-                found, scale = residual(piece, point)
-                expected = 0 if references is None else references[place]
-                size = max(scale + abs(expected), floor)
-                worst = max(worst, abs(found - expected) / size if size else 0.0)
-        verb = "agrees with" if worst <= tolerance else "differs from"
-        return Evidence(
-            worst <= tolerance,
-            f"{verb} {what} at {count} random points (largest relative difference {worst:.1e})",
-        )
+    def made(draw: Callable[..., Drawn]) -> Callable[..., Evidence]:
+        def points(*owner: Any) -> Points:
+            rng = random.Random(20)
+            for _ in range(count):
+                drawn = draw(*owner, rng)
+                yield (drawn, None) if isinstance(drawn, Mapping) else drawn
 
-    return check
+        return at_points(what, tolerance=tolerance, parts=parts, floor=floor)(points)
+
+    return made
 
 
-def has_order(
-    error: Callable[[sp.Basic, Any], Any],
-    order: int,
-    what: str,
-    *,
-    steps: tuple[float, float] = (1e-4, 1e-5),
-    slack: float = 0.1,
-) -> Check:
-    """Check that an error falls like ``eps**order``, from two values of eps.
+def at_points(
+    what: str, *, tolerance: float = TOLERANCE, parts: int | None = None, floor: float = 0.0
+) -> Callable[[Callable[..., Points]], Callable[..., Evidence]]:
+    """Make a check of a generator of points and references, as `equals` does of a draw."""
 
-    The slope between the two differs from the order by O(eps) only; ``slack`` is far above that
-    and far below one. Computed with 40 digits, so cancellation plays no part.
-    """
+    def made(points: Callable[..., Points]) -> Callable[..., Evidence]:
+        @wraps(points)
+        def check(*arguments: Any) -> Evidence:
+            *owner, candidate = arguments
+            pieces, worst, count = parts_of(candidate), 0.0, 0
+            if parts is not None and len(pieces) != parts:
+                return Evidence(False, f"{len(pieces)} equations where {parts} are expected")
+            for count, (point, references) in enumerate(points(*owner), start=1):  # noqa: B007
+                expected = (0,) * len(pieces) if references is None else references
+                if len(expected) != len(pieces):
+                    return Evidence(False, f"{len(pieces)} equations where {len(expected)} are due")
+                for piece, reference in zip(pieces, expected, strict=True):
+                    found, scale = residual(piece, point)
+                    size = max(scale + abs(reference), floor)
+                    worst = max(worst, abs(found - reference) / size if size else 0.0)
+            verb = "agrees with" if worst <= tolerance else "differs from"
+            return Evidence(
+                worst <= tolerance,
+                f"{verb} {what} at {count} points (largest relative difference {worst:.1e})",
+            )
 
-    def check(equation: sp.Basic) -> Evidence:
-        with mpmath.workdps(40):
-            large, small = (abs(error(equation, mpmath.mpf(step))) for step in steps)
-            if small == 0 or large == 0:
-                return Evidence(False, f"{what}: the error is exactly zero, so nothing was tested")
-            slope = float(mpmath.log(large / small) / mpmath.log(mpmath.mpf(steps[0]) / steps[1]))
-        return Evidence(
-            abs(slope - order) < slack, f"{what}: slope {slope:.3f} in eps, predicted {order}"
-        )
+        return check
 
-    return check
-
-
-def all_of(*checks: Check) -> Check:
-    """Check several things; the first failure speaks."""
-
-    def check(equation: sp.Basic) -> Evidence:
-        found = []
-        for each in checks:
-            evidence = each(equation)
-            if not evidence.holds:
-                return evidence
-            found.append(evidence.statement)
-        return Evidence(True, "; ".join(found))
-
-    return check
-
-
-def predicate(test: Callable[[sp.Basic], bool], what: str) -> Check:
-    """Check a property that is true or false."""
-
-    def check(equation: sp.Basic) -> Evidence:
-        holds = bool(test(equation))
-        return Evidence(holds, what if holds else f"not true: {what}")
-
-    return check
+    return made
 
 
 def fast_average(function: Callable[[Any], Any], harmonic: int = 0, samples: int = 64) -> complex:

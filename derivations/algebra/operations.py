@@ -75,7 +75,7 @@ def spoken(expression: sp.Basic) -> str:
     shown = displayed(sp.sympify(expression), Script.UNICODE)
     text = str(sp.pretty(shown, use_unicode=True, wrap_line=False))
     if "\n" not in text:
-        return text
+        return text.replace("│", "|")  # a box drawing, which LaTeX does not know
     letters = {q: sp.Symbol(str(sp.pretty(q, use_unicode=True))) for q in shown.atoms(sp.Symbol)}
     text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
     return _UNIT.sub("i", text.replace("*", " "))

@@ -15,7 +15,7 @@ import sympy as sp
 from scipy.optimize import brentq
 
 from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, equals, fast_average, solved_for, vanishes_at
+from derivations.algebra.evidence import Point, equals, fast_average, solved_for
 from derivations.algebra.steps import Check, Evidence
 from derivations.averaging.symbols import A_n, divided, phi, psi, r, square, squares
 from derivations.chain import ChainModel
@@ -65,41 +65,41 @@ class Checks:
     def __init__(self, model: ChainModel) -> None:
         self.model = model
         self.sites = tuple(range(-model.reach, model.reach + 1))
-        self.complex_variable = vanishes_at(self._variable_point, "Ψ = y' + iωy", parts=3)
-        self.complex_chain = equals(self._complex_point, "Eq. (8) at coupled sites")
-        self.envelope = vanishes_at(self._envelope_point, "a turning frame")
-        self.rotating = equals(self._rotating_point, "Eq. (8) in the rotating frame")
-        self.averaged = equals(lambda rng: self._averaged_point(rng, False), _DIRECT)
-        self.averaged_at_unit = equals(lambda rng: self._averaged_point(rng, True), _DIRECT)
-        self.wave = vanishes_at(self._wave_point, "one complex factor a site")
-        self.balance = equals(self._balance_point, _DIRECT)
-        self.parts = equals(lambda rng: self._parts_point(rng, False), _DIRECT, parts=2)
-        self.parts_by_displacement = equals(lambda rng: self._parts_point(rng, True),
-                                            _DIRECT, parts=2)  # fmt: skip
-        self.real_part = equals(self._real_point, _DIRECT)
-        self.by_size = equals(self._real_point, _DIRECT)
-        self.frequency = vanishes_at(self._frequency_point, "the cell alone, averaged")
-        self.isolated = equals(self._isolated_point, _DIRECT, parts=2)
-        self.phases = equals(lambda rng: self._phase_point(rng, False), _DIRECT, parts=2)
-        self.phases_by_displacement = equals(
-            lambda rng: self._phase_point(rng, True),
-            _DIRECT + ", with α_0 the amplitude of y", parts=2,
-        )  # fmt: skip
-        self.limit = equals(self._limit_point, _DIRECT + " at ω = 1", parts=2)
-        self.swapped = equals(self._swapped_point, _DIRECT + " at ω = 1")
-        self.branch = vanishes_at(self._branch_point, "a zero of the sampled imaginary part")
-        self.quarter = equals(self._quarter_point, _DIRECT + " at a zero of its imaginary part")
-        self.second_relation = equals(self._relation_point,
-                                      _DIRECT + " at a zero of its imaginary part",
-                                      parts=2)  # fmt: skip
-        self.amplitude = vanishes_at(self._amplitude_point, "the amplitude of the sine of (9)")
-        self.square = vanishes_at(self._square_point, "the square of an amplitude")
-        self.turned = vanishes_at(self._turned_point, "a quarter turn a site")
-        self.staggered = equals(self._staggered_point, _DIRECT)
-        self.staggered_centre = equals(self._staggered_centre_point, _DIRECT)
-        self.averaged_centre = equals(self._centre_point, _DIRECT)
-        self.tail_wave = vanishes_at(self._tail_wave_point, "one factor a site")
-        self.tail = equals(self._tail_point, _DIRECT + " at vanishing amplitude", tolerance=1e-7)
+        self.complex_variable = equals("Ψ = y' + iωy", parts=3)(self._variable_point)
+        self.complex_chain = equals("Eq. (8) at coupled sites")(self._complex_point)
+        self.envelope = equals("a turning frame")(self._envelope_point)
+        self.rotating = equals("Eq. (8) in the rotating frame")(self._rotating_point)
+        self.averaged = equals(_DIRECT)(lambda rng: self._averaged_point(rng, False))
+        self.averaged_at_unit = equals(_DIRECT)(lambda rng: self._averaged_point(rng, True))
+        self.wave = equals("one complex factor a site")(self._wave_point)
+        self.balance = equals(_DIRECT)(self._balance_point)
+        self.parts = equals(_DIRECT, parts=2)(lambda rng: self._parts_point(rng, False))
+        self.parts_by_displacement = equals(_DIRECT, parts=2)(
+            lambda rng: self._parts_point(rng, True)
+        )
+        self.real_part = equals(_DIRECT)(self._real_point)
+        self.by_size = equals(_DIRECT)(self._real_point)
+        self.frequency = equals("the cell alone, averaged")(self._frequency_point)
+        self.isolated = equals(_DIRECT, parts=2)(self._isolated_point)
+        self.phases = equals(_DIRECT, parts=2)(lambda rng: self._phase_point(rng, False))
+        self.phases_by_displacement = equals(_DIRECT + ", with α_0 the amplitude of y", parts=2)(
+            lambda rng: self._phase_point(rng, True)
+        )
+        self.limit = equals(_DIRECT + " at ω = 1", parts=2)(self._limit_point)
+        self.swapped = equals(_DIRECT + " at ω = 1")(self._swapped_point)
+        self.branch = equals("a zero of the sampled imaginary part")(self._branch_point)
+        self.quarter = equals(_DIRECT + " at a zero of its imaginary part")(self._quarter_point)
+        self.second_relation = equals(_DIRECT + " at a zero of its imaginary part", parts=2)(
+            self._relation_point
+        )
+        self.amplitude = equals("the amplitude of the sine of (9)")(self._amplitude_point)
+        self.square = equals("the square of an amplitude")(self._square_point)
+        self.turned = equals("a quarter turn a site")(self._turned_point)
+        self.staggered = equals(_DIRECT)(self._staggered_point)
+        self.staggered_centre = equals(_DIRECT)(self._staggered_centre_point)
+        self.averaged_centre = equals(_DIRECT)(self._centre_point)
+        self.tail_wave = equals("one factor a site")(self._tail_wave_point)
+        self.tail = equals(_DIRECT + " at vanishing amplitude", tolerance=1e-7)(self._tail_point)
 
     def _field(self, rng: random.Random) -> dict[int, complex]:
         return {at: complex(rng.uniform(-1.2, 1.2), rng.uniform(-1.2, 1.2)) for at in self.sites}
@@ -312,8 +312,8 @@ class Checks:
             values = dict(zip(squares, sizes, strict=False))
             return {**p.values, **values, omega: w, divided: table[0]}
 
-        return vanishes_at(draw, f"the averaged damping at {count} amplitudes, sampled",
-                           tolerance=1e-8)  # fmt: skip
+        what = f"the averaged damping at {count} amplitudes, sampled"
+        return equals(what, tolerance=1e-8)(draw)
 
     # Phase steps of -π/2.
 

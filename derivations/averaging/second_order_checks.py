@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
-from derivations.algebra.evidence import Point, equals, solved_for, value, vanishes_at
+from derivations.algebra.evidence import Point, equals, solved_for, value
 from derivations.algebra.steps import Evidence
 from derivations.averaging import symbols as own
 from derivations.averaging.periodic_orbit import harmonic, orbit
@@ -47,8 +47,8 @@ class SecondOrderChecks:
         self._sites = {at: complex(rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6))
                        for at in range(-far, far + 1)}  # fmt: skip
         self.motion = ScalesChecks(model).chain
-        self.cycles = equals(self._cycles_point, "the damping of the cell, averaged by sampling")
-        self.turned = vanishes_at(self._turned_point, "a quarter turn a site")
+        self.cycles = equals("the damping of the cell, averaged by sampling")(self._cycles_point)
+        self.turned = equals("a quarter turn a site")(self._turned_point)
 
     def _numbers(self, e: float) -> ChainNumbers:
         return numbers_of(self.model, self._values, e)

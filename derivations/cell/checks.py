@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, equals, solved_for, value, vanishes_at
+from derivations.algebra.evidence import Point, equals, solved_for, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.averaging.symbols import phi
 from derivations.cell.cycles import LimitCycle
@@ -37,11 +37,11 @@ class CellChecks:
     def __init__(self, model: ChainModel) -> None:
         self.model = model
         self.motion = ScalesChecks(model).chain
-        self.averaged = equals(self._averaged_point, _SAMPLED)
-        self.polar = vanishes_at(_polar_point, "modulus and argument")
-        self.parts = equals(self._parts_point, _SAMPLED, parts=2)
-        self.amplitude = equals(lambda rng: self._part_point(rng, 0), _SAMPLED)
-        self.frequency = equals(lambda rng: self._part_point(rng, 1), _SAMPLED, floor=1.0)
+        self.averaged = equals(_SAMPLED)(self._averaged_point)
+        self.polar = equals("modulus and argument")(_polar_point)
+        self.parts = equals(_SAMPLED, parts=2)(self._parts_point)
+        self.amplitude = equals(_SAMPLED)(lambda rng: self._part_point(rng, 0))
+        self.frequency = equals(_SAMPLED, floor=1.0)(lambda rng: self._part_point(rng, 1))
 
     def _averaged_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
         p = drawn(self.model, rng)

@@ -15,12 +15,13 @@ from scipy.integrate import solve_ivp
 from derivations.algebra.equations import parts_of
 from derivations.algebra.evidence import (
     Point,
+    Points,
+    at_points,
     equals,
     solved_for,
     value,
-    vanishes_at,
 )
-from derivations.algebra.steps import Check, Evidence
+from derivations.algebra.steps import Evidence
 from derivations.friction import symbols as s
 from derivations.friction.model import PAPER, FrictionModel
 
@@ -68,65 +69,6 @@ def _pull(chain: FrictionModel, displaced: dict[Any, float], field: Any, time: A
 
     own = displaced[field(s.n, time)]
     return energy(own + 0.5) - energy(own - 0.5)  # exact for a quadratic energy
-
-
-def newton(chain: FrictionModel) -> Check:
-    """Compare with the forces of a potential energy."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point: dict[Any, Any] = dict(_numbers(rng))
-        displaced = _sites(chain, rng, s.y, s.t)
-        speed, second, force = (rng.uniform(-1, 1) for _ in range(3))
-        own = s.y(s.n, s.t)
-        rest = _number(chain.inertia, point) * second + _number(chain.damping, point) * speed
-        rest += _pull(chain, displaced, s.y, s.t, point) - force
-        point |= displaced
-        point |= {own.diff(s.t): speed, own.diff(s.t, 2): second, s.F: force}
-        return point, [rest]
-
-    return equals(draw, "the forces of a potential energy, differentiated numerically")
-
-
-def falling(chain: FrictionModel) -> Check:
-    """Between any two values friction falls by the decay of the model."""
-
-    def draw(rng: random.Random) -> Point:
-        far, fall, scale, speed = (rng.uniform(0.3, 1.5) for _ in range(4))
-        size = far + fall * float(chain.decay(sp.Float(speed / scale)))
-        return {s.mu_far: far, s.mu_fall: fall, s.v_0: scale, s.v_rel: -speed,
-                s.mu(s.v_rel): size}  # fmt: skip
-
-    return vanishes_at(draw, "the decay of the model between two values")
-
-
-def limits(candidate: sp.Basic) -> Evidence:
-    """Compare with the two limits are told apart by the values of the text."""
-    text = {"rest": s.mu_st, "speed": s.mu_d}
-    rest, speed = parts_of(candidate)
-    holds = rest == sp.Eq(s.mu(0), text["rest"], evaluate=False)
-    holds = holds and speed == sp.Eq(s.mu(sp.oo), text["speed"], evaluate=False)
-    return Evidence(holds, "mu(0) = mu_st and mu(infinity) = mu_d, as stated below (2)")
-
-
-def coefficient(chain: FrictionModel) -> Check:
-    """Values at rest, at great speed and at one reference velocity."""
-
-    def check(candidate: sp.Basic) -> Evidence:
-        base = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_0: _SCALE}
-        worst = 0.0
-        for speed in (0.0, 1e6 * _SCALE, _SCALE, -_SCALE, 0.3):
-            expected = _size(chain, speed)
-            point = {**base, s.v_rel: speed, s.mu(s.v_rel): expected}
-            left, right = candidate.args
-            worst = max(worst, abs(value(left, point) - value(right, point)))
-        ends = abs(_size(chain, 0.0) - _STATIC) + abs(_size(chain, 1e6) - _DYNAMIC)
-        return Evidence(
-            worst < 1e-9 and ends < 1e-5,
-            "mu(0) = mu_st, mu(infinity) = mu_d and the decay between them: "
-            f"off by at most {worst:.1e}",
-        )
-
-    return check
 
 
 _SHARES = (sp.Rational(999, 1000), sp.Integer(1), sp.Rational(1001, 1000))
@@ -178,84 +120,8 @@ def _argument(own: sp.Basic, point: Point, expected: float) -> bool:
     return bool(abs(value(own.args[0], point).real - expected) < 1e-12)
 
 
-def law(candidate: sp.Basic) -> Evidence:
-    """Force (3) with normal force 1.7."""
-    point = {s.mu_st: _STATIC, s.F_N: 1.7}
-    return _is_law(candidate, point, (s.F, s.v_rel),
-                   unit=1.7, limit=_STATIC * 1.7, velocity=1.0)  # fmt: skip
-
-
-def scaled_law(candidate: sp.Basic) -> Evidence:
-    """Force (6): that of (3) over F_N at the velocity in dimensions."""
-    point = {s.mu_st: _STATIC, s.F_N: 1.7, s.omega_n: 1.3, s.y_0: 0.6}
-    return _is_law(candidate, point, (s.F_tilde, s.v_tilde_rel),
-                   unit=1.0, limit=_STATIC, velocity=1.3 * 0.6)  # fmt: skip
-
-
-def force_of_slip(candidate: sp.Basic) -> Evidence:
-    """Alone, the first part of (6)."""
-    whole = sp.Tuple(candidate, sp.Ne(s.v_tilde_rel, 0), sp.Abs(s.F_tilde) <= s.mu_st,
-                     sp.Eq(s.v_tilde_rel, 0))  # fmt: skip
-    return scaled_law(whole)
-
-
 def _shape(x: Any) -> Any:
     return np.tanh(x) + 0.4 * np.sin(1.7 * x)
-
-
-def scales(candidate: sp.Basic) -> Evidence:
-    """Displacement, time and force get one unit each."""
-    wanted = {s.y(s.n, s.t): (s.y_tilde(s.n, s.tau), s.y_0), s.tau: (s.t, s.omega_n),
-              s.F: (s.F_tilde, s.F_N)}  # fmt: skip
-    found = {part.lhs: part.rhs for part in parts_of(candidate)}
-    holds = set(found) == set(wanted) and all(
-        value(found[own], {new: 1.7, unit: 2.3}) == value(new * unit, {new: 1.7, unit: 2.3})
-        for own, (new, unit) in wanted.items()
-    )
-    return Evidence(holds, "each quantity is its unit times its scaled value")
-
-
-def velocities(candidate: sp.Basic) -> Evidence:
-    """Differentiate a scaled motion numerically: a velocity is a displacement over a time."""
-    length, clock, normal = 0.6, 1.3, 1.7
-    step, at = 1e-5, 0.4
-    scaled = (_shape(at + step) - _shape(at - step)) / (2 * step)
-    moved = (length * _shape(at + clock * step) - length * _shape(at - clock * step)) / (2 * step)
-    worst = 0.0
-    units = {s.omega_n: clock, s.y_0: length, s.F_N: normal}
-    for part, (new, own) in zip(parts_of(candidate), (
-        (s.v_tilde_rel, s.v_rel), (s.v_tilde_0, s.v_0), (s.F_tilde, s.F),
-    ), strict=True):  # fmt: skip
-        point = {**units, new: scaled, own: moved}
-        if own == s.F:
-            point = {**units, new: 0.3, own: 0.3 * normal}
-        worst = max(worst, abs(value(part.lhs, point) - value(part.rhs, point)))
-    return Evidence(worst < 1e-8, f"a scaled motion differentiated numerically: {worst:.1e}")
-
-
-def relative(candidate: sp.Basic) -> Evidence:
-    """Compare with sites that move with the belt, rest, and move faster than it."""
-    own = s.y_tilde(s.n, s.tau).diff(s.tau)
-    worst = 0.0
-    for speed, expected in ((1.25, 0.0), (0.0, -1.25), (2.0, 0.75)):
-        point = {own: speed, s.v_tilde_d: 1.25, s.v_tilde_rel: expected}
-        worst = max(worst, abs(value(candidate.lhs, point) - value(candidate.rhs, point)))
-    return Evidence(worst < 1e-12, "sites at, below and above the speed of the belt")
-
-
-def parameters(chain: FrictionModel) -> Check:
-    """Compare with the numbers of the caption, or with those of another chain."""
-    caption = {s.mu_st: 1.0, s.mu_d: 0.5, s.v_tilde_0: 0.5, s.xi: 0.05}
-    other = {own: float(given) for own, given in chain.parameters.items()}
-    expected = caption if chain.parameters == PAPER.parameters else other
-
-    def check(candidate: sp.Basic) -> Evidence:
-        found = {part.lhs: part.rhs for part in parts_of(candidate)}
-        off = max(abs(float(found[own]) - expected[own]) for own in expected)
-        complete = set(found) == set(expected)
-        return Evidence(complete and off < 1e-12, "the numbers of the caption of Fig. 2")
-
-    return check
 
 
 def _scaled_point(chain: FrictionModel, rng: random.Random) -> tuple[dict[Any, Any], complex]:
@@ -278,70 +144,10 @@ def _scaled_point(chain: FrictionModel, rng: random.Random) -> tuple[dict[Any, A
     return point, net / point[s.F_N]
 
 
-def in_scales(chain: FrictionModel) -> Check:
-    """Compare with the equation in dimensions, divided by F_N."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, net = _scaled_point(chain, rng)
-        return point, [net]
-
-    return equals(draw, "the dimensional equation divided by F_N")
-
-
-dimensionless = in_scales
-
-
-def units(chain: FrictionModel) -> Check:
-    """Scales that make inertia and stiffness one."""
-
-    def draw(rng: random.Random) -> Point:
-        return _scaled_point(chain, rng)[0]
-
-    return vanishes_at(draw, "the scales that reduce (1) to unit coefficients", parts=4)
-
-
-def clock(candidate: sp.Basic) -> Evidence:
-    """At one value of t."""
-    point = {s.t: 0.7, s.omega_n: 1.3, s.tau: 0.7 * 1.3}
-    off = abs(value(candidate.lhs, point) - value(candidate.rhs, point))
-    return Evidence(off < 1e-12, "tau counts radians of the free oscillation")
-
-
-def scaling(chain: FrictionModel) -> Check:
-    """All of (4)."""
-
-    def draw(rng: random.Random) -> Point:
-        point, _ = _scaled_point(chain, rng)
-        instant = rng.uniform(0.1, 1)
-        return {**point, s.t: instant, s.tau: instant * point[s.omega_n]}
-
-    return vanishes_at(draw, "the scales that reduce (1) to unit coefficients", parts=5)
-
-
 def _units() -> dict[sp.Basic, float]:
     """Units for which v_0 is not one in the scaled velocity."""
     return {s.omega_n: 1.3, s.y_0: 0.6, s.v_0: _SCALE, s.v_tilde_0: _SCALE / (1.3 * 0.6),
             s.mu_st: _STATIC, s.mu_d: _DYNAMIC}  # fmt: skip
-
-
-def slip(chain: FrictionModel) -> Check:
-    """Compare with the force in dimensions over F_N, at the same physical velocities."""
-
-    def draw(rng: random.Random) -> Point:
-        speed = rng.choice([-1.3, -0.2, 0.4, 2.0])
-        return {**_units(), s.v_tilde_rel: speed / (1.3 * 0.6), s.F_tilde: _force(chain, speed)}
-
-    return vanishes_at(draw, "the dimensional force over F_N", count=6)
-
-
-def backwards(chain: FrictionModel) -> Check:
-    """Compare with the same at negative velocities only."""
-
-    def draw(rng: random.Random) -> Point:
-        speed = -rng.uniform(0.1, 2)
-        return {**_units(), s.v_tilde_rel: speed / (1.3 * 0.6), s.F_tilde: _force(chain, speed)}
-
-    return vanishes_at(draw, "the dimensional force over F_N, of sites slower than the belt")
 
 
 def _slipping_force(chain: FrictionModel, belt: float, speed: Any, scale: float) -> Any:
@@ -349,19 +155,9 @@ def _slipping_force(chain: FrictionModel, belt: float, speed: Any, scale: float)
     return -_force(chain, belt - speed, scale)
 
 
-def at_velocity(chain: FrictionModel) -> Check:
-    """Compare with the force on a site slower than the belt."""
-
-    def draw(rng: random.Random) -> Point:
-        belt, speed, scale = rng.uniform(1, 2), rng.uniform(-1, 0.9), rng.uniform(0.4, 0.9)
-        return {s.v_tilde_d: belt, s.v_tilde_0: scale, s.mu_st: _STATIC, s.mu_d: _DYNAMIC,
-                s.y_tilde(s.n, s.tau).diff(s.tau): speed,
-                s.F_tilde: _slipping_force(chain, belt, speed, scale)}  # fmt: skip
-
-    return vanishes_at(draw, "the force at the difference of the two speeds")
-
-
-def _slipping_state(chain: FrictionModel, rng: random.Random, uniform: bool = False) -> Any:
+def _slipping_state(
+    chain: FrictionModel, rng: random.Random, uniform: bool = False
+) -> tuple[dict[Any, Any], list[complex]]:
     """Draw a state of the slipping chain, and what its equation leaves over."""
     dimensional = {s.m: 1.0, s.d: 2 * 0.07, s.k: 1.0, s.eta_c: 0.3}
     ground, mass = (_number(q, dimensional) for q in (chain.stiffness, chain.inertia))
@@ -383,22 +179,6 @@ def _slipping_state(chain: FrictionModel, rng: random.Random, uniform: bool = Fa
     return point, [net]
 
 
-def slipping(chain: FrictionModel) -> Check:
-    """All forces on a site, from energies and the force law."""
-    return equals(lambda rng: _slipping_state(chain, rng), "the forces on a slipping site")
-
-
-def cell(chain: FrictionModel) -> Check:
-    """Compare with the same when all sites move alike, with no number for a neighbour."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, rest = _slipping_state(chain, rng, True)
-        own = s.y_tilde(s.n, s.tau)
-        return {q: each for q, each in point.items() if q.func != own.func or q == own}, rest
-
-    return equals(draw, "the forces when all sites agree")
-
-
 def _drag(chain: FrictionModel, point: Point) -> Callable[[float], float]:
     """Damping and friction as a function of velocity, in scaled quantities."""
 
@@ -413,96 +193,6 @@ def _slope(function: Callable[[float], float], at: float = 0.0) -> float:
     step = 1e-3
     outer, inner = (function(at + h) - function(at - h) for h in (2 * step, step))
     return (8 * inner - outer) / (12 * step)
-
-
-def sliding(chain: FrictionModel) -> Check:
-    """Compare with the rest position is where ground spring and friction balance."""
-
-    def draw(rng: random.Random) -> Point:
-        point, _ = _slipping_state(chain, rng)
-        return {**point, s.y_star: -_drag(chain, point)(0.0)}
-
-    return vanishes_at(draw, "the friction force at the speed of the belt")
-
-
-def linear(chain: FrictionModel) -> Check:
-    """Compare with the change of all forces for a small deviation."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, _ = _slipping_state(chain, rng)
-        small = _sites(chain, rng, s.z, s.tau)
-        speed, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
-        dimensional = {q: point[q] for q in (s.m, s.d, s.k, s.eta_c)}
-        ground = _number(chain.stiffness, dimensional)
-        own = s.z(s.n, s.tau)
-        net = second + _slope(_drag(chain, point)) * speed
-        net += _pull(chain, small, s.z, s.tau, dimensional) / ground
-        return {**point, **small, own.diff(s.tau): speed, own.diff(s.tau, 2): second}, [net]
-
-    return equals(draw, "forces differentiated numerically", tolerance=1e-7)
-
-
-def waves(chain: FrictionModel) -> Check:
-    """Eigenvalues of a ring of sites, found numerically."""
-    sites = 9
-
-    def draw(rng: random.Random) -> Point:
-        point, _ = _slipping_state(chain, rng)
-        dimensional = {q: point[q] for q in (s.m, s.d, s.k, s.eta_c)}
-        ground = _number(chain.stiffness, dimensional)
-        springs = np.eye(sites)
-        for distance, spring in chain.springs.items():
-            relative = _number(spring, dimensional) / ground
-            ahead = np.roll(np.eye(sites), distance, axis=1)
-            springs = springs + relative * (2 * np.eye(sites) - ahead - ahead.T)
-        block = np.block([[np.zeros((sites, sites)), np.eye(sites)],
-                          [-springs, -_slope(_drag(chain, point)) * np.eye(sites)]])  # fmt: skip
-        values, vectors = np.linalg.eig(block)
-        # The Fourier transform of an eigenvector peaks at its wavenumber, up to a sign.
-        place = rng.randrange(2 * sites)
-        spectrum = np.abs(np.fft.fft(vectors[:sites, place]))
-        return {**point, s.rate: complex(values[place]),
-                s.q: 2 * math.pi * int(spectrum.argmax()) / sites}  # fmt: skip
-
-    return vanishes_at(draw, "eigenvalues of a ring, found numerically", tolerance=1e-6)
-
-
-def damping(chain: FrictionModel) -> Check:
-    """Compare with the slope of all velocity-dependent forces."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, _ = _slipping_state(chain, rng)
-        return point, [_slope(_drag(chain, point))]
-
-    return equals(draw, "the forces differentiated numerically", tolerance=1e-7)
-
-
-def hopf(chain: FrictionModel) -> Check:
-    """At each velocity that comes out the slope of the forces vanishes and changes sign."""
-
-    def check(candidate: sp.Basic) -> Evidence:
-        worst, kept = 0.0, 0
-        for static, fall, scale, drag in ((1.0, 0.5, 0.5, 0.05), (0.9, 0.55, 0.7, 0.04)):
-            point: dict[Any, Any] = {s.mu_st: static, s.mu_d: static - fall, s.v_tilde_0: scale,
-                                     s.xi: drag}  # fmt: skip
-            for part in parts_of(candidate):
-                belt = complex(solved_for(part, s.v_hopf, point))
-                if abs(belt.imag) > 1e-12 or belt.real <= 0:
-                    continue
-
-                def total(speed: float, at: float = belt.real, given: Any = point) -> float:
-                    fallen = float(chain.decay(sp.Float((at - speed) / given[s.v_tilde_0])))
-                    fall_ = given[s.mu_st] - given[s.mu_d]
-                    return float(2 * given[s.xi] * speed - fall_ * fallen)
-
-                kept += 1
-                worst = max(worst, abs(_slope(total)))
-        return Evidence(
-            kept >= 2 and worst < 1e-7,
-            f"slope of the forces at {kept} such velocities: at most {worst:.1e}",
-        )
-
-    return check
 
 
 def _power(chain: FrictionModel, point: Point, size: float) -> float:
@@ -527,28 +217,6 @@ def _without_integrals(candidate: sp.Basic) -> sp.Basic:
             integral.function.xreplace({phase: at}) for at in places
         )
     return candidate.xreplace(rules)
-
-
-def balance(chain: FrictionModel) -> Check:
-    """Mean power by sampling, and by integrating a weakly damped cell for one period."""
-
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, _ = _slipping_state(chain, rng)
-        size = rng.uniform(0.2, 0.9) * point[s.v_tilde_d]
-        return {**point, s.R: size}, [_power(chain, point, size)]
-
-    sampled = equals(draw, "the power sampled over a period", tolerance=1e-7)
-
-    def check(candidate: sp.Basic) -> Evidence:
-        candidate = _without_integrals(candidate)
-        found = sampled(candidate)
-        if not found.holds:
-            return found
-        worst = _first_order_error(chain, candidate)
-        return Evidence(worst < 0.02, f"{found.statement}; energy lost by a weakly damped cell in "
-                                      f"one period: within {worst:.1%}")  # fmt: skip
-
-    return check
 
 
 _SMALL = 1e-3
@@ -582,12 +250,285 @@ def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
     return float(abs(lost / (2 * math.pi * small) / mean - 1))
 
 
-def bound(chain: FrictionModel) -> Check:
-    """Compare with the same where the largest velocity is that of the belt."""
+class Checks:
+    """The checks of the derivation for one friction chain.
 
-    def draw(rng: random.Random) -> tuple[Point, list[complex]]:
-        point, _ = _slipping_state(chain, rng)
-        return point, [_power(chain, point, point[s.v_tilde_d])]
+    Parameters
+    ----------
+    chain : FrictionModel
+        The chain.
+    """
 
-    sampled = equals(draw, "the power sampled over a period that grazes the belt", tolerance=1e-7)
-    return lambda candidate: sampled(_without_integrals(candidate))
+    def __init__(self, chain: FrictionModel) -> None:
+        self.chain = chain
+
+    @equals("the forces of a potential energy, differentiated numerically")
+    def newton(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare with the forces of a potential energy."""
+        point: dict[Any, Any] = dict(_numbers(rng))
+        displaced = _sites(self.chain, rng, s.y, s.t)
+        speed, second, force = (rng.uniform(-1, 1) for _ in range(3))
+        own = s.y(s.n, s.t)
+        rest = (
+            _number(self.chain.inertia, point) * second + _number(self.chain.damping, point) * speed
+        )
+        rest += _pull(self.chain, displaced, s.y, s.t, point) - force
+        point |= displaced
+        point |= {own.diff(s.t): speed, own.diff(s.t, 2): second, s.F: force}
+        return point, [rest]
+
+    @equals("the decay of the model between two values")
+    def falling(self, rng: random.Random) -> Point:
+        """Between any two values friction falls by the decay of the model."""
+        far, fall, scale, speed = (rng.uniform(0.3, 1.5) for _ in range(4))
+        size = far + fall * float(self.chain.decay(sp.Float(speed / scale)))
+        return {s.mu_far: far, s.mu_fall: fall, s.v_0: scale, s.v_rel: -speed,
+                s.mu(s.v_rel): size}  # fmt: skip
+
+    @staticmethod
+    def limits(candidate: sp.Basic) -> Evidence:
+        """Compare with the two limits are told apart by the values of the text."""
+        text = {"rest": s.mu_st, "speed": s.mu_d}
+        rest, speed = parts_of(candidate)
+        holds = rest == sp.Eq(s.mu(0), text["rest"], evaluate=False)
+        holds = holds and speed == sp.Eq(s.mu(sp.oo), text["speed"], evaluate=False)
+        return Evidence(holds, "mu(0) = mu_st and mu(infinity) = mu_d, as stated below (2)")
+
+    def coefficient(self, candidate: sp.Basic) -> Evidence:
+        """Values at rest, at great speed and at one reference velocity."""
+        base = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_0: _SCALE}
+        worst = 0.0
+        for speed in (0.0, 1e6 * _SCALE, _SCALE, -_SCALE, 0.3):
+            expected = _size(self.chain, speed)
+            point = {**base, s.v_rel: speed, s.mu(s.v_rel): expected}
+            left, right = candidate.args
+            worst = max(worst, abs(value(left, point) - value(right, point)))
+        ends = abs(_size(self.chain, 0.0) - _STATIC) + abs(_size(self.chain, 1e6) - _DYNAMIC)
+        return Evidence(
+            worst < 1e-9 and ends < 1e-5,
+            "mu(0) = mu_st, mu(infinity) = mu_d and the decay between them: "
+            f"off by at most {worst:.1e}",
+        )
+
+    @staticmethod
+    def law(candidate: sp.Basic) -> Evidence:
+        """Force (3) with normal force 1.7."""
+        point = {s.mu_st: _STATIC, s.F_N: 1.7}
+        return _is_law(candidate, point, (s.F, s.v_rel),
+                       unit=1.7, limit=_STATIC * 1.7, velocity=1.0)  # fmt: skip
+
+    @staticmethod
+    def scaled_law(candidate: sp.Basic) -> Evidence:
+        """Force (6): that of (3) over F_N at the velocity in dimensions."""
+        point = {s.mu_st: _STATIC, s.F_N: 1.7, s.omega_n: 1.3, s.y_0: 0.6}
+        return _is_law(candidate, point, (s.F_tilde, s.v_tilde_rel),
+                       unit=1.0, limit=_STATIC, velocity=1.3 * 0.6)  # fmt: skip
+
+    @staticmethod
+    def force_of_slip(candidate: sp.Basic) -> Evidence:
+        """Alone, the first part of (6)."""
+        whole = sp.Tuple(candidate, sp.Ne(s.v_tilde_rel, 0), sp.Abs(s.F_tilde) <= s.mu_st,
+                         sp.Eq(s.v_tilde_rel, 0))  # fmt: skip
+        return Checks.scaled_law(whole)
+
+    @staticmethod
+    def scales(candidate: sp.Basic) -> Evidence:
+        """Displacement, time and force get one unit each."""
+        wanted = {s.y(s.n, s.t): (s.y_tilde(s.n, s.tau), s.y_0), s.tau: (s.t, s.omega_n),
+                  s.F: (s.F_tilde, s.F_N)}  # fmt: skip
+        found = {part.lhs: part.rhs for part in parts_of(candidate)}
+        holds = set(found) == set(wanted) and all(
+            value(found[own], {new: 1.7, unit: 2.3}) == value(new * unit, {new: 1.7, unit: 2.3})
+            for own, (new, unit) in wanted.items()
+        )
+        return Evidence(holds, "each quantity is its unit times its scaled value")
+
+    @staticmethod
+    @at_points("a scaled motion differentiated numerically", tolerance=1e-8)
+    def velocities() -> Points:
+        """Differentiate a scaled motion numerically: a velocity is a displacement over a time."""
+        length, clock, normal, step, at = 0.6, 1.3, 1.7, 1e-5, 0.4
+        scaled = (_shape(at + step) - _shape(at - step)) / (2 * step)
+        far, near = (length * _shape(at + sign * clock * step) for sign in (1, -1))
+        moved = (far - near) / (2 * step)
+        yield {s.omega_n: clock, s.y_0: length, s.F_N: normal, s.v_tilde_rel: scaled,
+               s.v_rel: moved, s.v_tilde_0: scaled, s.v_0: moved, s.F_tilde: 0.3,
+               s.F: 0.3 * normal}, [0, 0, 0]  # fmt: skip
+
+    @staticmethod
+    @at_points("sites at, below and above the speed of the belt")
+    def relative() -> Points:
+        """Compare with sites that move with the belt, rest, and move faster than it."""
+        own = s.y_tilde(s.n, s.tau).diff(s.tau)
+        for speed, expected in ((1.25, 0.0), (0.0, -1.25), (2.0, 0.75)):
+            yield {own: speed, s.v_tilde_d: 1.25, s.v_tilde_rel: expected}, [0]
+
+    def parameters(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the numbers of the caption, or with those of another chain."""
+        caption = {s.mu_st: 1.0, s.mu_d: 0.5, s.v_tilde_0: 0.5, s.xi: 0.05}
+        other = {own: float(given) for own, given in self.chain.parameters.items()}
+        expected = caption if self.chain.parameters == PAPER.parameters else other
+        found = {part.lhs: part.rhs for part in parts_of(candidate)}
+        off = max(abs(float(found[own]) - expected[own]) for own in expected)
+        complete = set(found) == set(expected)
+        return Evidence(complete and off < 1e-12, "the numbers of the caption of Fig. 2")
+
+    @equals("the dimensional equation divided by F_N")
+    def in_scales(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare with the equation in dimensions, divided by F_N."""
+        point, net = _scaled_point(self.chain, rng)
+        return point, [net]
+
+    @equals("the scales that reduce (1) to unit coefficients", parts=4)
+    def units(self, rng: random.Random) -> Point:
+        """Scales that make inertia and stiffness one."""
+        return _scaled_point(self.chain, rng)[0]
+
+    @staticmethod
+    @at_points("radians of the free oscillation")
+    def clock() -> Points:
+        """At one value of t."""
+        yield {s.t: 0.7, s.omega_n: 1.3, s.tau: 0.7 * 1.3}, [0]
+
+    @equals("the scales that reduce (1) to unit coefficients", parts=5)
+    def scaling(self, rng: random.Random) -> Point:
+        """All of (4)."""
+        point, _ = _scaled_point(self.chain, rng)
+        instant = rng.uniform(0.1, 1)
+        return {**point, s.t: instant, s.tau: instant * point[s.omega_n]}
+
+    @equals("the dimensional force over F_N", count=6)
+    def slip(self, rng: random.Random) -> Point:
+        """Compare with the force in dimensions over F_N, at the same physical velocities."""
+        speed = rng.choice([-1.3, -0.2, 0.4, 2.0])
+        return {
+            **_units(),
+            s.v_tilde_rel: speed / (1.3 * 0.6),
+            s.F_tilde: _force(self.chain, speed),
+        }
+
+    @equals("the dimensional force over F_N, of sites slower than the belt")
+    def backwards(self, rng: random.Random) -> Point:
+        """Compare with the same at negative velocities only."""
+        speed = -rng.uniform(0.1, 2)
+        return {
+            **_units(),
+            s.v_tilde_rel: speed / (1.3 * 0.6),
+            s.F_tilde: _force(self.chain, speed),
+        }
+
+    @equals("the force at the difference of the two speeds")
+    def at_velocity(self, rng: random.Random) -> Point:
+        """Compare with the force on a site slower than the belt."""
+        belt, speed, scale = rng.uniform(1, 2), rng.uniform(-1, 0.9), rng.uniform(0.4, 0.9)
+        return {s.v_tilde_d: belt, s.v_tilde_0: scale, s.mu_st: _STATIC, s.mu_d: _DYNAMIC,
+                s.y_tilde(s.n, s.tau).diff(s.tau): speed,
+                s.F_tilde: _slipping_force(self.chain, belt, speed, scale)}  # fmt: skip
+
+    @equals("the forces on a slipping site")
+    def slipping(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """All forces on a site, from energies and the force law."""
+        return _slipping_state(self.chain, rng)
+
+    @equals("the forces when all sites agree")
+    def cell(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare with the same when all sites move alike, with no number for a neighbour."""
+        point, rest = _slipping_state(self.chain, rng, True)
+        own = s.y_tilde(s.n, s.tau)
+        return {q: each for q, each in point.items() if q.func != own.func or q == own}, rest
+
+    @equals("the friction force at the speed of the belt")
+    def sliding(self, rng: random.Random) -> Point:
+        """Compare with the rest position is where ground spring and friction balance."""
+        point, _ = _slipping_state(self.chain, rng)
+        return {**point, s.y_star: -_drag(self.chain, point)(0.0)}
+
+    @equals("forces differentiated numerically", tolerance=1e-7)
+    def linear(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare with the change of all forces for a small deviation."""
+        point, _ = _slipping_state(self.chain, rng)
+        small = _sites(self.chain, rng, s.z, s.tau)
+        speed, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
+        dimensional = {q: point[q] for q in (s.m, s.d, s.k, s.eta_c)}
+        ground = _number(self.chain.stiffness, dimensional)
+        own = s.z(s.n, s.tau)
+        net = second + _slope(_drag(self.chain, point)) * speed
+        net += _pull(self.chain, small, s.z, s.tau, dimensional) / ground
+        return {**point, **small, own.diff(s.tau): speed, own.diff(s.tau, 2): second}, [net]
+
+    @equals("eigenvalues of a ring, found numerically", tolerance=1e-6)
+    def waves(self, rng: random.Random) -> Point:
+        """Eigenvalues of a ring of sites, found numerically."""
+        sites = 9
+        point, _ = _slipping_state(self.chain, rng)
+        dimensional = {q: point[q] for q in (s.m, s.d, s.k, s.eta_c)}
+        ground = _number(self.chain.stiffness, dimensional)
+        springs = np.eye(sites)
+        for distance, spring in self.chain.springs.items():
+            relative = _number(spring, dimensional) / ground
+            ahead = np.roll(np.eye(sites), distance, axis=1)
+            springs = springs + relative * (2 * np.eye(sites) - ahead - ahead.T)
+        drag = _slope(_drag(self.chain, point)) * np.eye(sites)
+        block = np.block([[np.zeros((sites, sites)), np.eye(sites)], [-springs, -drag]])
+        values, vectors = np.linalg.eig(block)
+        # The Fourier transform of an eigenvector peaks at its wavenumber, up to a sign.
+        place = rng.randrange(2 * sites)
+        spectrum = np.abs(np.fft.fft(vectors[:sites, place]))
+        return {**point, s.rate: complex(values[place]),
+                s.q: 2 * math.pi * int(spectrum.argmax()) / sites}  # fmt: skip
+
+    @equals("the forces differentiated numerically", tolerance=1e-7)
+    def damping(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare with the slope of all velocity-dependent forces."""
+        point, _ = _slipping_state(self.chain, rng)
+        return point, [_slope(_drag(self.chain, point))]
+
+    def hopf(self, candidate: sp.Basic) -> Evidence:
+        """At each velocity that comes out the slope of the forces vanishes and changes sign."""
+        worst, kept = 0.0, 0
+        for static, fall, scale, drag in ((1.0, 0.5, 0.5, 0.05), (0.9, 0.55, 0.7, 0.04)):
+            point: dict[Any, Any] = {s.mu_st: static, s.mu_d: static - fall, s.v_tilde_0: scale,
+                                     s.xi: drag}  # fmt: skip
+            for part in parts_of(candidate):
+                belt = complex(solved_for(part, s.v_hopf, point))
+                if abs(belt.imag) > 1e-12 or belt.real <= 0:
+                    continue
+
+                def total(speed: float, at: float = belt.real, given: Any = point) -> float:
+                    fallen = float(self.chain.decay(sp.Float((at - speed) / given[s.v_tilde_0])))
+                    fall_ = given[s.mu_st] - given[s.mu_d]
+                    return float(2 * given[s.xi] * speed - fall_ * fallen)
+
+                kept += 1
+                worst = max(worst, abs(_slope(total)))
+        return Evidence(
+            kept >= 2 and worst < 1e-7,
+            f"slope of the forces at {kept} such velocities: at most {worst:.1e}",
+        )
+
+    @equals("the power sampled over a period", tolerance=1e-7)
+    def _sampled_balance(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, _ = _slipping_state(self.chain, rng)
+        size = rng.uniform(0.2, 0.9) * point[s.v_tilde_d]
+        return {**point, s.R: size}, [_power(self.chain, point, size)]
+
+    def balance(self, candidate: sp.Basic) -> Evidence:
+        """Mean power by sampling, and by integrating a weakly damped cell for one period."""
+        candidate = _without_integrals(candidate)
+        found = self._sampled_balance(candidate)
+        if not found.holds:
+            return found
+        worst = _first_order_error(self.chain, candidate)
+        return Evidence(worst < 0.02, f"{found.statement}; energy lost by a weakly damped cell in "
+                                      f"one period: within {worst:.1%}")  # fmt: skip
+
+    @equals("the power sampled over a period that grazes the belt", tolerance=1e-7)
+    def _sampled_bound(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        point, _ = _slipping_state(self.chain, rng)
+        return point, [_power(self.chain, point, point[s.v_tilde_d])]
+
+    def bound(self, candidate: sp.Basic) -> Evidence:
+        """Compare with the same where the largest velocity is that of the belt."""
+        return self._sampled_bound(_without_integrals(candidate))
+
+    dimensionless = in_scales

@@ -18,7 +18,7 @@ from derivations.algebra.substitution import (
     TakeBranch,
     alike,
 )
-from derivations.friction import checks
+from derivations.friction.checks import Checks
 from derivations.friction.model import PAPER, FrictionModel
 from derivations.friction.symbols import (
     F_N,
@@ -63,9 +63,10 @@ def derive(chain: FrictionModel = PAPER) -> Derivation:
     chain : FrictionModel
         The chain; that of the paper by default.
     """
-    given = _given(chain)
-    scaled = _scaled(chain, given)
-    sliding = _sliding(chain, {**given, **scaled})
+    checks = Checks(chain)
+    given = _given(chain, checks)
+    scaled = _scaled(chain, given, checks)
+    sliding = _sliding(chain, {**given, **scaled}, checks)
     return Derivation(
         "friction",
         "Model I: scales, steady sliding, its stability and the cycle of pure slip (Eqs. 1-7)",
@@ -73,7 +74,7 @@ def derive(chain: FrictionModel = PAPER) -> Derivation:
     )
 
 
-def _given(chain: FrictionModel) -> dict[str, Step]:
+def _given(chain: FrictionModel, checks: Checks) -> dict[str, Step]:
     falling = mu_far + mu_fall * chain.decay(sp.Abs(v_rel) / v_0)
     law = sp.Tuple(
         equation(F, -sp.sign(v_rel) * F_N * mu(v_rel)), sp.Ne(v_rel, 0, evaluate=False),
@@ -86,10 +87,10 @@ def _given(chain: FrictionModel) -> dict[str, Step]:
                           equation(F, F_N * F_tilde))  # fmt: skip
     steps: tuple[Given, ...] = (
         model("newton", chain.newton(), "Newton's law for site n between its neighbours",
-              check=checks.newton(chain), number=1),
+              check=checks.newton, number=1),
         model("falling friction", equation(mu(v_rel), falling),
               "friction falls with speed from one value to another, with reference velocity v_0",
-              check=checks.falling(chain)),
+              check=checks.falling),
         definition("friction at rest and at speed",
                    sp.Tuple(equation(mu(sp.S.Zero), mu_st), equation(mu(sp.oo), mu_d)),
                    "the limits that the text states below (2)", check=checks.limits),
@@ -102,7 +103,7 @@ def _given(chain: FrictionModel) -> dict[str, Step]:
         definition("parameters", sp.Tuple(*(equation(own, value)
                                             for own, value in chain.parameters.items())),
                    "the parameters of all simulations of model I",
-                   check=checks.parameters(chain), number=7),
+                   check=checks.parameters, number=7),
         definition("relative velocity",
                    equation(v_tilde_rel, y_tilde(n, tau).diff(tau) - v_tilde_d),
                    "velocity of the site relative to the belt", check=checks.relative),
@@ -110,12 +111,12 @@ def _given(chain: FrictionModel) -> dict[str, Step]:
     return {step.name: step for step in steps}
 
 
-def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
+def _scaled(chain: FrictionModel, given: dict[str, Step], checks: Checks) -> dict[str, Step]:
     friction = derived("friction coefficient", SolveLimits(v_rel, (mu_far, mu_fall)),
                        given["falling friction"], given["friction at rest and at speed"],
-                       check=checks.coefficient(chain), number=2)  # fmt: skip
+                       check=checks.coefficient, number=2)  # fmt: skip
     raw = derived("newton in the scales", (ChangeVariables(t, tau), Divide(F_N)),
-                  given["newton"], given["scales"], check=checks.in_scales(chain))  # fmt: skip
+                  given["newton"], given["scales"], check=checks.in_scales)  # fmt: skip
     here = y_tilde(n, tau)
     sites = tuple(y_tilde(n + sign * distance, tau)
                   for distance in chain.springs for sign in (1, -1))  # fmt: skip
@@ -126,17 +127,17 @@ def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
         ((y_tilde(n + 1, tau),), -c),
     )
     units = derived("unit coefficients", PrescribeCoefficients(demands, (omega_n, y_0, c, xi)),
-                    raw, check=checks.units(chain),
+                    raw, check=checks.units,
                     note="inertia and stiffness become one; c and 2 xi are the coefficients left "
                          "of coupling and damping")  # fmt: skip
     clock = derived("scaled time", Take(1), given["scales"], check=checks.clock)
-    parameters = derived("scaling", Join(), units, clock, check=checks.scaling(chain), number=4)
+    parameters = derived("scaling", Join(), units, clock, check=checks.scaling, number=4)
     dimensionless = derived(
         "dimensionless chain",
         (Eliminate((d, eta_c)), Rewrite(Form.SIMPLIFIED)),
         raw,
         units,
-        check=checks.dimensionless(chain),
+        check=checks.dimensionless,
         number=5,
     )
     law = derived(
@@ -150,46 +151,46 @@ def _scaled(chain: FrictionModel, given: dict[str, Step]) -> dict[str, Step]:
     )
     force = derived("force of slip", Take(0), law, check=checks.force_of_slip)
     slip = derived("slip law", Substitute(index=v_rel, at=(omega_n * y_0 * v_tilde_rel,)),
-                   force, friction, check=checks.slip(chain))  # fmt: skip
+                   force, friction, check=checks.slip)  # fmt: skip
     own = derived("slip law in scaled velocities", Substitute(), slip,
-                  given["scaled velocities"], check=checks.slip(chain))  # fmt: skip
+                  given["scaled velocities"], check=checks.slip)  # fmt: skip
     steps = (friction, raw, units, clock, parameters, dimensionless, law, force, slip, own)
     return {step.name: step for step in steps}
 
 
-def _sliding(chain: FrictionModel, found: dict[str, Step]) -> tuple[Step, ...]:
+def _sliding(chain: FrictionModel, found: dict[str, Step], checks: Checks) -> tuple[Step, ...]:
     """Steady sliding, its waves and its loss of stability; then the cycle of pure slip."""
     backwards = derived("slip backwards", TakeBranch(v_tilde_rel < 0),
-                        found["slip law in scaled velocities"], check=checks.backwards(chain),
+                        found["slip law in scaled velocities"], check=checks.backwards,
                         note="the belt is faster than the site")  # fmt: skip
     at_velocity = derived("force at a velocity of the site", Substitute(), backwards,
-                          found["relative velocity"], check=checks.at_velocity(chain))  # fmt: skip
+                          found["relative velocity"], check=checks.at_velocity)  # fmt: skip
     slipping = derived("slipping chain", Substitute(), found["dimensionless chain"], at_velocity,
-                       check=checks.slipping(chain))  # fmt: skip
+                       check=checks.slipping)  # fmt: skip
     reach = max(chain.springs)
     rest = Substitute({y_tilde(n, tau): y_star}, meaning="at rest")
     sliding = derived("steady sliding", (alike(y_tilde, n, tau, reach), rest, SolveFor(y_star)),
-                      slipping, check=checks.sliding(chain))  # fmt: skip
+                      slipping, check=checks.sliding)  # fmt: skip
     linear = derived("linearised chain", Linearise({y_tilde: z}), slipping, sliding,
-                     check=checks.linear(chain))  # fmt: skip
+                     check=checks.linear)  # fmt: skip
     waves = derived("waves about sliding", InsertPlaneWave(z, rate, q), linear,
-                    check=checks.waves(chain), note="coupling does not damp them")  # fmt: skip
+                    check=checks.waves, note="coupling does not damp them")  # fmt: skip
     damping = derived("effective damping", TakeCoefficient(rate), waves,
-                      check=checks.damping(chain))  # fmt: skip
+                      check=checks.damping)  # fmt: skip
     hopf = derived("Hopf velocity", (SolveFor(v_tilde_d), Substitute({v_tilde_d: v_hopf})), damping,
-                   check=checks.hopf(chain),
+                   check=checks.hopf,
                    note="steady sliding is stable for faster belts")  # fmt: skip
     cell = derived("slipping cell", alike(y_tilde, n, tau, reach), slipping,
-                   check=checks.cell(chain))  # fmt: skip
+                   check=checks.cell)  # fmt: skip
     balance = derived(
         "cycle of pure slip",
         BalancePower(y_tilde(n, tau), tau, y_star + R * sp.sin(s), s),
         cell,
-        check=checks.balance(chain),
+        check=checks.balance,
         note="its velocity amplitude is R; at R = 0 this is the Hopf velocity",
     )
     bound = derived("end of pure slip", Substitute({R: v_tilde_d}), balance,
-                    check=checks.bound(chain),
+                    check=checks.bound,
                     note="the largest velocity of the cycle reaches that of the belt: it grazes "
                          "stick, and for slower belts there is no cycle of pure slip")  # fmt: skip
     return (backwards, at_velocity, slipping, sliding, linear, waves, damping, hopf, cell, balance,

@@ -10,14 +10,13 @@ from typing import Any
 
 import sympy as sp
 
-from derivations.algebra.evidence import Point
+from derivations.algebra.evidence import Points, at_points
 from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
 from derivations.front import symbols as s
 from derivations.front.sampling import (
     Sample,
     as_point,
-    at_points,
     complex_number,
     samples,
     sites,
@@ -49,61 +48,46 @@ class CellChecks:
         for sample in self.samples:
             yield sample, rng
 
-    def averaged_cell(self, candidate: sp.Basic) -> Evidence:
+    @at_points("Eq. (8) averaged by sampling, all sites alike")
+    def averaged_cell(self) -> Points:
         """Sample the cell without springs."""
+        for sample, rng in self._cells():
+            own, rate = complex_number(rng, 2.0), complex_number(rng)
+            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
+            change = sample.chain.averaged_rate(uniform)
+            yield as_point(sample.chain, {0: own}, rate), [rate - change]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                own, rate = complex_number(rng, 2.0), complex_number(rng)
-                uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
-                change = sample.chain.averaged_rate(uniform)
-                yield as_point(sample.chain, {0: own}, rate), [rate - change]
-
-        return at_points(points, "Eq. (8) averaged by sampling, all sites alike")(candidate)
-
-    def polar(self, candidate: sp.Basic) -> Evidence:
+    @at_points("moduli and arguments of numbers")
+    def polar(self) -> Points:
         """Modulus and argument of a number."""
+        for own in (0.7 - 0.4j, -1.1 + 0.2j):
+            yield {_OWN: own, s.radius: abs(own), s.phase: cmath.phase(own)}, [0]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for own in (0.7 - 0.4j, -1.1 + 0.2j):
-                yield {_OWN: own, s.radius: abs(own), s.phase: cmath.phase(own)}, [0]
-
-        return at_points(points, "moduli and arguments of numbers")(candidate)
-
-    def cell_parts(self, candidate: sp.Basic) -> Evidence:
+    @at_points("Eq. (8) averaged by sampling", floor=0.1)
+    def cell_parts(self) -> Points:
         """Rate of a real amplitude: real and imaginary part."""
+        for sample, rng in self._cells():
+            size, rate, turn = (rng.uniform(0.3, 2) for _ in range(3))
+            change = sample.chain.cell_rate(size) * size
+            point = {s.radius: size, s.radius.diff(t): rate, s.phase.diff(t): turn,
+                     **sample.chain.values}  # fmt: skip
+            yield point, [rate - change.real, size * turn - change.imag]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                size, rate, turn = (rng.uniform(0.3, 2) for _ in range(3))
-                change = sample.chain.cell_rate(size) * size
-                point = {s.radius: size, s.radius.diff(t): rate, s.phase.diff(t): turn,
-                         **sample.chain.values}  # fmt: skip
-                yield point, [rate - change.real, size * turn - change.imag]
-
-        return at_points(points, "Eq. (8) averaged by sampling", floor=0.1)(candidate)
-
-    def amplitude_rate(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the sampled loss of the cell")
+    def amplitude_rate(self) -> Points:
         """Solved for the rate of the amplitude."""
+        for sample, rng in self._cells():
+            size = rng.uniform(0.3, 2)
+            yield {s.radius: size, s.radius.diff(t): sample.rate(size),
+                   **sample.chain.values}, [0]  # fmt: skip
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                size = rng.uniform(0.3, 2)
-                yield {s.radius: size, s.radius.diff(t): sample.rate(size),
-                       **sample.chain.values}, [0]  # fmt: skip
-
-        return at_points(points, "the sampled loss of the cell")(candidate)
-
-    def phase_rate(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the sampled detuning of the cell", floor=0.1)
+    def phase_rate(self) -> Points:
         """Solved for the rate of the phase."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                size = rng.uniform(0.3, 2)
-                turn = sample.chain.cell_rate(size).imag
-                yield {s.radius: size, s.phase.diff(t): turn, **sample.chain.values}, [0]
-
-        return at_points(points, "the sampled detuning of the cell", floor=0.1)(candidate)
+        for sample, rng in self._cells():
+            size = rng.uniform(0.3, 2)
+            turn = sample.chain.cell_rate(size).imag
+            yield {s.radius: size, s.phase.diff(t): turn, **sample.chain.values}, [0]
 
     def _with_cycles(self, sample: Sample) -> dict[Any, Any]:
         inner, outer = sample.inner * 1j, sample.outer * cmath.exp(0.3j)
@@ -115,11 +99,11 @@ class CellChecks:
         return low * top / middle**2
 
     def _vanish_on_cycles(self, parts: int, what: str) -> Check:
-        def points() -> Iterator[tuple[Point, list[complex]]]:
+        def points() -> Points:
             for sample in self.samples:
                 yield self._with_cycles(sample), [0] * parts
 
-        return at_points(points, what)
+        return at_points(what)(points)
 
     def cycles(self, candidate: sp.Basic) -> Evidence:
         """Zeros of the sampled loss."""
@@ -133,65 +117,49 @@ class CellChecks:
         """From the coefficients of the damping, and that it does not change with the amplitude."""
         return self._vanish_on_cycles(1, "the coefficients of the damping")(candidate)
 
-    def radial_decay(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the slope of the sampled loss", tolerance=1e-7)
+    def radial_decay(self) -> Points:
         """Slope of the sampled loss on the outer cycle."""
+        for sample in self.samples:
+            step = 1e-3 * sample.outer
+            far, near = (sample.rate(sample.outer + q) - sample.rate(sample.outer - q)
+                         for q in (2 * step, step))  # fmt: skip
+            slope = (8 * near - far) / (12 * step)
+            yield {s.radial_rate: -slope, **sample.chain.values}, [0]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample in self.samples:
-                step = 1e-3 * sample.outer
-                far, near = (sample.rate(sample.outer + q) - sample.rate(sample.outer - q)
-                             for q in (2 * step, step))  # fmt: skip
-                slope = (8 * near - far) / (12 * step)
-                yield {s.radial_rate: -slope, **sample.chain.values}, [0]
-
-        return at_points(points, "the slope of the sampled loss", tolerance=1e-7)(candidate)
-
-    def near_rest(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the response of the averaged chain to a tiny amplitude", tolerance=1e-7)
+    def near_rest(self) -> Points:
         """Response of the averaged chain to a tiny amplitude."""
+        for sample, rng in self._cells():
+            field, rate = sites(self.model, rng), complex_number(rng)
+            yield as_point(sample.chain, field, rate), [rate - sample.linear(field)]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                field, rate = sites(self.model, rng), complex_number(rng)
-                yield as_point(sample.chain, field, rate), [rate - sample.linear(field)]
-
-        return at_points(points, "the response of the averaged chain to a tiny amplitude",
-                         tolerance=1e-7)(candidate)  # fmt: skip
-
-    def nothing(self, candidate: sp.Basic) -> Evidence:
+    @at_points("nothing, for random states", floor=1.0)
+    def nothing(self) -> Points:
         """Nothing is left, at numbers."""
+        for sample, rng in self._cells():
+            yield as_point(sample.chain, sites(self.model, rng), complex_number(rng)), [0]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                yield as_point(sample.chain, sites(self.model, rng), complex_number(rng)), [0]
-
-        return at_points(points, "nothing, for random states", floor=1.0)(candidate)
-
-    def shifted(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a displaced number")
+    def shifted(self) -> Points:
         """Compare with a relative deviation."""
         point = {_OWN: (2 - 1j) * (1.1 + 0.2j), s.phi_s: 2 - 1j, s.deviation: 0.1 + 0.2j}
-        return at_points(lambda: [(point, [0])], "a displaced number")(candidate)
+        yield point, [0]
 
-    def upper(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the linear response about rest, moved to the cycle", tolerance=1e-7)
+    def upper(self) -> Points:
         """Compare with the response about rest, moved to the cycle."""
+        for sample, rng in self._cells():
+            own, cycle = complex_number(rng, 2.0), complex_number(rng, 2.0)
+            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own - cycle)
+            rate = sample.linear(uniform)
+            yield {**as_point(sample.chain, {0: own}, rate), s.phi_s: cycle}, [0]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                own, cycle = complex_number(rng, 2.0), complex_number(rng, 2.0)
-                uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own - cycle)
-                rate = sample.linear(uniform)
-                yield {**as_point(sample.chain, {0: own}, rate), s.phi_s: cycle}, [0]
-
-        return at_points(points, "the linear response about rest, moved to the cycle",
-                         tolerance=1e-7)(candidate)  # fmt: skip
-
-    def upper_decay(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the linear response about rest", tolerance=1e-7)
+    def upper_decay(self) -> Points:
         """Compare with the same for a relative deviation."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, rng in self._cells():
-                own = complex_number(rng)
-                uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
-                rate = sample.linear(uniform)
-                yield {s.deviation: own, s.deviation.diff(t): rate, **sample.chain.values}, [0]
-
-        return at_points(points, "the linear response about rest", tolerance=1e-7)(candidate)
+        for sample, rng in self._cells():
+            own = complex_number(rng)
+            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
+            rate = sample.linear(uniform)
+            yield {s.deviation: own, s.deviation.diff(t): rate, **sample.chain.values}, [0]

@@ -11,12 +11,12 @@ import numpy as np
 import sympy as sp
 from scipy.linalg import solve_banded
 
-from derivations.algebra.evidence import Point, solved_for
+from derivations.algebra.evidence import Points, at_points, solved_for
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
 from derivations.front.checks_profile import ProfileChecks
 from derivations.front.numbers import Lattice, kinetic_sum
-from derivations.front.sampling import Sample, at_points, standing
+from derivations.front.sampling import Sample, standing
 from derivations.symbols import c
 
 _FACTORS = (0.4, 1.0, 2.3)
@@ -34,16 +34,17 @@ class LimitChecks(ProfileChecks):
                 values[c] = values.get(c, 1.0) * factor
                 yield sample, ahead if side > 0 else 1 - ahead, values
 
-    def ratio_named(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a quotient of moduli")
+    def ratio_named(self) -> Points:
         """Compare with a quotient of moduli."""
         point = {s.phi_us: 0.6j, s.phi_s: 1.2 - 0.5j, s.ratio: 0.6 / 1.3}
-        return at_points(lambda: [(point, [0])], "a quotient of moduli")(candidate)
+        yield point, [0]
 
     def static(self, side: int) -> Check:
         """Compare with the last site of a standing chain, and with a front that hardly moves."""
         name = s.static_sum if side > 0 else s.retreating_sum
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
+        def points() -> Points:
             for sample, own, values in self._standing(side):
                 yield {**values, name: -own / sample.lattice.decay}, [0]
             if side > 0:
@@ -51,28 +52,28 @@ class LimitChecks(ProfileChecks):
                 # The correction is about e^{-decay/v}, below rounding at v = 0.01.
                 yield {**sample.chain.values, name: kinetic_sum(sample.lattice, 0.01)}, [0]
 
-        return at_points(points, "a standing chain, solved site by site", floor=1.0)
+        return at_points("a standing chain, solved site by site", floor=1.0)(points)
 
     def named_relation(self, name: sp.Symbol) -> Check:
         """Compare with the modulus of the sum against the ratio."""
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
+        def points() -> Points:
             for sample in self.samples:
                 at_front = 0.3 - 0.4j
                 yield {**sample.chain.values, name: -at_front / sample.lattice.decay,
                        s.ratio: abs(at_front)}, [0]  # fmt: skip
 
-        return at_points(points, "the value at the front over its modulus")
+        return at_points("the value at the front over its modulus")(points)
 
     def depinning(self, side: int) -> Check:
         """Both parts, for a standing chain."""
         name = s.static_sum if side > 0 else s.retreating_sum
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
+        def points() -> Points:
             for sample, own, values in self._standing(side):
                 yield {**values, name: -own / sample.lattice.decay, s.ratio: abs(own)}, [0, 0]
 
-        return at_points(points, "a standing chain, solved site by site", floor=1.0)
+        return at_points("a standing chain, solved site by site", floor=1.0)(points)
 
     def _roots(self) -> Iterator[tuple[float, complex, dict[Any, Any]]]:
         """Value ahead, and the square root that belongs to it: 1 - 2 phi/phi_s = 1/w."""
@@ -80,22 +81,23 @@ class LimitChecks(ProfileChecks):
             root = 1 / (1 - 2 * ahead)
             yield abs(ahead), root, {**values, s.p: root.real}
 
+    @at_points("standing chains", floor=1.0)
+    def _radical(self) -> Points:
+        for _, _, point in self._roots():
+            yield point, [0, 0]
+
     def radical(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the root belongs to a standing chain."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for _, _, point in self._roots():
-                yield point, [0, 0]
-
-        found = at_points(points, "standing chains", floor=1.0)(candidate)
+        """Compare with the root that belongs to a standing chain."""
+        found = self._radical(candidate)
         worst = max(abs(complex(candidate.args[0].rhs.subs(point).evalf()) - root)
                     for _, root, point in self._roots())  # fmt: skip
         return Evidence(found.holds and worst < 1e-9, f"{found.statement}; root off by {worst:.1e}")
 
-    def coupling_by_p(self, candidate: sp.Basic) -> Evidence:
+    @at_points("standing chains")
+    def coupling_by_p(self) -> Points:
         """Coupling of a standing chain from its root."""
-        return at_points(lambda: [(point, [0]) for _, _, point in self._roots()],
-                         "standing chains")(candidate)  # fmt: skip
+        for _, _, point in self._roots():
+            yield point, [0]
 
     def _with_ratio(self, side: int) -> Iterator[dict[Any, Any]]:
         for (_, _, point), (_, own, _) in zip(self._roots(), self._standing(side), strict=True):
@@ -103,8 +105,8 @@ class LimitChecks(ProfileChecks):
 
     def squared(self, side: int) -> Check:
         """Ratio and root of a standing chain."""
-        return at_points(lambda: [(point, [0]) for point in self._with_ratio(side)],
-                         "standing chains")  # fmt: skip
+        points = [(point, [0]) for point in self._with_ratio(side)]
+        return at_points("standing chains")(lambda: iter(points))
 
     parameter = squared
     threshold_coupling = squared
@@ -119,14 +121,11 @@ class LimitChecks(ProfileChecks):
             f"a standing chain at c = 2500, 10000, extrapolated: {limit:.6f}",
         )
 
-    def ratio_in_eta(self, candidate: sp.Basic) -> Evidence:
+    @at_points("cycles of the direct average")
+    def ratio_in_eta(self) -> Points:
         """Compare with the cycles of the direct average."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample in self.samples:
-                yield {s.ratio: sample.ratio, s.eta: self._eta(sample)}, [0]
-
-        return at_points(points, "cycles of the direct average")(candidate)
+        for sample in self.samples:
+            yield {s.ratio: sample.ratio, s.eta: self._eta(sample)}, [0]
 
     def largest_eta(self, candidate: sp.Basic) -> Evidence:
         """Compare with the cycles of that forcing have the ratio one half."""

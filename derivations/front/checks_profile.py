@@ -15,7 +15,7 @@ import sympy as sp
 from scipy.integrate import quad
 
 from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, solved_for, value
+from derivations.algebra.evidence import Point, Points, at_points, solved_for, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
 from derivations.front.checks_cell import CellChecks
@@ -24,7 +24,6 @@ from derivations.front.sampling import (
     PLACES,
     Sample,
     as_point,
-    at_points,
     complex_number,
     front,
     sites,
@@ -52,69 +51,53 @@ class ProfileChecks(CellChecks):
                 field[0] = size * cmath.exp(1j * rng.uniform(0, 6))
                 yield sample, field, complex_number(rng), complex_number(rng, 4.0), size > 2
 
-    def two_lines(self, candidate: sp.Basic) -> Evidence:
+    @at_points(
+        "the direct average linearised at rest, and its translate, on both sides close to the "
+        "threshold", tolerance=1e-7,
+    )  # fmt: skip
+    def two_lines(self) -> Points:
         """Linearise the direct average at rest; beyond the threshold, the same about phi_s."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, field, rate, cycle, excited in self._states():
-                shift = cycle if excited else 0
-                linear = sample.linear({place: own - shift for place, own in field.items()})
-                point = as_point(sample.chain, field, rate)
-                yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j)}, [rate - linear]
-
-        what = "the direct average linearised at rest, and its translate, on both sides close to "\
-            "the threshold"  # fmt: skip
-        return at_points(points, what, tolerance=1e-7)(candidate)
+        for sample, field, rate, cycle, excited in self._states():
+            shift = cycle if excited else 0
+            linear = sample.linear({place: own - shift for place, own in field.items()})
+            point = as_point(sample.chain, field, rate)
+            yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j)}, [rate - linear]
 
     driven = two_lines
 
-    def force(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the two branches, taken one at a time, close to the threshold", tolerance=1e-7)
+    def force(self) -> Points:
         """Compare with the force on a site: the response without springs."""
+        for sample, field, rate, cycle, excited in self._states():
+            own = field[0] - (cycle if excited else 0)
+            same = dict.fromkeys(field, own)
+            point = as_point(sample.chain, field, rate)
+            yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j),
+                   s.F: sample.linear(same)}, [0]  # fmt: skip
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, field, rate, cycle, excited in self._states():
-                own = field[0] - (cycle if excited else 0)
-                same = dict.fromkeys(field, own)
-                point = as_point(sample.chain, field, rate)
-                yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j),
-                       s.F: sample.linear(same)}, [0]  # fmt: skip
-
-        return at_points(points, "the two branches, taken one at a time, close to the threshold",
-                         tolerance=1e-7)(candidate)  # fmt: skip
-
-    def located(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the direct average linearised at rest, and its translate", tolerance=1e-7)
+    def located(self) -> Points:
         """Compare with the branch chosen by the sign of the coordinate."""
+        for sample, field, rate, cycle, excited in self._states():
+            shift = cycle if excited else 0
+            linear = sample.linear({place: own - shift for place, own in field.items()})
+            point = as_point(sample.chain, field, rate)
+            yield {**point, s.phi_s: cycle, s.zeta: -0.01 if excited else 0.01}, [rate - linear]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, field, rate, cycle, excited in self._states():
-                shift = cycle if excited else 0
-                linear = sample.linear({place: own - shift for place, own in field.items()})
-                point = as_point(sample.chain, field, rate)
-                yield {**point, s.phi_s: cycle, s.zeta: -0.01 if excited else 0.01}, [rate - linear]
-
-        return at_points(points, "the direct average linearised at rest, and its translate",
-                         tolerance=1e-7)(candidate)  # fmt: skip
-
-    def moving(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a wave watched at fixed sites")
+    def moving(self) -> Points:
         """Compare with a wave watched at fixed sites."""
         rng = random.Random(2)
-        count = len(parts_of(candidate))
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for _ in range(3):
-                at, when, fast = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
-                here = at - fast * when
-                point: dict[Any, Any] = {n: at, t: when, s.speed: fast, s.zeta: here}
-                for offset in range(-self.model.reach, self.model.reach + 1):
-                    seen = complex(_wave(at + offset - fast * when))
-                    point[s.phi(n + offset, t)] = seen
-                    point[s.phi(n - s.speed * t + offset)] = seen
-                    point[s.phi(s.zeta + offset)] = complex(_wave(here + offset))
-                yield point, [0] * count
-
-        found = at_points(points, "a wave watched at fixed sites")(candidate)
-        due = 2 * (2 * self.model.reach + 1)
-        return found if count == due else Evidence(False, f"{count} statements where {due} are due")
+        for _ in range(3):
+            at, when, fast = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
+            here = at - fast * when
+            point: dict[Any, Any] = {n: at, t: when, s.speed: fast, s.zeta: here}
+            for offset in range(-self.model.reach, self.model.reach + 1):
+                seen = complex(_wave(at + offset - fast * when))
+                point[s.phi(n + offset, t)] = seen
+                point[s.phi(n - s.speed * t + offset)] = seen
+                point[s.phi(s.zeta + offset)] = complex(_wave(here + offset))
+            yield point, [0] * (2 * (2 * self.model.reach + 1))
 
     def admissible(self, candidate: sp.Basic) -> Evidence:
         """Both sides agree at each of a row of places of a front that exists."""
@@ -127,16 +110,17 @@ class ProfileChecks(CellChecks):
                 return Evidence(False, f"not so at zeta = {place}: |phi/phi_s| = {own:.4f}")
         return Evidence(True, f"so at {len(PLACES)} places of a front with v_hat = {fast:.6f}")
 
-    def slow_velocity(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a distance over both times")
+    def slow_velocity(self) -> Points:
         """Compare with the distance covered is the same by both clocks."""
         small, when, moved = 0.2, 3.0, 1.7
         point = {epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
-        return at_points(lambda: [(point, [0])], "a distance over both times")(candidate)
+        yield point, [0]
 
     def profile_equation(self, velocity: sp.Symbol) -> Check:
         """(44) for a travelling test wave, on the branch that the sign of zeta selects."""
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
+        def points() -> Points:
             rng = random.Random(4)
             for here in (-0.7, 0.6, -0.02, 0.02):
                 for sample in self.samples:
@@ -153,7 +137,7 @@ class ProfileChecks(CellChecks):
                     point |= {s.phi(s.zeta + q): own for q, own in field.items()}
                     yield point, [(rate - linear) / unit]
 
-        return at_points(points, "(44) for a travelling test wave", tolerance=1e-7)
+        return at_points("(44) for a travelling test wave", tolerance=1e-7)(points)
 
     def _waves(self) -> Iterator[tuple[Sample, float, complex]]:
         rng = random.Random(6)
@@ -185,18 +169,14 @@ class ProfileChecks(CellChecks):
             found.append((point, left, sample.lattice.decay * _CYCLE * step))
         return found
 
-    def dispersion(self, candidate: sp.Basic) -> Evidence:
+    @at_points("(48) applied to e^{ik zeta}, numerically", tolerance=1e-8)
+    def dispersion(self) -> Points:
         """(48) applied to a wave, from its values at the neighbours."""
+        for sample, fast, number in self._waves():
+            yield {**sample.chain.values, s.v: fast, s.k: number,
+                   s.L(s.k): complex(sample.lattice.dispersion(number, fast))}, [0]  # fmt: skip
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, fast, number in self._waves():
-                yield {**sample.chain.values, s.v: fast, s.k: number,
-                       s.L(s.k): complex(sample.lattice.dispersion(number, fast))}, [0]  # fmt: skip
-
-        return at_points(points, "(48) applied to e^{ik zeta}, numerically",
-                         tolerance=1e-8)(candidate)  # fmt: skip
-
-    def _slopes(self, on_roots: bool) -> Iterator[tuple[Point, list[complex]]]:
+    def _slopes(self, on_roots: bool) -> Points:
         for sample, fast, number in self._waves():
             for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
                 step = 1e-4
@@ -206,15 +186,15 @@ class ProfileChecks(CellChecks):
                 slope = complex((8 * near - far) / (12 * step))
                 yield {**sample.chain.values, s.v: fast, s.k: complex(at), s.L_k: slope}, [0]
 
-    def slope(self, candidate: sp.Basic) -> Evidence:
+    @at_points("numerical derivatives of L at any k", tolerance=1e-8)
+    def slope(self) -> Points:
         """Numerical derivatives of L at any k."""
-        return at_points(lambda: self._slopes(False), "numerical derivatives of L at any k",
-                         tolerance=1e-8)(candidate)  # fmt: skip
+        yield from self._slopes(False)
 
-    def slope_on_roots(self, candidate: sp.Basic) -> Evidence:
+    @at_points("numerical derivatives of L at its roots", tolerance=1e-6)
+    def slope_on_roots(self) -> Points:
         """Numerical derivatives of L at its roots."""
-        return at_points(lambda: self._slopes(True), "numerical derivatives of L at its roots",
-                         tolerance=1e-6)(candidate)  # fmt: skip
+        yield from self._slopes(True)
 
     def root_sets(self, candidate: sp.Basic) -> Evidence:
         """Roots found by iteration are members; roots of the other half-plane are not."""
@@ -238,7 +218,7 @@ class ProfileChecks(CellChecks):
     def on_line(self, where: Callable[[dict[Any, Any]], Any]) -> Check:
         """Compare with L from its neighbours, at points of a line."""
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
+        def points() -> Points:
             rng = random.Random(12)
             for sample, fast, _ in self._waves():
                 for _ in range(3):
@@ -247,7 +227,7 @@ class ProfileChecks(CellChecks):
                     exact = complex(sample.lattice.dispersion(complex(where(point)), fast))
                     yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
 
-        return at_points(points, "L from its values at the neighbours")
+        return at_points("L from its values at the neighbours")(points)
 
     def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
         """Velocity and wavenumber at which the numerical slope of L vanishes."""
@@ -263,19 +243,17 @@ class ProfileChecks(CellChecks):
         worst = max(
             abs(sample.lattice.slope(number, fast)) for sample, fast, number, _ in self._turns()
         )
-        found = at_points(lambda: [(point, [0]) for *_, point in self._turns()],
-                          "wavenumbers where the slope of L vanishes")(candidate)  # fmt: skip
+        points = [(point, [0]) for *_, point in self._turns()]
+        what = "wavenumbers where the slope of L vanishes"
+        found = at_points(what)(lambda: iter(points))(candidate)
         return Evidence(found.holds and worst < 1e-9, found.statement)
 
-    def at_turning(self, candidate: sp.Basic) -> Evidence:
+    @at_points("L where its slope vanishes")
+    def at_turning(self) -> Points:
         """Compare with L there, from its values at the neighbours."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, fast, number, point in self._turns():
-                exact = complex(sample.lattice.dispersion(number, fast))
-                yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
-
-        return at_points(points, "L where its slope vanishes")(candidate)
+        for sample, fast, number, point in self._turns():
+            exact = complex(sample.lattice.dispersion(number, fast))
+            yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
 
     def no_double(self, candidate: sp.Basic) -> Evidence:
         """At the value of n that comes out, which is no integer, Im L vanishes on the line."""
@@ -311,17 +289,13 @@ class ProfileChecks(CellChecks):
         drive = sample.lattice.decay * _CYCLE * step
         return complex(drive / sample.lattice.dispersion(number, fast))
 
-    def image(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the transform of the step by quadrature", tolerance=1e-6)
+    def image(self) -> Points:
         """Compare with the transform of the step by quadrature, over the numerical L."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, fast, number in self._waves():
-                yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
-                       s.L(s.k): complex(sample.lattice.dispersion(number, fast)),
-                       s.phi_hat(s.k): self._image(sample, fast, number)}, [0]  # fmt: skip
-
-        return at_points(points, "the transform of the step by quadrature",
-                         tolerance=1e-6)(candidate)  # fmt: skip
+        for sample, fast, number in self._waves():
+            yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
+                   s.L(s.k): complex(sample.lattice.dispersion(number, fast)),
+                   s.phi_hat(s.k): self._image(sample, fast, number)}, [0]  # fmt: skip
 
     def contour(self, candidate: sp.Basic) -> Evidence:
         """Integrate along a line above the axis, by the trapezoidal rule with a cut-off."""

@@ -14,12 +14,12 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
-from derivations.algebra.evidence import Point, solved_for
+from derivations.algebra.evidence import Points, at_points, solved_for
 from derivations.algebra.steps import Evidence
 from derivations.chain_numbers import ChainNumbers
 from derivations.front import symbols as s
 from derivations.front.checks_limits import LimitChecks
-from derivations.front.sampling import TINY, Sample, at_points
+from derivations.front.sampling import TINY, Sample
 from derivations.symbols import epsilon, n, omega, t, y
 
 
@@ -30,36 +30,30 @@ def _shape(z: Any) -> Any:
 class StrongChecks(LimitChecks):
     """What the speed law is held against."""
 
-    def rest(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the forces on a chain at rest", floor=1.0)
+    def rest(self) -> Points:
         """Without displacement there is no force."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample in self.samples:
-                at_rest = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), 0.0)
-                yield {y(n, t): sample.chain.rest(at_rest, 0.0)}, [0]
-
-        return at_points(points, "the forces on a chain at rest", floor=1.0)(candidate)
+        for sample in self.samples:
+            at_rest = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), 0.0)
+            yield {y(n, t): sample.chain.rest(at_rest, 0.0)}, [0]
 
     def _tiny(self, chain: ChainNumbers, field: dict[int, float], rate: float) -> float:
         tiny = {place: TINY * own for place, own in field.items()}
         return float(chain.rest(tiny, TINY * rate)) / TINY
 
-    def chain_near_rest(self, candidate: sp.Basic) -> Evidence:
+    @at_points("forces at a tiny displacement", tolerance=1e-8)
+    def chain_near_rest(self) -> Points:
         """Compare with forces at a tiny displacement."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            rng = random.Random(8)
-            for sample in self.samples:
-                field = {q: rng.uniform(-1, 1)
-                         for q in range(-self.model.reach, self.model.reach + 1)}  # fmt: skip
-                rate, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
-                point: dict[Any, Any] = {s.deviation_field(n + q, t): own
-                                         for q, own in field.items()}  # fmt: skip
-                own = s.deviation_field(n, t)
-                point |= {own.diff(t): rate, own.diff(t, 2): second, **sample.chain.values}
-                yield point, [second + self._tiny(sample.chain, field, rate)]
-
-        return at_points(points, "forces at a tiny displacement", tolerance=1e-8)(candidate)
+        rng = random.Random(8)
+        for sample in self.samples:
+            field = {q: rng.uniform(-1, 1)
+                     for q in range(-self.model.reach, self.model.reach + 1)}  # fmt: skip
+            rate, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
+            point: dict[Any, Any] = {s.deviation_field(n + q, t): own
+                                     for q, own in field.items()}  # fmt: skip
+            own = s.deviation_field(n, t)
+            point |= {own.diff(t): rate, own.diff(t, 2): second, **sample.chain.values}
+            yield point, [second + self._tiny(sample.chain, field, rate)]
 
     def _square(self, chain: ChainNumbers) -> Callable[[Any], Any]:
         """omega² of a wave, from the pull of the springs on a cosine."""
@@ -70,57 +64,43 @@ class StrongChecks(LimitChecks):
 
         return of
 
-    def linear_waves(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the pull of the springs on a cosine")
+    def linear_waves(self) -> Points:
         """Compare with the pull of the springs on a cosine."""
+        for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
+            size = math.sqrt(float(self._square(sample.chain)(q)))
+            yield {**sample.chain.values, s.q: q, omega: size}, [0]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
-                size = math.sqrt(float(self._square(sample.chain)(q)))
-                yield {**sample.chain.values, s.q: q, omega: size}, [0]
-
-        return at_points(points, "the pull of the springs on a cosine")(candidate)
-
-    def frequency_derivatives(self, candidate: sp.Basic) -> Evidence:
+    @at_points("numerical derivatives of the frequency", tolerance=1e-6)
+    def frequency_derivatives(self) -> Points:
         """Numerical derivatives of the root of that."""
+        for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
+            square = self._square(sample.chain)
+            rates = [float(mp.diff(lambda k, f=square: mp.sqrt(f(k)), q, j)) for j in range(4)]
+            yield {**sample.chain.values, s.q: q, omega: rates[0], s.w_1: rates[1],
+                   s.w_2: rates[2], s.w_3: rates[3]}, [0, 0, 0]  # fmt: skip
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
-                square = self._square(sample.chain)
-                rates = [float(mp.diff(lambda k, f=square: mp.sqrt(f(k)), q, j)) for j in range(4)]
-                yield {**sample.chain.values, s.q: q, omega: rates[0], s.w_1: rates[1],
-                       s.w_2: rates[2], s.w_3: rates[3]}, [0, 0, 0]  # fmt: skip
-
-        return at_points(points, "numerical derivatives of the frequency",
-                         tolerance=1e-6)(candidate)  # fmt: skip
-
-    def local_rate(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the sampled loss of the cell")
+    def local_rate(self) -> Points:
         """Compare with the sampled loss of the cell."""
+        for sample in self.samples:
+            for size in (0.6, 1.8):
+                yield {s.envelope: size, s.envelope.diff(t): sample.rate(size),
+                       **sample.chain.values}, [0]  # fmt: skip
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample in self.samples:
-                for size in (0.6, 1.8):
-                    yield {s.envelope: size, s.envelope.diff(t): sample.rate(size),
-                           **sample.chain.values}, [0]  # fmt: skip
-
-        return at_points(points, "the sampled loss of the cell")(candidate)
-
-    def modulated(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the frequency at a distance from the carrier, and the sampled loss", tolerance=1e-8)
+    def modulated(self) -> Points:
         """Compare with a tiny wave at a distance from the carrier, and a uniform envelope."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            one, three = 0.7, -0.4
-            for sample in self.samples:
-                for distance in (0.3, -0.8):
-                    decay = sample.rate(TINY) / TINY
-                    turn = -1j * (one * distance + three * distance**3 / 6)
-                    yield self._envelope(sample, TINY, (turn + decay) * TINY,
-                                         [TINY * (1j * distance) ** j for j in (1, 3)],
-                                         one=one, three=three), [0]  # fmt: skip
-                yield self._envelope(sample, 1.4, sample.rate(1.4), [0, 0],
+        one, three = 0.7, -0.4
+        for sample in self.samples:
+            for distance in (0.3, -0.8):
+                decay = sample.rate(TINY) / TINY
+                turn = -1j * (one * distance + three * distance**3 / 6)
+                yield self._envelope(sample, TINY, (turn + decay) * TINY,
+                                     [TINY * (1j * distance) ** j for j in (1, 3)],
                                      one=one, three=three), [0]  # fmt: skip
-
-        return at_points(points, "the frequency at a distance from the carrier, and the sampled "
-                                 "loss", tolerance=1e-8)(candidate)  # fmt: skip
+            yield self._envelope(sample, 1.4, sample.rate(1.4), [0, 0],
+                                 one=one, three=three), [0]  # fmt: skip
 
     def _envelope(self, sample: Sample, size: float, rate: complex, slopes: list[complex],
                   *, one: float, three: float) -> dict[Any, Any]:  # fmt: skip
@@ -128,14 +108,15 @@ class StrongChecks(LimitChecks):
                 s.envelope.diff((s.place, 3)): slopes[1], s.w_1: one, s.w_3: three,
                 **sample.chain.values}  # fmt: skip
 
-    def inner_scale(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a shape watched at a fixed place")
+    def inner_scale(self) -> Points:
         """Compare with a shape watched at a fixed place."""
         place, when, fast, size = 1.7, 0.6, 0.9, 2.3
         seen = float(_shape((place - fast * when) / size))
         moving = s.profile((s.place - s.speed * t) / s.length)
         point = {s.envelope: seen, moving: seen,
                  s.inner: float(_shape((place - fast * when) / size))}  # fmt: skip
-        return at_points(lambda: [(point, [0, 0])], "a shape watched at a fixed place")(candidate)
+        yield point, [0, 0]
 
     def _frames(self) -> Iterator[tuple[Sample, dict[Any, Any], dict[str, float]]]:
         rng = random.Random(9)
@@ -157,34 +138,27 @@ class StrongChecks(LimitChecks):
         spread = -number["w"] * number["d1"] / size - number["g"] * number["d3"] / (6 * size**3)
         return rate - spread - number["loss"]
 
-    def inner_frame(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a moving shape, differentiated numerically", tolerance=1e-7)
+    def inner_frame(self) -> Points:
         """Compare with a test shape and its numerical derivatives."""
+        for _, point, number in self._frames():
+            yield {**point, s.speed: number["v"], s.w_3: -number["g"]}, [self._rest(number)]
 
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for _, point, number in self._frames():
-                yield {**point, s.speed: number["v"], s.w_3: -number["g"]}, [self._rest(number)]
-
-        return at_points(points, "a moving shape, differentiated numerically",
-                         tolerance=1e-7)(candidate)  # fmt: skip
-
-    def sizes(self, candidate: sp.Basic) -> Evidence:
+    @at_points("numbers for both")
+    def sizes(self) -> Points:
         """Two clocks, and a sign."""
         point = {s.speed: 0.34, s.v: 1.7, epsilon: 0.2, s.w_3: -0.6, s.w_3_size: 0.6}
-        return at_points(lambda: [(point, [0, 0])], "numbers for both")(candidate)
+        yield point, [0, 0]
 
-    def inner_named(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a moving shape, differentiated numerically", tolerance=1e-7)
+    def inner_named(self) -> Points:
         """Compare with the same a unit of slow time."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, point, number in self._frames():
-                small = sample.chain.eps
-                yield (
-                    {**point, s.v: number["v"] / small, s.w_3_size: number["g"]},
-                    [self._rest(number) / small],
-                )
-
-        return at_points(points, "a moving shape, differentiated numerically",
-                         tolerance=1e-7)(candidate)  # fmt: skip
+        for sample, point, number in self._frames():
+            small = sample.chain.eps
+            yield (
+                {**point, s.v: number["v"] / small, s.w_3_size: number["g"]},
+                [self._rest(number) / small],
+            )
 
     def _law_point(self) -> dict[Any, Any]:
         small, size, front, group = 0.13, 0.8, -0.45, 0.37
@@ -192,31 +166,23 @@ class StrongChecks(LimitChecks):
         return {epsilon: small, s.w_3_size: size, s.kappa_front: front, s.w_1: group,
                 s.length: length, s.v: group / small + front * length}  # fmt: skip
 
-    def speed_law(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the scales that make the coefficients one and -kappa")
+    def speed_law(self) -> Points:
         """Length and speed at numbers."""
-        return at_points(
-            lambda: [(self._law_point(), [0, 0])],
-            "the scales that make the coefficients one and -kappa",
-        )(candidate)
+        yield self._law_point(), [0, 0]
 
-    def speed_alone(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the scales that make the coefficients one and -kappa")
+    def speed_alone(self) -> Points:
         """Speed at numbers."""
-        return at_points(
-            lambda: [(self._law_point(), [0])],
-            "the scales that make the coefficients one and -kappa",
-        )(candidate)
+        yield self._law_point(), [0]
 
-    def inner_problem(self, candidate: sp.Basic) -> Evidence:
+    @at_points("a shape differentiated numerically, and the sampled loss", tolerance=1e-7)
+    def inner_problem(self) -> Points:
         """Third derivative, minus kappa times the first, plus the loss of the cell."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample, point, number in self._frames():
-                front = -0.7
-                rest = number["d3"] - front * number["d1"] - number["loss"] / sample.chain.eps
-                yield {**point, s.kappa_front: front, s.w_3_size: number["g"]}, [rest]
-
-        return at_points(points, "a shape differentiated numerically, and the sampled loss",
-                         tolerance=1e-7)(candidate)  # fmt: skip
+        for sample, point, number in self._frames():
+            front = -0.7
+            rest = number["d3"] - front * number["d1"] - number["loss"] / sample.chain.eps
+            yield {**point, s.kappa_front: front, s.w_3_size: number["g"]}, [rest]
 
     def _fastest(self, sample: Sample) -> tuple[float, float, float]:
         """Wave, largest group velocity and third derivative, by maximisation."""
@@ -239,15 +205,11 @@ class StrongChecks(LimitChecks):
         third = float(mp.diff(lambda k: mp.sqrt(square(k)), found, 3))
         return found, group(found), third
 
-    def fastest(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the largest group velocity, by maximisation", tolerance=1e-6, floor=1.0)
+    def fastest(self) -> Points:
         """Maximise the group velocity numerically."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for sample in self.samples:
-                yield {**sample.chain.values, s.q: self._fastest(sample)[0]}, [0]
-
-        return at_points(points, "the largest group velocity, by maximisation",
-                         tolerance=1e-6, floor=1.0)(candidate)  # fmt: skip
+        for sample in self.samples:
+            yield {**sample.chain.values, s.q: self._fastest(sample)[0]}, [0]
 
     def _speeds(self) -> Iterator[tuple[dict[Any, Any], float, float]]:
         for sample in self.samples:
@@ -258,27 +220,21 @@ class StrongChecks(LimitChecks):
                 third,
             )
 
-    def largest_group_velocity(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the largest group velocity, by maximisation", tolerance=1e-6)
+    def largest_group_velocity(self) -> Points:
         """Compare with the same, with the third derivative."""
-        return at_points(
-            lambda: [(point, [0, 0]) for point, _, _ in self._speeds()],
-            "the largest group velocity, by maximisation",
-            tolerance=1e-6,
-        )(candidate)
+        for point, _, _ in self._speeds():
+            yield point, [0, 0]
 
     dispersion_size = largest_group_velocity
 
-    def closed_law(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the largest group velocity, by maximisation", tolerance=1e-6)
+    def closed_law(self) -> Points:
         """Group velocity and third derivative by maximisation."""
-
-        def points() -> Iterator[tuple[Point, list[complex]]]:
-            for point, group, third in self._speeds():
-                small, front = point[epsilon], -0.45
-                fast = group / small + front * float(np.cbrt(-third / (6 * small)))
-                yield {**point, s.kappa_front: front, s.v: fast}, [0]
-
-        return at_points(points, "the largest group velocity, by maximisation",
-                         tolerance=1e-6)(candidate)  # fmt: skip
+        for point, group, third in self._speeds():
+            small, front = point[epsilon], -0.45
+            fast = group / small + front * float(np.cbrt(-third / (6 * small)))
+            yield {**point, s.kappa_front: front, s.v: fast}, [0]
 
     def weak_law(self, candidate: sp.Basic) -> Evidence:
         """Fronts of the averaged chain at strong coupling, with kappa from the inner problem."""

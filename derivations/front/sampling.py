@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -13,9 +13,6 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
-from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, residual
-from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, numbers_of
 from derivations.front import symbols as s
@@ -26,30 +23,6 @@ MAX_RATIO = 0.6
 """Of the cycles: nearer cells relax too slowly for a direct run."""
 TINY = 1e-5
 """Amplitude of a linear response: the cubic terms are 1e-10 of the linear ones."""
-
-
-def at_points(points: Callable[[], Iterable[tuple[Point, Sequence[complex]]]], what: str,
-              tolerance: float = 1e-9, floor: float = 0.0) -> Check:  # fmt: skip
-    """Check that left minus right of each part equals a reference number at each given point."""
-
-    def check(candidate: sp.Basic) -> Evidence:
-        worst, count = 0.0, 0
-        for point, references in points():
-            parts = parts_of(candidate)
-            if len(parts) != len(references):
-                return Evidence(False, f"{len(parts)} equations where {len(references)} are due")
-            for part, expected in zip(parts, references, strict=True):
-                found, scale = residual(part, point)
-                size = max(scale + abs(expected), floor)
-                worst = max(worst, abs(found - expected) / size if size else 0.0)
-                count += 1
-        verb = "agrees with" if worst <= tolerance else "differs from"
-        return Evidence(
-            worst <= tolerance,
-            f"{verb} {what} at {count} points (largest relative difference {worst:.1e})",
-        )
-
-    return check
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,7 +93,6 @@ from derivations.algebra.substitution import (
     alike,
     mirrored,
 )
-from derivations.algebra.sums import SumOver
 from derivations.algebra.transform import (
     CloseContour,
     FourierTransform,
@@ -102,9 +101,8 @@ from derivations.algebra.transform import (
     LayOnRealAxis,
     SumOverPeriods,
 )
-from derivations.cell.steps import FindCycles, FrontOfCell, GrowthRates, RatioOfCycles
+from derivations.cell.steps import FindCycles, GrowthRates, RatioOfCycles
 from derivations.cell.symbols import radius, ratio
-from derivations.front import symbols as front
 from derivations.symbols import epsilon
 
 p, q, e, w, v = sp.symbols("p q e w v", positive=True)
@@ -413,20 +411,6 @@ CASES = {
         ),
     ),
     "ratio of cycles": (RatioOfCycles(), (RADIUS,), equation(ratio, HALF)),
-    "front of a cell": (
-        FrontOfCell(q),
-        (equation(ratio, HALF), RADIUS),
-        equation(
-            sp.Abs(
-                SumOver(
-                    1 / (front.k * (-sp.I * front.v - sp.I * q * sp.sin(front.k))),
-                    front.k,
-                    front.M_plus,
-                )
-            ),
-            1,
-        ),
-    ),
     # finite chains
     "free ends": (
         CloseChain(y, n, t, 3, Ends.FREE),

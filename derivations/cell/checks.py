@@ -160,7 +160,9 @@ class CellChecks:
                 lattice = Lattice(0.5, (spring / rest,))
                 found = evaluated(left, {v_front: 0.6 * rest, **p.values}, lattice, 0.6)
                 worst = max(worst, abs(found - abs(kinetic_sum(lattice, 0.6))))
-                worst = max(worst, abs(value(right, p.values) - 2 * inner / outer))
+                worst = max(
+                    worst, abs(value(right, {**p.values, ratio: inner / outer}) - 2 * inner / outer)
+                )
             return Evidence(
                 worst < 1e-6, f"the front in the time domain and the sampled cycles: {worst:.1e}"
             )

@@ -14,7 +14,7 @@ from derivations.averaging.symbols import phi, square
 from derivations.cell.cycles import LimitCycle, limit_cycles, ratio_of_cycles, shown
 from derivations.cell.polynomial_input import Coefficients, coefficients, number, values_of
 from derivations.cell.results import Compiled, KineticRelation
-from derivations.cell.steps import AveragedCell, averaged_cell, kinetic_relation
+from derivations.cell.steps import AveragedCell, averaged_cell, derive
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon, n, t
 
@@ -102,7 +102,7 @@ class Envelope:
         neglected = ""
         if self.shift_mean.has(square):
             neglected = "the dependence of the frequency on amplitude is left out"
-        relation = kinetic_relation(ratio, rest, self.model.coupling)
+        relation = derive(self.model).named("kinetic relation of the cell").result
         return KineticRelation(ratio, rest, relation, neglected)
 
     def compiled(self, **given: float) -> Compiled:

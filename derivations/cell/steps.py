@@ -14,18 +14,18 @@ from derivations.algebra.operations import Operation
 from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.rearrangement import Divide, Take
 from derivations.algebra.solution import SolveFor
-from derivations.algebra.steps import Derivation, Step, definition, derived, model
+from derivations.algebra.steps import Check, Derivation, Step, definition, derived, model
 from derivations.algebra.substitution import Substitute
-from derivations.algebra.sums import SumOver
 from derivations.averaging.second_order import steps as second_order
 from derivations.averaging.symbols import phi, square
 from derivations.cell.checks import CellChecks
 from derivations.cell.cycles import limit_cycles, ratio_of_cycles, shown
 from derivations.cell.symbols import angle, radius, ratio
 from derivations.chain import ChainModel
-from derivations.front.symbols import M_plus, k
+from derivations.front.steps import derive as derive_front
+from derivations.front.symbols import ratio as front_ratio
 from derivations.front.symbols import v as v_hat
-from derivations.symbols import epsilon, i, n, t
+from derivations.symbols import c, epsilon, i, n, t
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,37 +108,6 @@ class RatioOfCycles(Operation):
         return equation(ratio, ratio_of_cycles(mean, limit_cycles(mean), {}))
 
 
-@dataclass(frozen=True)
-class FrontOfCell(Operation):
-    """Kinetic relation (54) for a cell whose rest state decays at another rate.
-
-    The sources are the ratio of the cycles and the amplitude equation.
-
-    Attributes
-    ----------
-    coupling : Expr
-        The coupling c.
-    """
-
-    phrase: ClassVar[str] = (
-        "put {first} into (54), with velocity and coupling divided by the damping at rest of "
-        "{others}"
-    )
-    coupling: sp.Expr
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the kinetic relation at velocity and coupling over the damping at rest."""
-        cycles, amplitude = sources
-        rest = damping_mean(amplitude).subs(square, 0)
-        return kinetic_relation(cycles.rhs, rest, self.coupling)
-
-
-def kinetic_relation(cycles: sp.Expr, rest: sp.Expr, coupling: sp.Expr) -> sp.Eq:
-    """Return ``|Σ 1/(k L_k)| = 2 ratio`` for velocity and coupling over the damping at rest."""
-    slope = -sp.I * v_hat / rest - sp.I * coupling / rest * sp.sin(k)
-    return equation(sp.Abs(SumOver(1 / (k * slope), k, M_plus)), 2 * cycles)
-
-
 def averaged_cell(given: ChainModel) -> AveragedCell:
     """Derive the averaged chain, and amplitude and frequency of its isolated cell."""
     checks = CellChecks(given)
@@ -206,6 +175,22 @@ def _cycles(given: ChainModel, found: AveragedCell) -> tuple[Step, ...]:
     note = "M⁺ holds the roots of (50) in the upper half-plane"
     if found.shift_mean.has(square):
         note += "; the dependence of the frequency on amplitude is left out"
-    relation = derived("kinetic relation of the cell", FrontOfCell(given.coupling), quotient,
-                       found.amplitude, check=checks.relation(known), note=note)  # fmt: skip
-    return (*steps, quotient, relation)
+    return (*steps, quotient, *_front(given, mean, quotient, checks.relation(known), note))
+
+
+def _front(
+    given: ChainModel, mean: sp.Expr, quotient: Step, check: Check, note: str
+) -> tuple[Step, ...]:
+    """Put the cell into (54): its damping at rest takes the place of one in (44)."""
+    front, rest = derive_front(), mean.subs(square, 0)
+    put = Substitute({front_ratio: ratio})
+    scaled_by = ((v_hat, v_hat / rest), (c, given.coupling / rest))
+    scales = {own: value for own, value in scaled_by if own != value}
+    scaled = derived(
+        "kinetic relation at this damping",
+        (put, Substitute(scales, meaning="in units of the damping at rest")) if scales else put,
+        front.named("relation by the ratio"), front.named("slope of the dispersion"), check=check,
+    )  # fmt: skip
+    relation = derived("kinetic relation of the cell", Substitute(), scaled, quotient, check=check,
+                       note=note)  # fmt: skip
+    return scaled, relation

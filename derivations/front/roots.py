@@ -3,7 +3,9 @@
 No root is real: the real part is that of the decay. None is double: where the slope vanishes, the
 wavenumber would have to lie between two of the lines Re k = -pi/2 + 2 pi m. Above the real axis
 there is one root in each strip from an odd to the next even multiple of pi, and none from an even
-to the next odd one.
+to the next odd one. Below the axis no such count holds at every velocity and coupling, and none is
+claimed: there the number of roots in a strip is found for each case, and the sums over both
+half-planes are compared in 'both half-planes'.
 """
 
 from __future__ import annotations
@@ -64,7 +66,8 @@ def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[St
         check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]),
     )
     odd = derived("one root from odd to even", CountAbove(k, -1, count), found["dispersion"], axis,
-                  sides, check=checks.counted(-1))  # fmt: skip
+                  sides, check=checks.counted(-1),
+                  note="above the axis; below it the number in a strip depends on v and c")  # fmt: skip
     even = derived("no root from even to odd", CountAbove(k, 0, count), found["dispersion"], axis,
                    sides, check=checks.counted(0))  # fmt: skip
     return axis, turning, level, double, sides, odd, even

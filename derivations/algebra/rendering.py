@@ -309,7 +309,7 @@ _TEX = {
 }  # fmt: skip
 _TEX_ACCENTS = {"\u0307": "dot", "\u0308": "ddot", "\u20db": "dddot", "\u0302": "hat"}
 _PIECE = re.compile(
-    r"(?P<base>.)(?P<accent>[\u0302\u0307\u0308\u20db])|(?P<low>[ᵢᵣₐ-ₜ₀-₋]+)|(?P<high>[²³¹⁰-⁾]+)|.",
+    r"(?P<base>.)(?P<accent>[\u0302\u0307\u0308\u20db])|(?P<low>[ᵢ-ᵥₐ-ₜ₀-₋]+)|(?P<high>[²³¹⁰-⁾]+)|.",
     re.DOTALL,
 )
 

@@ -67,7 +67,7 @@ def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[St
     )
     odd = derived("one root from odd to even", CountAbove(k, -1, count), found["dispersion"], axis,
                   sides, check=checks.counted(-1),
-                  note="above the axis; below it the number in a strip depends on v and c")  # fmt: skip
+                  note="above the axis; below it the number depends on v and c")  # fmt: skip
     even = derived("no root from even to odd", CountAbove(k, 0, count), found["dispersion"], axis,
                    sides, check=checks.counted(0))  # fmt: skip
     return axis, turning, level, double, sides, odd, even

@@ -25,7 +25,7 @@ def test_from_beside_a_minimum_the_climb_leads_up_and_not_down(monkeypatch) -> N
         return height, -x / 0.1 * height, np.ones_like(t), np.zeros_like(t)
 
     monkeypatch.setattr(thresholds, "_height", hill)
-    found = thresholds._climb(np.array([0.84, 0.97, 1.2]), np.full(3, 0.5))
+    found, _ = thresholds._summits(np.array([0.84, 0.97, 1.2]), np.full(3, 0.5))
     np.testing.assert_allclose(found, 1.0, atol=1e-9)
 
 
@@ -57,7 +57,7 @@ def test_the_fold_in_c_and_the_fold_in_eta_are_inverse_where_maxima_change_place
 
 @pytest.mark.parametrize("c", [0.3, 0.5, 0.7, 0.82])
 def test_the_climb_begins_at_the_tops_of_the_scan(c: float, monkeypatch) -> None:
-    monkeypatch.setattr(thresholds, "_climb", lambda t, c: t)
+    monkeypatch.setattr(thresholds, "_summits", lambda t, c: (t, c))
     t = thresholds._maxima(c)
     assert t.size > 0
     height = thresholds._height(t, np.full(t.shape, c))[0]
@@ -78,7 +78,7 @@ def test_a_maximum_that_is_as_high_as_the_limit_to_within_rounding_is_none(monke
 
         return heights
 
-    monkeypatch.setattr(thresholds, "_climb", lambda t, c: t)
+    monkeypatch.setattr(thresholds, "_summits", lambda t, c: (t, c))
     for excess, some in ((1e-13, False), (-1e-13, False), (3e-13, True)):
         monkeypatch.setattr(thresholds, "_height", level(excess))
         assert (thresholds._maxima(c).size > 0) == some

@@ -27,6 +27,8 @@ LAST_FOLD = 2.0
 """From c ≈ 0.9 on no maximum of |Σ| over v exceeds the static limit; none is sought from here."""
 
 _EXCESS = 2e-13
+_STEP = 1e-5
+"""Of ln v and ln c, to take differences of slopes, which are good to 1e-12."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,8 @@ def fold_coupling(eta: float) -> Fold | None:
 def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     """Return :func:`fold_coupling` for many η at once.
 
-    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: Newton in (ln v, c) from each maximum at c_pin. The
-    least c is the fold; near c = 0.82 two maxima are as high as each other.
+    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: solved from each maximum at c_pin. The least c is the
+    fold; near c = 0.82 two maxima are as high as each other.
     """
     etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
     pins = [pinning_coupling(value) for value in etas]
@@ -87,14 +89,8 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     target = np.array([2.0 * threshold_ratio(etas[i]) for i in some])
     t = np.concatenate(list(start.values()))
     c = np.array([pins[i] for i in some], dtype=float)
-    height = by_c = error = np.zeros_like(t)
-    for _ in range(12):
-        t = _climb(t, c)
-        height, _, by_c, error = _height(t, c)
-        step = (height - target) / by_c
-        c = c - step
-        if np.all(np.abs(step) < 1e-14 * c):
-            break
+    t, c = _summits(t, c, target)
+    height, _, by_c, error = _height(t, c)
     # The height is stationary in v, so only its own error matters.
     spread = 2.0 * (np.abs(height - target) + error) / by_c
     for i, c_, e_, v_ in zip(some, c.tolist(), spread.tolist(), np.exp(t).tolist(), strict=True):
@@ -151,28 +147,34 @@ def _maxima(c: float) -> FloatArray:
     crest = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
     crest = crest[np.abs(size[crest] - still) > _EXCESS]  # the rest is rounding
     couplings = np.full(crest.shape, c)
-    t = _climb(np.log(v[crest]), couplings)
+    t, _ = _summits(np.log(v[crest]), couplings)
     height = _height(t, couplings)[0]
     order = np.argsort(-height)
     found: FloatArray = t[order[height[order] > still + _EXCESS]]
     return found
 
 
-def _climb(t: FloatArray, c: FloatArray) -> FloatArray:
-    """Return ln v of the maximum of |Σ| near t: secants on its slope, which is exact."""
-    before, slope_before = t, _height(t, c)[1]
-    t = t + 1e-4
-    bend = np.full(t.shape, -np.inf)
+def _summits(
+    t: FloatArray, c: FloatArray, target: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return ln v and c of the maxima of |Σ| over v near t, at fixed c or as high as ``target``.
+
+    Newton's method on ∂|Σ|/∂t = 0 and |Σ| = target; second derivatives by differences of the first.
+    """
     for _ in range(20):
-        slope = _height(t, c)[1]
-        moved = t != before
-        change = (slope - slope_before) / np.where(moved, t - before, 1.0)
-        bend = np.where(moved, np.minimum(change, -1e-300), bend)
+        beside = np.concatenate([t, t + _STEP, t]), np.concatenate([c, c, c * (1.0 + _STEP)])
+        rows = (row.reshape(3, -1) for row in _height(*beside))
+        (height, _, _), (slope, ahead, above), (by_c, _, _), _ = rows
+        bend = np.minimum((ahead - slope) / _STEP, -1e-300)
+        rise = np.zeros_like(c)
+        if target is not None:
+            rise = (target - height) / by_c  # the height is stationary in v
+            slope = slope + (above - slope) / (_STEP * c) * rise
         step = np.clip(slope / bend, -0.05, 0.05)
-        before, slope_before, t = t, slope, t - step
-        if np.all(np.abs(step) < 1e-9):  # the height is quadratic there: 1e-18
-            break
-    return t
+        t, c = t - step, c + rise
+        if np.all(np.abs(step) < 1e-9) and np.all(np.abs(rise) < 1e-14 * c):
+            break  # 1e-18 of the height
+    return t, c
 
 
 def _height(t: FloatArray, c: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

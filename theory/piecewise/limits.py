@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -81,7 +81,8 @@ def _ratio_gap(eta: float) -> float:
     Near η = 2/25 the difference 1 - 4r² loses what c_pin ≈ 1/(1 - 4r²)² is made of.
     """
     s = math.sqrt(max(1.0 - 8.0 * eta, 0.0))
-    return 8.0 * float(2 - 25 * Fraction(eta)) / ((1.0 + s) * (3.0 + 5.0 * s))
+    over, under = eta.as_integer_ratio()  # whole numbers, so that their difference is exact
+    return 8.0 * ((2 * under - 25 * over) / under) / ((1.0 + s) * (3.0 + 5.0 * s))
 
 
 def pinning_error(eta: float) -> float | None:
@@ -216,14 +217,20 @@ def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
     """
     velocities, widths = [], []
     for j in range(most):
-        offset = 2.0 * math.pi * j
-        low, high = 2.0, math.pi  # (k + offset) sin k = 1 - cos k at the maximum
-        for _ in range(60):
-            k = 0.5 * (low + high)
-            if (k + offset) * math.sin(k) > 1.0 - math.cos(k):
-                low = k
-            else:
-                high = k
+        k = _resonant_wave(j)
         velocities.append(c * math.sin(k))
-        widths.append(0.5 / (k + offset))
+        widths.append(0.5 / (k + 2.0 * math.pi * j))
     return velocities, widths
+
+
+@lru_cache(maxsize=64)
+def _resonant_wave(j: int) -> float:
+    """Return k between 2 and π with (k + 2πj) sin k = 1 - cos k."""
+    low, high = 2.0, math.pi
+    for _ in range(60):
+        k = 0.5 * (low + high)
+        if (k + 2.0 * math.pi * j) * math.sin(k) > 1.0 - math.cos(k):
+            low = k
+        else:
+            high = k
+    return k

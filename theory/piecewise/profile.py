@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -188,6 +189,7 @@ def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
     return wrapped
 
 
+@lru_cache(maxsize=16)
 def tail_bound(v: float, c: float, ahead: bool) -> tuple[float, float]:
     """Return (σ, K) such that |φ/φ_s - limit| ≤ K e^{-σ|ζ|}: limit 0 ahead, 1 behind.
 
@@ -203,16 +205,15 @@ def tail_bound(v: float, c: float, ahead: bool) -> tuple[float, float]:
 
 def _strip_ahead(v: float, c: float) -> float:
     """Return a lower bound on s with c sinh s - v s = ½: no root has 0 < Im k < s."""
-    low, high = math.asinh(0.5 / c), 1.0
-    while c * math.sinh(high) - v * high < 0.5:
-        high *= 2.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if c * math.sinh(middle) - v * middle < 0.5:
-            low = middle
-        else:
-            high = middle
-    return low
+    s = 1.0
+    while c * math.sinh(s) - v * s < 0.5:
+        s *= 2.0
+    for _ in range(60):  # convex: Newton's method falls to s
+        step = (c * math.sinh(s) - v * s - 0.5) / (c * math.cosh(s) - v)
+        s -= step
+        if step <= 1e-10 * s:
+            break
+    return s * (1.0 - 1e-9)
 
 
 def _smooth_number(least: int) -> int:

@@ -293,6 +293,8 @@ def _nearest_zero(q: FloatArray, reach: float, uncertainty: float) -> tuple[comp
     Newton starts from where |E| is least on circles of growing radius. A zero counts as the nearest
     once the winding number excludes any in a circle a thousandth smaller.
     """
+    if _zeros_within(q, reach, uncertainty) == 0:
+        return None
     slope = _slope(q)
     count = 1 << math.ceil(math.log2(4 * q.size))
     for radius in np.geomspace(0.1, 1.0, _CIRCLES) * reach:

@@ -37,6 +37,8 @@ what a process has computed before must not show in the last digit.
 """
 SMALLEST, LARGEST = 1e-20, 1e20
 """Range of v and c in arrays: beyond, squares of what the rules compute leave that of numbers."""
+_FEW_POINTS = 1000
+"""Values whose numbers of points are rounded up to powers of two."""
 _FEW_VALUES = 3
 """Values that are computed sooner one by one than as an array."""
 _PIECE = 2**15
@@ -137,10 +139,16 @@ def sums(
     v_, c_ = np.broadcast_arrays(v_, c_)
     shape = v_.shape
     v_, c_ = v_.ravel(), c_.ravel()
-    values, errors = np.empty((3, v_.size), dtype=complex), np.empty((3, v_.size))
-    points, truncation = np.empty(v_.size, dtype=np.int64), np.empty(v_.size)
     fast = compiled_rules() if (v_.size >= MANY if compiled is None else compiled) else None
-    (fast["plan"] if fast else rules.plan)(v_, c_, tolerance, points, truncation)
+    if v_.size <= _FEW_VALUES and not fast:
+        found = _one_by_one(v_, c_, tolerance, slopes, None)
+        return _as_array(*found, shape, slopes)
+    values, errors = np.empty((3, v_.size), dtype=complex), np.empty((3, v_.size))
+    points, truncation = rules.plan(v_, c_, tolerance)
+    if v_.size < _FEW_POINTS and not fast:  # more points cost less than more groups
+        power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
+        more = np.maximum(points, np.minimum(power, rules.MOST_PLAIN))
+        points = np.where(points, more, 0.0).astype(np.int64)
     # sixteen bits are sorted in linear time, and no plain rule has as many points
     order = np.argsort(points.astype(np.int16), kind="stable")
     counts, first = np.unique(points[order], return_index=True)
@@ -153,6 +161,13 @@ def sums(
             values[:, part], errors[:, part], points[part] = _one_by_one(
                 *at, tolerance, slopes, fast
             )
+    return _as_array(values, errors, points, shape, slopes)
+
+
+def _as_array(
+    values: ComplexArray, errors: FloatArray, points: npt.NDArray[np.int64],
+    shape: tuple[int, ...], slopes: bool,
+) -> SumArray:  # fmt: skip
     value, by_v, by_c = values.reshape(3, *shape)
     error, error_by_v, error_by_c = errors.reshape(3, *shape)
     if not slopes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -16,6 +17,7 @@ from fronts.cli import main
 from theory.averaged.front import strong_coupling_front
 from theory.parameters import ParameterError
 from verification.breathers import phase_locked
+from verification.continuation.newton import BranchPoint, NotConvergedError
 from verification.fronts import wave
 from verification.fronts.follow import follow_front_wave
 from verification.fronts.resting import static_fold
@@ -109,6 +111,137 @@ def test_the_stated_error_bounds_the_true_one(
     better = front_wave(c, eta)
     assert abs(front.v - better.v) <= front.error + better.error
     assert front.error < 1e-10 * max(1.0, c)
+
+
+@pytest.mark.parametrize(
+    ("step", "depths"),
+    [(3.0, (30.0, 36.0)), (0.5, (5.0, 11.0)), (3.0, (5.0, 11.0))],
+    ids=["coarse steps", "a short window", "both"],
+)
+def test_the_error_tells_of_coarse_steps_and_of_a_short_window(
+    step: float, depths: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The check must have finer steps and a longer window, or one of the two goes unnoticed."""
+    right = front_wave(1.0, ETA)
+    assert right.r.size > wave.Window.started(1.0, ETA).guess.size - 1 + 2
+    monkeypatch.setattr(wave, "_STEP", step)
+    monkeypatch.setattr(wave, "_DEPTHS", depths)
+    crude = front_wave(1.0, ETA)
+    off = abs(crude.v - right.v)
+    assert off > 100.0 * right.error  # there is something to tell
+    assert off + right.error < crude.error < 1e4 * off
+
+
+def _described(
+    monkeypatch: pytest.MonkeyPatch, amplitudes: Any, phases: Any, **last: float
+) -> wave.FrontWave:
+    """Describe a made-up front, with these multipliers; ``last`` is of its second solution."""
+    window = replace(wave.Window.started(1.0, ETA), left=12, right=12)
+    window = replace(window, guess=np.append(np.linspace(1.0, 0.0, 24), 0.8))
+    first = BranchPoint(window.guess, 1.0, np.ones(26), 0.0, 1e-13, 5)
+
+    def second(_: Any, guess: Any, c: float) -> BranchPoint:
+        u = np.append(guess[:-1], last.get("v", 0.8))
+        return BranchPoint(u, c, np.ones(u.size + 1), 0.0, last.get("correction", 0.0), 3)
+
+    def disturbed(rho: Any, *_: Any) -> tuple[Any, Any, Any]:
+        values = phases if _[-1] else amplitudes
+        matrix = np.zeros((rho.size, rho.size))
+        for n, value in enumerate(values):
+            matrix[n + 1, n] = value  # of a site on the one before; moved on, on the diagonal
+        return rho, rho, matrix
+
+    monkeypatch.setattr(wave, "solve_at", second)
+    monkeypatch.setattr(wave, "with_disturbances", disturbed)
+    return window.described(first, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("amplitudes", "phases", "stable"),
+    [
+        ((0.3, 1.0, -0.9), (1.0, 0.5), True),
+        ((0.3, 1.0, -0.9), (1.0 + 1e-9, 0.5), True),  # as far off as rounding may be
+        ((0.3, 1.0, -0.9), (-1.0 - 1e-7, 0.5), False),
+        ((0.3, 1.0 + 1e-9, -1.0 - 1e-6), (1.0, 0.5), False),
+        ((1.001, 1.0, 0.2), (1.0,), False),
+        ((0.3, 1.0, 0.999999), (1.0,), True),
+    ],
+)
+def test_stability_is_read_off_the_multipliers(
+    amplitudes: tuple[float, ...],
+    phases: tuple[float, ...],
+    stable: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    front = _described(monkeypatch, amplitudes, phases)
+    assert front.stable is stable
+    nearest = min(amplitudes, key=lambda value: abs(value - 1.0))
+    others = sorted((x for x in amplitudes if x != nearest), key=lambda x: -abs(x))
+    assert front.multipliers[:2].tolist() == others
+    assert front.multipliers.shape == (6,)
+    assert front.trivial == abs(nearest - 1.0)
+    assert front.phase_multiplier == max(map(abs, phases))
+    assert front.iterations == 8
+
+
+def test_the_continuous_spectrum_is_that_of_the_slower_fading_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Ahead at a rate of 1/2; behind at that of the cycle, which is weaker near η = 1/8."""
+    assert _described(monkeypatch, (1.0,), (1.0,)).continuum == math.exp(-0.5 / 0.8)
+    weak = replace(wave.Window.started(1.0, 0.1), guess=np.append(np.ones(24), 0.8))
+    s = (1.0 + math.sqrt(0.2)) / 0.1
+    behind = 0.5 - 0.375 * s + 0.3125 * 0.1 * s**2  # d(rg)/dr on the cycle, r² = s
+    assert weak.attraction == pytest.approx(behind, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "last", [{"v": 0.8 + 1e-9}, {"v": 0.8 - 3e-7}, {"correction": 1e-6}, {"v": 0.8}]
+)
+def test_the_error_has_its_three_parts(
+    last: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Distance of the two solutions, of which each may err; what Newton left; rounding."""
+    front = _described(monkeypatch, (1.0,), (1.0,), **last)
+    least = abs(last.get("v", 0.8) - 0.8) + last.get("correction", 0.0)
+    assert front.v == last.get("v", 0.8)
+    assert least + np.spacing(front.v) < front.error < 3.0 * least + 1e-13
+
+
+def test_a_front_that_creeps_is_not_called_pinned() -> None:
+    fold = static_fold(ETA)
+    with pytest.raises(NoFrontError, match=r"slower than 0\.001; beside c_pin = 0\.1019"):
+        front_wave(fold.c * (1.0 + 1e-7), ETA)
+    with pytest.raises(NoFrontError, match="pinned up to"):
+        front_wave(fold.c, ETA)
+    slow = (2.0 * wave.SLOWEST / fold.square_root) ** 2
+    assert front_wave(fold.c + slow, ETA).v == pytest.approx(2.0 * wave.SLOWEST, rel=0.05)
+
+
+@pytest.mark.parametrize("v", [1e-4, -0.5, float("nan")])
+def test_newtons_method_does_not_leave_for_what_is_no_front(v: float) -> None:
+    window = wave.Window.started(1.0, ETA)
+    system = window.system()
+    with pytest.raises(NotConvergedError, match="no front"):
+        system(np.append(window.guess[:-1], v), 1.0)
+    for factor in (4.0, -4.0, float("nan")):
+        with pytest.raises(NotConvergedError, match="no front"):
+            system(np.append(factor * window.guess[:-1], 0.8), 1.0)
+
+
+def test_the_derivatives_of_the_period_map_are_those_of_its_differences() -> None:
+    window = wave.Window.started(0.6, ETA)
+    system, u = window.system(), window.guess
+    value, slope, by_c = system(u, 0.6)
+    step = 1e-6
+    ahead, behind = system(u, 0.6 + step)[0], system(u, 0.6 - step)[0]
+    assert np.abs((ahead - behind) / (2.0 * step) - by_c).max() < 1e-7
+    for place in (window.left - 3, window.left, window.left + 2, u.size - 1):
+        change = np.zeros(u.size)
+        change[place] = step
+        column = (system(u + change, 0.6)[0] - system(u - change, 0.6)[0]) / (2.0 * step)
+        assert np.abs(column - slope[:, place]).max() < 1e-7
+    assert value[-1] == u[window.left] - window.unstable
 
 
 def test_it_is_the_front_of_the_running_chain() -> None:

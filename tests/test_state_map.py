@@ -7,6 +7,7 @@ import math
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from verification.execution.sweep import part_path, sweep
 from verification.execution.table import Point, grid
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.state import State
-from verification.maps.state_map import StateTask, compare, state_points
+from verification.maps.state_map import StateTask, compare, state_map, state_points
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,
@@ -237,6 +238,60 @@ def test_bisection_finds_both_sides_of_a_third_label() -> None:
     assert float(row["low"]) < 0.3 <= float(row["high"])
     assert float(row["high"]) - float(row["low"]) <= 1e-3
     assert row["between"] == NOTHING
+
+
+@pytest.mark.parametrize("shift", [0.0, 4e-4, -4e-4, 3e-3, -0.02, 0.31, -0.29])
+@pytest.mark.parametrize("third", [0.0, 0.2])
+def test_a_prediction_saves_runs_and_decides_nothing(shift: float, third: float) -> None:
+    """Its boundary is off by a shift; what is stated is of the task, and as close as without it."""
+    calls: list[float] = []
+
+    def made(off: float, noted: list[float]) -> Any:
+        def task(point: Point) -> dict[str, str]:
+            x = point.number("x")
+            noted.append(x)
+            return {"label": "a" if x < 0.3 + off else "b" if x < 0.3 + third + off else "c"}
+
+        return task
+
+    task, width = made(0.0, calls), 1e-3
+    line = Point(x=0.0, along="x", until=1.0, label_low="a", label_high="c")
+    plain = Bisection(task, width)(line)
+    calls.clear()
+    led = Bisection(task, width, predictor=made(shift, []))(line)
+    for row in (plain, led):
+        assert float(row["low"]) < 0.3
+        assert float(row["high"]) >= 0.3 + third
+        slack = float(row["high"]) - float(row["low"]) - third
+        assert slack <= (2.0 if third else 1.0) * width
+        assert row["between"] == ("b" if third else NOTHING)
+    assert led["runs"] == len(set(calls))
+    assert led["runs"] <= 2.5 * float(plain["runs"])
+    if abs(shift) < 0.45 * width:
+        assert led["runs"] == (4 if third else 2)
+
+
+def test_a_prediction_with_other_labels_at_the_ends_is_not_used() -> None:
+    def task(point: Point) -> dict[str, str]:
+        return {"label": "a" if point.number("x") < 0.3 else "c"}
+
+    line = Point(x=0.0, along="x", until=1.0, label_low="a", label_high="c")
+    other = Bisection(task, 1e-3, predictor=lambda _: {"label": "c"})
+    assert other(line) == Bisection(task, 1e-3)(line)
+
+
+def test_the_boundary_of_the_full_chain_begins_at_that_of_the_averaged_one() -> None:
+    axes = {"eta": [0.11, 0.13], "c": [0.3]}
+    found = state_map(FULL, refine=1.0 / 64.0, workers=1, **axes)
+    assert found.boundary is not None
+    (line,) = boundary_lines(found.states, ["eta", "c"])
+    (row,) = found.boundary.rows()
+    alone = Bisection(FULL.alone(), 1.0 / 64.0)(line)
+    assert row["runs"] == 2
+    assert alone["runs"] >= 6
+    assert row["low"] <= alone["high"]
+    assert alone["low"] <= row["high"]
+    assert row["high"] - row["low"] <= 0.02 / 64.0
 
 
 def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(

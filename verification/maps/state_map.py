@@ -27,6 +27,7 @@ import numpy as np
 
 from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, within
 from theory.result import Result
 from verification.execution.pool import worker_count, worker_pool
@@ -122,6 +123,12 @@ class StateTask:
     def alone(self) -> StateTask:
         """Return the same task without the second, perturbed run, as bisection uses it."""
         return replace(self, perturbation=0.0)
+
+    def average(self) -> StateTask | None:
+        """Return the task for the averaged chain, without the perturbed run; None without one."""
+        if not isinstance(self.chain, VdpChain):
+            return None
+        return replace(self.alone(), chain=self.chain.averaged())
 
     def at(self, point: Mapping[str, Scalar]) -> Any:
         """Return the chain at a point, of the same class as ``chain``.
@@ -370,7 +377,7 @@ def state_map(
         if refine > 0.0:
             lines = boundary_lines(states, tuple(axes))
             edge = None if out is None else boundary_path(out)
-            bisection = Bisection(task.alone(), refine)
+            bisection = Bisection(task.alone(), refine, predictor=task.average())
             boundary = _swept(
                 bisection, lines, out=edge, resume=resume, executor=pool, progress=progress
             )

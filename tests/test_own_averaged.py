@@ -25,7 +25,7 @@ PAPER: dict[str, Any] = {"damping": "1 - a*y**2 + b*y**4", "values": {"a": 4, "b
 GENERAL, STIFFNESS = "p0 + p2*y**2 + p4*y**4 + p6*y**6 + q*v**2", "y + share_of_eps*k*y**3"
 NEAREST = "next-nearest:1,0"
 CELLS = {
-    # Lord Rayleigh, Phil. Mag. 15, 229 (1883).
+    # Lord Rayleigh, On maintained vibrations, Phil. Mag. 15, 229 (1883).
     "Rayleigh": {"p0": -1, "p2": 0, "p4": 0, "p6": 0, "q": 1, "k": 0},
     # J. Kyzioł, A. Okniński, arXiv:1904.07678, without their force.
     "Duffing-Van der Pol": {"p0": -1, "p2": 1, "p4": 0, "p6": 0, "q": 0, "k": 0.005},

@@ -14,7 +14,13 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
-from verification.breathers.own import integrate_with_tangents, solve_own_orbit
+from verification.breathers.own import (
+    integrate_with_tangents,
+    shooting_system,
+    solve_own_orbit,
+)
+from verification.breathers.periodic_motion import largest_displacements
+from verification.continuation.newton import solve_at
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, states_by_scipy
 from verification.thresholds.continuation import breather_threshold
@@ -37,6 +43,21 @@ def test_the_breather_of_the_paper_as_text_is_that_of_the_built_in_chain(nucleus
     far = [np.abs(ours.multipliers - each).min() for each in theirs.multipliers]
     assert max(far) < 1e-9
     assert ours.stable is theirs.stable
+
+
+def test_the_cycle_of_van_der_pol_has_the_published_period_and_amplitude() -> None:
+    """ε = 1, far from averaging: two cells in step, whose coupling does nothing.
+
+    The numbers are those of P. Amore, Computing the solutions of the van der Pol equation to
+    arbitrary precision, arXiv:2111.12198, and of the test problem of E. Hairer, S. P. Nørsett and
+    G. Wanner, Solving Ordinary Differential Equations I.
+    """
+    chain = OscillatorChain(damping="y**2 - 1", c=0.1, eps=1.0, sites=2)
+    start = np.array([0.0, 0.0, 2.0, 2.0, 6.7])
+    solved = solve_at(shooting_system(chain, 0, 400), start, chain.c).u
+    assert solved[-1] == pytest.approx(6.663286859323130, abs=1e-13)
+    flow = integrate_with_tangents(chain, solved[:-1], float(solved[-1]), 400)
+    assert largest_displacements(flow.samples) == pytest.approx(2.008619860874843, abs=1e-13)
 
 
 def test_an_orbit_of_a_disordered_chain_is_one_of_scipy_with_its_multipliers() -> None:

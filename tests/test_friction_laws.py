@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tests.test_friction_integrator import assert_events_of_scipy, random_start
+from tests.test_friction_integrator import assert_error_bounds, assert_events_of_scipy, random_start
 from theory.cells.friction import (
     FrictionCell,
     check_sliding_stable,
@@ -20,7 +20,6 @@ from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.friction import friction_cell, unstable_cycle
 from verification.references.equations import dynamic_friction
-from verification.runs.simulate import simulate
 
 LAWS = {
     "exponential": FrictionCell(viscous=0.1),
@@ -56,12 +55,7 @@ def test_every_event_is_that_of_scipy(name: str) -> None:
 @pytest.mark.parametrize("name", RUNS)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_the_error_reported_bounds_the_true_one(name: str, tolerance: float) -> None:
-    chain, start, end = RUNS[name]
-    exact = simulate(chain, start, end, tolerance=1e-14)
-    rough = simulate(chain, start, end, tolerance=tolerance)
-    assert rough.error is not None
-    assert np.abs(rough.y - exact.y).max() <= rough.error
-    assert np.abs(rough.velocity - exact.velocity).max() <= rough.error
+    assert_error_bounds(*RUNS[name], tolerance)
 
 
 @pytest.mark.parametrize("name", LAWS)

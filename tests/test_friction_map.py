@@ -6,6 +6,7 @@ import json
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,23 +26,30 @@ from verification.references.friction_events import run_events
 from verification.runs.excite import excite
 from verification.runs.friction_integration import FrictionIntegration
 
+STRIBECK = {"law": "stribeck", "v_s": 0.6, "viscous": 0.02}
 SHORT = StateTask(chain=FrictionChain(c=0, sites=7))
 
 
 @pytest.mark.parametrize(
-    ("c", "v_d", "label"),
+    ("law", "c", "v_d", "label"),
     [
-        (0.095, 1.05, State.FRONT),
-        (0.05, 1.25, State.FRONT),
-        (0.095, 1.45, State.FIXED_POINT),
-        (0.02, 1.8, State.FIXED_POINT),
-        (0.005, 1.55, State.BREATHER),
+        ({}, 0.095, 1.05, State.FRONT),
+        ({}, 0.05, 1.25, State.FRONT),
+        ({}, 0.095, 1.45, State.FIXED_POINT),
+        ({}, 0.02, 1.8, State.FIXED_POINT),
+        ({}, 0.005, 1.55, State.BREATHER),
+        (STRIBECK, 0.05, 1.1, State.FRONT),
+        (STRIBECK, 0.01, 1.25, State.BREATHER),
+        ({"law": "coulomb"}, 0.05, 1.25, State.FIXED_POINT),
     ],
 )
-def test_a_label_holds_in_an_independent_run(c: float, v_d: float, label: State) -> None:
-    result = SHORT(Point(c=c, v_d=v_d))
+def test_a_label_holds_in_an_independent_run(
+    law: dict[str, Any], c: float, v_d: float, label: State
+) -> None:
+    task = replace(SHORT, chain=SHORT.chain.replace(**law))
+    result = task(Point(c=c, v_d=v_d))
     assert result["label"] == label
-    chain = SHORT.at({"c": c, "v_d": v_d})
+    chain = task.at({"c": c, "v_d": v_d})
     end = min(float(result["time"]), 250.0)
     run = run_events(chain, excite(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
     sticks = run.log[run.log[:, 2] == 0]

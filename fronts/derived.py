@@ -88,7 +88,7 @@ def _computed(
         return function(chain, **arguments, **further), parameters
     fields = _with_eta(bound, fields, options)
     if bound.call.sites and "sites" not in fields:
-        fields["sites"] = located(bound.call.sites)(nucleus.get("size", 1))
+        fields["sites"] = located(bound.call.sites)(nucleus["size"])
     ranges = _ranges(fields)
     if ranges:
         (along,) = ranges
@@ -115,8 +115,7 @@ def _with_file(bound: Bound, fields: dict[str, Any], options: argparse.Namespace
         names = [each.name for each in dataclasses.fields(bound.chain)]  # type: ignore[arg-type]
         fields = read_model(options.chain_file, names, fields)
     for each in bound.fields.parameters:
-        known = each.name in fields or each.name in (bound.call.grid or ())
-        if bound.fields.is_required(each) and not known:
+        if bound.fields.is_required(each) and each.name not in fields:
             raise UsageError(f"give {option(each.name)}, or a model file by --model.")
     return fields
 
@@ -226,7 +225,7 @@ def nucleus_of(given: Mapping[str, Any]) -> Any:
     """Return the nucleus that the options describe: its sites in phase if there is no pattern."""
     from theory.chains.nucleus import Nucleus, Place
 
-    size, place = given.get("size", 1), Place(given.get("place", Place.BULK))
+    size, place = given["size"], Place(given.get("place", Place.BULK))
     return Nucleus(size=size, pattern=given.get("pattern", "0" * max(size - 1, 0)), place=place)
 
 

@@ -137,6 +137,26 @@ def test_a_range_becomes_a_curve_of_chains(called):
     assert options["workers"] == 2
 
 
+def test_a_range_of_a_function_without_a_chain_becomes_its_values(called):
+    _, options, _ = called("kinetic --c 0.3:0.5:3 --eta 0.03125")
+    assert (options["c"], options["eta"]) == ([0.3, 0.4, 0.5], 0.03125)
+
+
+def test_a_curve_that_can_be_followed_gets_the_chains_the_parameter_and_its_values(called):
+    (chains, along, values), options, _ = called(
+        "front averaged --c 0.5:1:3 --eta 0.05 --method wave"
+    )
+    assert ([chain.c for chain in chains], along, values) == ([0.5, 0.75, 1.0], "c", values)
+    assert options == {"method": "wave"}
+
+
+def test_what_is_given_beside_a_model_file_holds(called, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text('damping = "1 - 4*y**2 + y**4/2"\nc = 0.6\nsites = 9\n')
+    (chain,), _, _ = called(f"simulate chain --model {file} --c 0.7")
+    assert (chain.c, chain.sites, chain.damping) == (0.7, 9, "1 - 4*y**2 + y**4/2")
+
+
 def test_options_of_a_method_go_with_it_and_with_all(called):
     for method in ("simulation", "all"):
         _, options, _ = called(f"breather --c 0.1 --method {method} --seed 3")
@@ -156,7 +176,9 @@ def test_options_of_a_method_go_with_it_and_with_all(called):
         ("front vdp --c 0.5:1:3 --eta 0.05 --eps 0.01:0.1:2", "a range for --c or for --eps"),
         ("front chain --c 0.5", "give --damping, or a model file"),
         ("map chain --damping 1 --c 0.5", "a map needs a range"),
-        ("front averaged --c 0.6 --eta 0.05 -o front.gif", "must end in"),
+        ("front averaged --c 0.6 --eta 0.05 -o front.gif", "--out front.gif must end in"),
+        ("front averaged --c 0.6 --eta 0.05 --picture x", "--picture x must end in"),
+        ("simulate vdp --checkpoint run.txt", "--checkpoint run.txt must end in .npz"),
     ],
 )
 def test_what_says_nothing_or_twice_is_refused_before_any_call(line, said, capsys):

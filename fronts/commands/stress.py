@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from verification.quantities.robustness import Stability
 
 EXAMPLE = """examples:
-  fronts stress --quantity c-pin --quantity eta-pin --points 200
+  fronts stress --quantity c-pin --quantity eta-pin --points 40
   fronts stress --points 2000 --seed 1 --out stress.csv
   fronts stress --work-reduction --record
   fronts stress --list

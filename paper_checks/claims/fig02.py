@@ -148,11 +148,11 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
         e.unstable.y[:, 0], e.unstable.velocity[:, 0], "--", color=COLOURS["vermilion"],
         label="unstable pure-slip limit cycle",
     )  # fmt: skip
-    right.plot(e.rest.y[:1600, 0], e.rest.velocity[:1600, 0], color=black, lw=0.4)
+    right.plot(e.rest.y[:, 0], e.rest.velocity[:, 0], color=black, lw=0.3)
     right.plot([e.sliding], [0.0], "o", color=COLOURS["green"], label="steady sliding (SS)")
     right.axhline(V_D, color="0.5", lw=0.8, ls=":", label=r"stick, $\tilde{v}_d$ = 1.25")
-    right.set(xlabel=r"$\tilde{y}$", ylabel=r"$d\tilde{y}/d\tau$", ylim=(-1.6, 2.5))
-    right.legend(loc="upper center", ncols=2, columnspacing=1.0)
+    right.set(xlabel=r"$\tilde{y}$", ylabel=r"$d\tilde{y}/d\tau$", ylim=(-1.6, 2.9))
+    right.legend(loc="upper center")
     runs = {"limit cycle": e.cycle, "to steady sliding": e.rest, "unstable cycle": e.unstable}
     series = {
         name: {"tau": run.times, "y": run.y[:, 0], "velocity": run.velocity[:, 0]}

@@ -123,7 +123,7 @@ def rule_map(e: StateMap) -> Ruling:
     checked = e.gap < 1e-3 and e.seen == tuple(n for *_, n in CHECKED)
     if three and shrinks and low and checked and e.undecided <= FEW * e.points:
         return holds()
-    return fails("the map has not these three regions.")
+    return fails("the map does not have these three regions.")
 
 
 def draw_map(e: StateMap) -> tuple[Picture, ...]:
@@ -230,6 +230,7 @@ CLAIMS = (
         figure=draw_map,
         text=__name__,
         methods=(LABELS, SCIPY),
+        expensive=True,
     ),
     Claim(
         key="fig05-after-front",

@@ -44,6 +44,8 @@ class Velocities:
     waves: tuple[float, ...]
     """Largest group velocity of waves about steady sliding, (√(1 + 4c) - 1)/2."""
     gap: float
+    threshold: float
+    """Coupling from which on a site at the edge sets off a front."""
 
     def _linear(self) -> tuple[np.ndarray, np.ndarray]:
         chosen = [k for k, c in enumerate(self.c) if LINEAR_FROM <= c <= COUPLINGS[-1]]
@@ -109,6 +111,7 @@ def velocities() -> Velocities:
     return Velocities(
         c=columns[0], v=columns[1], error=columns[2], waves=columns[3],
         gap=max(disagreement(chain_of(c, 6), (1,), end) for c, end in SCIPY),
+        threshold=no_propagation().threshold,
     )  # fmt: skip
 
 
@@ -132,8 +135,7 @@ def draw_velocities(e: Velocities) -> tuple[Picture, ...]:
         "column", height=2.8, xlabel="coupling c", ylabel=r"$\tilde{v}_\mathrm{front}$ (sites/τ)"
     )
     shown = [k for k, c in enumerate(e.c) if c <= COUPLINGS[-1]]
-    still = no_propagation()
-    fine = np.linspace(still.threshold, 0.105, 100)
+    fine = np.linspace(e.threshold, 0.105, 100)
     offset, slope = e.line
     axes.plot(fine, offset + slope * fine, "--", color=COLOURS["vermilion"],
               label=rf"line from $c$ = {LINEAR_FROM:g} on")  # fmt: skip
@@ -143,8 +145,8 @@ def draw_velocities(e: Velocities) -> tuple[Picture, ...]:
                   fmt="o", ms=3.2, color=COLOURS["blue"], label="measured")  # fmt: skip
     axes.plot(BELOW, [0.0] * len(BELOW), "o", mfc="none", color=COLOURS["blue"],
               label="no propagation", clip_on=False)  # fmt: skip
-    axes.axvline(still.threshold, color="0.4", lw=0.8, ls=":",
-                 label=rf"$c_\mathrm{{crit}}$ = {still.threshold:.5f}")  # fmt: skip
+    axes.axvline(e.threshold, color="0.4", lw=0.8, ls=":",
+                 label=rf"$c_\mathrm{{crit}}$ = {e.threshold:.5f}")  # fmt: skip
     axes.set(xlim=(0.0, 0.105), ylim=(0.0, None))
     axes.set(title=r"$\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31, edge")
     axes.legend()
@@ -153,7 +155,7 @@ def draw_velocities(e: Velocities) -> tuple[Picture, ...]:
         "no propagation": {"c": BELOW, "v": 0.0},
         "line": {"c": fine, "v": offset + slope * fine},
         "fastest linear waves": {"c": fine, "v": waves},
-        "c_crit": {"c": still.threshold},
+        "c_crit": {"c": e.threshold},
     }
     return (picture("fig06-velocity", "", figure, long_table(series)),)
 
@@ -220,7 +222,7 @@ CLAIMS = (
         text=__name__,
         methods=METHODS,
         repeats=(Repeat("Section 1.3", "rapidly increases and then scales linearly with $c$"),),
-        shared=velocities,
+        shared=no_propagation,
     ),
     Claim(
         key="fig06-threshold",
@@ -239,6 +241,7 @@ CLAIMS = (
             Method("DOP853 with located events on 5 sites", EVENTS,
                    "the arrivals 2 % on either side of the threshold"),
         ),
+        shared=no_propagation,
     ),
     Claim(
         key="fig06-rapid",
@@ -252,7 +255,7 @@ CLAIMS = (
         rule=rule_rapid,
         text=__name__,
         methods=METHODS,
-        shared=velocities,
+        shared=no_propagation,
         weight=0,
     ),
 )  # fmt: skip

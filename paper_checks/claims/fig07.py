@@ -51,6 +51,11 @@ class Localised:
         return tuple(float(x) for x in tail[1:5] / tail[:4])
 
     @property
+    def first_off(self) -> float:
+        """How far the first ratio is from that of the tail, 2c sinh k₁ = -1, as a part of it."""
+        return abs(self.ratios[0] / math.exp(-math.asinh(0.5 / C)) - 1.0)
+
+    @property
     def rate(self) -> float:
         """The rate of one exponential through the centre that fits the others best."""
         place = np.arange(4)

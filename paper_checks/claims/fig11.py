@@ -186,6 +186,7 @@ def draw_sweeps(e: Sweeps) -> tuple[Picture, ...]:
         series[f"fold, size {n}"] = {"rate": 0.0, "c": e.folds.averaged[n]}
         series[f"paper, size {n}"] = {"c": float(PRINTED[n])}
     axes.set(ylim=(0.1885, 0.2195), xlim=(-0.0002, None))
+    axes.set(title=r"$a$ = 2.5, $b$ = 0.5, averaged chain (43)")
     axes.legend(ncols=2, loc="upper left", columnspacing=1.0)
     return (picture("fig11-sweeps", "", figure, long_table(series)),)
 

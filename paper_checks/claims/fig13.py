@@ -141,7 +141,7 @@ def draw(e: Scaling) -> tuple[Picture, ...]:
     left.plot(c[near], v[near], "-", color=COLOURS["blue"], label="averaged chain (43)")
     left.plot(e.full_c, e.full_v, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
     left.plot(fine, e.line[0] + e.line[1] * fine, "--", color="black", lw=0.9,
-              label=f"paper: linear; {e.line[0]:.2f} + {e.line[1]:.2f} c")  # fmt: skip
+              label=f"line fitted to (8): {e.line[0]:.2f} + {e.line[1]:.2f} c")  # fmt: skip
     left.set(xlabel="coupling c", ylabel=r"$\hat v = v/\varepsilon$", xlim=(0, 3.1), ylim=(0, None))
     left.set(title=r"$a$ = 4, $b$ = 0.5")
     middle, exponent = e.exponents

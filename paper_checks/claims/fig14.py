@@ -13,8 +13,8 @@ from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
 
 C = 0.3
-ETAS = (0.003, 0.004, 0.005, 0.0065, 0.008, 0.01, 0.0125, 0.015, 0.02, 0.025, 0.03, 0.04, 0.05,
-        0.06, 0.07, 0.08, 0.085, 0.09)  # fmt: skip
+ETAS = (0.003, 0.004, 0.005, 0.0065, 0.008, 0.01, 0.0125, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04,
+        0.05, 0.06, 0.07, 0.08, 0.085, 0.09)  # fmt: skip
 SHARES = (1.0, 2.5, 4.0)
 """Values of a; b = η a²."""
 FULL = (0.005, 0.01, 0.02, 0.03, 0.05)
@@ -45,6 +45,11 @@ class Collapse:
         """The same of scipy's velocities."""
         table = np.array(list(self.scipy.values()))
         return float((np.ptp(table, axis=0) / table.mean(axis=0)).max())
+
+    @property
+    def fast_to(self) -> float:
+        """Largest η of `ETAS` at which the averaged front is as fast as its waves, v̂ = c."""
+        return max(eta for eta, v in zip(ETAS, self.averaged, strict=True) if v >= C)
 
     @property
     def varies(self) -> float:
@@ -90,7 +95,7 @@ def draw(e: Collapse) -> tuple[Picture, ...]:
         e.full.items(), ("blue", "vermilion", "green"), "os^", (7, 5, 3), strict=True
     ):
         axes.plot(FULL, v, mark, ms=size, mfc="none" if size > 3 else None, color=COLOURS[colour],
-                  label=f"(8), a = {a:g}, b = {a * a:g} η")  # fmt: skip
+                  label=f"(8), $a$ = {a:g}, $b$ = {a * a:g}η".replace(" 1η", " η"))  # fmt: skip
         series[f"(8), a = {a:g}"] = {"eta": FULL, "v": v}
     axes.set(title=r"$c$ = 0.3, $\varepsilon$ = 0.01", xlim=(0, 0.095), ylim=(0, None))
     axes.legend()

@@ -29,8 +29,10 @@ FEW = 0.05
 
 CHECKED = ((0.03, 0.5), (0.05, 0.05), (0.13, 0.5))
 """η and c of a front, a breather and the fixed point, run by scipy as well."""
-WANES = (0.09, 0.4)
-"""η and c at which the chain is filled by a front and does not stay filled."""
+EMPTIED, EMPTIED_AT = 0.09, (0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1.0)
+"""η, beside the undecided points, and couplings at which a front fills the chain and is watched."""
+WATCHED = 480.0
+"""Slow time for which it is watched."""
 SCIPY_END = 60.0
 """Slow time in which that front crosses the 16 sites twice, and rest is reached to 1e-12."""
 
@@ -66,8 +68,8 @@ class StateMap:
     states: Table
     boundary: Table
     same: int
-    wanes: tuple[int, int]
-    """Sites on the cycle at `WANES`, at most, and at least after that, to εt = 240."""
+    least: dict[float, int]
+    """Least number of sites on the cycle after the chain was filled, by coupling, at `EMPTIED`."""
     other_reading: int
     """Points that keep their label with a = 4 held instead of b = 0.5, averaged."""
 
@@ -95,6 +97,11 @@ class StateMap:
     def undecided(self) -> int:
         """Points in none of the three states."""
         return self.counts.get("undecided", 0)
+
+    @property
+    def emptied(self) -> str:
+        """The least numbers of sites in words."""
+        return ", ".join(f"{n} at c = {c:g}" for c, n in self.least.items())
 
     @property
     def highest(self) -> float:
@@ -147,23 +154,25 @@ def state_map() -> StateMap:
         states=states,
         boundary=sweep(Bisection(average.alone(), 1e-3), lines, workers=1),
         same=compare(states, averaged).same,
-        wanes=_filled_and_left(*WANES),
+        least={c: _least_after_filling(EMPTIED, c) for c in EMPTIED_AT},
         other_reading=compare(averaged, held).same,
     )
 
 
-def _filled_and_left(eta: float, c: float) -> tuple[int, int]:
-    """Return how many sites are on the cycle at most, and how few are after that."""
+def _least_after_filling(eta: float, c: float) -> int:
+    """Return how few sites are on the cycle after the front has filled the chain."""
     from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
 
     chain = FIGURE_15.replace(a=float(np.sqrt(FIGURE_15.b / eta)), c=c)
-    run = simulate(chain, excite(chain, (chain.sites,), DISPLACEMENT), 240.0 / chain.eps,
-                   samples=241, tolerance=1e-8)  # fmt: skip
+    run = simulate(chain, excite(chain, (chain.sites,), DISPLACEMENT), WATCHED / chain.eps,
+                   samples=1 + round(WATCHED), tolerance=1e-8)  # fmt: skip
     level = np.sqrt(2.0 * chain.a / chain.b) / 2.0
     active = (run.amplitude > level).sum(axis=1)
-    return int(active.max()), int(active[int(active.argmax()) :].min())
+    if active.max() < chain.sites:
+        raise ArithmeticError(f"no front fills the chain at η = {eta:g}, c = {c:g}")
+    return int(active[int(active.argmax()) :].min())
 
 
 def rule_map(e: StateMap) -> Ruling:
@@ -172,13 +181,14 @@ def rule_map(e: StateMap) -> Ruling:
     agreed = e.same >= (1.0 - LARGEST_SHARE) * e.points
     if three and agreed and e.confirmed and e.undecided <= FEW * e.points:
         return holds()
-    return fails("the map has not these three states.")
+    return fails("the map does not have these three states.")
 
 
 def draw(e: StateMap) -> tuple[Picture, ...]:
     """Draw Fig. 15."""
     figure, axes = new_axes("column", height=4.0, xlabel="η = b/a²", ylabel="coupling c")
-    draw_states(axes, e.states, "eta", "c", e.boundary)
+    draw_states(axes, e.states, "eta", "c", e.boundary, names={"front": "front fills the chain"},
+                lines="boundary of (43), bisected")  # fmt: skip
     axes.axvline(0.125, color="0.4", lw=0.8, ls=":", label="η = 1/8, the cycle ends")
     axes.set(title=r"16 oscillators, $\varepsilon$ = 0.01, $y_{16}(0)$ = 6, $b$ = 0.5")
     figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)

@@ -45,14 +45,36 @@ class ToLarger:
             for c, end in self.ends[seed].items()
         )
 
+    def summary(self, seed: int | None) -> str:
+        """Write at which couplings larger nuclei are stationary, and where a front runs."""
+        stand = [c for c, end in self.ends[seed].items() if end == "larger nucleus"]
+        fronts = [c for c, end in self.ends[seed].items() if end == "front"]
+        sizes = [self.sizes[seed][c] for c in stand]
+        larger = (
+            f"larger nuclei, of {min(sizes)} to {max(sizes)} sites, are stationary from "
+            f"c = {min(stand):g} to {max(stand):g}" if stand else "no larger nucleus is stationary"
+        )  # fmt: skip
+        front = f"a front runs from c = {min(fronts):g} on" if fronts else "no front runs"
+        return f"{larger}; {front}"
+
     @property
     def mirrored(self) -> str:
-        """With exact mirror symmetry."""
-        return self.words(None)
+        """With exact mirror symmetry, in short."""
+        return self.summary(None)
 
     @property
     def noisy(self) -> str:
-        """With noise."""
+        """With noise, in short."""
+        return " or ".join(dict.fromkeys(self.summary(seed) for seed in SEEDS))
+
+    @property
+    def mirrored_each(self) -> str:
+        """With exact mirror symmetry, at each coupling."""
+        return self.words(None)
+
+    @property
+    def noisy_each(self) -> str:
+        """With noise, at each coupling."""
         return "; ".join(f"seed {seed}: {self.words(seed)}" for seed in SEEDS)
 
 
@@ -95,13 +117,13 @@ def succession(ends: Mapping[float, str]) -> bool:
 def rule_to_larger(e: ToLarger) -> Ruling:
     """Rule: larger nuclei must stand before fronts run, as attractors: with noise as well."""
     if not e.confirmed or e.gap > e.ripple or not succession(e.ends[None]):
-        return fails("no larger nucleus stands between the single one and the front.")
+        return fails("no larger nucleus is stationary between the single one and the front.")
     if all(succession(e.ends[seed]) for seed in SEEDS):
         return holds()
     return partly(
         "to DBs with a larger nucleus",
-        "larger nuclei stand only where exact mirror symmetry is kept, and from a slightly "
-        "perturbed start the nucleus creeps on instead.",
+        "larger nuclei are stationary only where exact mirror symmetry is kept, and from a "
+        "slightly perturbed start the nucleus creeps on instead.",
     )
 
 

@@ -32,6 +32,7 @@ def draw_states(
     boundary: Table | None = None,
     *,
     names: Mapping[str, str] = MappingProxyType({}),
+    lines: str = "boundary, bisected",
 ) -> None:
     """Draw a map, and the boundaries between the labels as contours.
 
@@ -47,6 +48,8 @@ def draw_states(
         Of ``verification.maps.boundary.Bisection`` over the same map.
     names : mapping of str to str, optional
         Labels that the legend calls otherwise.
+    lines : str, optional
+        What the legend calls the boundaries.
     """
     labels = states["label"]
     for label, (mark, colour) in MARKS.items():
@@ -65,6 +68,7 @@ def draw_states(
             )
     if boundary is not None and len(boundary):
         _draw_boundary(axes, states, across, up, boundary)
+        axes.plot([], [], color="0.1", lw=0.9, label=lines)
 
 
 def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Table) -> None:
@@ -93,7 +97,6 @@ def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Ta
             middle = ends.mean(axis=0)
             for end in ends:
                 axes.plot([end[0], middle[0]], [end[1], middle[1]], color="0.1", lw=0.9)
-    axes.plot([], [], color="0.1", lw=0.9, label="boundary, bisected")
     axes.set_xlim(*_rim(states, across))
     axes.set_ylim(*_rim(states, up))
 

@@ -6,7 +6,6 @@ import argparse
 import errno
 import importlib
 import json
-import logging
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -255,8 +254,12 @@ def _version() -> str:
 
 def _announce_compilation() -> None:
     """Let a terminal show that the first run of a stepper compiles it."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return
+    import logging
+
     logger = logging.getLogger("verification.execution.compiled")
-    if sys.stderr is not None and sys.stderr.isatty() and not logger.handlers:
+    if not logger.handlers:
         handler = logging.StreamHandler()
         handler.setFormatter(logging.Formatter("fronts: %(message)s"))
         logger.addHandler(handler)

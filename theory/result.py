@@ -45,7 +45,6 @@ Decay(rate=0.5, error=1e-09, times=<2 floats>, values=<2 floats>)
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import Field, fields, is_dataclass
@@ -213,6 +212,8 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return a small table for notebooks."""
+        import html
+
         rows = "".join(
             f"<tr><th style='text-align:left'>{html.escape(each.name)}</th>"
             f"<td style='text-align:left'>{html.escape(_in_a_cell(getattr(self, each.name)))}</td>"

@@ -13,10 +13,8 @@ import errno
 import io
 import json
 import os
-import shutil
 import stat
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -112,6 +110,8 @@ def check_writable(path: Path) -> None:
         return
     if target.exists() and not os.access(target, os.W_OK):
         raise FileError(path, "cannot be written: no permission", "name another file", errno.EACCES)
+    import tempfile  # here and below: most commands write no file
+
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=PREFIX)
         os.close(handle)
@@ -159,6 +159,8 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
     """
     target = _target(path)
     if target is None:
+        import tempfile
+
         with tempfile.TemporaryDirectory() as folder:
             part = Path(folder, path.name)
             write(part)
@@ -290,6 +292,9 @@ def _target(path: Path) -> Path | None:
 @contextmanager
 def _replacing(path: Path, target: Path) -> Iterator[Path]:
     """Give a neighbour of the same suffix, which takes the name when the block has ended well."""
+    import shutil
+    import tempfile
+
     part = None
     try:
         mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()

@@ -24,7 +24,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 PROGRAM = next(filter(None, map(shutil.which, NAMES)), None)
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
-    "--no-first-run", "--remote-debugging-pipe",
+    "--no-first-run", "--remote-debugging-pipe", "--window-size=1400,1000",
 )  # fmt: skip
 PATIENCE = 60.0
 """Seconds that are waited for anything; on a quiet machine nothing takes a tenth of it."""
@@ -54,7 +54,7 @@ def explorer() -> Iterator[tuple[subprocess.Popen[str], str]]:
 class Browser:
     """One page of Chromium, spoken to in the DevTools protocol (JSON with a zero byte after it)."""
 
-    def __init__(self, address: str, profile: Path, *, width: int = 1400, height: int = 1000):
+    def __init__(self, address: str, profile: Path):
         self.problems: list[str] = []
         self.addresses: set[str] = set()
         self._sent, self._buffer = 0, b""
@@ -62,9 +62,8 @@ class Browser:
         self._in, theirs_out = os.pipe()
         # The pipe is what file descriptors 3 and 4 of the browser are.
         command = f'exec "$0" "$@" 3<&{theirs_in} 4>&{theirs_out}'
-        size = f"--window-size={width},{height}"
         self._process = subprocess.Popen(
-            ["bash", "-c", command, str(PROGRAM), *FLAGS, size, f"--user-data-dir={profile}"],
+            ["bash", "-c", command, str(PROGRAM), *FLAGS, f"--user-data-dir={profile}"],
             pass_fds=(theirs_in, theirs_out), start_new_session=True, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         os.close(theirs_in)
@@ -77,7 +76,7 @@ class Browser:
         for domain in ("Runtime", "Log", "Network", "Page"):
             self.send(f"{domain}.enable")
         self.send("Emulation.setFocusEmulationEnabled", enabled=True)
-        self.send("Page.navigate", url=address)
+        self.open(address)
 
     def __enter__(self) -> Browser:
         return self
@@ -127,6 +126,18 @@ class Browser:
         elif method == "Network.requestWillBeSent":
             self.addresses.add(params["request"]["url"])
 
+    def open(self, address: str) -> None:
+        """Go to an address, as on a first visit, and forget what was noted so far."""
+        self.send("Page.navigate", url="about:blank")
+        self.problems, self.addresses = [], set()
+        self.send("Page.navigate", url=address)
+        self.wait("location.href != 'about:blank' && document.readyState == 'complete'")
+
+    def resize(self, width: int, height: int) -> None:
+        """Have a window of this size, in pixels."""
+        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                  deviceScaleFactor=1, mobile=False)  # fmt: skip
+
     def ask(self, expression: str) -> Any:
         """Return the value of an expression of JavaScript in the page."""
         found = self.send("Runtime.evaluate", expression=expression, returnByValue=True)
@@ -160,8 +171,7 @@ class Browser:
 
     def picture(self, path: Path, width: int, height: int) -> None:
         """Write what a window of this size shows."""
-        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                  deviceScaleFactor=1, mobile=False)  # fmt: skip
+        self.resize(width, height)
         time.sleep(1.5)
         shot = self.send("Page.captureScreenshot", format="png")
         path.write_bytes(base64.b64decode(shot["data"]))

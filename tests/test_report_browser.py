@@ -5,9 +5,6 @@ import hashlib
 import json
 import os
 import re
-import shutil
-import subprocess
-from html import unescape
 from pathlib import Path
 
 import pytest
@@ -15,17 +12,7 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover
 from paper_checks.report import measurements
-
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--enable-logging=stderr",
-    "--virtual-time-budget=3000",
-    "--dump-dom",
-)
+from tests.driven_browser import NAMES, PROGRAM, Browser
 
 TYPED = {
     ("fig16-escape",): ("eq. 4", "Eq 4", "(4)", "eq4", "equations 4", "Eq. (4)"),
@@ -39,9 +26,8 @@ TYPED = {
 """What a reader may type, by the claims that are to be shown."""
 
 # Runs in the page and reports what only a browser knows.
-PROBE = """<script>
-const WORDS = @WORDS@;
-addEventListener("load", () => setTimeout(() => {
+PROBE = """(() => {
+  const WORDS = @WORDS@;
   const all = (selector) => [...document.querySelectorAll(selector)];
   const here = (id) => document.getElementById(id) !== null;
   const rows = all("#claims > li");
@@ -116,53 +102,33 @@ addEventListener("load", () => setTimeout(() => {
     .filter((id) => !here(id));
   report.unnamed = all("select, input").filter((one) => one.labels.length !== 1).length;
   report.alerted = all("#claims img, #claims script, #claims u").length;
-  const out = document.createElement("pre");
-  out.id = "probe";
-  out.textContent = JSON.stringify(report);
-  document.body.append(out);
-  parent.postMessage(out.textContent, "*");
-}, 50));
-</script></body>"""
+  return report;
+})()"""
 
 WIDTHS = (1400, 800, 390)
 
-# A window cannot be as narrow as a phone, but a frame in it can.
-FRAME = """<!doctype html><body><iframe src="probed.html" width="@WIDTH@" height="800"></iframe>
-<script>addEventListener("message", (event) => {
-  const out = document.createElement("pre");
-  out.id = "probe";
-  out.textContent = event.data;
-  document.body.append(out);
-});</script></body>"""
-
 
 @pytest.fixture(scope="module")
-def browser():
-    program = next(filter(None, map(shutil.which, NAMES)), None)
-    if program is None:
+def browser(tmp_path_factory):
+    """Open a browser that all tests drive, page after page."""
+    if PROGRAM is None:
         missing = f"no browser found: install one of {', '.join(NAMES)}"
         if os.environ.get("FRONTS_NEED_BROWSER"):
             pytest.fail(missing)  # where the project is checked as a whole
         pytest.skip(missing)
-    return program
+    with Browser("data:text/html,ready", tmp_path_factory.mktemp("profile")) as driven:
+        yield driven
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Write the report on the made-up claims, and a copy of it with the probe."""
+    """Write the report on the made-up claims."""
     out = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(Path(__file__).parent / "report_example"))
         patch.setattr(discover, "PACKAGE", "example_claims")
         patch.setattr(measurements, "RESULTS", Path(__file__).parent / "report_example/measured")
         assert main(["check", "--out", str(out)]) == 0
-    text = (out / "index.html").read_text(encoding="utf-8")
-    words = [one for spellings in TYPED.values() for one in spellings]
-    probed = text.replace("</body>", PROBE.replace("@WORDS@", json.dumps(words)))
-    (out / "probed.html").write_text(with_last_script_allowed(probed), encoding="utf-8")
-    for width in WIDTHS:
-        frame = FRAME.replace("@WIDTH@", str(width))
-        (out / f"wide{width}.html").write_text(frame, encoding="utf-8")
     return out
 
 
@@ -173,30 +139,19 @@ def with_last_script_allowed(page):
     return page.replace("script-src ", f"script-src 'sha256-{digest}' ", 1)
 
 
-def load(browser, page, hash_="", *flags, profile):
-    """Open a page; give its DOM after the scripts have run, and the lines of its console."""
-    done = subprocess.run(
-        [browser, *FLAGS, f"--user-data-dir={profile}", *flags, page.as_uri() + hash_],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    if "<html" not in done.stdout:
-        pytest.fail(f"the browser {browser} does not run here (exit code {done.returncode})")
-    return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+def probe(browser, folder, hash_=""):
+    """Open the page of the report, and give what only a browser knows of it."""
+    browser.open((folder / "index.html").as_uri() + hash_)
+    words = [one for spellings in TYPED.values() for one in spellings]
+    found = browser.ask(PROBE.replace("@WORDS@", json.dumps(words)))
+    assert browser.problems == []
+    return found
 
 
-def probe(*args, **kwargs):
-    dom, console = load(*args, **kwargs)
-    assert console == []
-    return json.loads(unescape(re.search(r'<pre id="probe">(.*?)</pre>', dom).group(1)))
-
-
-def test_the_page_itself_is_silent_and_whole(browser, folder, tmp_path):
-    dom, console = load(browser, folder / "index.html", profile=tmp_path)
-    assert console == []
-    assert "6 of 6 shown" in dom
+def test_the_page_itself_is_silent_and_whole(browser, folder):
+    browser.open((folder / "index.html").as_uri())
+    assert "6 of 6 shown" in browser.ask("document.body.innerText")
+    assert browser.problems == []
 
 
 def test_an_error_in_the_page_would_be_noticed(browser, folder, tmp_path):
@@ -204,22 +159,22 @@ def test_an_error_in_the_page_would_be_noticed(browser, folder, tmp_path):
     broken = tmp_path / "broken.html"
     page = text.replace("</body>", "<img src='x.png'><script>no()</script></body>")
     broken.write_text(with_last_script_allowed(page))
-    _, console = load(browser, broken, profile=tmp_path / "profile")
-    assert any("no is not defined" in line for line in console)
-    assert any("Content Security Policy" in line for line in console)
+    browser.open(broken.as_uri())
+    assert any("no is not defined" in each for each in browser.problems)
+    assert any("Content Security Policy" in each for each in browser.problems)
 
 
 def test_a_script_that_is_not_the_page_s_own_does_not_run(browser, folder, tmp_path):
     text = (folder / "index.html").read_text(encoding="utf-8")
     forged = tmp_path / "forged.html"
     forged.write_text(text.replace("</body>", "<script>no()</script><p onclick='no()'></body>"))
-    _, console = load(browser, forged, profile=tmp_path / "profile")
-    assert any("Content Security Policy" in line for line in console)
-    assert not any("no is not defined" in line for line in console)
+    browser.open(forged.as_uri())
+    assert any("Content Security Policy" in each for each in browser.problems)
+    assert not any("no is not defined" in each for each in browser.problems)
 
 
-def test_pictures_data_and_links_load(browser, folder, tmp_path):
-    found = probe(browser, folder / "probed.html", profile=tmp_path)
+def test_pictures_data_and_links_load(browser, folder):
+    found = probe(browser, folder)
     assert len(found["pictures"]) == 3  # of two figures, and the first of them again on top
     for picture in found["pictures"]:
         assert picture["width"] > 300
@@ -249,17 +204,17 @@ def test_pictures_data_and_links_load(browser, folder, tmp_path):
         ("#%", (6, [])),
     ],
 )
-def test_the_address_filters_and_opens(browser, folder, tmp_path, address, expected):
+def test_the_address_filters_and_opens(browser, folder, address, expected):
     shown, opened = expected
-    found = probe(browser, folder / "probed.html", address, profile=tmp_path)["first"]
+    found = probe(browser, folder, address)["first"]
     assert found["shown"] == shown or len(found["shown"]) == shown
     assert found["text"] == f"{len(found['shown'])} of 6 shown"
     assert found["open"] == opened
     assert found["chosen"] >= 0
 
 
-def test_typing_filters_and_is_kept_in_the_address(browser, folder, tmp_path):
-    found = probe(browser, folder / "probed.html", profile=tmp_path)
+def test_typing_filters_and_is_kept_in_the_address(browser, folder):
+    found = probe(browser, folder)
     assert found["place"]["shown"] == ["claim-fig9-decay", "claim-fig9-monotone"]
     assert found["place"]["hash"] == "#place=fig.+9"
     assert found["nothing"]["shown"] == []
@@ -267,15 +222,15 @@ def test_typing_filters_and_is_kept_in_the_address(browser, folder, tmp_path):
     assert len(found["unfolded"]["open"]) == 6
 
 
-def test_places_are_found_however_they_are_spelt(browser, folder, tmp_path):
-    found = probe(browser, folder / "probed.html", profile=tmp_path)
+def test_places_are_found_however_they_are_spelt(browser, folder):
+    found = probe(browser, folder)
     for keys, spellings in TYPED.items():
         for words in spellings:
             assert found["typed"][words] == [f"claim-{key}" for key in keys], words
     assert found["erratum"]
 
 
-def test_paper_holds_open_rows_only_and_nothing_is_cut(browser, folder, tmp_path):
+def test_paper_holds_open_rows_only_and_nothing_is_cut(folder):
     text = (folder / "index.html").read_text(encoding="utf-8")
     assert "beforeprint" not in text
     styles = text[text.index("@media print") : text.index("</style>")]
@@ -283,12 +238,13 @@ def test_paper_holds_open_rows_only_and_nothing_is_cut(browser, folder, tmp_path
     assert re.search(r"\.math, \.measured \{ overflow: visible; \}", styles)
 
 
-@pytest.mark.parametrize(("scheme", "dark"), [(0, True), (1, False)])
+@pytest.mark.parametrize(("scheme", "dark"), [("dark", True), ("light", False)])
 def test_it_follows_the_colour_scheme_and_no_card_is_white_in_the_dark(
-    browser, folder, tmp_path, scheme, dark
+    browser, folder, scheme, dark
 ):
-    flag = f"--blink-settings=preferredColorScheme={scheme}"
-    found = probe(browser, folder / "probed.html", "", flag, profile=tmp_path)
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.send("Emulation.setEmulatedMedia", features=[feature])
+    found = probe(browser, folder)
     assert found["dark"] is dark
     brightness = sum(map(int, re.findall(r"\d+", found["background"])[:3])) / 3
     assert (brightness < 50) is dark
@@ -297,8 +253,8 @@ def test_it_follows_the_colour_scheme_and_no_card_is_white_in_the_dark(
     assert all((card == white) is not dark for card in found["card"])
 
 
-def test_equations_are_typeset_by_the_browser_itself(browser, folder, tmp_path):
-    found = probe(browser, folder / "probed.html", profile=tmp_path)
+def test_equations_are_typeset_by_the_browser_itself(browser, folder):
+    found = probe(browser, folder)
     assert len(found["formulas"]) == 3
     for formula in found["formulas"]:
         assert formula["width"] > 20
@@ -309,10 +265,10 @@ def test_equations_are_typeset_by_the_browser_itself(browser, folder, tmp_path):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_nothing_is_wider_than_the_screen_and_there_are_two_columns_where_there_is_room(
-    browser, folder, tmp_path, width
+    browser, folder, width
 ):
-    page = folder / f"wide{width}.html"
-    found = probe(browser, page, "", "--window-size=1500,900", profile=tmp_path)
+    browser.resize(width, 800)
+    found = probe(browser, folder)
     assert found["width"] == width
     assert found["overflow"] <= 0
     assert found["columns"] == (2 if width > 960 else 1)

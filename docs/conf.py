@@ -39,6 +39,7 @@ html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_math_renderer = "mathml"
+html_context = {"default_mode": "auto"}
 html_theme_options = {
     "show_toc_level": 2,
     "header_links_before_dropdown": 8,
@@ -55,7 +56,6 @@ nitpick_ignore_regex = [("py:obj", ".*")]  # words in single backticks, most of 
 default_role = "autolink"
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
-autodoc_class_signature = "separated"
 autosummary_generate = True
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True
@@ -83,6 +83,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "matplotlib_animations": (True, "jshtml"),
     "capture_repr": ("_repr_html_", "__repr__"),
+    "ignore_repr_types": r"matplotlib|<class '(list|tuple)'>",  # what drawing returns
     "reset_modules": ("matplotlib", "pictures.look"),
     "parallel": 2,
     "write_computation_times": False,

@@ -193,7 +193,7 @@ def _array(values: list[Any]) -> Any:
 def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     import matplotlib as mpl
 
-    from paper_checks.report.pictures import new_axes
+    from paper_checks.report.pictures import CHANGING, new_axes
 
     figure, axes = new_axes("page", height=3.6)
     result.plot(axes)
@@ -202,7 +202,8 @@ def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], Non
     def write(path: Path) -> None:
         kind = path.suffix.lower().removeprefix(".")
         with mpl.rc_context({"svg.hashsalt": "fronts"}):
-            figure.savefig(path, dpi=200, metadata={_NOTE[kind]: said, **_SILENT[kind]})
+            metadata = {_NOTE[kind]: said, **dict.fromkeys(CHANGING[kind])}
+            figure.savefig(path, dpi=200, metadata=metadata)
 
     return write
 
@@ -223,13 +224,6 @@ def _film(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
 
 _NOTE = {"png": "Description", "svg": "Description", "pdf": "Subject"}
 """Where each kind of picture keeps a text."""
-
-_SILENT: dict[str, dict[str, None]] = {
-    "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
-    "png": dict.fromkeys(("Software",)),
-    "pdf": dict.fromkeys(("CreationDate", "Creator", "Producer")),
-}
-"""Where Matplotlib would write the time of day and its own version."""
 
 _WRITERS: dict[str, Callable[[Result, dict[str, Any]], Callable[[Path], None]]] = {
     ".json": _json,

@@ -49,7 +49,7 @@ LARGE = 1_000_000
 DOTS = 130
 """Dots an inch of the PNG files of the report."""
 
-_CHANGING: Mapping[str, tuple[str, ...]] = {
+CHANGING: Mapping[str, tuple[str, ...]] = {
     "svg": ("Date", "Creator", "Format", "Type"),
     "png": ("Software",),
     "pdf": ("CreationDate", "Creator", "Producer"),
@@ -221,13 +221,13 @@ def save(path: Path, figure: Figure, dpi: int = 200) -> None:
 
     kind = path.suffix.lower().removeprefix(".")
     with mpl.rc_context({"svg.hashsalt": "fronts"}):
-        figure.savefig(path, dpi=dpi, metadata=dict.fromkeys(_CHANGING.get(kind, ())))
+        figure.savefig(path, dpi=dpi, metadata=dict.fromkeys(CHANGING.get(kind, ())))
 
 
 def _render(name: str, figure: Figure) -> str:
     import matplotlib as mpl
 
-    metadata: dict[str, Any] = dict.fromkeys(_CHANGING["svg"])
+    metadata: dict[str, Any] = dict.fromkeys(CHANGING["svg"])
     buffer = io.StringIO()
     # Letters as paths: accents such as those of v̂ and ỹ are then in place in every renderer.
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
@@ -238,5 +238,5 @@ def _render(name: str, figure: Figure) -> str:
 def _encoded(figure: Figure, kind: str) -> str:
     """Render a figure into a binary format, as base64."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, dpi=DOTS, metadata=dict.fromkeys(_CHANGING[kind]))
+    figure.savefig(buffer, format=kind, dpi=DOTS, metadata=dict.fromkeys(CHANGING[kind]))
     return base64.b64encode(buffer.getvalue()).decode("ascii")

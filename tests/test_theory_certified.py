@@ -92,7 +92,7 @@ def test_few_points_give_a_wide_ball_that_holds_the_sum_and_its_derivatives(v, c
         ]
     _, sigma = needed_points(v, c, 1e-3, 2)
     with flint.ctx.workprec(160):
-        found = ball_sum(flint, flint.arb(v), flint.arb(c), points, sigma, 2)
+        found = ball_sum(flint, flint.arb(v), flint.arb(c), points, sigma, order=2)
         for ball, value in zip(
             (found.value, found.by_v, found.by_c, found.by_vv), expected, strict=True
         ):

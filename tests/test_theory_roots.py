@@ -129,7 +129,7 @@ def test_the_count_agrees_with_plain_sampling_of_the_argument() -> None:
         x, y = np.sort(rng.uniform(-30, 30, 2)), np.sort(rng.uniform(-6, 6, 2))
         corners = [complex(x[0], y[0]), complex(x[1], y[0]), complex(*[x[1], y[1]])]
         corners.append(complex(x[0], y[1]))
-        counted = count_in_box(v, c, x[0], x[1], y[0], y[1])
+        counted = count_in_box(v, c, x_low=x[0], x_high=x[1], y_low=y[0], y_high=y[1])
         assert counted == winding(v, c, corners, 40_000), f"seed {seed}, trial {trial}"
 
 
@@ -143,7 +143,7 @@ def test_boxes_of_any_shape_hold_as_many_roots_as_are_listed() -> None:
         listed = [labelled_roots(v, c, np.arange(-15, 16), upper).k for upper in (True, False)]
         k = np.concatenate(listed)
         inside = (k.real > x[0]) & (k.real < x[1]) & (k.imag > y[0]) & (k.imag < y[1])
-        counted = count_in_box(v, c, x[0], x[1], y[0], y[1])
+        counted = count_in_box(v, c, x_low=x[0], x_high=x[1], y_low=y[0], y_high=y[1])
         assert counted == int(inside.sum()), f"seed {seed}, trial {trial}: v = {v!r}, c = {c!r}"
 
 
@@ -252,7 +252,9 @@ def test_the_roots_within_an_extent_are_those_the_argument_principle_counts(uppe
         found = roots_within(v, c, extent, upper)
         height = height_above_roots(v, c, extent)
         low, high = (0.0, height) if upper else (-height, 0.0)
-        assert found.k.size == count_in_box(v, c, -extent, extent, low, high)
+        assert found.k.size == count_in_box(
+            v, c, x_low=-extent, x_high=extent, y_low=low, y_high=high
+        )
         assert np.all(np.diff(np.abs(found.k)) >= 0)
 
 
@@ -307,7 +309,7 @@ def test_certified_balls_hold_the_true_root_and_their_count_is_certified(upper: 
 def test_an_edge_through_a_root_is_refused() -> None:
     k = complex(nearest_roots(0.3, 0.5, 1, upper=True).k[0])
     with pytest.raises(ValueError, match="move the edge"):
-        count_in_box(0.3, 0.5, k.real, 5.0, 0.0, 5.0)
+        count_in_box(0.3, 0.5, x_low=k.real, x_high=5.0, y_low=0.0, y_high=5.0)
 
 
 def test_no_root_is_real_since_re_l_is_one_half_there() -> None:
@@ -369,7 +371,7 @@ def test_the_root_free_strip_is_free_of_roots(problem: Problem) -> None:
     for upper in (True, False):
         k = nearest_roots(v, c, 400, upper).k
         assert np.min(np.abs(k.imag)) >= s
-    assert count_in_box(v, c, -40.0, 40.0, -s, s) == 0
+    assert count_in_box(v, c, x_low=-40.0, x_high=40.0, y_low=-s, y_high=s) == 0
     with mp.workdps(40):
         exact = mp.findroot(lambda x: c * mp.sinh(x) + v * x - 0.5, s)
         # never more than the true width, and less by no more than a few roundings

@@ -43,13 +43,15 @@ def test_the_size_of_the_bessel_series_is_the_integral_of_its_modulus() -> None:
     size = sum(
         scipy.integrate.quad(modulus, j / v, (j + 1) / v, args=(j,))[0] for j in range(panels)
     )
-    assert sum_bessel._summed(v, c, panels, panels / v, 2, 20)[2] == pytest.approx(size, rel=1e-9)
+    assert sum_bessel._summed(v, c, panels, panels / v, 2, nodes=20)[2] == pytest.approx(
+        size, rel=1e-9
+    )
 
 
 def test_rounding_of_the_bessel_series_grows_with_its_size_and_its_phase(monkeypatch) -> None:
     # e^{ics} J(cs) over s of order one: the phase c s is rounded in proportion to c
     size, stated = 1e6, []
-    monkeypatch.setattr(sum_bessel, "_summed", lambda *_: (0j, 1, size))
+    monkeypatch.setattr(sum_bessel, "_summed", lambda *_, **__: (0j, 1, size))
     for c in (0.5, 1.0, 2.0):
         error = sum_by_bessel(0.3, c, 1e-14).error - 0.5e-14
         stated.append(error / (EPS * size * (1 + c)))

@@ -233,9 +233,9 @@ def test_arrays_broadcast_and_equal_their_single_values() -> None:
     for i in range(7):
         for j in range(5):
             one = sum_by_integral(float(v[i, 0]), float(c[j]))
-            # the same rule, perhaps compiled: a few roundings apart
-            assert found.points[i, j] == one.terms
-            assert abs(found.value[i, j] - one.value) <= 1e-14
+            # the same rule, in arrays perhaps with more points so that more values have as many
+            assert one.terms <= found.points[i, j] <= 2 * one.terms
+            assert abs(found.value[i, j] - one.value) <= one.error
 
 
 REFUSED = [

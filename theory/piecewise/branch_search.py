@@ -173,7 +173,7 @@ def _first_points(c: float, target: float, shift: float, refine: float) -> Float
     logarithmic = np.linspace(
         math.log(turn), math.log(high), 2 + math.ceil(math.log(high / turn) / spacing)
     )
-    points = [_wiggle_points(c, target, shift, low, turn, wiggle), logarithmic]
+    points = [_wiggle_points(c, target, shift, low=low, turn=turn, wiggle=wiggle), logarithmic]
     if c > 100.0:
         rest = 2 + math.ceil(math.log(turn / low) / spacing)
         points.append(np.linspace(math.log(low), math.log(turn), rest))
@@ -188,7 +188,7 @@ def _first_points(c: float, target: float, shift: float, refine: float) -> Float
 
 
 def _wiggle_points(
-    c: float, target: float, shift: float, low: float, turn: float, wiggle: float
+    c: float, target: float, shift: float, *, low: float, turn: float, wiggle: float
 ) -> FloatArray:
     """Return t from ln low to ln turn, ``wiggle`` apart in 1/v, where wiggles matter.
 

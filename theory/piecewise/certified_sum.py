@@ -209,14 +209,16 @@ def needed_points(v: float, c: float, tolerance: float, order: int = 0) -> tuple
         gap = 0.5 - c * math.sinh(sigma)
         p = 0.5 * (gap - v * sigma) / v
         coth, square = 1.0 / math.tanh(p), math.sinh(min(p, 300.0)) ** -2
-        peak = max(_peaks(v, c, gap, coth, square, 1.0 + math.cosh(sigma))[: _PARTIALS[order]])
+        side = 1.0 + math.cosh(sigma)
+        peaks = _peaks(v, c, gap, coth=coth, square=square, side=side)
+        peak = max(peaks[: _PARTIALS[order]])
         best = min(best, (math.log1p(2.0 * peak / tolerance) / sigma, sigma))
     count, sigma = best
     octave = 2.0 ** math.floor(math.log2(max(count, 8.0)))
     return max(8, 2 * math.ceil(0.5 * octave * math.ceil(8.0 * count / octave) / 8.0)), sigma
 
 
-def ball_sum(flint: Any, v: Any, c: Any, points: int, sigma: float, order: int = 0) -> BallSum:
+def ball_sum(flint: Any, v: Any, c: Any, points: int, sigma: float, *, order: int = 0) -> BallSum:
     """Return Σ and its derivatives by the trapezoidal rule, the truncation in each radius.
 
     Parameters
@@ -242,7 +244,9 @@ def ball_sum(flint: Any, v: Any, c: Any, points: int, sigma: float, order: int =
         totals = [total + value for total, value in zip(totals, values, strict=True)]
     means = [
         2 * total / points + flint.acb(flint.arb(0, bound), flint.arb(0, bound))
-        for total, bound in zip(totals, _truncation(flint, v, c, points, sigma, order), strict=True)
+        for total, bound in zip(
+            totals, _truncation(flint, v, c, points, sigma, order=order), strict=True
+        )
     ]
     means += [None] * (4 - len(means))
     return BallSum(means[0] - 1, means[1], means[2], means[3], points // 2 + 1)
@@ -270,7 +274,7 @@ def _integrand(flint: Any, v: Any, c: Any, X: Any, order: int) -> list[Any]:
     return found
 
 
-def _truncation(flint: Any, v: Any, c: Any, points: int, sigma: float, order: int) -> list[Any]:
+def _truncation(flint: Any, v: Any, c: Any, points: int, sigma: float, *, order: int) -> list[Any]:
     """Return the proven truncation errors, as balls whose upper ends count."""
     s = flint.arb(sigma)
     grown = (points * s).expm1()
@@ -278,11 +282,11 @@ def _truncation(flint: Any, v: Any, c: Any, points: int, sigma: float, order: in
     p = (gap - v * s) / (2 * v)
     if not p > 0:
         return [flint.arb.pos_inf()] * _PARTIALS[order]
-    bounds = _peaks(v, c, gap, p.coth(), p.sinh() ** -2, 1 + s.cosh())
+    bounds = _peaks(v, c, gap, coth=p.coth(), square=p.sinh() ** -2, side=1 + s.cosh())
     return [(2 * bound / grown).upper() for bound in bounds[: _PARTIALS[order]]]
 
 
-def _peaks(v: Any, c: Any, gap: Any, coth: Any, square: Any, side: Any) -> list[Any]:
+def _peaks(v: Any, c: Any, gap: Any, *, coth: Any, square: Any, side: Any) -> list[Any]:
     """Return the bounds of |G|, |G_v|, |G_c| and |G_vv| in a strip, of floats or of balls.
 
     ``gap`` is g, ``coth`` and ``square`` are coth p and csch² p, ``side`` bounds 2|X|.

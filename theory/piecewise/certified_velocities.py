@@ -129,7 +129,7 @@ class Relation:
             raise WorkLimitError(
                 f"it would take more than {self.most_work} values of the integrand"
             )
-        return ball_sum(self.flint, v, c, points, sigma, order)
+        return ball_sum(self.flint, v, c, points, sigma, order=order)
 
     def height(self, total: Any) -> Any:
         """Return h = |Σ + s|² - 4r² of a value of Σ."""

@@ -213,7 +213,7 @@ def _strip_ahead(v: float, c: float) -> float:
         s -= step
         if step <= 1e-10 * s:
             break
-    return s * (1.0 - 1e-9)
+    return s * (1.0 - 1e-13)
 
 
 def _smooth_number(least: int) -> int:

@@ -28,7 +28,7 @@ def height_above_roots(v: float, c: float, extent: float) -> float:
 
 
 def count_in_box(
-    v: float, c: float, x_low: float, x_high: float, y_low: float, y_high: float
+    v: float, c: float, *, x_low: float, x_high: float, y_low: float, y_high: float
 ) -> int:
     """Return the number of roots in the open box, by the winding of L along its edge.
 
@@ -52,7 +52,7 @@ def count_in_box(
 
     Examples
     --------
-    >>> count_in_box(0.3, 0.5, -np.pi, np.pi, -10.0, 10.0)
+    >>> count_in_box(0.3, 0.5, x_low=-np.pi, x_high=np.pi, y_low=-10.0, y_high=10.0)
     2
     """
     v, c = checked_velocity_and_coupling(v, c)
@@ -91,7 +91,8 @@ def box_of_strips(
 
 def count_in_strips(v: float, c: float, labels: IntArray, upper: bool) -> int:
     """Return the number of roots in the consecutive strips ``labels`` of one half-plane."""
-    return count_in_box(v, c, *box_of_strips(v, c, labels, upper))
+    x_low, x_high, y_low, y_high = box_of_strips(v, c, labels, upper)
+    return count_in_box(v, c, x_low=x_low, x_high=x_high, y_low=y_low, y_high=y_high)
 
 
 def edge_pieces(

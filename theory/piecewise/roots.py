@@ -132,7 +132,7 @@ def labelled_roots(
                 break
             for step_of in (_labelled_step, _plain_step):
                 wanted, v_, c_ = labels[missing], v[missing], c[missing]
-                found = _iterate(step_of, start[missing], wanted, v_, c_, upper)
+                found = _iterate(step_of, start[missing], wanted, v_, c_, upper=upper)
                 good = _inside(found, wanted, upper)
                 good &= _radius(found, v_, c_) <= 1e-6 * np.abs(found)
                 k[missing[good]] = found[good]
@@ -246,6 +246,7 @@ def _iterate(
     labels: IntArray,
     v: FloatArray,
     c: FloatArray,
+    *,
     upper: bool,
 ) -> ComplexArray:
     """Apply Newton's steps, each root until its own step is down to rounding."""

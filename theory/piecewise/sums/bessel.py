@@ -72,8 +72,8 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
             f"the Bessel series at v = {v:.6g}, c = {c:.6g} needs {cost:.2g} Bessel functions, "
             f"more than {_MOST_EVALUATIONS:.0e}; use the method integral."
         )
-    coarse, evaluations, _ = _summed(v, c, panels, end, pieces_each, 14)
-    fine, more, size = _summed(v, c, panels, end, pieces_each, 20)
+    coarse, evaluations, _ = _summed(v, c, panels, end, pieces_each, nodes=14)
+    fine, more, size = _summed(v, c, panels, end, pieces_each, nodes=20)
     error = abs(fine - coarse) + 0.5 * tolerance + 20.0 * _EPS * (1.0 + c) * size
     return KineticSum(
         value=-fine,
@@ -85,7 +85,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
 
 
 def _summed(
-    v: float, c: float, panels: int, end: float, pieces: int, nodes: int
+    v: float, c: float, panels: int, end: float, pieces: int, *, nodes: int
 ) -> tuple[complex, int, float]:
     """Return the integral to ``end`` by Gauss–Legendre, the evaluations, and ∫|integrand|.
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from theory.piecewise.sums import rules
 
-_WITHIN_LOOPS = ("quotient_without_branches", "integrand", "integrand_and_slopes")
+_WITHIN_LOOPS = ("quotient_without_branches", "integrand", "integrand_and_slopes", "_slopes_at")
 """Calls that would keep a loop from being vectorised."""
 
 

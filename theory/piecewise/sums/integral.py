@@ -155,7 +155,9 @@ def sums(
     for count, part in zip(counts.tolist(), np.split(order, first)[1:], strict=True):
         at = v_[part], c_[part]
         if count and (fast or part.size > _FEW_VALUES):
-            values[:, part], errors[:, part] = _plain(*at, truncation[part], count, slopes, fast)
+            values[:, part], errors[:, part] = _plain(
+                *at, truncation[part], count, slopes=slopes, fast=fast
+            )
             points[part] = count // 2
         else:
             values[:, part], errors[:, part], points[part] = _one_by_one(
@@ -176,7 +178,7 @@ def _as_array(
 
 
 def _plain(
-    v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, slopes: bool,
+    v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, *, slopes: bool,
     fast: dict[str, Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
     """Return Σ and derivatives with no root taken away, and their error bounds, shapes (3, n)."""

@@ -215,9 +215,9 @@ def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
     return count, 2.0 * peak / math.expm1(count * strip)
 
 
-def is_plain(v: float, c: float, count: int) -> bool:
+def is_plain(v: Any, c: Any, count: Any) -> Any:
     """Return whether points on the real axis alone are the fastest rule, or the only one."""
-    return count <= MOST_PLAIN or (v < SLOWEST and c <= STEEPEST * v)
+    return (count <= MOST_PLAIN) | ((v < SLOWEST) & (c <= STEEPEST * v))
 
 
 def quotient(x: Any, y: Any) -> Any:
@@ -352,34 +352,27 @@ def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
         squares[i] += g.real * g.real + g.imag * g.imag + h.real * h.real + h.imag * h.imag
 
 
-def _add_by_v(X: float, at: FloatArray, sums: FloatArray) -> None:
-    """Add Re and Im of S_a, and |S_a|², at X; see `integrand_and_slopes`."""
+def _slopes_at(X: float, q: float, turn: float, decay: float) -> tuple[complex, complex]:
+    """Return the last two that `integrand_and_slopes` returns, at X."""
+    theta = turn * X
+    x, y = _cosine_and_sine(theta)
+    E = complex(decay * x, decay * y)
+    _, S_a, h = integrand_and_slopes(E, complex(q, -theta), 4.0 * X)
+    return S_a, h
+
+
+def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
+    """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X."""
     q, turn, decay = at[0], at[1], at[2]
-    re, im, squares = sums[0], sums[1], sums[2]
+    for i in range(turn.size):  # two loops: one that writes both is not vectorised
+        S_a, _ = _slopes_at(X, q[i], turn[i], decay[i])
+        sums[0, i] += S_a.real
+        sums[1, i] += S_a.imag
+        sums[2, i] += S_a.real * S_a.real + S_a.imag * S_a.imag
     for i in range(turn.size):
-        theta = turn[i] * X
-        x, y = _cosine_and_sine(theta)
-        E = complex(decay[i] * x, decay[i] * y)
-        S_a = integrand_and_slopes(E, complex(q[i], -theta), 4.0 * X)[1]
-        re[i] += S_a.real
-        im[i] += S_a.imag
-        squares[i] += S_a.real * S_a.real + S_a.imag * S_a.imag
-
-
-def _add_by_c(X: float, at: FloatArray, sums: FloatArray) -> None:
-    """Add Re and Im of the last that `integrand_and_slopes` returns, at X.
-
-    A loop of its own: one that also writes what `_add_by_v` does is not vectorised.
-    """
-    q, turn, decay = at[0], at[1], at[2]
-    re, im = sums[3], sums[4]
-    for i in range(turn.size):
-        theta = turn[i] * X
-        x, y = _cosine_and_sine(theta)
-        E = complex(decay[i] * x, decay[i] * y)
-        h = integrand_and_slopes(E, complex(q[i], -theta), 4.0 * X)[2]
-        re[i] += h.real
-        im[i] += h.imag
+        _, h = _slopes_at(X, q[i], turn[i], decay[i])
+        sums[3, i] += h.real
+        sums[4, i] += h.imag
 
 
 def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:
@@ -422,8 +415,7 @@ def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
         sums = np.zeros((5, at.shape[1]))
         for j in range(count // 2):
             half = math.sin((j + 0.5) * (math.pi / count))
-            _add_by_v(half * half, at, sums)
-            _add_by_c(half * half, at, sums)
+            _add_slopes(half * half, at, sums)
         for i in range(at.shape[1]):
             for row in range(5):
                 means[row, first + i] = sums[row, i] * (2.0 / count)
@@ -443,8 +435,7 @@ def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, Floa
     unit = 4.0 * np.exp2(np.maximum(np.ceil(np.log2(wanted / 64.0)), 0.0))
     counts = np.maximum(unit * np.ceil(wanted / unit), 8.0)
     truncation = 2.0 * peak / np.expm1(counts * strip)
-    plain = (counts <= MOST_PLAIN) | ((v < SLOWEST) & (c <= STEEPEST * v))
-    return np.where(plain, counts, 0.0).astype(np.int64), truncation
+    return np.where(is_plain(v, c, counts), counts, 0.0).astype(np.int64), truncation
 
 
 def plain_errors(

@@ -1,102 +1,86 @@
-"""Chains of one's own beside heyoka and jitcode at equal error, and a million sites.
+"""Chains of one's own beside heyoka and jitcode, which take symbolic systems, at equal error.
 
 Two problems to t = 200: 31 Duffing-Van der Pol cells, each with another a, with springs to second
-neighbours; and a square lattice of 100 x 100 cells, of which nine are excited. Ours is the compiled
-default stepper, all sites stepped and errors not stated; compile times stand apart. The error is
-the largest of y and ẏ at the end against scipy's DOP853 at 1e-13 with the equation written a second
-time. ``python -m benchmarks.own_chain`` measures all and writes ``results/own_chain.json``;
-``chain``, ``lattice`` or ``million`` after it measures one.
+neighbours; and a square lattice of 100 x 100 cells, of which nine are excited. Ours is the default
+stepper, all sites stepped; compile times stand apart. The error is the largest of y and ẏ at the
+end against scipy's DOP853 at 1e-13 with the equation written a second time. Then: seconds a step
+and bytes a site of a million sites. Times are processor seconds.
 """
 
 from __future__ import annotations
 
-import json
+import functools
 import resource
-import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
-from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from benchmarks.chain import Solve, compiled_by_heyoka, compiled_by_jitcode
+from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
     Answer,
     Effort,
+    Prepared,
+    Report,
     Setting,
+    Style,
+    WorkPrecision,
     least_factor,
-    measure_side_by_side,
 )
 from theory.chains.oscillator import OscillatorChain
-from verification.execution.metadata import installed_versions, this_machine
 from verification.execution.time_limit import time_limit
-from verification.references.network import oscillator_rate, states_by_scipy
+from verification.quantities.own_chains import OURS, chain_of, rate_of
+from verification.quantities.problems import Problem, timed
+from verification.references.network import states_by_scipy
 from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
 
 FloatArray = npt.NDArray[np.float64]
 
-RESULT = Path(__file__).parent / "results" / "own_chain.json"
-END = 200.0
-OURS, HEYOKA, JITCODE = "ours", "heyoka", "jitcode dop853"
+STATED, HEYOKA, JITCODE = "Runge-Kutta 8, error stated", "heyoka", "jitcode dop853"
 LOW, HIGH = 1e-10, 1e-3
-TOLERANCES = {"chain": tuple(10.0**-k for k in range(4, 13)), "lattice": (1e-5, 1e-7, 1e-9, 1e-11)}
-BUILD_LIMIT = 300
+"""Errors between which speed was promised."""
+TOLERANCES = tuple(10.0**-k for k in range(4, 13))
+BUILD_LIMIT = 900
 """Seconds of the wall after which a peer's compilation is given up."""
-
-
-def problem(name: str) -> OscillatorChain:
-    """Return the chain of a problem."""
-    cell: dict[str, Any] = {
-        "damping": "1 - a*y**2 + b*y**4", "values": {"a": 4.0, "b": 0.5}, "c": 0.6, "eps": 0.05
-    }  # fmt: skip
-    if name == "lattice":
-        return OscillatorChain(**cell, coupling="square", shape=(100, 100))
-    return OscillatorChain(
-        **cell, stiffness="y + y**3/100", coupling="next-nearest:1,0.2", disorder={"a": 0.1}, seed=1
-    )
+MANY = 1000
+"""Sites from which on peers compile in pieces and are tried at few tolerances."""
 
 
 def start_of(chain: OscillatorChain) -> FloatArray:
     """Return the start: three sites in a row excited, or three rows of three."""
-    middle = chain.sites // 2 + (50 if chain.shape else 0)
-    rows = (-100, 0, 100) if chain.shape else (0,)
-    return excite(chain, [middle + row + n for row in rows for n in (0, 1, 2)], 3.8)
+    rows, columns = chain.shape or (1, chain.sites)
+    middle = (rows // 2) * columns + columns // 2
+    across = (-columns, 0, columns) if rows > 1 else (0,)
+    return excite(chain, [middle + row + n for row in across for n in (0, 1, 2)], 3.8)
 
 
-def reference(chain: OscillatorChain) -> FloatArray:
-    """Return the final state by scipy."""
-    a = np.asarray(chain.site_values["a"])
-    k = 0.0 if chain.stiffness == "y" else 0.01
-    rate = oscillator_rate(
-        lambda y: y + k * y**3, lambda y, v: 1.0 - a * y**2 + 0.5 * y**4, chain.links.matrix,
-        c=chain.c, eps=chain.eps,
-    )  # fmt: skip
-    found: FloatArray = states_by_scipy(rate, start_of(chain).ravel(), np.array([0.0, END]), 1e-13)[
-        -1
-    ]
-    return found
-
-
-def ours(chain: OscillatorChain, tolerance: float) -> FloatArray:
+def ours(chain: OscillatorChain, end: float, tolerance: float) -> FloatArray:
     """Return the final state of the default stepper, all sites stepped."""
     run = SmoothIntegration(
-        chain, start_of(chain), [0.0, END], tolerance=tolerance, level=1e9, active_window=False
+        chain, start_of(chain), [0.0, end], tolerance=tolerance, level=1e9, active_window=False
     )
     while not run.finished:
         run.advance(10**9)
-    found: FloatArray = run.samples[-1].ravel()
-    return found
+    final: FloatArray = run.samples[-1].ravel()
+    return final
+
+
+def _stated(chain: OscillatorChain, end: float, tolerance: float) -> Answer:
+    """Return the final state with its error: the run as a user asks for it."""
+    run = simulate(chain, start_of(chain), end, tolerance=tolerance, samples=2, active_window=False)
+    return Answer(value=run.states[-1].ravel(), claimed=run.error)
 
 
 def _forces(chain: OscillatorChain, y: Any, w: Any) -> list[Any]:
     """Return the accelerations in the symbols of a peer."""
     a = np.broadcast_to(np.asarray(chain.site_values["a"]), chain.sites)
-    k = 0.0 if chain.stiffness == "y" else 0.01
-    links, found = chain.links, []
+    k, links, found = chain.values.get("k", 0.0), chain.links, []
     for n in range(chain.sites):
         square = y[n] * y[n]
         force = -y[n] - chain.eps * w[n] * (1.0 - float(a[n]) * square + 0.5 * square * square)
@@ -110,107 +94,137 @@ def _forces(chain: OscillatorChain, y: Any, w: Any) -> list[Any]:
     return found
 
 
-def heyoka_solver(chain: OscillatorChain, tolerance: float) -> Solve:
+def _heyoka(chain: OscillatorChain, end: float, tolerance: float) -> Solve:
     """Return heyoka's Taylor integrator, compiled; in compact mode where there are many sites."""
-    return compiled_by_heyoka(
-        partial(_forces, chain), start_of(chain).ravel(), END, tolerance, compact=chain.sites > 100
-    )
+    start, compact = start_of(chain).ravel(), chain.sites >= MANY
+    return compiled_by_heyoka(partial(_forces, chain), start, end, tolerance, compact=compact)
 
 
-def jitcode_solver(chain: OscillatorChain, _: float) -> Solve:
-    """Return jitcode's integrator, compiled."""
-    return compiled_by_jitcode(partial(_forces, chain), start_of(chain).ravel(), END, "dop853")
+def _jitcode(chain: OscillatorChain, end: float, _: float) -> Solve:
+    """Return jitcode's integrator, compiled; it serves every tolerance."""
+    return compiled_by_jitcode(partial(_forces, chain), start_of(chain).ravel(), end, "dop853")
 
 
-def _built(build: Callable[[], Solve]) -> tuple[Solve | None, float, str]:
-    """Return a peer's integrator, the seconds of its compilation, and why there is none."""
-    begin = perf_counter()
-    try:
-        with time_limit(BUILD_LIMIT):
-            return build(), perf_counter() - begin, ""
-    except Exception as error:  # whatever a peer raises is its result
-        return None, perf_counter() - begin, str(error)[:160]
+def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
+    """Return both references and all methods."""
+    chain, end = chain_of(problem.values), problem["t"]
+    report(f"scipy, {chain.sites} sites")
+    times = np.array([0.0, end])
+    true = states_by_scipy(rate_of(problem.values), start_of(chain).ravel(), times, 1e-13)[-1]
+    apart = float(np.abs(ours(chain, end, 1e-13) - true).max())
+    rows: list[tuple[str, float, Callable[[], Answer]]] = [
+        (OURS, tolerance, partial(_value, partial(ours, chain, end), tolerance))
+        for tolerance in TOLERANCES[:: 4 if quick else 1]
+    ]
+    rows += [(STATED, each, partial(_stated, chain, end, each)) for each in (1e-6, 1e-9)]
+    missing = []
+    peers = TOLERANCES[1:8:3] if quick or chain.sites >= MANY else TOLERANCES
+    for method, build, tolerances in (
+        *((HEYOKA, partial(_heyoka, chain, end, each), [each]) for each in peers),
+        (JITCODE, partial(_jitcode, chain, end, 0.0), peers),
+    ):
+        report(f"compiling {method} for {chain.sites} sites")
+        try:
+            with time_limit(BUILD_LIMIT):
+                solve = build()
+        except Exception as error:  # whatever a peer raises is its result
+            missing.append((method, f"tolerance {tolerances[0]:.0e}", str(error)[:160]))
+            continue
+        rows += [(method, each, partial(_value, solve, each)) for each in tolerances]
+    settings = [
+        Setting(
+            method=method, knob=f"tolerance {tolerance:.0e}", evaluate=call, reference=true,
+            peer=method in (HEYOKA, JITCODE),
+        )
+        for method, tolerance, call in rows
+    ]  # fmt: skip
+    return Prepared(agreement=apart, settings=settings, failures=missing)
 
 
-def measured(name: str, say: Callable[[str], None] = print) -> dict[str, Any]:
-    """Return all points of a problem, compile times, and the least factors of time."""
-    chain = problem(name)
-    true = reference(chain)
-    begin = perf_counter()
-    ours(chain, 1e-3)
-    compiled = {OURS: perf_counter() - begin}
-    settings, missing = [], {}
-    for tolerance in TOLERANCES[name]:
-        settings.append(_setting(OURS, tolerance, partial(ours, chain), true))
-    for method, solver, one in ((HEYOKA, heyoka_solver, True), (JITCODE, jitcode_solver, False)):
-        peers = TOLERANCES[name][:2] if name == "lattice" else TOLERANCES[name][::2]
-        solve = None
-        for tolerance in peers:
-            if solve is None or one:
-                solve, seconds, why = _built(partial(solver, chain, tolerance))
-                say(f"{name}: {method} {tolerance:.0e} compiled in {seconds:.1f} s {why}")
-                compiled.setdefault(method, seconds)
-            if solve is None:
-                missing[method] = why
-                break
-            settings.append(_setting(method, tolerance, solve, true, peer=True))
-    points, failures = measure_side_by_side(
-        "own chain", name, settings, effort=Effort(seconds=2.0, most=9, limit=200.0)
-    )
-    for point in points:
-        say(f"{name}: {point.method} {point.knob}: error {point.error:.1e}, {point.seconds:.3g} s")
-    own = [point for point in points if point.method == OURS]
-    factors = {}
-    for method in (HEYOKA, JITCODE):
-        found = least_factor(own, [each for each in points if each.method == method], LOW, HIGH)
-        factors[method] = None if found is None else found[0]
-    return {
-        "points": [
-            {"method": each.method, "knob": each.knob, "error": each.error, "seconds": each.seconds}
-            for each in points
-        ],
-        "compile_seconds": compiled,
-        "least_factor": factors,
-        "failures": {**missing, **{each.method: each.reason for each in failures}},
-    }  # fmt: skip
+def _value(solve: Solve, tolerance: float) -> Answer:
+    return Answer(value=solve(tolerance))
 
 
-def _setting(
-    method: str, tolerance: float, solve: Solve, true: FloatArray, *, peer: bool = False
-) -> Setting:
-    def evaluate() -> Answer:
-        return Answer(value=solve(tolerance))
-
-    return Setting(
-        method=method, knob=f"tolerance {tolerance:.0e}", evaluate=evaluate, reference=true,
-        peer=peer,
-    )  # fmt: skip
+def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
+    """Return how the default compares with each peer, and what a million sites cost."""
+    rows = [_ratio(points, problem.name, peer)
+            for problem in timed("own-chain") for peer in (HEYOKA, JITCODE)]  # fmt: skip
+    return tuple(rows) if quick else (*rows, *_million(report))
 
 
-def million(steps: int = 20) -> dict[str, Any]:
+def _ratio(points: Sequence[WorkPoint], problem: str, peer: str) -> Target:
+    """Return the least factor by which the default beats a peer at equal error."""
+    here = [point for point in points if point.problem == problem]
+    own, others = ([p for p in here if p.method == method] for method in (OURS, peer))
+    least = least_factor(own, others, LOW, HIGH)
+    detail = f"errors from {LOW:g} to {HIGH:g}"
+    if least is not None:
+        _, worst, fastest = least
+        detail = (
+            f"least favourable: {worst.knob}: error {worst.error:.1e} in {worst.seconds:.2g} s; "
+            f"ours {fastest.error:.1e} in {fastest.seconds:.2g} s"
+        )
+    claim = f"default stepper against {peer}, {problem}, at equal error"
+    return Target(claim, None if least is None else least[0], "at least", 1.0, "times", detail)
+
+
+def _million(report: Report, steps: int = 20) -> tuple[Target, Target]:
     """Return the seconds a step and the bytes a site of a square lattice of 1000 x 1000."""
-    chain = problem("lattice").replace(shape=(1000, 1000), sites=None)
+    report("stepping a million sites")
+    chain = chain_of({**timed("own-chain")[-1].values, "rows": 1000, "sites": 1_000_000})
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    run = SmoothIntegration(
-        chain, excite(chain, [500_500], 3.8), [END], level=1e9, active_window=False
-    )
+    start = excite(chain, [500_500], 3.8)
+    run = SmoothIntegration(chain, start, [200.0], level=1e9, active_window=False)
     run.advance(chain.sites)
-    begin, done = process_time(), run.counts["steps"]
+    begin, done = time.process_time(), run.counts["steps"]
     run.advance(steps * chain.sites)
-    seconds = (process_time() - begin) / (run.counts["steps"] - done)
-    size = 1024.0 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-    return {"sites": chain.sites, "seconds_a_step": seconds, "bytes_a_site": size / chain.sites}
+    seconds = (time.process_time() - begin) / (run.counts["steps"] - done)
+    size = 1024.0 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / chain.sites
+    detail = f"a square lattice of {chain.sites} sites, {steps} steps"
+    return (
+        Target("a step of a million sites", seconds, "no target", None, "s", detail),
+        Target("memory of a million sites", size, "no target", None, "bytes a site", detail),
+    )
 
 
-def main(names: list[str]) -> None:
-    """Measure what is named, or all, and write it beside what was measured before."""
-    found = json.loads(RESULT.read_text()) if RESULT.exists() else {}
-    for name in names or ["chain", "lattice", "million"]:
-        found[name] = million() if name == "million" else measured(name)
-        print(json.dumps(found[name].get("least_factor", found[name])))
-        found |= {"versions": installed_versions(), "machine": this_machine()}
-        RESULT.write_text(json.dumps(found, indent=1) + "\n")
+def _first(method: str) -> FloatArray:
+    """Integrate the first problem; the first call compiles whatever has to be compiled."""
+    return _solver(method)(1e-8)
 
 
-if __name__ == "__main__":
-    main(sys.argv[1:])
+@functools.cache
+def _solver(method: str) -> Solve:
+    problem = timed("own-chain")[0]
+    chain, end = chain_of(problem.values), problem["t"]
+    if method == OURS:
+        return partial(ours, chain, end)
+    return (_heyoka if method == HEYOKA else _jitcode)(chain, end, 1e-8)
+
+
+BENCHMARK = WorkPrecision(
+    name="own-chain",
+    prepare=prepare,
+    targets=targets,
+    effort=Effort(seconds=1.0, most=21, limit=300.0),
+    quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.3, limit=20.0),
+    style=Style(
+        xlabel="largest error (right is better)",
+        ylabel="processor seconds a run",
+        caption="Error against run time, chains of one's own. Pale: settings that another one of "
+        "the same method beats. Grey: errors of the order of the motion itself.",
+        methods={
+            OURS: ("blue", "o"),
+            STATED: ("blue", "P"),
+            HEYOKA: ("black", "*"),
+            JITCODE: ("orange", "D"),
+        },
+        garbage=0.1,
+    ),
+    variants=(STATED,),
+    reasons={
+        HEYOKA: "it compiles in every process, for every chain and every tolerance, and is an "
+        "optional extra",
+        JITCODE: "it needs a C compiler and compiles anew for every chain",
+    },
+    first={name: partial(_first, name) for name in (OURS, HEYOKA, JITCODE)},
+)

@@ -266,7 +266,7 @@ NEW = ("velocity", "roots", "breather", "multipliers", "front", "map")
 
 def test_every_quantity_of_the_plan_is_discovered_once():
     names = [benchmark.name for benchmark in all_benchmarks()]
-    assert names == sorted({"sum", *NEW, "chain", "friction", "derivation"})
+    assert names == sorted({"sum", *NEW, "chain", "own-chain", "friction", "derivation"})
     # A quantity of the registry with useful errors is timed, and no other.
     registered = importlib.import_module("verification.quantities.registry").all_quantities()
     assert names == sorted(each.name for each in registered if each.useful)

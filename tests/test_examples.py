@@ -20,6 +20,12 @@ from verification.runs.excite import excite
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
+
+def decay_per_site(c: float) -> complex:
+    """Return the root of q + 1/q = 2 + i/c within the unit circle."""
+    return complex(min(np.roots([1.0, -(2.0 + 1j / c), 1.0]), key=abs))
+
+
 EXPECTED = {
     # |Σ| = 2r at c = 1, by the root series to 30 digits (tests/test_theory_kinetic.py)
     "kinetic_curve": (0.697386087321, 1e-11, "svg"),
@@ -41,6 +47,9 @@ EXPECTED = {
     "next_nearest": (math.sqrt(1.8), 0.01, "svg"),
     # scipy's arrivals (tests/test_own_fronts.py); √(c/2)(1 - 2α) of the continuum without disorder
     "disordered_chain": (math.sqrt(0.5) * 0.6, 0.02, "png"),
+    # linear response of a half-infinite chain at ω = 1, 1/|iε + εc(1 - q)|, q + 1/q = 2 + i/c; a
+    # A²/4 = 0.0016 of the damping is nonlinear
+    "driven_chain": (100 / abs(1j + 0.6 * (1 - decay_per_site(0.6))), 0.15, "png"),
     # below that of planar fronts, 1.113 (tests/test_own_fronts.py)
     "lattice_front": (1.0769, 1e-3, "gif"),
     # without disorder √(c/2)(1 - 2α) in the continuum

@@ -10,7 +10,7 @@ from verification.quantities.problems import PROBLEMS, Problem, problem_named, t
 from verification.quantities.quantity import Quantity
 from verification.quantities.registry import all_computations, all_quantities, quantity_named
 
-NO_AXES = {"low", "high", "order", "t", "sites", "a"}
+NO_AXES = {"low", "high", "order", "t", "sites", "rows", "a"}
 """Parameters of a whole run or sweep, and a, which changes only the unit of y."""
 
 

@@ -76,6 +76,17 @@ for axes, spread in zip(panels, (0.0, 0.1), strict=True):
 panels[0].set_ylabel("site n")
 
 # %%
+# A force
+# -------
+# ``drive`` lets harmonic forces F cos(ωt + phase) act on chosen sites. At the end of a chain at
+# rest a weak one moves a few sites; one that takes the end over the unstable cycle starts a front.
+
+for force in (0.005, 0.03):
+    driven = start.replace(drive=f"{force},1@1", sites=31)
+    run = fr.simulate(driven, np.zeros((2, 31)), t_end=6000, estimate_error=False)
+    print(f"F = {force}: {np.isfinite(run.arrivals).sum()} of 31 sites reached")
+
+# %%
 # Beyond polynomials
 # ------------------
 # A right-hand side of your own is one dataclass and one function, as the docstring of

@@ -7,34 +7,71 @@ cell and coupling; the reference has cell and matrix written a second time.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy import sparse
 
 from theory.chains.oscillator import OscillatorChain
-from verification.quantities.quantity import Computation, ReferenceCheck, StatedValue, axes, whole
+from verification.quantities.quantity import (
+    Computation,
+    Quantity,
+    ReferenceCheck,
+    StatedValue,
+    axes,
+    whole,
+)
 from verification.quantities.scipy_states import compared, last_state
-from verification.references.equations import pull_matrix
+from verification.references.equations import Rate, pull_matrix
 from verification.references.network import oscillator_rate
 
 FloatArray = npt.NDArray[np.float64]
 
 _END = 30.0
 
+OURS = "Runge-Kutta 8 (default)"
 
-def own_chain(at: Mapping[str, float]) -> OscillatorChain:
-    """Return the chain of a point: stiffness y + ky³, springs to second neighbours, disorder."""
+
+def chain_of(at: Mapping[str, float]) -> OscillatorChain:
+    """Return the chain of a point: stiffness y + ky³, springs to second neighbours, disorder.
+
+    Of more rows than one it is a square lattice.
+    """
+    sites, rows = whole(at["sites"]), whole(at.get("rows", 1))
+    size: Any = sites if rows == 1 else (rows, sites // rows)
     return OscillatorChain(
         damping="1 - a*y**2 + b*y**4",
-        stiffness="y + k*y**3",
-        values={"a": 4.0, "b": 0.5, "k": at["k"]},
+        stiffness="y + k*y**3" if at["k"] else "y",
+        values={"a": 4.0, "b": 0.5, **({"k": at["k"]} if at["k"] else {})},
         c=at["c"],
         eps=at["eps"],
-        sites=whole(at["sites"]),
-        coupling=f"next-nearest:1,{at['far']!r}",
+        sites=size,
+        coupling=f"next-nearest:1,{at['far']!r}" if rows == 1 else "square",
         velocity_coupling=at["d"],
-        disorder={"a": at["spread"]},
+        disorder={"a": at["spread"]} if at["spread"] else {},
     )
+
+
+def rate_of(at: Mapping[str, float]) -> Rate:
+    """Return its right side for scipy."""
+    sites, rows, k = whole(at["sites"]), whole(at.get("rows", 1)), at["k"]
+    a = np.asarray(chain_of(at).site_values["a"])
+    matrix: Any = pull_matrix(sites // rows)
+    for n in range(sites - 2 if rows == 1 else 0):
+        pair = np.ix_([n, n + 2], [n, n + 2])
+        matrix[pair] += at["far"] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    if rows > 1:
+        matrix = sparse.kronsum(matrix, pull_matrix(rows), format="csr")
+
+    def force(y: FloatArray) -> FloatArray:
+        return y + k * y**3
+
+    def damping(y: FloatArray, v: FloatArray) -> FloatArray:
+        h: FloatArray = 1.0 - a * y**2 + 0.5 * y**4
+        return h
+
+    return oscillator_rate(force, damping, matrix, c=at["c"], eps=at["eps"], d=at["d"])
 
 
 def own_run(at: Mapping[str, float]) -> StatedValue:
@@ -42,7 +79,7 @@ def own_run(at: Mapping[str, float]) -> StatedValue:
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
 
-    chain = own_chain(at)
+    chain = chain_of(at)
     start = excite(chain, [1], at["displacement"])
     level = 0.5 * at["displacement"]
     run = simulate(chain, start, _END, samples=2, level=level, tolerance=at["tolerance"])
@@ -52,21 +89,7 @@ def own_run(at: Mapping[str, float]) -> StatedValue:
 
 def own_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Return what scipy's DOP853 gives, at two tolerances."""
-    chain, sites = own_chain(at), whole(at["sites"])
-    a, k = np.asarray(chain.site_values["a"]), at["k"]
-    matrix = pull_matrix(sites)
-    for n in range(sites - 2):
-        pair = np.ix_([n, n + 2], [n, n + 2])
-        matrix[pair] += at["far"] * np.array([[1.0, -1.0], [-1.0, 1.0]])
-
-    def force(y: FloatArray) -> FloatArray:
-        return y + k * y**3
-
-    def damping(y: FloatArray, v: FloatArray) -> FloatArray:
-        h: FloatArray = 1.0 - a * y**2 + 0.5 * y**4
-        return h
-
-    rate = oscillator_rate(force, damping, matrix, c=chain.c, eps=chain.eps, d=at["d"])
+    rate, sites = rate_of(at), whole(at["sites"])
     size = at["displacement"]
 
     def last(tolerance: float) -> FloatArray:
@@ -77,7 +100,7 @@ def own_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck
     return compared(stated.value, last, "scipy's DOP853", 1e-14 * size)
 
 
-RUN_OF_OWN_CHAIN = Computation(
+_RUN = Computation(
     name="run-chain",
     title="state of a chain of one's own at t = 30 from one displaced site",
     axes=axes(
@@ -86,4 +109,12 @@ RUN_OF_OWN_CHAIN = Computation(
     ),
     compute=own_run, check=own_by_scipy, seconds=60.0, share=0.3,
     limits="one polynomial stands for all; stronger damping takes scipy minutes",
+)  # fmt: skip
+
+QUANTITIES = (
+    Quantity(
+        name="own-chain", title="trajectory of a chain of one's own", equation="(8)",
+        problems="own-chain", reference="scipy's DOP853 at 1e-13, the equation written again",
+        accuracy=1e-8, default=OURS, useful=(1e-10, 1e-3), computations=(_RUN,),
+    ),
 )  # fmt: skip

@@ -7,8 +7,8 @@
 2. All problems of a family give values to the same parameters, and a quantity uses each of them.
 3. ``ordinary`` problems are where a curve of the paper lies, and come first; ``stiff`` ones narrow
    the strip of analyticity, crowd the roots, or mix fast and slow motion; ``extreme`` ones are
-   where a formula written carelessly overflows, underflows or loses a root. Every problem has a
-   tag; ordinary ones have no other.
+   where a formula written carelessly overflows, underflows or loses a root, or sites are very
+   many. Every problem has a tag; ordinary ones have no other.
 4. The first problem of a family is ordinary and timed, and one is not ordinary.
 5. For Σ the tags are numbers: extreme is v or c at or beyond 10⁻³ or 10³; ordinary is what is not
    extreme, with a root-free strip no narrower than 1/10 and c/v, about a root a unit, at most 10.
@@ -142,6 +142,12 @@ PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
             "strong-damping", "stiff", a=4.0, eta=0.03125, c=0.6, eps=1.0, sites=31, t=40.0,
             timed=True,
         ),
+    ),
+    "own-chain": (
+        _problem("next-nearest", "ordinary", k=0.01, far=0.2, d=0.0, spread=0.1, c=0.6, eps=0.05,
+                 sites=31, rows=1, t=200.0, timed=True),
+        _problem("lattice", "extreme", k=0.0, far=0.0, d=0.0, spread=0.0, c=0.6, eps=0.05,
+                 sites=10_000, rows=100, t=200.0, timed=True),
     ),
     "friction": (
         _problem("ordinary", "ordinary", c=0.02, sites=31, t=200.0, timed=True),

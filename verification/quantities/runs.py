@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.quantities.chains import vdp_chain
-from verification.quantities.own_chains import RUN_OF_OWN_CHAIN
 from verification.quantities.quantity import (
     Axis,
     Computation,
@@ -143,7 +142,6 @@ QUANTITIES = (
         problems="chain", reference="scipy's DOP853 at 1e-13, beside our Taylor series at 1e-14",
         accuracy=1e-9, default="Runge-Kutta 8 (default)", useful=(1e-9, 1e-3),
         computations=(
-            RUN_OF_OWN_CHAIN,
             Computation(
                 name="run-vdp", title="state of the chain (8) at t = 30 from one displaced site",
                 axes=_VDP, compute=partial(_run, full=True), check=_full_by_scipy,

@@ -104,6 +104,10 @@ class ProfileGrid:
         Front velocity v̂ and coupling.
     k : ndarray of float, shape (N,)
         2π(j + ½)/N, between -π and π.
+    a : ndarray of complex, shape (N,)
+        A/v.
+    still, late : ndarray of complex, shape (N,)
+        The factor of e^{ikm} is still + late e^{-a(1 - f)}.
     error : float
         Bound on the error of values with |m| up to the extent asked for.
     """
@@ -111,16 +115,15 @@ class ProfileGrid:
     v: float
     c: float
     k: FloatArray
-    inverse_onsite: ComplexArray
-    pole: ComplexArray
     a: ComplexArray
-    wave: ComplexArray
+    still: ComplexArray
+    late: ComplexArray
     error: float
 
     @property
     def points(self) -> int:
         """Number of points N."""
-        return self.k.size
+        return self.a.size
 
     @classmethod
     def make(cls, v: float, c: float, extent: float, tolerance: float) -> ProfileGrid:
@@ -142,21 +145,22 @@ class ProfileGrid:
         # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
         k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
         A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
-        wave = np.exp(1j * k)
         a = A / v
-        pole = 0.5 - 0.5j / np.tan(0.5 * k)  # 1/(1 - e^{-ik}) without cancellation
+        still = (0.5 - 0.5j / np.tan(0.5 * k)) / A  # 1/(1 - e^{-ik}) without cancellation
+        late = np.exp(1j * k) / (-np.expm1(1j * k - a) * A)
         truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
         rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
-        return cls(v, c, k, 1.0 / A, pole, a, wave, truncation + rounding)
+        return cls(v, c, k, a, still, late, truncation + rounding)
 
     def _bracket(self, rest: FloatArray) -> ComplexArray:
         """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
 
         It is the distance and not f that counts: over a small v its rounding would be multiplied.
         """
-        late: ComplexArray = np.exp(-self.a * rest[:, None]) * self.wave
-        late /= -np.expm1(1j * self.k - self.a)
-        return (self.pole + late) * self.inverse_onsite
+        factor: ComplexArray = np.exp(-self.a * rest[:, None])
+        factor *= self.late
+        factor += self.still
+        return factor
 
     def at(self, zeta: FloatArray) -> ComplexArray:
         """Return φ/φ_s at ζ, shape (n,)."""

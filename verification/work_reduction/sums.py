@@ -139,12 +139,12 @@ def _shape(grid: ProfileGrid, m: FloatArray, pieces: int) -> Iterator[ComplexArr
 
     The bracket of ``ProfileGrid`` grows like e^{af}, the same from one piece to the next.
     """
-    turn = np.exp(1j * np.outer(m, grid.k)) * grid.inverse_onsite / (2.0 * grid.points)
-    late = turn * grid.wave / -np.expm1(1j * grid.k - grid.a)
-    pole = 0.5 - (turn @ grid.pole)[:, None]
+    turn = np.exp(1j * np.outer(m, grid.k)) / (2.0 * grid.points)
+    late = turn * grid.late
+    still = 0.5 - (turn @ grid.still)[:, None]
     within = np.exp(np.outer(grid.a, np.arange(_PIECE) / (_PIECE * pieces)))
     for piece in range(pieces):
-        yield pole - (late * np.exp(-grid.a * (1.0 - piece / pieces))) @ within
+        yield still - (late * np.exp(-grid.a * (1.0 - piece / pieces))) @ within
 
 
 def few_values_in_a_search(eta: float = 0.03125, above: float = 1e-8) -> Comparison:

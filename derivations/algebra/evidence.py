@@ -156,6 +156,12 @@ def fast_average(function: Callable[[Any], Any], harmonic: int = 0, samples: int
     return complex(np.mean(function(t) * np.exp(-1j * harmonic * t)))
 
 
+def slope_of(function: Callable[[Any], Any], at: Any = 0.0, step: float = 1e-3) -> Any:
+    """Return the derivative of a function by central differences of fourth order."""
+    outer, inner = (function(at + h) - function(at - h) for h in (2 * step, step))
+    return (8 * inner - outer) / (12 * step)
+
+
 def _number(given: Any, digits: int) -> sp.Expr:
     if isinstance(given, sp.Basic):
         return given

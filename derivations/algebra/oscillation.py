@@ -267,47 +267,33 @@ class SquareAndAdd(Operation):
 
 
 @dataclass(frozen=True)
-class MatchHarmonic(Operation):
-    """Equate modulus and argument of one harmonic of two expressions for the same motion.
+class CompareFundamental(Operation):
+    """Amplitude of the fundamental of a motion, or amplitudes and phases of two for the same one.
 
     Attributes
     ----------
     phase : Expr
         The phase.
+    name : Symbol or None
+        What the amplitude of a single motion is called.
     """
 
-    phrase: ClassVar[str] = "equate amplitude and phase of the fundamentals of {sources}"
     phase: sp.Expr
+    name: sp.Symbol | None = None
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``2 |first| = 2 |second|`` and ``arg first = arg second``."""
-        first, second = (harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero)
-                         for source in sources)  # fmt: skip
-        sizes = equation(2 * modulus(first), 2 * modulus(second))
-        return system((sizes, equation(argument(first), argument(second))))
+        """Return ``name = 2 |coefficient|``, or both amplitudes and both arguments as equal."""
+        found = [harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero) for source in sources]
+        if self.name is not None:
+            return equation(self.name, 2 * modulus(found[0]))
+        sizes = equation(*(2 * modulus(each) for each in found))
+        return system((sizes, equation(*map(argument, found))))
 
-
-@dataclass(frozen=True)
-class TakeAmplitude(Operation):
-    """Amplitude of the fundamental of a motion.
-
-    Attributes
-    ----------
-    phase : Expr
-        The phase.
-    name : Symbol
-        What the amplitude is called.
-    """
-
-    phrase: ClassVar[str] = "take the amplitude of {sources}"
-    phase: sp.Expr
-    name: sp.Symbol
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = 2 |coefficient of e^{i phase}|``."""
-        (source,) = sources
-        found = harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero)
-        return equation(self.name, 2 * modulus(found))
+    def words(self, labels: Sequence[str]) -> str:
+        """Name the motions."""
+        if self.name is not None:
+            return f"take the amplitude of {listed(labels)}"
+        return f"equate amplitude and phase of the fundamentals of {listed(labels)}"
 
 
 def modulus(value: sp.Expr) -> sp.Expr:

@@ -220,46 +220,41 @@ class Rewrite(Operation):
         return self.form.value.format(listed(labels))
 
 
+class Function(Enum):
+    """What may be applied to both sides; the value says it."""
+
+    MODULUS = "take absolute values of {}"
+    SQUARE = "square {}"
+    RECIPROCAL = "take the reciprocal of {}"
+    SQUARE_ROOT = "take the square root of {}, with both signs"
+
+
 @dataclass(frozen=True)
-class RaiseToPower(Operation):
-    """Raise both sides to a power; of a square root both signs are kept.
+class Apply(Operation):
+    """Apply a function to both sides; of a square root both signs are kept."""
 
-    Attributes
-    ----------
-    exponent : Rational
-        2 for the square, 1/2 for the square root, -1 for the reciprocal.
-    """
-
-    exponent: sp.Rational | int
+    function: Function
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the power of both sides, or the branches ``√left = ±√right``."""
+        """Return the function of both sides, or the branches ``√left = ±√right``."""
         (source,) = sources
-        if self.exponent != sp.Rational(1, 2):
-            return on_sides(source, lambda side: sp.cancel(side**self.exponent))
-        left, right = (
-            sp.sqrt(sp.factor(side)).replace(sp.Abs, lambda q: q) for side in source.args
-        )
-        return sp.Tuple(equation(left, right), equation(left, -right))
+        if self.function is Function.SQUARE_ROOT:
+            left, right = (_root(side) for side in source.args)
+            return sp.Tuple(equation(left, right), equation(left, -right))
+        of = {
+            Function.MODULUS: sp.Abs,
+            Function.SQUARE: lambda side: sp.cancel(side**2),
+            Function.RECIPROCAL: lambda side: sp.cancel(1 / side),
+        }
+        return on_sides(source, of[self.function])
 
     def words(self, labels: Sequence[str]) -> str:
-        """Name the power."""
-        if self.exponent == sp.Rational(1, 2):
-            return f"take the square root of {listed(labels)}, with both signs"
-        done = {2: "square", -1: "take the reciprocal of"}.get(self.exponent)
-        return f"{done or f'raise to the power {self.exponent}'} {listed(labels)}"
+        """Name the function."""
+        return self.function.value.format(listed(labels))
 
 
-@dataclass(frozen=True)
-class TakeModulus(Operation):
-    """Take absolute values on both sides."""
-
-    phrase: ClassVar[str] = "take absolute values of {sources}"
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``|left| = |right|``."""
-        (source,) = sources
-        return equation(sp.Abs(source.lhs), sp.Abs(source.rhs))
+def _root(side: sp.Expr) -> sp.Expr:
+    return sp.sqrt(sp.factor(side)).replace(sp.Abs, lambda inner: inner)
 
 
 @dataclass(frozen=True)

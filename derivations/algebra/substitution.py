@@ -20,7 +20,8 @@ HALF = sp.Rational(1, 2)
 class Substitute(Operation):
     """Put values into an equation: those given, and each further source read left to right.
 
-    Derivatives are carried out, integrals are not.
+    Derivatives are carried out, integrals are not. An equivalence of two inequalities says where a
+    step function switches.
 
     Attributes
     ----------
@@ -43,12 +44,12 @@ class Substitute(Operation):
         """Return the first source with everything put in."""
         rules = {own: sp.sympify(value) for own, value in self.values.items()}
         for rule in (part for source in sources[1:] for part in parts_of(source)):
-            if not isinstance(rule, sp.Equality):
-                raise OperationError(f"{rule} is not a rule that can be put in")
-            rules |= self._instances(rule)
+            rules |= _step_rule(rule) if isinstance(rule, sp.Equivalent) else self._instances(rule)
         return on_sides(sources[0], lambda side: side.xreplace(rules).doit(integrals=False))
 
-    def _instances(self, rule: sp.Equality) -> dict[sp.Basic, sp.Basic]:
+    def _instances(self, rule: sp.Basic) -> dict[sp.Basic, sp.Basic]:
+        if not isinstance(rule, sp.Equality):
+            raise OperationError(f"{rule} is not a rule that can be put in")
         if self.index is None:
             return {rule.lhs: rule.rhs}
         return {
@@ -73,6 +74,16 @@ class Substitute(Operation):
         shown = listed([spoken(place) for place in places])
         moved = any(place.has(self.index) for place in places)
         return f" at the sites {shown}" if moved else f" at {spoken(self.index)} = {shown}"
+
+
+def _step_rule(rule: sp.Equivalent) -> dict[sp.Basic, sp.Basic]:
+    """Read ``p > q if and only if z < z_0``: where the step function of ``p - q`` switches."""
+    relations = {isinstance(part, sp.Gt): part for part in rule.args}
+    over, place = relations[True], relations[False]
+    if not isinstance(place, sp.Lt):
+        raise OperationError(f"{rule} does not say where the threshold is passed")
+    switch = sp.Heaviside(over.lhs - over.rhs, HALF)
+    return {switch: sp.Heaviside(place.rhs - place.lhs, HALF)}
 
 
 def mirrored(field: sp.FunctionClass, time: sp.Symbol, reach: int) -> Substitute:
@@ -218,28 +229,6 @@ class InsertRightSide(Operation):
         """Return ``left of the first = right of the second``."""
         first, second = sources
         return equation(first.lhs, second.rhs)
-
-
-@dataclass(frozen=True)
-class LocateSteps(Operation):
-    """Use an equivalence of two inequalities to say where a step function switches."""
-
-    phrase: ClassVar[str] = "let the step in {first} be where {others} says"
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the first source with ``theta(p - q)`` as a step in the place."""
-        target, condition = sources
-        relations = {isinstance(part, sp.Gt): part for part in condition.args}
-        over, place = relations[True], relations[False]
-        if not isinstance(place, sp.Lt):
-            raise OperationError(f"{condition} does not say where the threshold is passed")
-        switch = sp.Heaviside(over.lhs - over.rhs, HALF)
-        found = on_sides(
-            target, lambda side: side.xreplace({switch: sp.Heaviside(place.rhs - place.lhs, HALF)})
-        )
-        if not found.has(sp.Heaviside) or found == target:
-            raise OperationError(f"{target} has no step at that threshold")
-        return found
 
 
 @dataclass(frozen=True)

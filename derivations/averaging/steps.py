@@ -8,7 +8,7 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Limit
-from derivations.algebra.oscillation import Average, RealAndImaginaryParts, TakeAmplitude
+from derivations.algebra.oscillation import Average, CompareFundamental, RealAndImaginaryParts
 from derivations.algebra.rearrangement import (
     Divide,
     DividedDifference,
@@ -133,7 +133,7 @@ def _decaying(
 
 def _at_sites(model: ChainModel, wave: Step, parts: Step, checks: Checks) -> tuple[Step, ...]:
     """Return what the decaying wave amounts to at several sites."""
-    amplitude = derived("amplitudes", TakeAmplitude(omega * t, A_n), wave,
+    amplitude = derived("amplitudes", CompareFundamental(omega * t, A_n), wave,
                         check=checks.amplitude, number=38)  # fmt: skip
     size = definition("square of the amplitude", equation(square, alpha_0**2 * sp.exp(2 * k_1 * n)),
                       "the square of the amplitude of φ at site n",

@@ -18,6 +18,7 @@ from derivations.algebra.evidence import (
     Points,
     at_points,
     equals,
+    slope_of,
     solved_for,
     value,
 )
@@ -187,12 +188,6 @@ def _drag(chain: FrictionModel, point: Point) -> Callable[[float], float]:
         return 2 * float(point[s.xi]) * speed - float(force)
 
     return total
-
-
-def _slope(function: Callable[[float], float], at: float = 0.0) -> float:
-    step = 1e-3
-    outer, inner = (function(at + h) - function(at - h) for h in (2 * step, step))
-    return (8 * inner - outer) / (12 * step)
 
 
 def _power(chain: FrictionModel, point: Point, size: float) -> float:
@@ -452,7 +447,7 @@ class Checks:
         dimensional = {q: point[q] for q in (s.m, s.d, s.k, s.eta_c)}
         ground = _number(self.chain.stiffness, dimensional)
         own = s.z(s.n, s.tau)
-        net = second + _slope(_drag(self.chain, point)) * speed
+        net = second + slope_of(_drag(self.chain, point)) * speed
         net += _pull(self.chain, small, s.z, s.tau, dimensional) / ground
         return {**point, **small, own.diff(s.tau): speed, own.diff(s.tau, 2): second}, [net]
 
@@ -468,7 +463,7 @@ class Checks:
             relative = _number(spring, dimensional) / ground
             ahead = np.roll(np.eye(sites), distance, axis=1)
             springs = springs + relative * (2 * np.eye(sites) - ahead - ahead.T)
-        drag = _slope(_drag(self.chain, point)) * np.eye(sites)
+        drag = slope_of(_drag(self.chain, point)) * np.eye(sites)
         block = np.block([[np.zeros((sites, sites)), np.eye(sites)], [-springs, -drag]])
         values, vectors = np.linalg.eig(block)
         # The Fourier transform of an eigenvector peaks at its wavenumber, up to a sign.
@@ -481,7 +476,7 @@ class Checks:
     def damping(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Compare with the slope of all velocity-dependent forces."""
         point, _ = _slipping_state(self.chain, rng)
-        return point, [_slope(_drag(self.chain, point))]
+        return point, [slope_of(_drag(self.chain, point))]
 
     def hopf(self, candidate: sp.Basic) -> Evidence:
         """At each velocity that comes out the slope of the forces vanishes and changes sign."""
@@ -500,7 +495,7 @@ class Checks:
                     return float(2 * given[s.xi] * speed - fall_ * fallen)
 
                 kept += 1
-                worst = max(worst, abs(_slope(total)))
+                worst = max(worst, abs(slope_of(total)))
         return Evidence(
             kept >= 2 and worst < 1e-7,
             f"slope of the forces at {kept} such velocities: at most {worst:.1e}",

@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from derivations.algebra.evidence import Points, at_points
+from derivations.algebra.evidence import Points, at_points, slope_of
 from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
 from derivations.front import symbols as s
@@ -122,9 +122,7 @@ class CellChecks:
         """Slope of the sampled loss on the outer cycle."""
         for sample in self.samples:
             step = 1e-3 * sample.outer
-            far, near = (sample.rate(sample.outer + q) - sample.rate(sample.outer - q)
-                         for q in (2 * step, step))  # fmt: skip
-            slope = (8 * near - far) / (12 * step)
+            slope = slope_of(sample.rate, sample.outer, step)
             yield {s.radial_rate: -slope, **sample.chain.values}, [0]
 
     @at_points("the response of the averaged chain to a tiny amplitude", tolerance=1e-7)

@@ -6,7 +6,7 @@ import cmath
 import math
 import random
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import mpmath as mp
@@ -15,7 +15,7 @@ import sympy as sp
 from scipy.integrate import quad
 
 from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, Points, at_points, solved_for, value
+from derivations.algebra.evidence import Point, Points, at_points, slope_of, solved_for, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
 from derivations.front.checks_cell import CellChecks
@@ -179,11 +179,7 @@ class ProfileChecks(CellChecks):
     def _slopes(self, on_roots: bool) -> Points:
         for sample, fast, number in self._waves():
             for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
-                step = 1e-4
-                far, near = (sample.lattice.dispersion(at + h, fast)
-                             - sample.lattice.dispersion(at - h, fast)
-                             for h in (2 * step, step))  # fmt: skip
-                slope = complex((8 * near - far) / (12 * step))
+                slope = complex(slope_of(partial(sample.lattice.dispersion, v=fast), at, step=1e-4))
                 yield {**sample.chain.values, s.v: fast, s.k: complex(at), s.L_k: slope}, [0]
 
     @at_points("numerical derivatives of L at any k", tolerance=1e-8)
@@ -383,15 +379,12 @@ def _bell(z: Any) -> Any:
 
 def _operated(sample: Sample, fast: float, z: Any) -> Any:
     """Return the left side of (48) for the bell: derivative, decay and springs."""
-    step, lattice = 1e-4, sample.lattice
-    far, near = (_bell(z + h) - _bell(z - h) for h in (2 * step, step))
-    out = -fast * (8 * near - far) / (12 * step) + lattice.decay * _bell(z)
+    lattice = sample.lattice
+    out = -fast * slope_of(_bell, z, step=1e-4) + lattice.decay * _bell(z)
     for distance, spring in enumerate(lattice.springs, start=1):
         out = out - 0.5j * spring * (2 * _bell(z) - _bell(z + distance) - _bell(z - distance))
     return out
 
 
 def _integral(function: Any, low: float, high: float) -> complex:
-    parts = (quad(lambda z: complex(function(z)).real, low, high, limit=400)[0],
-             quad(lambda z: complex(function(z)).imag, low, high, limit=400)[0])  # fmt: skip
-    return complex(*parts)
+    return complex(quad(function, low, high, limit=400, complex_func=True)[0])

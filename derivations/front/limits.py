@@ -7,10 +7,11 @@ import sympy as sp
 from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Limit
 from derivations.algebra.rearrangement import (
+    Apply,
     Form,
+    Function,
     Isolate,
     Join,
-    RaiseToPower,
     Rewrite,
     Take,
 )
@@ -133,7 +134,7 @@ def _pinning(static: dict[str, Step], found: dict[str, Step], checks: Checks) ->
         coupling = derived(name, (Substitute(), Substitute({c: symbol})), by_p, root,
                            check=checks.threshold_coupling(side))  # fmt: skip
         out += [squared, root, coupling]
-    infinite = (RaiseToPower(-1), Limit(p, sp.oo), SolveFor(ratio),
+    infinite = (Apply(Function.RECIPROCAL), Limit(p, sp.oo), SolveFor(ratio),
                 SelectRoot("r > 0", lambda q: q.real > 0, {}))  # fmt: skip
     pole = derived("largest ratio of pinning", infinite, out[3],
                    check=checks.largest_ratio,
@@ -144,8 +145,9 @@ def _pinning(static: dict[str, Step], found: dict[str, Step], checks: Checks) ->
         named = derived("ratio named", (Substitute(), SolveFor(ratio)), found["ratio by η"],
                         found["ratio"],
                         check=checks.ratio_in_eta)  # fmt: skip
-        largest = derived("largest η of pinning", (Substitute(), RaiseToPower(2), SolveFor(eta)),
-                          named, pole, check=checks.largest_eta)  # fmt: skip
+        largest = derived("largest η of pinning",
+                          (Substitute(), Apply(Function.SQUARE), SolveFor(eta)), named, pole,
+                          check=checks.largest_eta)  # fmt: skip
         out += [named, largest]
     return tuple(out)
 

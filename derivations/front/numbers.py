@@ -8,7 +8,6 @@ quantities are dimensionless; v stands for the paper's velocity over eps.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -201,14 +200,10 @@ def _integral(node: Any, point: Point) -> sp.Expr:
     function = sp.lambdify(variable, integrand, "numpy")
     start, end = float(low), float(high) if high != sp.oo else np.inf
 
-    def part_of(name: str) -> Callable[[float], float]:
-        return lambda q: float(getattr(complex(function(q)), name))
-
     with warnings.catch_warnings():
         warnings.simplefilter("error", IntegrationWarning)
         try:
-            parts = [quad(part_of(name), start, end, limit=400, epsabs=1e-11)[0]
-                     for name in ("real", "imag")]  # fmt: skip
+            found = quad(function, start, end, limit=400, epsabs=1e-11, complex_func=True)[0]
         except IntegrationWarning:
             raise ArithmeticError("an integral did not converge") from None
-    return sp.sympify(complex(*parts))
+    return sp.sympify(complex(found))

@@ -6,13 +6,14 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.algebra.rearrangement import (
+    Apply,
     Differentiate,
     Divide,
     Form,
+    Function,
     Join,
     Rewrite,
     TakeCoefficient,
-    TakeModulus,
 )
 from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
@@ -21,7 +22,6 @@ from derivations.algebra.substitution import (
     Eliminate,
     EnterMovingFrame,
     InsertRightSide,
-    LocateSteps,
     Substitute,
     TakeBranch,
     WriteWithStep,
@@ -123,7 +123,7 @@ def _to_profile(chain: ChainModel, checks: Checks) -> dict[str, Step]:
     slow = definition("slow velocity", equation(speed, epsilon * v), "the velocity a unit of εt",
                       check=checks.slow_velocity)  # fmt: skip
     driven = derived("driven chain", InsertRightSide(), lines, force, check=checks.driven)
-    located = derived("chain with the step at the front", LocateSteps(), driven, passed,
+    located = derived("chain with the step at the front", Substitute(), driven, passed,
                       check=checks.located)  # fmt: skip
     frame = derived("profile", EnterMovingFrame(n, t, zeta), located, moving,
                     check=checks.profile_equation(speed))  # fmt: skip
@@ -189,7 +189,7 @@ def _to_kinetic_relation(
     )
     relation = derived("threshold", (Substitute(), SolveFor(total)), ahead, meeting,
                        check=checks.threshold, number=53)  # fmt: skip
-    modulus = derived("kinetic relation", TakeModulus(), relation, check=checks.relation)
+    modulus = derived("kinetic relation", Apply(Function.MODULUS), relation, check=checks.relation)
     steps = [ahead, behind, meeting, relation, modulus]
     if "ratio by η" in cycles:
         steps.append(derived("kinetic relation in η", Join(), modulus, cycles["ratio by η"],

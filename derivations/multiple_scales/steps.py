@@ -9,12 +9,12 @@ import sympy as sp
 from derivations.algebra.equations import equation
 from derivations.algebra.expansion import CollectPower, DifferentiateInScales, Limit, Truncate
 from derivations.algebra.oscillation import (
-    MatchHarmonic,
+    CompareFundamental,
     RealAndImaginaryParts,
     RemoveSecularTerms,
     SquareAndAdd,
 )
-from derivations.algebra.rearrangement import Divide, RaiseToPower, Take
+from derivations.algebra.rearrangement import Apply, Divide, Function, Take
 from derivations.algebra.solution import SolveFor, SolveOscillator
 from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
 from derivations.algebra.substitution import RescaleTime, Substitute, mirrored
@@ -175,7 +175,7 @@ def _self_consistent(
     fundamental = derived("steady free oscillation", settled, free, polar,
                           check=checks.steady_oscillation)  # fmt: skip
     match = derived(
-        "self-consistency", MatchHarmonic(t_hat), rescaled, fundamental, check=checks.match,
+        "self-consistency", CompareFundamental(t_hat), rescaled, fundamental, check=checks.match,
         note="The paper uses the first part; the second fixes the phase, θ = -π/2",
     )  # fmt: skip
     doubled = derived("amplitude of site 0", Take(0), match, check=checks.doubled)
@@ -217,7 +217,7 @@ def _to_breather(
     )  # fmt: skip
     branches = derived(
         "both signs of the decay",
-        (Divide(4 * given.coupling**2), RaiseToPower(sp.Rational(1, 2))),
+        (Divide(4 * given.coupling**2), Apply(Function.SQUARE_ROOT)),
         neglected,
         check=checks.branches,
     )

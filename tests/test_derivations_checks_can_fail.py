@@ -190,6 +190,36 @@ def test_a_switch_of_44_below_the_unstable_cycle_is_noticed():
         assert not step.verify(moved).holds, share
 
 
+def test_a_half_plane_that_begins_above_the_axis_is_noticed():
+    step = derivation("piecewise-front").numbered(52)
+    k = sp.Symbol("k")
+    raised = step.result.xreplace({side(sp.im(k), 0): side(sp.im(k), 1) for side in (sp.Gt, sp.Lt)})
+    assert raised != step.result
+    assert not step.verify(raised).holds
+
+
+def test_a_contour_integral_over_the_coordinate_is_noticed():
+    step = derivation("piecewise-front").named("front as a contour integral")
+    (integral,) = step.result.atoms(sp.Integral)
+    (zeta,) = step.result.lhs.args
+    other = sp.Integral(integral.function, zeta)
+    assert not step.verify(step.result.xreplace({integral: other})).holds
+
+
+def test_springs_left_stretched_in_the_slipping_cell_are_noticed():
+    step = derivation("friction").named("slipping cell")
+    own = next(q for q in step.result.atoms(AppliedUndef))
+    site, time = own.args
+    stretched = step.result.lhs + own.func(site + 2, time) - own
+    assert not step.verify(equation(stretched, step.result.rhs)).holds
+
+
+def test_another_friction_coefficient_than_that_of_the_caption_is_noticed():
+    step = derivation("friction").numbered(7)
+    first, *rest = step.result.args
+    assert not step.verify(sp.Tuple(equation(first.lhs, 2 * first.rhs), *rest)).holds
+
+
 def test_a_derivation_whose_check_fails_says_so_and_stops():
     good = derivation("multiple-scales")
     old = good.steps[13]

@@ -201,6 +201,9 @@ class ProfileChecks(CellChecks):
             conditions = member.rhs.condition.args
             relation = next(q for q in conditions if isinstance(q, sp.Equality))
             others = sp.And(*(q for q in conditions if q != relation))
+            for near in (0.7 + 1e-9j, 0.7 - 1e-9j):  # the half-plane begins at the axis
+                if bool(others.subs(s.k, sp.sympify(near))) != ((near.imag > 0) == (place == 0)):
+                    return Evidence(False, f"wrong about numbers like {near}")
             for upper in (True, False):
                 for number in roots(sample.lattice, 0.5, 60, upper)[::17]:
                     size = complex(sample.lattice.dispersion(number, 0.5))
@@ -301,6 +304,8 @@ class ProfileChecks(CellChecks):
             height = 0.5 * float(roots(lattice, fast).imag.min())
             line = np.linspace(-1000.0, 1000.0, 100_001) + 1j * height
             integral = candidate.rhs.atoms(sp.Integral).pop()
+            if integral.limits != (sp.Tuple(s.k),):
+                return Evidence(False, "it is not an integral over the wavenumber along a line")
             plain = integral.function.xreplace({s.L(s.k): s.L_k, s.phi_s: _sympy(_CYCLE)})
             plain = plain.subs({**sample.chain.values, s.v: fast, s.zeta: place})
             terms = sp.lambdify((s.k, s.L_k), plain, "numpy")(line, lattice.dispersion(line, fast))

@@ -17,17 +17,3 @@ i = sp.I
 
 y = sp.Function("y", real=True)
 """Displacement; ``y(n, t)`` is that of site n at time t."""
-
-
-def damping_factor(y: sp.Expr) -> sp.Expr:
-    """``1 - a y^2 + b y^4``, what multiplies ``eps y'`` in Eq. (8)."""
-    return 1 - a * y**2 + b * y**4
-
-
-def site(offset: int = 0, name: str = "y", index: str = "n") -> sp.Expr:
-    """``y_{n+offset}(t)``; with ``index=""`` the site ``offset`` itself, as in ``y_0(t)``."""
-    if index:
-        place = index if offset == 0 else f"{{{index}{offset:+d}}}"
-    else:
-        place = str(offset) if offset >= 0 else f"{{{offset}}}"
-    return sp.Function(f"{name}_{place}", real=True)(t)

@@ -8,11 +8,11 @@ import pytest
 from derivations import judgement
 from derivations.algebra.modulation import Force, by_averaging, by_multiple_scales
 from derivations.averaging import readings
-from derivations.averaging.breather_correction import breather
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER
 from derivations.symbols import epsilon
+from tests.second_order_breather import breather
 from theory.averaged.breather import Reading, solve_breather
 from theory.averaged.envelope import envelope_rate
 from theory.chains.ends import Ends

@@ -12,7 +12,6 @@ from derivations.algebra.evidence import equals, value
 from derivations.averaging.readings import averaged_breather
 from derivations.cell.polynomial_text import DEEPEST, read_polynomial
 from derivations.front.numbers import Lattice, profile
-from derivations.symbols import a, b, damping_factor
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.piecewise.profile import front_profile
@@ -33,11 +32,6 @@ def test_nesting_is_counted_by_depth_and_not_by_number(mark: str) -> None:
     one = "(y)" if mark == "(" else "-y"
     many = "*".join([one] * (DEEPEST + 5))
     assert len(read_polynomial(many, "damping")) == 1
-
-
-def test_the_damping_of_the_paper_at_numbers() -> None:
-    # 1 - 3 * 4 + 5 * 16, by hand
-    assert damping_factor(sp.Integer(2)).subs({a: 3, b: 5}) == 69
 
 
 @pytest.mark.parametrize(("tolerance", "holds"), [(0.34, True), (0.33, False)])

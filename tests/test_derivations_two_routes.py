@@ -17,11 +17,11 @@ from derivations.algebra.modulation import (
     same_polynomial,
 )
 from derivations.algebra.modulation import in_scales_amplitude as carried
-from derivations.averaging.breather_correction import breather
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.averaging.readings import paper_numbers
 from derivations.chain import PAPER
 from derivations.symbols import epsilon, n, t, y
+from tests.second_order_breather import breather
 from verification.references.equations import damping
 
 SYMBOLS = sp.symbols("p q c", positive=True)

@@ -163,11 +163,11 @@ class SecondOrderChecks:
         order: int, what: str,
     ) -> Evidence:  # fmt: skip
         slopes = []
-        for values, square in _cycles_of(self.model):
+        for values, square in _cycles(self.model.cell()):
             errors = []
             for e in _small(self.model, values, square):
                 p = numbers_of(self.model, dict(values), e)
-                y, w = _orbit_of(self.model, values, square, e)
+                y, w = _orbit(self.model.cell(), values, square, e)
                 errors.append(error(candidate, y, w, {**p.values, own.square: square}))
             if min(errors) == 0:
                 return Evidence(False, f"{what}: nothing was tested")
@@ -250,19 +250,9 @@ def _slope(errors: list[float], order: int, what: str) -> Evidence:
 Values = tuple[tuple[sp.Symbol, float], ...]
 
 
-def _key(model: ChainModel) -> tuple[Any, ...]:
-    return tuple(model.damping.items()), tuple(model.stiffness.items())
-
-
-def _cycles_of(model: ChainModel) -> tuple[tuple[Values, float], ...]:
-    """Return two choices of parameters at which the cell has cycles, with each of their squares."""
-    return _cycles(_key(model))
-
-
 @lru_cache(maxsize=32)
-def _cycles(key: tuple[Any, ...]) -> tuple[tuple[Values, float], ...]:
-    damping, stiffness = key
-    model = ChainModel(damping=dict(damping), stiffness=dict(stiffness), coupling=0)
+def _cycles(model: ChainModel) -> tuple[tuple[Values, float], ...]:
+    """Return two choices of parameters at which a cell has cycles, with each of their squares."""
     rng: random.Random = random.Random(3)
     found: list[tuple[Values, float]] = []
     grid = np.linspace(0.3, 4.5, 24)
@@ -300,15 +290,9 @@ def _small(model: ChainModel, values: Values, square: float) -> tuple[float, flo
     return large, large / 2
 
 
-def _orbit_of(model: ChainModel, values: Values, square: float, e: float) -> tuple[Any, float]:
-    return _orbit(_key(model), values, square, e)
-
-
 @lru_cache(maxsize=64)
-def _orbit(key: tuple[Any, ...], values: Values, square: float, e: float) -> tuple[Any, float]:
+def _orbit(model: ChainModel, values: Values, square: float, e: float) -> tuple[Any, float]:
     """Return the true cycle near an averaged one, over one period, and its frequency."""
-    damping, stiffness = key
-    model = ChainModel(damping=dict(damping), stiffness=dict(stiffness), coupling=0)
     samples = 101
     start = math.sqrt(square) * np.sin(2 * np.pi * np.arange(samples) / samples)[None, :]
     y, w = orbit(start, 1.0, numbers_of(model, dict(values), e))

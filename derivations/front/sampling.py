@@ -63,17 +63,9 @@ class Sample:
 
 
 @lru_cache(maxsize=16)
-def _samples(key: int) -> tuple[Sample, ...]:
-    return tuple(_find(_MODELS[key], 3))
-
-
-_MODELS: dict[int, ChainModel] = {}
-
-
 def samples(model: ChainModel) -> tuple[Sample, ...]:
     """Return three chains of the model whose cells have two cycles."""
-    _MODELS.setdefault(id(model), model)
-    return _samples(id(model))
+    return tuple(_find(model, 3))
 
 
 def _find(model: ChainModel, count: int) -> list[Sample]:
@@ -136,9 +128,13 @@ def as_point(chain: ChainNumbers, field: dict[int, complex], rate: complex) -> d
     return {**point, s.phi(n, t).diff(t): rate, **chain.values}
 
 
+PLACES = (-4.3, -2.0, -1.2, -0.5, -0.1, 0.1, 0.5, 1.2, 2.0, 4.3)
+"""Where a front is compared with its threshold."""
+
+
 @lru_cache(maxsize=16)
-def _front(key: int) -> tuple[Sample, float]:
-    model = _MODELS[key]
+def front(model: ChainModel) -> tuple[Sample, float]:
+    """Return a chain and the velocity of a front that passes the threshold once at each site."""
     for sample in _find(model, 40):
         lattice = sample.lattice
         speeds = np.linspace(0.35, 3.0, 9)
@@ -150,16 +146,6 @@ def _front(key: int) -> tuple[Sample, float]:
                 if all((abs(profile(lattice, z, v)) > sample.ratio) == (z < 0) for z in PLACES):
                     return sample, v
     raise ArithmeticError("no admissible front of this model was found")
-
-
-PLACES = (-4.3, -2.0, -1.2, -0.5, -0.1, 0.1, 0.5, 1.2, 2.0, 4.3)
-"""Where a front is compared with its threshold."""
-
-
-def front(model: ChainModel) -> tuple[Sample, float]:
-    """Return a chain and the velocity of a front that passes the threshold once at each site."""
-    _MODELS.setdefault(id(model), model)
-    return _front(id(model))
 
 
 @lru_cache(maxsize=64)

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from functools import lru_cache
 
 import pytest
 import sympy as sp
@@ -21,11 +22,12 @@ from derivations.cell.envelope import derive_envelope
 from derivations.cell.steps import derive as derive_cell
 
 KEYS = tuple(catalogue.LISTING)
+loaded = lru_cache(maxsize=None)(catalogue.load)  # a step that is shown again is not checked again
 
 
 @pytest.mark.parametrize("key", KEYS)
 def test_the_text_holds_each_step_with_its_number_and_evidence(key):
-    derivation = catalogue.load(key)
+    derivation = loaded(key)
     shown = rendering.text(derivation)
     assert "FAILED" not in shown
     assert shown.count("checked:") == len(derivation.steps)
@@ -37,22 +39,22 @@ def test_the_text_holds_each_step_with_its_number_and_evidence(key):
 
 @pytest.mark.parametrize("key", KEYS)
 def test_mathml_is_well_formed(key):
-    root = ET.fromstring(rendering.mathml(catalogue.load(key)))
+    root = ET.fromstring(rendering.mathml(loaded(key)))
     math = [node for node in root.iter() if node.tag.endswith("}math")]
-    assert len(math) == len(catalogue.load(key).steps)
+    assert len(math) == len(loaded(key).steps)
     assert all(len(node) for node in math)
 
 
 @pytest.mark.parametrize("key", KEYS)
 def test_json_survives_a_round_trip(key):
-    data = json.loads(json.dumps(rendering.records(catalogue.load(key)), allow_nan=False))
+    data = json.loads(json.dumps(rendering.records(loaded(key)), allow_nan=False))
     assert data["complete"]
     assert all(step["holds"] and step["latex"] and step["evidence"] for step in data["steps"])
 
 
 @pytest.mark.parametrize("key", KEYS)
 def test_the_expression_in_json_is_read_back_by_sympy(key):
-    for step in catalogue.load(key).steps:
+    for step in loaded(key).steps:
         back = sp.sympify(rendering.equation_expression(step.result))
         for one, other in zip(parts_of(back), parts_of(step.result), strict=True):
             assert type(one) is type(other), step.name
@@ -84,7 +86,7 @@ def _agree(one, other):
 
 
 def test_a_notebook_shows_steps_and_derivations():
-    derivation = catalogue.load("averaging")
+    derivation = loaded("averaging")
     shown = rendering.markdown(derivation)
     assert shown.count("$$") == 2 * len(derivation.steps)
 
@@ -122,12 +124,12 @@ def test_greek_letters_indices_and_accents_of_the_text_are_latex(words, written)
 
 @pytest.mark.parametrize("key", KEYS)
 def test_the_latex_document_is_ascii_so_that_every_engine_takes_it(key):
-    assert rendering.document(catalogue.load(key)).isascii()
+    assert rendering.document(loaded(key)).isascii()
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 def test_the_exported_document_compiles(tmp_path):
-    derivations = [catalogue.load(key) for key in KEYS]
+    derivations = [loaded(key) for key in KEYS]
     derivations.append(derive_cell(derive_envelope("1 - a*y**2 + b*y**4", "k_3*y**3").model))
     (tmp_path / "all.tex").write_text(rendering.document(*derivations), encoding="utf-8")
     done = subprocess.run(

@@ -103,10 +103,17 @@ class Step(ABC):
 
         An equation that the check cannot even evaluate does not hold.
         """
-        judged = self.result if candidate is None else candidate
+        return self._own_evidence if candidate is None else self._judged(candidate)
+
+    @cached_property
+    def _own_evidence(self) -> Evidence:
+        """What the check finds for the result, which never changes."""
+        return self._judged(self.result)
+
+    def _judged(self, candidate: sp.Basic) -> Evidence:
         try:
             with np.errstate(all="ignore"):  # a value that is not finite fails the check
-                return self.check(judged)
+                return self.check(candidate)
         except (TypeError, ValueError, ArithmeticError, AttributeError, LookupError) as error:
             return Evidence(False, f"it could not be evaluated ({type(error).__name__}: {error})")
 

@@ -151,8 +151,21 @@ def test_an_edge_of_a_graph_acts_on_its_head() -> None:
 
 # Runs against scipy, the equation written a second time
 
-RAYLEIGH = {"damping": "v**2 - m", "values": {"m": 1.0}, "disorder": {"m": 0.2}, "seed": 3}
-THREE = {"damping": "0.005*y**6 - 0.144*y**4 + y**2 - 1", "c": 0.05, "eps": 0.1}
+# One text for both, so that it is compiled once.
+GENERAL = "p6*y**6 - p4*y**4 + p2*y**2 + q*v**2 - m"
+RAYLEIGH = {
+    "damping": GENERAL, "values": {"m": 1.0, "p2": 0, "p4": 0, "p6": 0, "q": 1},
+    "disorder": {"m": 0.2}, "seed": 3,
+}  # fmt: skip
+
+
+def three(rows: int, columns: int, **changes: Any) -> OscillatorChain:
+    """Return a lattice of cells with three cycles."""
+    values = {"m": np.ones(rows * columns), "p2": 1, "p4": 0.144, "p6": 0.005, "q": 0}
+    return OscillatorChain(
+        damping=GENERAL, values=values, c=0.05, eps=0.1, coupling="square", sites=(rows, columns),
+        **changes,
+    )  # fmt: skip
 
 
 def kinds() -> dict[str, tuple[OscillatorChain, Any, list[int]]]:
@@ -162,7 +175,6 @@ def kinds() -> dict[str, tuple[OscillatorChain, Any, list[int]]]:
         velocity_coupling=0.3, coupling="next-nearest:1,0.2", sites=12,
     )  # fmt: skip
     rayleigh = OscillatorChain(**RAYLEIGH, c=1.0, eps=0.1, coupling="ring", sites=10)
-    three = OscillatorChain(**THREE, coupling="square", sites=(4, 5), ends="fixed")
     nagumo = OscillatorChain(
         damping=0, stiffness="y*(1 - y)*(alpha - y)", values={"alpha": 0.2}, c=0.4, overdamped=True,
         coupling="hexagonal", sites=(4, 5),
@@ -185,7 +197,7 @@ def kinds() -> dict[str, tuple[OscillatorChain, Any, list[int]]]:
             [1, 4],
         ),
         "three cycles on a square lattice": (
-            three,
+            three(4, 5, ends="fixed"),
             oscillator_rate(
                 lambda y: y, lambda y, v: 0.005 * y**6 - 0.144 * y**4 + y**2 - 1.0,
                 lattice_matrix(4, 5, Ends.LITERAL), c=0.05, eps=0.1,
@@ -216,7 +228,7 @@ def test_the_error_of_a_run_bounds_its_distance_from_scipy(name: str) -> None:
 
 
 def test_the_active_window_of_a_lattice_changes_nothing() -> None:
-    chain = OscillatorChain(**THREE, coupling="square", sites=(40, 5))
+    chain = three(40, 5)
     start = excite(chain, [98], 4.5)
     whole = simulate(chain, start, 40.0, samples=3, active_window=False, estimate_error=False)
     part = simulate(chain, start, 40.0, samples=3, estimate_error=False)

@@ -49,15 +49,16 @@ def test_the_error_of_a_driven_run_bounds_its_distance_from_scipy(tolerance: flo
 
 
 def test_a_linear_chain_stays_on_its_steady_response() -> None:
-    """y = Re z exp(iωt) with (K - ω² + iεωh)z = F, at resonance; error independent of t."""
-    sites, eps, h, omega = 40, 0.2, 0.5, 1.3
+    """y = Re z exp(iωt) with (1 + εcL - ω² + iεω)z = F."""
+    sites, eps, omega = 40, 0.2, 1.3
     force = np.zeros(sites, complex)
-    force[[4, 20]] = 0.8 * np.exp(0.6j)
-    stiff = 1.7 * np.eye(sites) + eps * 0.9 * pull_matrix(sites)
-    z = np.linalg.solve(stiff + (1j * eps * omega * h - omega**2) * np.eye(sites), force)
-    chain = OscillatorChain(
-        damping=h, stiffness="1.7*y", c=0.9, eps=eps, sites=sites, drive=f"0.8,{omega},0.6@5,21"
-    )
+    force[[4, 20]] = 0.8 * np.exp(0.6j), 0.3 * np.exp(-1.1j)
+    stiff = (1.0 + 1j * eps * omega - omega**2) * np.eye(sites) + eps * 0.9 * pull_matrix(sites)
+    z = np.linalg.solve(stiff, force)
+    chain = driven(
+        values={"a": 0.0, "b": 0.0}, c=0.9, eps=eps, sites=sites,
+        drive=[f"0.8,{omega},0.6@5", f"0.3,{omega},-1.1@21"],
+    )  # fmt: skip
     start = np.array([z.real, (1j * omega * z).real])
     run = simulate(chain, start, 1000.0, samples=11, tolerance=1e-11, level=1e3)
     turn = np.exp(1j * omega * run.times)[:, None, None]
@@ -67,7 +68,7 @@ def test_a_linear_chain_stays_on_its_steady_response() -> None:
 
 
 def test_the_window_holds_the_driven_sites_and_pieces_change_nothing(tmp_path: Path) -> None:
-    chain = driven(sites=120, drive="0.3,1.1@60")
+    chain = driven(sites=120, drive=["0.3,1.1@60", "0.1,0.7@62"])
     start = np.zeros((2, 120))
     options: dict[str, Any] = {"samples": 3, "estimate_error": False, "tolerance": 1e-8}
     part = simulate(chain, start, 30.0, **options)
@@ -102,7 +103,7 @@ def test_arrivals_and_velocity_of_a_driven_front_are_those_of_scipy() -> None:
     v = np.polyfit(late, np.arange(70), 1)[0]
     # A third of a period more or less among the arrivals changes the mean velocity by 0.4 %.
     assert front.v == pytest.approx(v, rel=4e-3)
-    assert front.v > measure_front(chain.replace(drive=())).v * 1.03
+    assert front.v > np.sqrt(0.5) * 0.6  # of the continuum without a force; a lattice is slower
 
 
 @pytest.mark.parametrize(

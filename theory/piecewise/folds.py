@@ -172,8 +172,8 @@ def _summits(
             slope = slope + (above - slope) / (_STEP * c) * rise
         step = np.clip(slope / bend, -0.05, 0.05)
         t, c = t - step, c + rise
-        if np.all(np.abs(step) < 1e-9) and np.all(np.abs(rise) < 1e-14 * c):
-            break  # 1e-18 of the height
+        if np.all(np.abs(step) < 1e-7) and np.all(np.abs(rise) < 1e-8 * c):
+            break  # what is left is below their squares, and some 1e-5 of the step
     return t, c
 
 

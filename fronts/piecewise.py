@@ -33,9 +33,9 @@ Numbers: TypeAlias = float | Sequence[float] | FloatArray
 """A number or a one-dimensional array of them."""
 
 _DOUBLE = 15
-_MOST_DIGITS = 2000
-_MOST_ROOTS = 100_000
-_MOST_DIGITS_OF_ROOTS = 10_000_000
+_MAX_DIGITS = 2000
+_MAX_ROOTS = 100_000
+_MAX_DIGITS_OF_ROOTS = 10_000_000
 """Roots times digits in one half-plane, beyond double precision: some minutes."""
 _FARTHEST = 1e6
 
@@ -228,7 +228,7 @@ def sigma(
     from theory.piecewise.sums.result import PrecisionError
 
     v, c = _decimal("velocity v", v), _decimal("coupling c", c)
-    digits = count_within("digits", digits, 1, _MOST_DIGITS)
+    digits = count_within("digits", digits, 1, _MAX_DIGITS)
     within_double = digits <= 13 or method in ("integral", "series", "certified")
     if not within_double:
         raise ParameterError(
@@ -414,10 +414,10 @@ def roots(
 
     v, c = _decimal("velocity v", v), _decimal("coupling c", c)
     v_, c_ = float(v), float(c)
-    digits = count_within("digits", digits, 1, _MOST_DIGITS)
+    digits = count_within("digits", digits, 1, _MAX_DIGITS)
     if count is not None and extent is not None:
         raise ParameterError("extent |Re k|", extent, "absent beside a count", "give one of them")
-    number = count_within("root count", 10 if count is None else count, 1, _MOST_ROOTS)
+    number = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
     halves = [
         nearest_roots(v_, c_, number, upper)
         if extent is None
@@ -427,7 +427,7 @@ def roots(
     if digits > _DOUBLE:
         most = max(half.labels.size for half in halves)
         remedy = "ask for fewer roots or digits"
-        count_within("roots times digits", most * digits, 0, _MOST_DIGITS_OF_ROOTS, remedy)
+        count_within("roots times digits", most * digits, 0, _MAX_DIGITS_OF_ROOTS, remedy)
     counted = sum(_counted(v_, c_, half, upper=not i) for i, half in enumerate(halves))
     if certify:
         halves = [_certified(v_, c_, half, upper=not i) for i, half in enumerate(halves)]

@@ -19,7 +19,7 @@ from theory.averaged.breather import (
 )
 from theory.cells.vdp import eta_from_ratio, threshold_ratio
 from theory.chains.vdp import VdpChain, effective_epsilon
-from theory.piecewise.branch_search import MOST_POINTS, all_velocities
+from theory.piecewise.branch_search import MAX_POINTS, all_velocities
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.folds import fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import Status, kinetic_relation, trace_kinetic_relation
@@ -184,7 +184,7 @@ def test_velocities_too_many_to_be_told_apart_are_refused_at_once() -> None:
         kinetic_relation(1e8, 0.0799999)
     with pytest.raises(PrecisionError) as caught:
         all_velocities(np.array([1e8]), np.array([0.9999999]))
-    assert str(MOST_POINTS) in str(caught.value)
+    assert str(MAX_POINTS) in str(caught.value)
 
 
 def test_terms_and_seconds_are_shares_of_the_whole() -> None:

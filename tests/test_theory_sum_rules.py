@@ -93,7 +93,7 @@ def test_the_cost_does_not_depend_on_the_coupling_along_the_velocities_of_fronts
     """So many points as cost less than a root, or some thirty; from c = 1e-8 to 1e8."""
     for c in 10.0 ** np.arange(-8, 9):
         found = sums(math.sqrt(c) * np.geomspace(1 / 3, 3, 41), c, 1e-12)
-        assert found.points.max() <= rules.MOST_PLAIN // 2
+        assert found.points.max() <= rules.MAX_PLAIN // 2
         assert found.error.max() < 2e-12
 
 

@@ -42,7 +42,7 @@ _LABELS = 9.0
 _FEW_LABELS = 400
 _SLOW = 24
 """Terms of each sum that are followed beyond ``_NEAR``."""
-_MOST_CELLS = 20_000
+_MAX_CELLS = 20_000
 _AT_ONCE = 1 << 20
 """Exponentials held in memory."""
 
@@ -128,8 +128,8 @@ def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
     decided, farther = True, []
     for side, sign in zip(sides, (-1.0, 1.0), strict=True):
         farther += [sign * side.fails_at] if side.fails_at is not None else []
-        decided &= side.thin.shape[1] <= _MOST_CELLS
-        if side.thin.size and side.thin.shape[1] <= _MOST_CELLS:
+        decided &= side.thin.shape[1] <= _MAX_CELLS
+        if side.thin.size and side.thin.shape[1] <= _MAX_CELLS:
             ends = np.sort(sign * side.thin, axis=0)
             g, d = _margin(ends.ravel(), *_with_slope(shape, ends.ravel()), r)
             pairs = np.stack([ends, g.reshape(2, -1), d.reshape(2, -1)])
@@ -281,7 +281,7 @@ class _Side:
             open_ &= ~short
             a, middle, b = a[open_], middle[open_], b[open_]
             a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-            if a.size > _MOST_CELLS:
+            if a.size > _MAX_CELLS:
                 thin.append(np.stack([a, b]))
                 break
         stretches = np.concatenate(thin, axis=1)

@@ -30,7 +30,7 @@ BoolArray = npt.NDArray[np.bool_]
 _TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _COARSEST = 0.25
-MOST_POINTS = 200_000
+MAX_POINTS = 200_000
 """Points of one coupling from which the search begins, at most: some ten seconds."""
 NEAREST_TO_PINNING = 1e-12
 """Solutions that need |Σ| nearer than this to its limit at v = 0 are not looked for (v < 0.018)."""
@@ -128,7 +128,7 @@ def all_velocities(
     Raises
     ------
     PrecisionError
-        If a coupling needs more than ``MOST_POINTS`` points: c above some 10⁴ and η near 2/25.
+        If a coupling needs more than ``MAX_POINTS`` points: c above some 10⁴ and η near 2/25.
     """
     shift = 2.0 if retreating else 0.0
     starts = [
@@ -138,7 +138,7 @@ def all_velocities(
     sizes = np.array([s.size for s in starts], dtype=np.int64)
     relation = _Relation(c, target, shift, many=sizes.sum() >= MANY)
     # so many scenes at a time that their points are one array of moderate size
-    pieces = np.flatnonzero(np.diff(np.cumsum(sizes) // MOST_POINTS)) + 1
+    pieces = np.flatnonzero(np.diff(np.cumsum(sizes) // MAX_POINTS)) + 1
     scenes = np.split(np.arange(c.size), pieces)
     found = [_solve(relation, some, [starts[i] for i in some]) for some in scenes]
     columns = [each.name for each in fields(Solutions) if each.name != "evaluations"]
@@ -206,9 +206,9 @@ def _wiggle_points(
         end = np.flatnonzero(near & ~np.append(near[1:], False))
         pieces = list(zip(edge[begin].tolist(), edge[end].tolist(), strict=True))
     counts = [2 + math.ceil((1.0 / a - 1.0 / b) / wiggle) for a, b in pieces]
-    if sum(counts) > MOST_POINTS:
+    if sum(counts) > MAX_POINTS:
         raise PrecisionError(
-            f"the velocities at c = {c:.6g}, |Sum| = {target:.6g} need more than {MOST_POINTS} "
+            f"the velocities at c = {c:.6g}, |Sum| = {target:.6g} need more than {MAX_POINTS} "
             "values of the sum to be told apart; simulate the front, or take a smaller c."
         )
     filled = [np.linspace(1.0 / a, 1.0 / b, n) for (a, b), n in zip(pieces, counts, strict=True)]

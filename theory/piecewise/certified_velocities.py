@@ -53,7 +53,7 @@ _NARROWEST = 1e-14
 _PHASE = 0.3  # of e^{-a} over a cell, beyond which balls of ∂h/∂v are too wide
 _RELATIVE_TOLERANCES = (1e-4, 1e-9, 1e-21)
 _ROUNDED = 1.0 + 1e-12
-_MOST_POINTS = 20_000
+_MAX_POINTS = 20_000
 
 
 class WorkLimitError(PrecisionError):
@@ -125,7 +125,7 @@ class Relation:
             order,
         )
         self.work += points // 2 * (1 + order)
-        if points > _MOST_POINTS or self.work > self.most_work:
+        if points > _MAX_POINTS or self.work > self.most_work:
             raise WorkLimitError(
                 f"it would take more than {self.most_work} values of the integrand"
             )

@@ -10,7 +10,7 @@ import numpy as np
 from theory.parameters import count_within
 from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, labelled_roots
 
-MOST_DIGITS = 2000
+MAX_DIGITS = 2000
 """Digits that may be asked for."""
 
 GUARD_DIGITS = 100
@@ -50,7 +50,7 @@ def precise_roots(
     ParameterError
         If a parameter is out of range.
     """
-    digits = count_within("digits", digits, 1, MOST_DIGITS + GUARD_DIGITS)
+    digits = count_within("digits", digits, 1, MAX_DIGITS + GUARD_DIGITS)
     with mp.workdps(digits + 10):
         start = labelled_roots(*checked_velocity_and_coupling(v, c), labels, upper)
         v_, c_ = exact(v), exact(c)

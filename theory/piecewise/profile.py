@@ -25,7 +25,7 @@ from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
 from theory.result import Result
 
-MOST_POINTS = 1 << 21
+MAX_POINTS = 1 << 21
 _EPS = float(np.finfo(float).eps)
 
 
@@ -136,10 +136,10 @@ class ProfileGrid:
         sigma_right, K_right = tail_bound(v, c, ahead=True)
         rate, size = min(sigma_left, sigma_right), max(K_left, K_right)
         needed = extent + 1.0 + math.log(1.0 + 4.0 * size / tolerance) / rate
-        if needed > MOST_POINTS:
+        if needed > MAX_POINTS:
             raise PrecisionError(
                 f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, "
-                f"more than {MOST_POINTS}."
+                f"more than {MAX_POINTS}."
             )
         points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
         # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.

@@ -13,7 +13,7 @@ from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, stri
 
 _EPS = float(np.finfo(float).eps)
 _DEEPEST = 200
-_MOST_PIECES = 4_000_000
+_MAX_PIECES = 4_000_000
 
 
 def height_above_roots(v: float, c: float, extent: float) -> float:
@@ -120,7 +120,7 @@ def edge_pieces(
         a, middle, b = a[~sure], middle[~sure], b[~sure]
         if a.size == 0:
             return np.concatenate(sure_a), np.concatenate(sure_b)
-        if np.any(room[~sure] <= 0.0) or a.size > _MOST_PIECES:
+        if np.any(room[~sure] <= 0.0) or a.size > _MAX_PIECES:
             break
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
     raise ParameterError(

@@ -28,7 +28,7 @@ from theory.result import Result
 
 IntArray = npt.NDArray[np.int64]
 
-MOST_ROOTS = 1_000_000
+MAX_ROOTS = 1_000_000
 SMALLEST, LARGEST = 1e-12, 1e12
 _EPS = float(np.finfo(float).eps)
 
@@ -156,7 +156,7 @@ def nearest_roots(v: float, c: float, count: int, upper: bool) -> RootSet:
     ParameterError
         If the count is not from 1 to 1 000 000.
     """
-    count = count_within("root count", count, 1, MOST_ROOTS)
+    count = count_within("root count", count, 1, MAX_ROOTS)
     reach = count // 2 + 2
     while True:
         roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
@@ -178,9 +178,9 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
     """
     extent = positive("extent |Re k|", extent)
     reach = math.ceil(extent / (2.0 * np.pi)) + 1
-    if 2 * reach + 1 > MOST_ROOTS:
+    if 2 * reach + 1 > MAX_ROOTS:
         raise ParameterError(
-            "extent |Re k|", extent, f"at most {np.pi * MOST_ROOTS:.0f}", "ask less"
+            "extent |Re k|", extent, f"at most {np.pi * MAX_ROOTS:.0f}", "ask less"
         )
     roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
     roots = roots.take(np.abs(roots.k.real) <= extent)

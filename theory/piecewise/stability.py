@@ -39,9 +39,9 @@ from theory.piecewise.sums.integral import sums
 _EPS = float(np.finfo(float).eps)
 _SMALLEST_TERM = 1e-30
 """e^{-K/2v} of the last term; on the largest circle searched its root remains."""
-_MOST_PRODUCTS = 30_000_000
+_MAX_PRODUCTS = 30_000_000
 """Terms times points of the mean over κ, at most: about a third of a second."""
-_MOST_POINTS = 1 << 20
+_MAX_POINTS = 1 << 20
 _SCAN = 1.15
 """Factor between the couplings at which stability is tried."""
 _NARROW = 1e-5
@@ -117,7 +117,7 @@ def front_stability(v: float, c: float) -> FrontStability:
     terms = _terms(speed)
     found = FrontStability(floor=math.exp(-0.25 / speed), terms=terms)
     points = _mean_points(terms, speed, c)
-    if terms * points > _MOST_PRODUCTS:
+    if terms * points > _MAX_PRODUCTS:
         return found
     p = symbol_coefficients(v, c, terms, points)
     q = np.cumsum(p[::-1])[::-1].copy()
@@ -275,7 +275,7 @@ def _zeros_within(q: FloatArray, radius: float, uncertainty: float) -> int | Non
         scaled = q * radius**order
         slope = float(np.sum(np.abs(scaled) * order)) / radius
     points = 1 << math.ceil(math.log2(8 * q.size))
-    while points <= _MOST_POINTS:
+    while points <= _MAX_POINTS:
         values = np.fft.fft(scaled, points)
         least = float(np.abs(values).min()) - uncertainty
         if least <= 0.0:
@@ -359,7 +359,7 @@ class _Leading:
         v, error = float(found.v[-1]), float(found.error[-1])
         terms = _terms(v)
         points = _mean_points(terms, v, c)
-        if terms * points > _MOST_PRODUCTS:
+        if terms * points > _MAX_PRODUCTS:
             return None
         p = symbol_coefficients(v, c, terms, points)
         q = np.cumsum(p[::-1])[::-1].copy()

@@ -22,7 +22,7 @@ from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 
-_MOST_EVALUATIONS = 30_000_000
+_MAX_EVALUATIONS = 30_000_000
 _EPS = float(np.finfo(float).eps)
 
 
@@ -67,10 +67,10 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
                 break
     orders = c * end + 12.0 * (c * end + 1.0) ** (1 / 3) + 25.0
     cost = panels * pieces_each * 34.0 * orders
-    if cost > _MOST_EVALUATIONS:
+    if cost > _MAX_EVALUATIONS:
         raise PrecisionError(
             f"the Bessel series at v = {v:.6g}, c = {c:.6g} needs {cost:.2g} Bessel functions, "
-            f"more than {_MOST_EVALUATIONS:.0e}; use the method integral."
+            f"more than {_MAX_EVALUATIONS:.0e}; use the method integral."
         )
     coarse, evaluations, _ = _summed(v, c, panels, end, pieces_each, nodes=14)
     fine, more, size = _summed(v, c, panels, end, pieces_each, nodes=20)

@@ -147,7 +147,7 @@ def sums(
     points, truncation = rules.plan(v_, c_, tolerance)
     if v_.size < _FEW_POINTS and not fast:  # more points cost less than more groups
         power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
-        more = np.maximum(points, np.minimum(power, rules.MOST_PLAIN))
+        more = np.maximum(points, np.minimum(power, rules.MAX_PLAIN))
         points = np.where(points, more, 0.0).astype(np.int64)
     # sixteen bits are sorted in linear time, and no plain rule has as many points
     order = np.argsort(points.astype(np.int16), kind="stable")

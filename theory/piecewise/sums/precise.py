@@ -21,11 +21,11 @@ import numpy.typing as npt
 from theory.parameters import count_within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
-from theory.piecewise.precise_roots import MOST_DIGITS, exact, precise_roots
+from theory.piecewise.precise_roots import MAX_DIGITS, exact, precise_roots
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
 
-_MOST_POINTS = 200_000
+_MAX_POINTS = 200_000
 _SPARE = 8
 """Digits beyond those asked for that rounding leaves right, of the twelve computed."""
 
@@ -57,7 +57,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     -0.2887967561902519894582199
     """
     start = perf_counter()
-    digits = count_within("digits", digits, 1, MOST_DIGITS)
+    digits = count_within("digits", digits, 1, MAX_DIGITS)
     v_, c_ = checked_velocity_and_coupling(v, c)
     if (distance := static_sum_distance(v_, c_)) < 10.0 ** (-digits - 2):
         with mp.workdps(digits + 12):
@@ -82,8 +82,8 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     step = math.pi**2 / 2.0 / ((digits + 3) * math.log(10.0)) * 0.8
     reach = 2 * math.ceil(((digits + 3) * math.log(10.0) + math.log(4.0 + 4.0 * v_)) / step / 2.0)
     points = min(equispaced // 2, 2 * reach)
-    if points > _MOST_POINTS:
-        raise PrecisionError(f"{digits} digits need {points} points, more than {_MOST_POINTS}.")
+    if points > _MAX_POINTS:
+        raise PrecisionError(f"{digits} digits need {points} points, more than {_MAX_POINTS}.")
     with mp.workdps(digits + 12 + math.ceil(lost)):
         if equispaced // 2 <= 2 * reach:
             value = _equispaced(exact(v), exact(c), equispaced)

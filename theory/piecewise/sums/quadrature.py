@@ -10,7 +10,7 @@ from theory.parameters import within
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 
-_MOST_PIECES = 50_000
+_MAX_PIECES = 50_000
 
 LARGEST_COUPLING = 20.0
 """Beyond, peaks of width 1/c lie between QUADPACK's points and its estimate is no bound."""
@@ -64,10 +64,10 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     end = max((2.0 * largest / tolerance) ** (1.0 / 3.0), 2.0 * math.sqrt(largest), 2.0)
     widest = 4.0 * math.pi * v
     pieces = end / widest + math.log2(end) + 1.0
-    if pieces > _MOST_PIECES:
+    if pieces > _MAX_PIECES:
         raise PrecisionError(
             f"quadrature to {tolerance:g} at v = {v:.6g}, c = {c:.6g} needs {pieces:.2g} pieces, "
-            f"more than {_MOST_PIECES}; use the method integral, or a larger tolerance."
+            f"more than {_MAX_PIECES}; use the method integral, or a larger tolerance."
         )
     edges = [0.0]
     while edges[-1] < end:

@@ -54,7 +54,7 @@ SLOWEST = 0.08
 STEEPEST = 3.0
 """Largest c/v on the real axis."""
 _PAIR_FROM = 1.0
-MOST_PLAIN = 400
+MAX_PLAIN = 400
 """Points that are computed sooner than the roots that would save some of them."""
 _MAX_POINTS = 2.0**40
 """Of the plain rule, in a compiled integer; so many are never taken."""
@@ -217,7 +217,7 @@ def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
 
 def is_plain(v: Any, c: Any, count: Any) -> Any:
     """Return whether points on the real axis alone are the fastest rule, or the only one."""
-    return (count <= MOST_PLAIN) | ((v < SLOWEST) & (c <= STEEPEST * v))
+    return (count <= MAX_PLAIN) | ((v < SLOWEST) & (c <= STEEPEST * v))
 
 
 def quotient(x: Any, y: Any) -> Any:

@@ -26,12 +26,12 @@ import mpmath as mp
 import numpy as np
 
 from theory.parameters import count_within
-from theory.piecewise.precise_roots import MOST_DIGITS, exact, precise_roots
-from theory.piecewise.roots import MOST_ROOTS, checked_velocity_and_coupling, labelled_roots
+from theory.piecewise.precise_roots import MAX_DIGITS, exact, precise_roots
+from theory.piecewise.roots import MAX_ROOTS, checked_velocity_and_coupling, labelled_roots
 from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
 
 _DOUBLE = 15
-_MOST_PRECISE_ROOTS = 20_000
+_MAX_PRECISE_ROOTS = 20_000
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def sum_by_roots(
     -0.2887967561902519894582199 True
     """
     start = perf_counter()
-    digits = count_within("digits", digits, 1, MOST_DIGITS)
+    digits = count_within("digits", digits, 1, MAX_DIGITS)
     checked_velocity_and_coupling(v, c)
     # e^{-2πρ} = 10^{-digits} and a little; nearer in, the smallest term is no measure of the error.
     corners = max(digits, 10) / 2.7 + 2.0
@@ -132,7 +132,7 @@ def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:
             if abs(nu.imag) < distance:
                 reach = math.sqrt(distance**2 - nu.imag**2)
                 first, last = min(first, nu.real - reach), max(last, nu.real + reach)
-    most = MOST_ROOTS if mp.mp.dps <= _DOUBLE + 15 else _MOST_PRECISE_ROOTS
+    most = MAX_ROOTS if mp.mp.dps <= _DOUBLE + 15 else _MAX_PRECISE_ROOTS
     if last - first > most:
         raise PrecisionError(
             f"the series at v = {mp.nstr(scene.v, 6)}, c = {mp.nstr(scene.c, 6)} needs "

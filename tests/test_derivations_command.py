@@ -7,12 +7,13 @@ import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from functools import cache
 from pathlib import Path
 
 import pytest
 import sympy as sp
 
-from derivations import catalogue
+from derivations import catalogue, judgement
 from fronts.cli import main
 
 
@@ -22,9 +23,17 @@ def run(capsys, *words):
     return code, shown.out, shown.err
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _equations_are_judged_once():
+    """Judging all of them takes seconds, and gives the same each time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(judgement, "report", cache(judgement.report))
+        yield
+
+
 @pytest.fixture(scope="module")
 def everything():
-    """Give the answer of ``fronts derive all --json``, which takes seconds."""
+    """Give the answer of ``fronts derive all --json``."""
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         assert main(["derive", "all", "--json"]) == 0

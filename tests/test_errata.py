@@ -13,7 +13,7 @@ from sympy.core.function import AppliedUndef
 from derivations import judgement as printed_module
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi
-from derivations.judgement import Judgement, report
+from derivations.judgement import Judgement
 from derivations.symbols import a, b, c, epsilon, n, omega, t
 from paper_checks.claim import Fault, Finding, Verdict
 from paper_checks.claims import equations
@@ -27,7 +27,7 @@ MISPRINTED = {2, 4, 33, 42}
 
 @pytest.fixture(scope="module")
 def judgements() -> dict[int, Judgement]:
-    return {found.printed.number: found for found in report().judgements}
+    return equations.judgements()  # those that the claims judge by
 
 
 @pytest.fixture(scope="module")

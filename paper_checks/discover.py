@@ -6,7 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from paper_checks.claim import NAME, Claim
+from paper_checks.claim import Claim
+from paper_checks.finding import NAME
 from verification.execution.discovery import modules_of
 
 PACKAGE = "paper_checks.claims"

@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from paper_checks.claim import NAME, Claim, Finding, Picture, Verdict
+from paper_checks.claim import Claim
 from paper_checks.discover import Entry
+from paper_checks.finding import NAME, Finding, Picture
 from paper_checks.plain_evidence import plain_evidence
 from paper_checks.report.safe_svg import safe_svg
+from paper_checks.ruling import Verdict
 from verification.execution.metadata import now
 
 FAILED = "failed"
@@ -146,7 +148,7 @@ def judge(claim: Claim) -> Judgement:
     ...     raise ArithmeticError("no root in the box")
     >>> claim = Claim(
     ...     key="k", place="Eq. 1", quote="It holds.", statement="It holds.",
-    ...     recorded=Verdict.REPRODUCED, command="true", evidence=broken, rule=print, text="",
+    ...     recorded=Verdict.REPRODUCED, command="true", evidence=broken, rule=print,
     ...     methods=(),
     ... )
     >>> judge(claim).failure

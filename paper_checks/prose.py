@@ -4,8 +4,8 @@ A file has one section a claim, headed ``# key``. In it stand first the short fi
 line of its own or several, ``value:``, ``error:`` and ``tolerance:``, in few claims ``headline:``
 for the first screen of the report; then paragraphs. A paragraph
 that begins with ``>`` is a remark. ``## picture NAME`` is followed by the caption of that picture,
-``## erratum`` by the fields of `paper_checks.claim.Erratum`. Names in double braces are fields and
-properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or each of several, and
+``## erratum`` by the fields of `paper_checks.finding.Erratum`. Names in double braces are fields
+and properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or each of several, and
 ``{{ values | f(".3f") }}`` joins them with commas. A file with the single section ``# all``
 is the text of every claim of its module.
 """
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paper_checks.claim import Erratum, Fault
+from paper_checks.finding import Erratum, Fault
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from paper_checks.claim import Erratum, Fault, Finding, Formula, Picture, Verdict
+from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
 from paper_checks.outcome import Judgement, checked_finding
+from paper_checks.ruling import Verdict
 
 
 def plain_judgement(judgement: Judgement) -> dict[str, Any]:

@@ -36,7 +36,7 @@ from paper_checks.claims import (
     fig17,
     fig18,
     text_friction,
-    text_larger,
+    text_nuclei,
     text_simplified,
     text_vdp,
 )
@@ -232,7 +232,7 @@ CASES: list[tuple[Any, dict[str, Any], Verdict, list[tuple[dict[str, Any], Verdi
      [({"names": ("R",)}, FAILS)]),
     (text_vdp.rule_displays, {"wave": 0.0, "envelope": 1e-10}, HOLDS,
      [({"wave": 5e-10}, FAILS), ({"envelope": 5e-6}, FAILS)]),
-    (text_larger.rule_to_larger,
+    (text_nuclei.rule_to_larger,
      {"confirmed": True, "gap": 0.01, "ripple": 0.05,
       "ends": {k: {0.193: "larger nucleus", 0.203: "front"} for k in (None, 1, 2)}}, HOLDS,
      [({"ends": {None: {0.193: "larger nucleus", 0.203: "front"}, 1: {0.193: "creep"},

@@ -32,7 +32,7 @@ def judgements() -> dict[int, Judgement]:
 
 @pytest.fixture(scope="module")
 def findings() -> dict[int, Finding]:
-    return {int(claim.key[2:]): claim.judge() for claim in equations.CLAIMS}
+    return {int(claim.key[2:]): claim.found(claim.evidence()) for claim in equations.CLAIMS}
 
 
 def test_the_errata_are_those_found_by_hand(findings: dict[int, Finding]) -> None:
@@ -110,7 +110,7 @@ def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
         True,
     )
     monkeypatch.setattr(equations, "judgements", lambda: {**judgements, 4: passing})
-    finding = equations.CLAIMS[3].judge()
+    finding = equations.CLAIMS[3].found(equations.CLAIMS[3].evidence())
     assert finding.erratum is None
     assert finding.verdict is not equations.CLAIMS[3].recorded
 

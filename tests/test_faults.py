@@ -68,8 +68,8 @@ def swept(folder: Path) -> bytes:
 class Ready(Claim):
     """A claim whose evidence is its finding."""
 
-    def judge(self) -> Finding:
-        finding: Finding = self.evidence()
+    def found(self, evidence: Any) -> Finding:
+        finding: Finding = evidence
         return finding
 
 
@@ -91,7 +91,6 @@ def _claim(key: str) -> Entry:
         command="true",
         evidence=lambda: finding,
         rule=lambda _: holds(),
-        text=__name__,
         methods=(Method("one", "m:f"),),
     )
     return Entry("fig1", claim)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from paper_checks.claims import text_larger
+from paper_checks.claims import text_nuclei
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.outcome import (
@@ -128,7 +128,7 @@ def test_a_nucleus_wider_than_the_chain_is_refused() -> None:
 
 def test_the_verdict_follows_what_the_runs_show() -> None:
     stands = {0.193: "larger nucleus", 0.203: "front"}
-    assert text_larger.succession(stands)
-    assert not text_larger.succession({0.193: "creep", 0.203: "front"})
-    assert not text_larger.succession({0.193: "larger nucleus", 0.203: "creep"})
-    assert not text_larger.succession({0.193: "front", 0.203: "larger nucleus"})
+    assert text_nuclei.succession(stands)
+    assert not text_nuclei.succession({0.193: "creep", 0.203: "front"})
+    assert not text_nuclei.succession({0.193: "larger nucleus", 0.203: "creep"})
+    assert not text_nuclei.succession({0.193: "front", 0.203: "larger nucleus"})

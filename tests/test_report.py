@@ -9,6 +9,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -349,11 +350,9 @@ def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeyp
     figure, _ = new_axes()
     other = picture("fig9-decay", "Another one.", figure, {"x": [1.0]})
     claim = fig16.CLAIMS[1]
-    first = claim.judge
+    first = claim.found
     monkeypatch.setitem(
-        claim.__dict__,
-        "judge",
-        lambda: type(first())(**{**first().__dict__, "pictures": (other,)}),
+        claim.__dict__, "found", lambda evidence: replace(first(evidence), pictures=(other,))
     )
     assert main(["check", "--json"]) == 1
     report = json.loads(capsys.readouterr().out)

@@ -48,7 +48,7 @@ def rule(e):
 
 CLAIMS = tuple(
     Claim(key=each.__name__, place="Fig. 1", quote="It is so.", statement="It is so.",
-          recorded=Verdict.REPRODUCED, command="true", evidence=each, rule=rule, text=__name__,
+          recorded=Verdict.REPRODUCED, command="true", evidence=each, rule=rule,
           methods=(Method("one", "m:f"),), expensive=each is slow)
     for each in (slow, fast)
 )
@@ -330,7 +330,7 @@ def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):
     code = (
         "import sys\n"
         "from paper_checks.claims import fig16\n"
-        "[claim.judge() for claim in fig16.CLAIMS]\n"
+        "[claim.found(claim.evidence()) for claim in fig16.CLAIMS]\n"
         "print(*sorted(n for n in sys.modules if n.split('.')[0] in "
         "('theory', 'verification', 'paper_checks', 'derivations')))\n"
     )

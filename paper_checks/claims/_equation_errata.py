@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from paper_checks.claim import Erratum, Fault
+from paper_checks.finding import Erratum, Fault
 
 if TYPE_CHECKING:
     import sympy as sp

@@ -178,7 +178,6 @@ CLAIMS = tuple(
         command=f"fronts derive --equation {number}",
         evidence=partial(printed, number),
         rule=rule,
-        text=__name__,
         methods=(
             Method(
                 "derived step by step in computer algebra, print and derivation compared at "

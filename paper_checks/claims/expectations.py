@@ -35,7 +35,6 @@ def _claim(
         command=f"fronts check {key}",
         evidence=partial(Missing, reason=reason, remark=remark),
         rule=rule,
-        text=__name__,
         methods=(Method("reading of the text", f"{__name__}:rule"),),
         repeats=repeats,
         weight=0,

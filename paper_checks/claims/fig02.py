@@ -435,7 +435,6 @@ CLAIMS = (
         evidence=two_states,
         rule=rule_two_states,
         figure=draw_two_states,
-        text=__name__,
         methods=(ORBITS, EVENT_RUNS),
     ),
     Claim(
@@ -449,7 +448,6 @@ CLAIMS = (
         evidence=regions,
         rule=rule_regions,
         figure=draw_regions,
-        text=__name__,
         methods=(ORBITS, replace(EVENT_RUNS, covers="six belt velocities, two starts each")),
     ),
     Claim(
@@ -462,7 +460,6 @@ CLAIMS = (
         command="fronts cell friction --v-d 1.1513",
         evidence=subcritical,
         rule=rule_subcritical,
-        text=__name__,
         methods=(
             Method("the unstable cycle by shooting", "verification.cells.friction:"
                    "unstable_cycle"),
@@ -481,7 +478,6 @@ CLAIMS = (
         command="fronts derive --equation 2",
         evidence=friction_law,
         rule=rule_friction_law,
-        text=__name__,
         methods=(Method("(2) evaluated at both ends, and as it is written for scipy",
                         "verification.references.equations:dynamic_friction"),),
         weight=0,
@@ -495,7 +491,6 @@ CLAIMS = (
         command="fronts cell friction --v-d 1.25",
         evidence=stick,
         rule=rule_stick,
-        text=__name__,
         methods=(
             Method("Taylor steps from event to event", "verification.runs.simulate:simulate"),
             EVENT_RUNS,
@@ -514,7 +509,6 @@ CLAIMS = (
         command="fronts check fig02-switch-model",
         evidence=switch_model,
         rule=rule_switch_model,
-        text=__name__,
         methods=(
             Method("the switch model, adaptive trapezoidal rule",
                    "verification.references.switch_model:run_switch"),

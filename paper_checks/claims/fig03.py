@@ -185,7 +185,6 @@ CLAIMS = (
         evidence=breather,
         rule=rule_superimposed,
         figure=draw_breather,
-        text=__name__,
         methods=(STEPS, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
                                "the arrivals")),
         repeats=(
@@ -206,7 +205,6 @@ CLAIMS = (
         command="fronts simulate friction --n 31 --c 0.004 --excite 15:17 --t-end 600 --json",
         evidence=breather,
         rule=rule_vanishing,
-        text=__name__,
         methods=(STEPS, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
                                "the arrivals")),
         weight=0,
@@ -223,7 +221,6 @@ CLAIMS = (
         evidence=front,
         rule=rule_front,
         figure=draw_front,
-        text=__name__,
         methods=(STEPS, Method("DOP853 with located events on 8 sites to τ = 180", EVENTS,
                                "the arrivals")),
         repeats=(

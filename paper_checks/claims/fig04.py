@@ -265,7 +265,6 @@ CLAIMS = (
         evidence=thresholds,
         rule=rule_edge,
         figure=draw,
-        text=__name__,
         methods=METHODS,
         repeats=(Repeat("Caption of Fig. 4", "the critical stiffness for propagation falls of "
                         "about 40%"),),
@@ -282,7 +281,6 @@ CLAIMS = (
         "fronts threshold friction --place bulk --nucleus 3 --accuracy 2e-5",
         evidence=thresholds,
         rule=rule_bulk,
-        text=__name__,
         methods=METHODS,
         repeats=(Repeat("Caption of Fig. 4", "In case of bulk excitation […] the critical elastic "
                         "coupling is almost insensitive to $N_{size}$"),),
@@ -298,7 +296,6 @@ CLAIMS = (
         "--final-time 60000",
         evidence=long_runs,
         rule=rule_divides,
-        text=__name__,
         methods=(BISECTION, Method("DOP853 with located events on 5 sites to τ = 400", EVENTS,
                                    "the arrivals beside the threshold of edge, size 1")),
         repeats=(

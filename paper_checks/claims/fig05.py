@@ -228,7 +228,6 @@ CLAIMS = (
         evidence=state_map,
         rule=rule_map,
         figure=draw_map,
-        text=__name__,
         methods=(LABELS, SCIPY),
         expensive=True,
     ),
@@ -242,7 +241,6 @@ CLAIMS = (
         command="fronts map friction --c 0.095 --v-d 1.1:1.9:9",
         evidence=lasting,
         rule=rule_lasting,
-        text=__name__,
         methods=(
             Method("runs from event to event to τ = 12000",
                    "verification.runs.friction_integration:FrictionIntegration"),

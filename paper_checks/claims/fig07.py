@@ -158,7 +158,6 @@ CLAIMS = (
         evidence=localised,
         rule=rule_localised,
         figure=draw,
-        text=__name__,
         methods=METHODS,
         repeats=(
             Repeat("Abstract", "Both exhibit discrete breathers […] for low coupling"),
@@ -175,7 +174,6 @@ CLAIMS = (
         command="fronts breather --c 0.1 --method orbit",
         evidence=localised,
         rule=rule_decay,
-        text=__name__,
         methods=METHODS,
         repeats=(Repeat("Section 2.1, after Eq. (9)", "We assume constant $k_1$ and $k_2$"),),
     ),

@@ -224,7 +224,6 @@ CLAIMS = (
         evidence=amplitudes,
         rule=rule_amplitudes,
         figure=draw_amplitudes,
-        text=__name__,
         methods=(
             ORBIT,
             Method("scipy's DOP853 over one period", "paper_checks.claims._breathers:flow",
@@ -243,7 +242,6 @@ CLAIMS = (
         evidence=assumptions,
         rule=rule_assumptions,
         figure=draw_assumptions,
-        text=__name__,
         methods=(
             ORBIT,
             Method("exact breather of the averaged chain",
@@ -260,7 +258,6 @@ CLAIMS = (
         command="fronts breather --c 0.1 --method orbit",
         evidence=assumptions,
         rule=rule_neglected,
-        text=__name__,
         methods=(
             ORBIT,
             Method("exact breather of the averaged chain",

@@ -203,7 +203,6 @@ CLAIMS = (
         evidence=multipliers,
         rule=rule_multipliers,
         figure=draw,
-        text=__name__,
         methods=(
             Method("variational equations by Taylor series",
                    "verification.breathers.floquet:approximate_multipliers"),
@@ -222,7 +221,6 @@ CLAIMS = (
         command="fronts breather --a 2.5 --b 0.5 --c 0.15 --method all",
         evidence=escape,
         rule=rule_escape,
-        text=__name__,
         methods=(
             Method("multipliers of the periodic orbit by variational equations",
                    "verification.breathers.orbits:solve_orbit"),

@@ -161,7 +161,6 @@ CLAIMS = (
         evidence=in_phase,
         rule=rule_in_phase,
         figure=draw,
-        text=__name__,
         methods=(
             Method("runs of the averaged chain", "verification.thresholds.preparation:hold"),
             Method("run of (8) with scipy's DOP853", "paper_checks.claims._breathers:flow",

@@ -478,7 +478,6 @@ CLAIMS = (
         evidence=sweeps,
         rule=rule_values,
         figure=draw_values,
-        text=__name__,
         methods=(ORBIT, RUNS),
         repeats=(
             Repeat("Section 2.2", "$c_{cr}$ has a limiting value $\\bar{c}_{cr} = 0.2011$ (obtained"
@@ -486,7 +485,6 @@ CLAIMS = (
             Repeat("Section 2.2", "the nucleation process occurs for a very narrow range of "
                    "parameters"),
         ),
-        weight=1,
         shared=folds,
     ),
     Claim(
@@ -499,7 +497,6 @@ CLAIMS = (
         command="fronts threshold vdp --nucleus 3 --method orbit",
         evidence=folds,
         rule=rule_order,
-        text=__name__,
         methods=(ORBIT, RUNS),
         shared=folds,
     ),
@@ -513,7 +510,6 @@ CLAIMS = (
         "fronts threshold vdp --nucleus 9 --method orbit",
         evidence=folds,
         rule=rule_converged,
-        text=__name__,
         methods=(ORBIT, RUNS),
         shared=folds,
     ),
@@ -528,7 +524,6 @@ CLAIMS = (
         evidence=nuclei,
         rule=rule_stable,
         figure=draw_nuclei,
-        text=__name__,
         methods=(LOCKED, Method("continuation of the averaged chain and its exponents",
                                 "verification.breathers.envelope:solve_envelope_breather",
                                 "the mirror-symmetric breathers at c = 0.1")),
@@ -545,7 +540,6 @@ CLAIMS = (
         command="fronts threshold vdp --nucleus 3 --method orbit",
         evidence=nuclei,
         rule=rule_all_lost,
-        text=__name__,
         methods=(LOCKED, Method("runs of the averaged chain from nuclei of random phases",
                                 "verification.runs.envelope_run:run_envelope",
                                 "sizes 1 to 8 at c = 0.2011")),

@@ -116,7 +116,6 @@ CLAIMS = (
         evidence=steady,
         rule=rule_steady,
         figure=draw,
-        text=__name__,
         methods=(
             Method("(8) by a Runge-Kutta method of order 8, sites at rest left out",
                    "verification.runs.simulate:simulate"),

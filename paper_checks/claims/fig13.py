@@ -309,7 +309,6 @@ CLAIMS = (
         evidence=scaling,
         rule=rule_scaling,
         figure=draw,
-        text=__name__,
         methods=(
             Method("(8) and (43) run directly, arrival times fitted",
                    "verification.fronts.measure:measure_front"),
@@ -325,7 +324,6 @@ CLAIMS = (
             Repeat("Conclusions", "propagate in the chain with a velocity that scales linearly "
                    "with the elastic coupling coefficient"),
         ),
-        weight=1,
     ),
     Claim(
         key="fig13-epsilon",
@@ -337,7 +335,6 @@ CLAIMS = (
         evidence=velocity_law,
         rule=rule_law,
         figure=draw_law,
-        text=__name__,
         methods=(
             Method("(8) run directly, arrival times fitted",
                    "verification.fronts.measure:measure_front"),

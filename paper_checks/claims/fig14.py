@@ -115,7 +115,6 @@ CLAIMS = (
         evidence=collapse,
         rule=rule_collapse,
         figure=draw,
-        text=__name__,
         methods=(
             Method("(8) run directly, arrival times fitted",
                    "verification.fronts.measure:measure_front"),

@@ -291,7 +291,6 @@ CLAIMS = (
         evidence=state_map,
         rule=rule_map,
         figure=draw,
-        text=__name__,
         methods=(
             Method("(8) by an 8(5,3) Runge-Kutta pair until a rule names the state, each start "
                    "twice, the second time perturbed by 1e-6",
@@ -309,7 +308,6 @@ CLAIMS = (
         command="fronts map friction --c 0:0.1:21 --v-d 1:2:21",
         evidence=alike,
         rule=rule_alike,
-        text=__name__,
         methods=(
             Method("labels by rules of runs, I from event to event, II by the averaged chain",
                    "verification.maps.state_map:StateTask"),

@@ -297,7 +297,6 @@ CLAIMS = (
         evidence=scaling,
         rule=rule_scaling,
         figure=draw_scaling,
-        text=__name__,
         methods=(
             KINETIC,
             Method("direct simulation of (44), exact between crossings",
@@ -315,7 +314,6 @@ CLAIMS = (
         command="fronts kinetic --c 0.445 --a 4 --b 0.5",
         evidence=implicit,
         rule=rule_implicit,
-        text=__name__,
         methods=(KINETIC, CHAIN),
     ),
     Claim(
@@ -328,7 +326,6 @@ CLAIMS = (
         command="fronts front piecewise --c 2 --a 4 --b 0.5",
         evidence=admissibility,
         rule=rule_admissibility,
-        text=__name__,
         methods=(KINETIC, CHAIN),
     ),
 )  # fmt: skip

@@ -249,7 +249,6 @@ CLAIMS = (
         evidence=alike,
         rule=rule_alike,
         figure=draw,
-        text=__name__,
         methods=(KINETIC, CHAIN),
     ),
     Claim(
@@ -262,9 +261,7 @@ CLAIMS = (
         command="fronts kinetic --c 2 --eta 0.11",
         evidence=any_set,
         rule=rule_any_set,
-        text=__name__,
         methods=(KINETIC, CHAIN),
-        weight=1,
     ),
     Claim(
         key="fig18-explicit",
@@ -276,7 +273,6 @@ CLAIMS = (
         command="fronts sum --v 0.3 --c 0.5 --method integral",
         evidence=explicit,
         rule=rule_explicit,
-        text=__name__,
         methods=(
             Method("periodised integral by the trapezoidal rule",
                    "theory.piecewise.sums.integral:sum_by_integral"),

@@ -174,7 +174,6 @@ CLAIMS = (
         command="fronts check text-gauge",
         evidence=gauge,
         rule=rule_gauge,
-        text=__name__,
         methods=(Method("runs of (34) with both ω by scipy",
                         "paper_checks.claims.text_simplified:gauge"),),
         weight=0,
@@ -189,7 +188,6 @@ CLAIMS = (
         command="fronts check text-equilibria",
         evidence=equilibria,
         rule=rule_equilibria,
-        text=__name__,
         methods=(Method("one site of (44), and the linearised (43), by hand",
                         "paper_checks.claims.text_simplified:equilibria"),),
         weight=0,
@@ -203,7 +201,6 @@ CLAIMS = (
         command="fronts kinetic --c 0.6 --eta 0.03125",
         evidence=velocities,
         rule=rule_quantitative,
-        text=__name__,
         methods=(
             Method("solutions of (54)", "theory.piecewise.kinetic_relation:kinetic_relation"),
             Method("a run of (44)", "verification.piecewise.simulation:simulate_front",
@@ -222,7 +219,6 @@ CLAIMS = (
         command="fronts front piecewise --c 0.6 --eta 0.03125",
         evidence=velocities,
         rule=rule_captions,
-        text=__name__,
         methods=(
             Method("solutions of (54)", "theory.piecewise.kinetic_relation:kinetic_relation"),
             Method("a run of (44)", "verification.piecewise.simulation:simulate_front",

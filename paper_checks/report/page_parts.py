@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from html import escape
 
-from paper_checks.claim import Erratum, Formula, Verdict
+from paper_checks.finding import Erratum, Formula
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report.document import Report
 from paper_checks.report.inline_math import typeset
 from paper_checks.report.mathml import formula
+from paper_checks.ruling import Verdict
 
 STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge failed"}
 """Words for each status."""

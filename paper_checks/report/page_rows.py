@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 from html import escape
 
-from paper_checks.claim import Finding, Picture
+from paper_checks.finding import Finding, Picture
 from paper_checks.outcome import Outcome
 from paper_checks.report.document import Report
 from paper_checks.report.inline_math import typeset

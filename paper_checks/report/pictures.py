@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
-from paper_checks.claim import NAME, Picture
+from paper_checks.finding import NAME, Picture
 from paper_checks.report.data_table import columns_as_csv
 
 if TYPE_CHECKING:

@@ -43,7 +43,6 @@ def made(
         command=command,
         evidence=evidence,
         rule=rule,
-        text=__name__,
         methods=tuple(Method(words, "example_claims._made:rule") for words in methods),
         formulas=lambda e: e.formulas,
         erratum=lambda e: e.erratum,

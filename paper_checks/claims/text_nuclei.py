@@ -39,7 +39,7 @@ class ToLarger:
 
     def words(self, seed: int | None) -> str:
         """Write the ends by coupling, for one seed."""
-        named = {"larger nucleus": "{} sites, stationary", "creep": "{} sites, creeping"}
+        named = {"larger nucleus": "{} sites stationary", "creep": "{} sites creeping"}
         return ", ".join(
             f"{named.get(end, end).format(self.sizes[seed][c])} at {c:g}"
             for c, end in self.ends[seed].items()
@@ -158,7 +158,6 @@ CLAIMS = (
         evidence=to_larger,
         rule=rule_to_larger,
         figure=draw_to_larger,
-        text=__name__,
         methods=(
             Method("runs of (8) to εt = 1000 by a method of order 8, at two tolerances",
                    "verification.breathers.outcome:follow_nucleus"),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
@@ -46,3 +48,11 @@ def test_a_shared_engine_is_noticed() -> None:
 def test_most_claims_that_compute_have_two() -> None:
     computed = [key for key in CLAIMS if not key.startswith(("eq", "expect", "text"))]
     assert sum(key in TWO for key in computed) > 0.8 * len(computed)
+
+
+def test_no_claim_is_about_a_chain_of_one_s_own() -> None:
+    """So that the code for those is no part of its methods, though some of them import it."""
+    folder = Path(find_spec("paper_checks.claims").origin).parent
+    texts = [path.read_text(encoding="utf-8") for path in folder.glob("*.py")]
+    assert len(texts) > 20
+    assert not any("OscillatorChain" in text or "breathers.own" in text for text in texts)

@@ -30,12 +30,14 @@ class AveragedOscillatorChain(OscillatorChain, model="averaged-chain"):
     damping, c, stiffness, values, coupling, eps, velocity_coupling, overdamped, disorder, seed, \
 sites, ends, shape
         As in :class:`OscillatorChain`.
+    drive : empty
+        A force has a frequency of its own.
 
     Raises
     ------
     ParameterError
-        If one is out of range, there is no inertia, or the frequency on a cycle is not what first
-        order says it is.
+        If one is out of range, there is a force or no inertia, or the frequency on a cycle is not
+        what first order says it is.
 
     References
     ----------

@@ -433,17 +433,15 @@ class OscillatorChain(SmoothChain, model="chain"):
         found |= {"damping": str(self.damping), "stiffness": str(self.stiffness)}
         found["values"] = {name: listed(value) for name, value in self.values.items()}
         found["disorder"] = dict(self.disorder)
-        found["drive"] = [str(each) for each in self.drive]
-        if not self.drive:
-            del found["drive"]
         if not isinstance(self.coupling, str):
             found["coupling"] = f"weights {self.links.digest}"
         elif is_file(self.coupling):
             found["coupling"] = f"{Path(self.coupling).name} {self.links.digest}"
-        if self.shape is None:
-            del found["shape"]
-        else:
-            found["shape"] = list(self.shape)
+        for name, given in (("drive", [*map(str, self.drive)]), ("shape", [*(self.shape or ())])):
+            if given:
+                found[name] = given
+            else:
+                del found[name]
         return found
 
     @cached_property

@@ -17,7 +17,7 @@ class ThresholdMethod(Status):
     """How a threshold is found."""
 
     ENVELOPE = "envelope", "continuation of the breather of the averaged chain (43), ε → 0."
-    ORBIT = "orbit", "continuation of the periodic orbit of (8)."
+    ORBIT = "orbit", "continuation of the periodic orbit of the chain itself."
     CLOSED_FORM = "closed-form", "the largest coupling at which (29) and (37) have a solution."
     SWEEP = (
         "sweep",

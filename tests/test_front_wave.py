@@ -100,7 +100,8 @@ def test_the_complex_chain_carries_the_front_and_its_disturbances_one_site_furth
 
 
 @pytest.mark.parametrize(
-    ("c", "eta"), [(0.3, ETA), (2.0, 0.06), (0.25, 0.08), (0.1, 0.002), (30.0, 0.01)]
+    ("c", "eta"),
+    [(0.3, ETA), (2.0, 0.06), (0.25, 0.08), (0.1, 0.002), (30.0, 0.01), (7.65, 0.0945)],
 )
 def test_the_stated_error_bounds_the_true_one(
     c: float, eta: float, monkeypatch: pytest.MonkeyPatch

@@ -19,9 +19,10 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any, TypeVar
 
 from numba import njit
 from numba.core import caching, config
@@ -29,13 +30,26 @@ from numba.core.bytecode import FunctionIdentity
 
 from verification.execution.digest import digest_of_files
 
-__all__ = ["DISTINCT_NAMES", "njit"]
+__all__ = ["DISTINCT_NAMES", "inner", "njit"]
 
 logger = logging.getLogger(__name__)
 
 _HOME = Path(__file__).parents[1]
 _PREFIX, _OPTION = "compiled-", "CACHE_DIR"
 _WEEK = 7 * 86400.0
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def inner(**options: Any) -> Callable[[Function], Function]:
+    """Compile what only compiled functions call: without wrappers, a sixth less to compile."""
+    alone = {**options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+    def compiled(function: Function) -> Function:
+        found: Function = njit(**alone)(function)
+        return found
+
+    return compiled
 
 
 def _count_from_random() -> bool:

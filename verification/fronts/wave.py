@@ -221,7 +221,8 @@ class Window:
         return float(found.min(initial=8.0)), ahead
 
     def _steps_in(self, time: float, finer: float = 1.0) -> int:
-        return steps_in(time, finer * (self.chain.c + self.attraction), _STEP)
+        # Of a number that is held up by its least value, too, the check takes more.
+        return math.ceil(finer * steps_in(time, self.chain.c + self.attraction, _STEP))
 
     def _run_to_a_front(self) -> tuple[FloatArray, float]:
         """Return the amplitudes of a chain that has run from a step, and its velocity."""

@@ -8,6 +8,7 @@ sooner), or by how uneven they are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
@@ -87,6 +88,36 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     return _timed(reached, stated.value, "scipy's DOP853, timed")
 
 
+def _wave(at: Mapping[str, float]) -> StatedValue:
+    """Solve for the front of (43); where none travels, that is what is stated."""
+    from verification.fronts.wave import NoFrontError, front_wave
+
+    try:
+        found = front_wave(at["c"], at["eta"])
+    except NoFrontError as refusal:
+        return StatedValue(value=None, error=0.0, note=str(refusal))
+    return StatedValue.of(found, found.v)
+
+
+def _by_differences(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
+    """Hold v against differences in ξ, on two grids and windows for what they are worth."""
+    from verification.references.front_wave import front_velocity
+
+    if stated.value is None:
+        raise NoReferenceError(stated.note)
+    ahead = math.ceil(24.0 * max(1.0, math.cbrt(at["c"])))
+    coarse, fine = (
+        front_velocity(at["c"], at["eta"], points, behind=behind, ahead=far)
+        for points, behind, far in ((40, 20, ahead), (56, 30, 2 * ahead))
+    )
+    if abs(fine - coarse) > 1e-6 * fine:
+        raise NoReferenceError("the front is too steep for the differences")
+    return ReferenceCheck(
+        distance=abs(stated.value - fine), uncertainty=abs(fine - coarse),
+        method="differences in ξ, a sparse Newton",
+    )  # fmt: skip
+
+
 def _timed(reached: FloatArray, v: float, by: str) -> ReferenceCheck:
     if np.isnan(reached).any():
         raise NoReferenceError("scipy's front does not run through the chain")
@@ -150,6 +181,13 @@ QUANTITIES = (
                 axes=(*axes(c=(1e-3, 1e2)), Axis(name="eta", low=1e-4, high=0.125, near=(0.125,))),
                 compute=partial(_front, full=False), check=partial(_by_scipy, full=False),
                 seconds=60.0, share=0.08, problems="front", limits=_LIMITS,
+            ),
+            Computation(
+                name="front-wave", title="velocity of a front of (43) as a solution",
+                axes=axes(c=(0.15, 10.0), eta=(1e-2, 0.1)),
+                compute=_wave, check=_by_differences,
+                seconds=60.0, share=0.05, problems="front",
+                limits="outside, fronts rest, or are steeper or longer than the reference reaches",
             ),
             Computation(
                 name="front-vdp", title="velocity of a front of (8) on the running chain",

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.chain import SmoothChain
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner, njit
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE
 from verification.steppers.rows import put
@@ -149,7 +149,7 @@ def _to_section_of(take_step: Step) -> Any:
     return to_section
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
     """Note the amplitudes of a sample."""
     sites = sample.size // 2
@@ -167,7 +167,7 @@ def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
     memory[_NEXT] += memory[_WINDOW] / SAMPLES
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _settled(sites: int, memory: FloatArray) -> bool:
     """Return whether no amplitude changed in the window, and some site is above the level."""
     if memory[_ABOVE] == 0.0 or memory[_ARRIVED] >= 0.0:
@@ -179,7 +179,7 @@ def _settled(sites: int, memory: FloatArray) -> bool:
     return True
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _arrived(t: float, far: float, memory: FloatArray) -> bool:
     """Note since when the far end has been above the level; return whether for long enough."""
     if far <= memory[_LEVEL]:
@@ -191,7 +191,7 @@ def _arrived(t: float, far: float, memory: FloatArray) -> bool:
     return False
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _stays(t: float, sites: int, memory: FloatArray) -> bool:
     """At the end of a window, begin another; return whether windows were settled long enough."""
     if t - memory[_BEGIN] < memory[_WINDOW] or memory[_COUNT] < SAMPLES // 2:

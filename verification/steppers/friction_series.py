@@ -41,7 +41,7 @@ import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
-from verification.execution.compiled import njit
+from verification.execution import compiled
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -75,25 +75,18 @@ _DEPTH = 48
 _LOOKS = 16
 
 
-def inner(function: Function) -> Function:
-    """Compile what only compiled functions call: without wrappers, a sixth less to compile."""
-    return _compiled(function, cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+inner = compiled.inner(cache=True, error_model="numpy")
+"""Compile what only compiled functions call."""
 
-
-def vectorised(function: Function) -> Function:
-    """Compile as :func:`inner` does, with products and sums contracted."""
-    options = {"cache": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return _compiled(function, **options, fastmath={"contract"})
+vectorised = compiled.inner(cache=True, error_model="numpy", fastmath={"contract"})
+"""Compile as ``inner`` does, with products and sums contracted."""
 
 
 def inlined(function: Function) -> Function:
     """Compile what has one caller as a part of it, and not once more beside it."""
-    return _compiled(function, inline="always")
-
-
-def _compiled(function: Function, **options: Any) -> Function:
-    compiled: Function = njit(error_model="numpy", **options)(function)
-    return compiled
+    found: Any = compiled.njit(error_model="numpy", inline="always")(function)
+    made: Function = found
+    return made
 
 
 Law = tuple[float, ...]

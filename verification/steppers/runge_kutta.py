@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner, njit
 from verification.steppers.kernel import Slope, fast
 from verification.steppers.rows import finite, largest
 
@@ -42,7 +42,7 @@ def _weighted(
     w = tuple(float(weights[i]) for i in used)
     count = len(used)
 
-    @fast
+    @inner(error_model="numpy", fastmath={"contract"})
     def combine(x: FloatArray, h: float, K: FloatArray, out: FloatArray) -> None:
         for n in range(x.size):
             total = w[0] * K[used[0], n]

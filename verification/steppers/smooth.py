@@ -17,7 +17,7 @@ import numpy.typing as npt
 from numba import types
 
 from theory.chains.chain import SmoothChain
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner, njit
 from verification.steppers.active import end_codes
 from verification.steppers.kernel import slope_of
 from verification.steppers.rows import finite, largest, put
@@ -178,7 +178,7 @@ def _never(
     return 0
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _widened(
     x: FloatArray, rest: float, margin: int, lo: int, hi: int, sites: int
 ) -> tuple[int, int]:
@@ -197,7 +197,7 @@ def _widened(
     return min(lo, new_lo), max(hi, new_hi)
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _try_steps(
     take_step: Step, task: Task, clock: FloatArray, p: FloatArray, rows: Rows, ends: Ends
 ) -> float:
@@ -210,7 +210,9 @@ def _try_steps(
         p[task.clock_place] = clock[0] + clock[4]
     h = clock[1] if clock[1] > 0.0 else _FIRST * task.tolerance**0.125
     h = task.longest if task.tolerance == 0.0 else min(h, task.longest)
-    drifting = np.any(task.drift != 0.0)
+    drifting = False
+    for i in range(p.size):
+        drifting |= task.drift[i] != 0.0
     while h >= task.shortest:
         if drifting:
             for i in range(p.size):
@@ -226,7 +228,7 @@ def _try_steps(
     return h
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _take_samples(
     take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
 ) -> None:
@@ -245,7 +247,7 @@ def _take_samples(
         counters[SAMPLED] += 1
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _interpolated(values: FloatArray, part: float) -> float:
     """Return the polynomial through values at ``_PARTS`` of a step (barycentric formula)."""
     above = below = 0.0
@@ -262,7 +264,7 @@ def _interpolated(values: FloatArray, part: float) -> float:
     return float(above / below)
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _note_many(
     take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
 ) -> int:
@@ -295,7 +297,7 @@ def _note_many(
     return foremost
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _crossing(task: Task, run: Run, rows: Rows) -> int:
     """Return how many sites pass the level within the step."""
     new, lo = rows.new, run.counters[LO]
@@ -306,7 +308,7 @@ def _crossing(task: Task, run: Run, rows: Rows) -> int:
     return found
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _note_arrivals(
     take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
 ) -> int:
@@ -342,7 +344,7 @@ def _note_arrivals(
     return foremost
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
     """Add the step to the time; at a review, let the next step grow if the errors allow."""
     t, whole = clock[0], h + clock[4]
@@ -355,7 +357,7 @@ def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
         clock[2] = 0.0
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[int, int]:
     """Return the window for the next step."""
     lo, hi, sites = run.counters[LO], run.counters[HI], run.state.shape[1]
@@ -369,7 +371,7 @@ def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[i
     return wider_lo, wider_hi
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _unpacked(run: Run) -> Rows:
     """Return rows for the sites of the window, with their state."""
     lo, hi = run.counters[LO], run.counters[HI]
@@ -380,7 +382,7 @@ def _unpacked(run: Run) -> Rows:
     return Rows(x, np.zeros(2 * m), np.zeros(2 * m), K, room)
 
 
-@njit(cache=True)
+@inner(cache=True)
 def _put_back(run: Run, x: FloatArray) -> None:
     """Put the row of the window into the state."""
     lo, hi = run.counters[LO], run.counters[HI]

@@ -212,10 +212,20 @@ def rule_converged(e: Folds) -> Ruling:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Ended:
+    """A breather followed in c until it ceases to exist."""
+
+    c_end: float
+    stable: tuple[tuple[float, float], ...]
+    """Ranges of c in which it is stable."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Nuclei:
     """Every phase-locked breather of `RANGE`, and the family of `FAMILY`, followed to its end."""
 
-    branches: dict[int, tuple[LockedBranch, ...]]
+    branches: dict[int, tuple[Ended, ...]]
+    """By size, in the order in which they were found."""
     growth_by_envelope: dict[int, float]
     """Growth rate at c = 0.1 of the mirror-symmetric breather of odd sizes, by another solver."""
     growth_here: dict[int, float]
@@ -303,7 +313,10 @@ def nuclei() -> Nuclei:
         if n > 1:
             mirrored[n] = max(_growth_mirrored(u, c) for c, u in at.items())
     return Nuclei(
-        branches=branches,
+        branches={
+            n: tuple(Ended(c_end=each.c_end, stable=each.stable) for each in found)
+            for n, found in branches.items()
+        },
         growth_by_envelope=by_envelope,
         growth_here=here,
         growth_mirrored=mirrored,

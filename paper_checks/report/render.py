@@ -42,13 +42,11 @@ class Paper:
 
     title: str
     authors: str
-    where: str
 
 
 PAPER = Paper(
     "Nucleation and propagation of excitation fronts in self-excited systems",
     "I. B. Shiroky, A. Papangelo, N. Hoffmann, O. V. Gendelman",
-    "",
 )
 
 

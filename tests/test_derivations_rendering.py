@@ -166,3 +166,13 @@ def test_the_words_do_not_depend_on_the_terminal():
     ]
     assert said[0] == said[1]
     assert b"\\u03b1\\u2080" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [(r"\tilde{v}_{rel}", "ṽᵣₑₗ"), (r"\hat{v}", "v̂"), (r"\dot{\delta}", "δ̇"), (r"\delta_5", "δ₅"),
+     (r"\varphi_{n+1}", "φₙ₊₁"), (r"\tilde{y}_*", "ỹ_*")],
+)  # fmt: skip
+def test_accents_and_greek_letters_are_read_off_the_latex_of_a_name(name, shown):
+    assert rendering.equation_text(sp.Eq(sp.Symbol(name), 2)) == f"{shown} = 2"
+    assert rendering.tex_words(shown.rstrip("_*")).isascii()

@@ -7,7 +7,9 @@ paper's names: y with index n+1, dots for the time, primes for the slow time.
 
 from __future__ import annotations
 
+import re
 from enum import Enum
+from unicodedata import normalize
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -40,6 +42,8 @@ PRIMED = ("tau", "T")
 """Slow times: derivatives are primes."""
 
 _LOW = str.maketrans("0123456789+-nmjpkzt", "₀₁₂₃₄₅₆₇₈₉₊₋ₙₘⱼₚₖzₜ")
+_ACCENTS = {"tilde": "\u0303", "hat": "\u0302", "dot": "\u0307"}
+_ACCENTED = re.compile(r"\\(tilde|hat|dot)\{")
 _DOTS = {1: "\u0307", 2: "\u0308", 3: "\u20db"}
 
 
@@ -63,8 +67,12 @@ def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
         if name is not None:
             found[own] = sp.Symbol(name)
     for symbol in expression.atoms(sp.Symbol):
-        if symbol.name in NAMES:
-            found[symbol] = sp.Symbol(NAMES[symbol.name][script is Script.UNICODE])
+        if symbol.name in NAMES or ("\\" in symbol.name and script is Script.UNICODE):
+            found[symbol] = sp.Symbol(_base(symbol.name, script))
+    if script is Script.UNICODE:
+        for own in expression.atoms(AppliedUndef) - found.keys():
+            if "\\" in own.func.__name__:
+                found[own] = sp.Function(_base(own.func.__name__, script))(*own.args)
     return expression.xreplace(found)
 
 
@@ -91,8 +99,15 @@ def _base(name: str, script: Script) -> str:
         return NAMES[name][script is Script.UNICODE]
     if script is Script.LATEX:
         return str(sp.latex(sp.Symbol(name)))
+    plain = name.replace("\\", "").translate({ord("{"): None, ord("}"): None})
+    if accent := _ACCENTED.match(name):
+        plain = _base(plain.removeprefix(accent[1]), script)
+        return normalize("NFC", plain[0] + _ACCENTS[accent[1]] + plain[1:])
+    letter, _, index = plain.partition("_")
+    if index and letter in NAMES:
+        return NAMES[letter][1] + _base(f"x_{index}", script)[1:]
     # Not `pretty_symbol`, which writes Unicode only if the terminal that imported SymPy had it.
-    return str(sp.pretty(sp.Symbol(name), use_unicode=True))
+    return str(sp.pretty(sp.Symbol(plain), use_unicode=True))
 
 
 def _function(own: AppliedUndef, script: Script, mark: str) -> str | None:

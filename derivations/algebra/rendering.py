@@ -307,9 +307,11 @@ _TEX = {
         "≪": r"\ll", "∂": r"\partial", "≥": r"\ge", "≤": r"\le", "√": r"\surd",
     }.items()},
 }  # fmt: skip
-_TEX_ACCENTS = {"\u0307": "dot", "\u0308": "ddot", "\u20db": "dddot", "\u0302": "hat"}
+_TEX_ACCENTS = {
+    "\u0307": "dot", "\u0308": "ddot", "\u20db": "dddot", "\u0302": "hat", "\u0303": "tilde",
+}  # fmt: skip
 _PIECE = re.compile(
-    r"(?P<base>.)(?P<accent>[\u0302\u0307\u0308\u20db])|(?P<low>[ᵢ-ᵥₐ-ₜ₀-₋]+)|(?P<high>[²³¹⁰-⁾]+)|.",
+    r"(?P<base>.)(?P<accent>[\u0302\u0303\u0307\u0308\u20db])|(?P<low>[ᵢ-ᵥₐ-ₜ₀-₋]+)|(?P<high>[²³¹⁰-⁾]+)|.",
     re.DOTALL,
 )
 

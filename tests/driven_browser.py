@@ -26,8 +26,8 @@ FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
     "--no-first-run", "--remote-debugging-pipe", "--window-size=1400,1000",
 )  # fmt: skip
-PATIENCE = 60.0
-"""Seconds that are waited for anything; on a quiet machine nothing takes a tenth of it."""
+TIMEOUT = 180.0
+"""Seconds that are waited for anything; with five processes a core an update takes a third of it."""
 
 
 START = '"$0" -m fronts explore --no-browser & read -r end'
@@ -47,7 +47,7 @@ def explorer() -> Iterator[tuple[subprocess.Popen[str], str]]:
         yield shell, shell.stderr.readline().split()[0]
     finally:
         shell.stdin.close()
-        shell.wait(PATIENCE)
+        shell.wait(TIMEOUT)
         shell.stderr.close()
 
 
@@ -106,7 +106,7 @@ class Browser:
 
     def _read(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
-            if not select.select([self._in], [], [], PATIENCE)[0]:
+            if not select.select([self._in], [], [], TIMEOUT)[0]:
                 raise TimeoutError("the browser does not answer")
             part = os.read(self._in, 1 << 20)
             if not part:
@@ -146,7 +146,7 @@ class Browser:
 
     def wait(self, expression: str) -> Any:
         """Return the value of an expression as soon as it is true."""
-        last = time.monotonic() + PATIENCE
+        last = time.monotonic() + TIMEOUT
         while not (value := self.ask(expression)):
             if time.monotonic() > last:
                 raise TimeoutError(f"never true: {expression}; problems: {self.problems}")

@@ -14,7 +14,7 @@ import pytest
 import fronts as fr
 from fronts.cli import main
 from fronts.explore.calls import Settings, calls, outcome, script
-from tests.driven_browser import PATIENCE, PROGRAM, Browser, explorer
+from tests.driven_browser import PROGRAM, TIMEOUT, Browser, explorer
 
 MODEL = "Bokeh.documents[0].get_model_by_name('{}')"
 
@@ -153,7 +153,7 @@ def test_it_is_bound_to_this_machine_and_ends_with_the_shell_that_started_it(ser
         socket.create_connection(("127.0.0.2", port), timeout=5)
     socket.create_connection(("127.0.0.1", port), timeout=5).close()
     shell.stdin.close()
-    last = time.monotonic() + PATIENCE
+    last = time.monotonic() + TIMEOUT
     while time.monotonic() < last:
         try:
             socket.create_connection(("127.0.0.1", port), timeout=5).close()

@@ -47,9 +47,8 @@ def vdp_chain(at: Mapping[str, float]) -> VdpChain:
     >>> vdp_chain({"a": 4.0, "eps": 0.01, "sites": 7, "eta": 0.03125, "c": 0.6}).b
     0.5
     """
-    return VdpChain(
-        a=at["a"], b=at["eta"] * at["a"] ** 2, c=at["c"], eps=at["eps"], sites=whole(at["sites"])
-    )
+    b = at["eta"] * at["a"] * at["a"]  # a power would raise where it overflows, and not be refused
+    return VdpChain(a=at["a"], b=b, c=at["c"], eps=at["eps"], sites=whole(at["sites"]))
 
 
 def friction_cell(at: Mapping[str, float]) -> FrictionCell:

@@ -27,7 +27,7 @@ FLAGS = (
     "--no-first-run", "--remote-debugging-pipe", "--window-size=1400,1000",
 )  # fmt: skip
 TIMEOUT = 180.0
-"""Seconds that are waited for anything; with five processes a core an update takes a third of it."""
+"""Seconds waited for anything; with five processes a core an update takes a third of it."""
 
 
 START = '"$0" -m fronts explore --no-browser & read -r end'

@@ -139,7 +139,8 @@ def at_points(
             verb = "agrees with" if worst <= tolerance else "differs from"
             return Evidence(
                 worst <= tolerance,
-                f"{verb} {what} at {count} points (largest relative difference {worst:.1e})",
+                f"{verb} {what} at {count} point{'s' * (count != 1)} "
+                f"(largest relative difference {worst:.1e})",
             )
 
         return check

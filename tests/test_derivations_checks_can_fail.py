@@ -212,6 +212,13 @@ def test_a_contour_integral_over_the_coordinate_is_noticed():
     assert not step.verify(step.result.xreplace({integral: other})).holds
 
 
+@pytest.mark.parametrize("name", ["pinning coupling", "retreat coupling"])
+def test_a_threshold_without_a_name_of_its_own_is_noticed(name):
+    step = derivation("piecewise-front").named(name)
+    assert step.verify().holds
+    assert not step.verify(equation(sp.Symbol("c", positive=True), step.result.rhs)).holds
+
+
 def test_springs_left_stretched_in_the_slipping_cell_are_noticed():
     step = derivation("friction").named("slipping cell")
     own = next(q for q in step.result.atoms(AppliedUndef))

@@ -101,7 +101,8 @@ class LimitChecks(ProfileChecks):
 
     def _with_ratio(self, side: int) -> Iterator[dict[Any, Any]]:
         for (_, _, point), (_, own, _) in zip(self._roots(), self._standing(side), strict=True):
-            yield {**point, s.ratio: abs(own), s.c_pin: point[c], s.c_retreat: point[c]}
+            coupling = point.pop(c)  # the threshold has a name of its own
+            yield {**point, s.ratio: abs(own), s.c_pin if side > 0 else s.c_retreat: coupling}
 
     def squared(self, side: int) -> Check:
         """Ratio and root of a standing chain."""

@@ -3,8 +3,8 @@
 A claim is four short things in one place. Its *evidence* computes and returns a frozen dataclass;
 its *rule* reads a verdict from evidence, in a few lines that the tests hold against made-up
 evidence; its *figure* draws evidence; its *text* is a template of plain prose beside the code
-(``paper_checks.prose``). `Claim.found` puts the other three on it. The rules of judging are in
-``paper_checks.ruling``.
+(``paper_checks.prose``). `Claim.found` applies rule, figure and text to evidence. The rules of
+judging are in ``paper_checks.ruling``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["Claim", "Erratum", "Fault", "Finding", "Formula", "Method", "Picture
 
 @dataclass(frozen=True)
 class Method:
-    """A way to the result, with the code that goes it.
+    """A way to the result, with the code that takes it.
 
     Attributes
     ----------

@@ -45,6 +45,12 @@ class InPhase:
         return found
 
     @property
+    def locked_from(self) -> float:
+        """Slow time from which every phase step is within 0.05 π of ±π/2, mirror-symmetric."""
+        away = [np.abs(np.abs(self.steps[n, 0.0]) - 0.5).max(axis=1) > STEADY for n in SIZES]
+        return float(self.times[np.any(away, axis=0)].max(initial=0.0))
+
+    @property
     def symmetric_change(self) -> float:
         """Largest change of a phase step in the last quarter, mirror-symmetric."""
         late = self.times > 0.75 * END
@@ -111,8 +117,8 @@ def rule_in_phase(e: InPhase) -> Ruling:
         return holds()
     return partly(
         "in the “in-phase” mode of oscillation",
-        "they leave the in-phase mode within a few tens of slow time, and the steady state that "
-        "they reach has phase steps of ±π/2.",
+        "they leave the in-phase mode, and the steady state that they reach has phase steps of "
+        "±π/2.",
     )
 
 

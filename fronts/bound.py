@@ -8,14 +8,14 @@ each is kept apart by a prefix.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.arguments import real, real_or_range
-from fronts.catalogue import EVERY, Call, Command
+from fronts.catalogue import EVERY, Call, Command, Map, Measurement, Run
 from fronts.options import Group, option
 from fronts.output import add_output_options
 from fronts.signatures import Described, described
@@ -41,14 +41,24 @@ class Bound:
     @property
     def filmed(self) -> bool:
         """Whether it returns a run, of which there is a film."""
-        return bool(self.function.__annotations__.get("return") == "Trajectory")
+        return isinstance(self.call, Run)
 
     @property
     def chain(self) -> type[Chain] | None:
         """Class of the chain, or of what the function takes in its place; None if nothing."""
-        if isinstance(self.call.chain, str):
-            return located(self.call.chain)  # type: ignore[return-value]
-        return models()[self.model] if self.call.chain else None
+        if isinstance(self.call, Measurement) and self.call.cell:
+            return located(self.call.cell)  # type: ignore[return-value]
+        return models()[self.model] if self.model else None
+
+    @property
+    def fixed(self) -> Mapping[str, Any]:
+        """Fields of the chain that are no options."""
+        return self.call.fixed if isinstance(self.call, Measurement) else {}
+
+    @property
+    def axes(self) -> Mapping[str, tuple[float, float, int]]:
+        """Axes of a map by default."""
+        return self.call.axes if isinstance(self.call, Map) else {}
 
     @property
     def fields(self) -> Group:
@@ -60,13 +70,14 @@ class Bound:
             if each.name == "ends" and allowed
             else each
             for each in own
+            if each.name not in self.fixed
         )
-        return self._group("chain.", own, ranged=self.call.ranged)
+        return self._group("chain.", own, ranged=isinstance(self.call, Map | Measurement))
 
     @property
     def start(self) -> Group:
         """Options of the function that makes the start."""
-        own = described(located(self.call.start)) if self.call.start else ()
+        own = described(located(self.call.start)) if isinstance(self.call, Run) else ()
         return self._group("start.", own)
 
     @property
@@ -81,13 +92,12 @@ class Bound:
         return self._group("", described(self.function))
 
     def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
-        without = {*self.call.hidden, *(self.call.fixed if prefix == "chain." else ())}
-        shown = [each for each in parameters if each.name not in without]
-        return Group(prefix, tuple(shown), {"nucleus.size": 1, **self.call.presets}, ranged)
+        shown = tuple(each for each in parameters if each.name not in self.call.hidden)
+        return Group(prefix, shown, {"nucleus.size": 1, **self.call.presets}, ranged)
 
     def required(self) -> str:
         """Return the options that must be given, as they are written."""
-        free = {*(self.call.grid or ()), *(("a", "b") if self.takes_eta else ())}
+        free = {*self.axes, *(("a", "b") if self.takes_eta else ())}
         names = [
             option(each.name)
             for group in (self.fields, self.start, self.own)
@@ -148,12 +158,12 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
     if bound.fields.parameters:
         group = parser.add_argument_group("the chain")
         eta = bound.takes_eta
-        said = {"sites": "7 on each side of the nucleus"} if bound.call.sites else {}
-        grid = bound.call.grid or {}
-        said |= {name: ":".join(f"{part:g}" for part in each) for name, each in grid.items()}
+        said = {name: ":".join(f"{part:g}" for part in each) for name, each in bound.axes.items()}
+        if isinstance(bound.call, Measurement) and bound.call.sites:
+            said["sites"] = "7 on each side of the nucleus"
         from_file = bound.takes_file
         names = tuple(each.name for each in bound.fields.parameters) if from_file else ()
-        bound.fields.declare(group, (*(("a", "b") if eta else ()), *grid, *names), said)
+        bound.fields.declare(group, (*(("a", "b") if eta else ()), *bound.axes, *names), said)
         if from_file:
             group.add_argument("--model", dest="chain_file", type=Path, metavar="FILE",
                                default=argparse.SUPPRESS, help="a model file in TOML with these "
@@ -161,7 +171,7 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         if eta:
             words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
             kind: Callable[[str], Any] = real
-            if bound.call.grid is not None:
+            if isinstance(bound.call, Map):
                 kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
             group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
     if bound.start.parameters:
@@ -169,7 +179,7 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
     if bound.nucleus.parameters:
         bound.nucleus.declare(parser.add_argument_group("the nucleus"))
     bound.own.declare(parser.add_argument_group("the method"))
-    if bound.call.ranged and bound.call.grid is None:
+    if isinstance(bound.call, Measurement):
         parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
                             default=argparse.SUPPRESS, metavar="N",
                             help="processes for a curve (default 1)")  # fmt: skip

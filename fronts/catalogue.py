@@ -7,41 +7,73 @@ the class of the chain (`fronts.signatures`); its answer is the function's resul
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True)
 class Call:
-    """A public function behind a command, for one model.
+    """A public function behind a command, for one model; of this class itself, one of no chain.
 
     Attributes
     ----------
     function : str
         ``module:name``; imported when the command runs.
-    chain : bool or str
-        Whether the function's first parameter is a chain of the model: its fields are options too.
-        Or ``module:Class`` of what it is in its place.
+    presets : mapping
+        Defaults of this command: parameters that the library requires, or another default.
+    hidden : tuple of str
+        Parameters that are no options, of the function or of the chain.
+    """
+
+    function: str
+    presets: Mapping[str, Any] = field(default_factory=dict)
+    hidden: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Call):
+    """A run of a chain.
+
+    Attributes
+    ----------
+    start : str
+        ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
+        parameters are options too.
+    """
+
+    function: str = "verification.runs.simulate:simulate"
+    start: str = "fronts.starts:prepared"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Map(Call):
+    """States of a chain over axes: parameters that are ranges.
+
+    Attributes
+    ----------
+    axes : mapping of str to (float, float, int)
+        Those that are ranges by default, in the order of the table. Each further parameter that is
+        given as a range is an axis too.
+    """
+
+    function: str = "fronts.maps:mapped"
+    axes: Mapping[str, tuple[float, float, int]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measurement(Call):
+    """What is measured on a chain; one of its fields given as a range gives a curve.
+
+    Attributes
+    ----------
     fixed : mapping
         Fields of the chain that are no options, because the function does not depend on them.
+    cell : str
+        ``module:Class`` of a cell that the function takes in place of a chain.
     curve : str
         ``module:name`` of a function of the chains, the parameter in which they differ, and its
         values, that gives a curve where there is a better way than point by point; None from it
         means that there is not.
-    start : str
-        ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
-        parameters are options too.
-    presets : mapping
-        Defaults of this command: parameters that the library requires, or another default.
-    ranged : bool
-        Whether a field of the chain may be a range, which gives a curve.
-    hidden : tuple of str
-        Parameters that are no options, of the function or of the chain.
-    grid : mapping of str to (float, float, int), or None
-        That the function takes axes: parameters of the chain that are ranges by default, in the
-        order of the table. Each further parameter that is given as a range is an axis too.
-    also : str
-        ``module:name`` of a function of the result that gives further entries of the JSON object.
     only : mapping of str to str
         Options that belong to one ``--method`` each.
     sites : str
@@ -49,16 +81,9 @@ class Call:
         nucleus, where it is not given.
     """
 
-    function: str
-    chain: bool | str = False
     fixed: Mapping[str, Any] = field(default_factory=dict)
+    cell: str = ""
     curve: str = ""
-    start: str = ""
-    presets: Mapping[str, Any] = field(default_factory=dict)
-    ranged: bool = False
-    hidden: tuple[str, ...] = ()
-    grid: Mapping[str, tuple[float, float, int]] | None = None
-    also: str = ""
     only: Mapping[str, str] = field(default_factory=dict)
     sites: str = ""
 
@@ -98,9 +123,6 @@ EVERY = "*"
 ALIASES = {"envelope": "averaged"}
 """Other names of models."""
 
-_BREATHER = "verification.breathers.breather:breather"
-_CELL = "verification.cells.cell:cell"
-_ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
 _FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
 """Damping coefficients of Figs. 7-11."""
 
@@ -108,34 +130,37 @@ _FRONT = "verification.fronts.measure:measure_front"
 _OF_RUNNING_FRONTS = (
     "accuracy", "tolerance", "excited", "max_sites", "stall_time", "left_boundary",
 )  # fmt: skip
-_OWN_FRONT = Call(function=_FRONT, chain=True, ranged=True, hidden=("point", "method"))
-_SIMULATE = "verification.runs.simulate:simulate"
-_MAP = "fronts.maps:mapped"
-_HIDDEN_OF_RUNS = ("times", "estimate_error", "budget")
-_VDP_RUN = Call(
-    function=_SIMULATE,
-    chain=True,
-    start="fronts.starts:prepared",
-    presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0},
-    hidden=(*_HIDDEN_OF_RUNS, "start_point"),
-    also="fronts.running:evolution",
+_OWN_FRONT = Measurement(function=_FRONT, hidden=("point", "method"))
+
+_VDP_RUN = Run(presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start_point",))
+
+_CELL = "verification.cells.cell:cell"
+_VDP_CELL = Measurement(
+    function=_CELL, fixed={"c": 0.0, "sites": 2, "ends": "free"}, presets=_FIG_7
 )
-_VDP_MAP = Call(
-    function=_MAP,
-    chain=True,
+
+_VDP_MAP = Map(
     presets={"chain.sites": 16},
-    ranged=True,
-    grid={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
-    hidden=("held", "start_point", "out", "pattern", "ends"),
+    axes={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
+    hidden=("start_point", "pattern", "ends"),
 )
+
+_BREATHER = "verification.breathers.breather:breather"
+_OF_BREATHERS = {"reading": "closed-form", "seed": "simulation"}
+_AVERAGED_BREATHER = Measurement(
+    function=_BREATHER,
+    presets={**_FIG_7, "chain.c": 0.1},
+    curve="fronts.branches:breather_branch",
+    only=_OF_BREATHERS,
+    sites="theory.chains.nucleus:sites_for",
+)
+
 _THRESHOLD = "verification.thresholds.threshold:threshold"
 _OF_BISECTION = ("final_time", "accuracy", "lowest", "highest", "tests", "displacement")
-_VDP_THRESHOLD = Call(
+_VDP_THRESHOLD = Measurement(
     function=_THRESHOLD,
-    chain=True,
     fixed={"c": 0.0, "sites": 31},
     presets={**_FIG_7, "method": "envelope"},
-    ranged=True,
     only={
         "perturbation": "sweep",
         "seed": "sweep",
@@ -195,36 +220,28 @@ COMMANDS: dict[str, Command] = {
   fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling square --n 41x41 \\
       --directions 8""",
         calls={
-            "piecewise": Call(function="fronts.moving:piecewise_front", chain=True, ranged=True),
-            "vdp": Call(
+            "piecewise": Measurement(function="fronts.moving:piecewise_front"),
+            "vdp": Measurement(
                 function=_FRONT,
-                chain=True,
                 presets={"chain.sites": 32},
-                ranged=True,
                 hidden=("point", "ends", "method", "directions"),
             ),
-            "averaged": Call(
+            "averaged": Measurement(
                 function=_FRONT,
-                chain=True,
                 presets={"chain.sites": 32},
-                ranged=True,
                 curve="fronts.branches:front_branch",
                 hidden=("point", "ends", "directions"),
                 only=dict.fromkeys(_OF_RUNNING_FRONTS, "run"),
             ),
-            "friction": Call(
+            "friction": Measurement(
                 function=_FRONT,
-                chain=True,
                 presets={"chain.sites": 101},
-                ranged=True,
                 hidden=("left_boundary", "ends", "method", "directions"),
             ),
             "chain": _OWN_FRONT,
             "averaged-chain": _OWN_FRONT,
-            EVERY: Call(
+            EVERY: Measurement(
                 function=_FRONT,
-                chain=True,
-                ranged=True,
                 hidden=("point", "ends", "method", "directions"),
             ),
         },
@@ -244,20 +261,8 @@ COMMANDS: dict[str, Command] = {
         calls={
             "vdp": _VDP_RUN,
             "averaged": _VDP_RUN,
-            "friction": Call(
-                function=_SIMULATE,
-                chain=True,
-                start="fronts.starts:prepared",
-                presets={"chain.c": 0.02, "t_end": 1000.0},
-                hidden=(*_HIDDEN_OF_RUNS, "level"),
-            ),
-            EVERY: Call(
-                function=_SIMULATE,
-                chain=True,
-                start="fronts.starts:prepared",
-                presets={"t_end": 1000.0},
-                hidden=(*_HIDDEN_OF_RUNS, "start_point"),
-            ),
+            "friction": Run(presets={"chain.c": 0.02, "t_end": 1000.0}, hidden=("level",)),
+            EVERY: Run(presets={"t_end": 1000.0}, hidden=("start_point",)),
         },
     ),
     "cell": Command(
@@ -272,14 +277,13 @@ COMMANDS: dict[str, Command] = {
 "basin" is the range of y that goes to rest when started with zero velocity: null if none does,
 [null, null] if all do.""",
         calls={
-            "friction": Call(
+            "friction": Measurement(
                 function=_CELL,
-                chain="theory.cells.friction:FrictionCell",
-                ranged=True,
+                cell="theory.cells.friction:FrictionCell",
                 curve="fronts.cells:bifurcation",
             ),
-            "vdp": Call(function=_CELL, chain=True, fixed=_ALONE, presets=_FIG_7, ranged=True),
-            "averaged": Call(function=_CELL, chain=True, fixed=_ALONE, presets=_FIG_7, ranged=True),
+            "vdp": _VDP_CELL,
+            "averaged": _VDP_CELL,
         },
     ),
     "map": Command(
@@ -297,20 +301,11 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
         calls={
             "vdp": _VDP_MAP,
             "averaged": _VDP_MAP,
-            "friction": Call(
-                function=_MAP,
-                chain=True,
-                ranged=True,
-                grid={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
-                hidden=("held", "displacement", "out", "pattern"),
+            "friction": Map(
+                axes={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
+                hidden=("displacement", "pattern"),
             ),
-            EVERY: Call(
-                function=_MAP,
-                chain=True,
-                ranged=True,
-                grid={},
-                hidden=("held", "out", "start_point", "pattern"),
-            ),
+            EVERY: Map(hidden=("start_point", "pattern")),
         },
     ),
     "breather": Command(
@@ -325,31 +320,11 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
   fronts breather averaged --c 0.1""",
         default="vdp",
         calls={
-            "vdp": Call(
-                function=_BREATHER,
-                chain=True,
-                presets={**_FIG_7, "chain.c": 0.1, "method": "orbit"},
-                ranged=True,
-                curve="fronts.branches:breather_branch",
-                only={"reading": "closed-form", "seed": "simulation"},
-                sites="theory.chains.nucleus:sites_for",
+            "vdp": replace(
+                _AVERAGED_BREATHER, presets={**_AVERAGED_BREATHER.presets, "method": "orbit"}
             ),
-            "chain": Call(
-                function=_BREATHER,
-                chain=True,
-                ranged=True,
-                hidden=("method",),
-                only={"reading": "closed-form", "seed": "simulation"},
-            ),
-            "averaged": Call(
-                function=_BREATHER,
-                chain=True,
-                presets={**_FIG_7, "chain.c": 0.1},
-                ranged=True,
-                curve="fronts.branches:breather_branch",
-                only={"reading": "closed-form", "seed": "simulation"},
-                sites="theory.chains.nucleus:sites_for",
-            ),
+            "chain": Measurement(function=_BREATHER, hidden=("method",), only=_OF_BREATHERS),
+            "averaged": _AVERAGED_BREATHER,
         },
     ),
     "threshold": Command(
@@ -368,18 +343,14 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
         calls={
             "vdp": _VDP_THRESHOLD,
             "averaged": _VDP_THRESHOLD,
-            "friction": Call(
+            "friction": Measurement(
                 function=_THRESHOLD,
-                chain=True,
                 fixed={"c": 0.0},
-                ranged=True,
                 hidden=("pattern", "method", "perturbation", "seed"),
             ),
-            EVERY: Call(
+            EVERY: Measurement(
                 function=_THRESHOLD,
-                chain=True,
                 fixed={"c": 0.0},
-                ranged=True,
                 hidden=("method", "perturbation", "seed", "start_point"),
             ),
         },

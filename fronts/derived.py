@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_seed, is_range, values_of
 from fronts.bound import Bound, located
+from fronts.catalogue import Map, Measurement, Run
 from fronts.options import option
 from fronts.output import beside_files, check_output, command_line, write_output
 from fronts.signatures import described
@@ -53,8 +54,8 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     if options.out:
         write_output(options.out, result, parameters, words)
     payload, text = result.to_dict(), in_words(result)
-    if bound.call.also:
-        payload |= located(bound.call.also)(result)
+    if isinstance(bound.call, Run):
+        payload |= located("fronts.running:evolution")(result)
         text += in_words_also(payload)
     if options.out:
         text = beside_files(text, options.out)
@@ -67,46 +68,44 @@ def _computed(
     """Return the result, and the parameters that it was computed with, defaults included."""
     function, arguments = bound.function, bound.own.given(options)
     parameters = {**bound.own.defaults(), **arguments}
-    takes = {each.name for each in described(function)}
     nucleus = bound.nucleus.given(options)
     if any(hasattr(options, f"nucleus.{name}") for name in nucleus):
-        arguments["nucleus"] = nucleus_of(nucleus)
-        parameters["nucleus"] = arguments["nucleus"]
-    _refuse_other_methods(bound, arguments, options)
+        arguments["nucleus"] = parameters["nucleus"] = nucleus_of(nucleus)
+    takes = {each.name for each in described(function)}
     further = {"progress": progress} if "progress" in takes else {}
     if bound.chain is None:
-        found: Result = function(**_arrays(arguments), **further)
-        return found, parameters
-    fields = _with_file(bound, {**bound.call.fixed, **bound.fields.given(options)}, options)
-    if bound.call.grid is not None:
-        chain, chosen = _grid(options, bound, fields)
-        arguments |= chosen
-        if "out" in takes:
-            resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
-            arguments["out"] = next(resumable, None)
-        parameters = {**chain.parameters(), **parameters, **arguments}
-        return function(chain, **arguments, **further), parameters
-    fields = _with_eta(bound, fields, options)
-    if bound.call.sites and "sites" not in fields:
-        fields["sites"] = located(bound.call.sites)(nucleus["size"])
-    ranges = _ranges(fields)
-    if ranges:
-        (along,) = ranges
-        curve = _curve(
-            options, bound, fields=fields, along=along, arguments=arguments, progress=progress
-        )
-        return curve, {"model": bound.model, **fields, **parameters}
-    made = bound.chain(**fields)
-    parameters = {**_parameters_of(made), **parameters}
-    if bound.call.start:
-        started = bound.start.given(options)
-        arguments["start"] = located(bound.call.start)(made, **started)
-        parameters["start"] = {**bound.start.defaults(), **started}
-    return function(made, **arguments, **further), parameters
+        return function(**_arrays(arguments), **further), parameters
+    match bound.call:
+        case Run(start=start):
+            chain = bound.chain(**_with_eta(bound, _fields(bound, options), options))
+            started = bound.start.given(options)
+            further["start"] = located(start)(chain, **started)
+            parameters["start"] = {**bound.start.defaults(), **started}
+        case Map():
+            chain, chosen = _grid(options, bound, _fields(bound, options))
+            arguments |= chosen
+            parameters |= arguments
+        case Measurement(only=only, sites=sites):
+            _refuse_other_methods(only, parameters, options)
+            fields = _with_eta(bound, _fields(bound, options), options)
+            if sites and "sites" not in fields:
+                fields["sites"] = located(sites)(nucleus["size"])
+            along = _range_of(fields)
+            if along is not None:
+                curve = _curve(
+                    options, bound, fields=fields, along=along, arguments=arguments,
+                    progress=progress,
+                )  # fmt: skip
+                return curve, {"model": bound.model, **fields, **parameters}
+            chain = bound.chain(**fields)
+    # Before the call, which leaves cached values among the fields of a cell.
+    parameters = {**_parameters_of(chain), **parameters}
+    return function(chain, **arguments, **further), parameters
 
 
-def _with_file(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
-    """Return the fields with those in a model file; refuse a required one that is nowhere."""
+def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:
+    """Return the fields, also those in a model file; refuse a required one that is nowhere."""
+    fields = {**bound.fixed, **bound.fields.given(options)}
     if not bound.takes_file:
         return fields
     if hasattr(options, "chain_file"):
@@ -123,17 +122,16 @@ def _with_file(bound: Bound, fields: dict[str, Any], options: argparse.Namespace
 def _grid(
     options: argparse.Namespace, bound: Bound, fields: dict[str, Any]
 ) -> tuple[Chain, dict[str, Any]]:
-    """Return the chain of a map, and its axes: what is a range, or one by default."""
-    assert bound.call.grid is not None
+    """Return the chain of a map, its axes (what is a range, or one by default), and its table."""
     assert bound.chain is not None
     chosen: dict[str, Any] = {}
     axes: dict[str, list[float]] = {}
-    if "eta" in bound.call.grid:
+    if "eta" in bound.axes:
         if {"a", "b"} <= {*fields}:
             raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
         chosen["held"] = "a" if "a" in fields else "b"
         fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
-    for name, default in bound.call.grid.items():
+    for name, default in bound.axes.items():
         value: Any = (
             getattr(options, "eta", default) if name == "eta" else fields.get(name, default)
         )
@@ -146,7 +144,8 @@ def _grid(
     # The first values stand for the others, which are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
     chain = bound.chain(**{**fields, **held})
-    return chain, {**chosen, "axes": axes}
+    resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
+    return chain, {**chosen, "axes": axes, "out": next(resumable, None)}
 
 
 def _curve(
@@ -161,6 +160,7 @@ def _curve(
     from fronts.curves import curve
 
     assert bound.chain is not None
+    assert isinstance(bound.call, Measurement)
     values = values_of(fields[along])
     # Both ends are checked before any work.
     first, last = (bound.chain(**{**fields, along: value}) for value in (values[0], values[-1]))
@@ -182,11 +182,11 @@ def _curve(
 
 
 def _refuse_other_methods(
-    bound: Bound, arguments: Mapping[str, Any], options: argparse.Namespace
+    only: Mapping[str, str], parameters: Mapping[str, Any], options: argparse.Namespace
 ) -> None:
     """Refuse options of another ``--method`` than the one that was named."""
-    chosen = arguments.get("method", bound.own.defaults().get("method"))
-    for name, method in bound.call.only.items():
+    chosen = parameters.get("method")
+    for name, method in only.items():
         if hasattr(options, name) and chosen not in (method, "all"):
             raise UsageError(
                 f"{option(name)} is for --method {method}: leave it out.",
@@ -195,7 +195,7 @@ def _refuse_other_methods(
                 allowed=f"absent without --method {method}",
                 remedy="leave it out",
             )
-    seed = arguments.get("seed")
+    seed = parameters.get("seed")
     if isinstance(seed, int):
         check_seed(seed)
 
@@ -229,18 +229,16 @@ def nucleus_of(given: Mapping[str, Any]) -> Any:
     return Nucleus(size=size, pattern=given.get("pattern", "0" * max(size - 1, 0)), place=place)
 
 
-def _ranges(arguments: Mapping[str, Any]) -> list[str]:
-    """Return the names of what was given as a range: one at most."""
+def _range_of(arguments: Mapping[str, Any]) -> str | None:
+    """Return the name of what was given as a range, if anything was: one at most."""
     ranges = [name for name, value in arguments.items() if is_range(value)]
     if len(ranges) > 1:
         names = " or for ".join(option(name) for name in ranges)
         raise UsageError(f"give a range for {names}, not for both.")
-    return ranges
+    return ranges[0] if ranges else None
 
 
 def _arrays(arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Turn a range into its values."""
-    ranges = _ranges(arguments)
-    return {
-        name: values_of(value) if name in ranges else value for name, value in arguments.items()
-    }
+    along = _range_of(arguments)
+    return {name: values_of(value) if name == along else value for name, value in arguments.items()}

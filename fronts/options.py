@@ -32,8 +32,10 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
 }
 """Options whose names are not their parameter's, and the other names that are understood."""
 
-INTERNAL = frozenset({"progress", "executor", "chain", "nucleus"})
-"""Parameters that no shell can give."""
+INTERNAL = frozenset(
+    {"progress", "executor", "chain", "nucleus", "times", "estimate_error", "budget", "held", "out"}
+)
+"""Parameters that are no options: no shell can give them, or the command line sets them itself."""
 
 _READERS: Mapping[str, Any] = {
     "float": real,

@@ -25,7 +25,7 @@ OF_THE_LIBRARY = {
     where
     for command in COMMANDS.values()
     for call in command.calls.values()
-    for where in (call.function, call.curve)
+    for where in (call.function, getattr(call, "curve", ""))
 } - {""}
 
 

@@ -22,7 +22,7 @@ from fronts.commands.check import STORE
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.report import measurements, render
-from paper_checks.report.data_table import columns_as_csv, long_table
+from paper_checks.report.data_table import Curves, columns_as_csv, long_table
 from paper_checks.report.pictures import new_axes, picture
 from paper_checks.run import sharing
 
@@ -522,6 +522,13 @@ def test_curves_of_one_table_stand_below_each_other():
     assert columns_as_csv(table) == "series,x,kind,error\na,1.0,p,\na,2.0,p,\nb,3,,\n"
     with pytest.raises(ValueError, match="'a' have"):
         long_table({"a": {"x": [1.0, 2.0], "y": [1.0, 2.0, 3.0]}})
+
+
+def test_a_curve_takes_the_place_of_no_other():
+    curves = Curves()
+    assert curves.add("a", x=[1.0], y=[2.0], error=0.1) == ([1.0], [2.0])
+    with pytest.raises(ValueError, match="another name"):
+        curves.add("a", x=[2.0], y=[1.0])
 
 
 def test_claim_records_and_pictures_do_not_import_matplotlib():

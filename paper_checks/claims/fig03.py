@@ -10,7 +10,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds, partly
 
@@ -24,7 +24,6 @@ LINE = 0.02
 VANISHING = 0.05
 """Largest part of the core's amplitude that can be read as zero in the figure."""
 AGREE = 1e-3
-XLABEL, YLABEL = "oscillator n", r"vibration amplitude $\tilde{Y}_n$"
 STYLES = (("o-", "blue"), ("s--", "vermilion"), ("^:", "green"))
 
 STEPS = Method("Taylor steps from event to event", "verification.runs.simulate:simulate")
@@ -105,18 +104,25 @@ def rule_vanishing(e: Breather) -> Ruling:
 
 def draw_breather(e: Breather) -> tuple[Picture, ...]:
     """Draw Fig. 3a."""
-    figure, axes = new_axes("column", xlabel=XLABEL, ylabel=YLABEL)
-    sites = np.arange(1, SITES + 1)
-    axes.axvspan(CORE[0] - 0.5, CORE[-1] + 0.5, color="0.9", label="excited: 15, 16, 17")
-    for row, time, (line, colour) in zip(e.envelope, TIMES_A, STYLES, strict=True):
+    return _draw("fig03-breather", e, TIMES_A, CORE, "0.4 %")
+
+
+def _draw(
+    name: str, e: Breather | Front, times: tuple[float, ...], core: tuple[int, ...], c: str
+) -> tuple[Picture, ...]:
+    """Draw the envelopes at some times, and where the chain is excited."""
+    figure, axes = new_axes(
+        "column", xlabel="oscillator n", ylabel=r"vibration amplitude $\tilde{Y}_n$"
+    )
+    sites, curves = np.arange(1, SITES + 1), Curves()
+    axes.axvspan(core[0] - 0.5, core[-1] + 0.5, color="0.9",
+                 label="excited: " + ", ".join(map(str, core)))  # fmt: skip
+    for row, time, (line, colour) in zip(e.envelope, times, STYLES, strict=True):
+        curves[f"tau = {time:g}"] = {"tau": time, "n": sites, "amplitude": row}
         axes.plot(sites, row, line, color=COLOURS[colour], label=rf"$\tau$ = {time:g}")
-    axes.set(title=r"$c$ = 0.4 %, $\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31")
+    axes.set(title=rf"$c$ = {c}, $\tilde{{v}}_d$ = 1.25, $N_\mathrm{{dof}}$ = 31")
     axes.legend()
-    table = long_table(
-        {f"tau = {t:g}": {"tau": t, "n": sites, "amplitude": e.envelope[k]}
-         for k, t in enumerate(TIMES_A)}
-    )  # fmt: skip
-    return (picture("fig03-breather", "", figure, table),)
+    return (picture(name, "", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,18 +165,7 @@ def rule_front(e: Front) -> Ruling:
 
 def draw_front(e: Front) -> tuple[Picture, ...]:
     """Draw Fig. 3b."""
-    figure, axes = new_axes("column", xlabel=XLABEL, ylabel=YLABEL)
-    sites = np.arange(1, SITES + 1)
-    axes.axvspan(0.5, 1.5, color="0.9", label="excited: 1")
-    for row, time, (line, colour) in zip(e.envelope, TIMES_B, STYLES, strict=True):
-        axes.plot(sites, row, line, color=COLOURS[colour], label=rf"$\tau$ = {time:g}")
-    axes.set(title=r"$c$ = 2 %, $\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31")
-    axes.legend()
-    table = long_table(
-        {f"tau = {t:g}": {"tau": t, "n": sites, "amplitude": e.envelope[k]}
-         for k, t in enumerate(TIMES_B)}
-    )  # fmt: skip
-    return (picture("fig03-front", "", figure, table),)
+    return _draw("fig03-front", e, TIMES_B, (1,), "2 %")
 
 
 CLAIMS = (

@@ -10,7 +10,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds, partly, rounding
 
@@ -141,21 +141,21 @@ def rule_bulk(e: Thresholds) -> Ruling:
 def draw(e: Thresholds) -> tuple[Picture, ...]:
     """Draw Fig. 4."""
     figure, axes = new_axes("column", height=2.7)
-    series: dict[str, dict[str, Any]] = {}
+    curves = Curves()
     for place, values, style, colour in (
         ("edge", e.edge, "o-", "black"), ("bulk", e.bulk, "s--", "vermilion"),
     ):  # fmt: skip
-        axes.plot(SIZES, values, style, color=COLOURS[colour], label=f"“{place}” excitation")
-        series[place] = {"size": SIZES, "c_crit": values, "error": ACCURACY}
+        axes.plot(*curves.add(place, size=SIZES, c_crit=values, error=ACCURACY), style,
+                  color=COLOURS[colour], label=f"“{place}” excitation")  # fmt: skip
     mark = (1.0 - PRINTED / 100.0) * e.edge[0]
     axes.plot([2.6, 9.4], [mark, mark], lw=4, alpha=0.4, color=COLOURS["blue"],
               label="paper: about 40 % below edge, size 1")  # fmt: skip
-    series["paper, edge"] = {"size": SIZES[1:], "c_crit": mark}
+    curves.add("paper, edge", size=SIZES[1:], c_crit=mark)
     axes.set(xticks=SIZES, ylim=(0.0, 0.0145), xlabel=r"nucleus size $N_\mathrm{size}$")
     axes.set(ylabel=r"critical coupling $(c)_\mathrm{crit}$")
     axes.set(title=r"$\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31")
     axes.legend(loc="upper right")
-    return (picture("fig04-thresholds", "", figure, long_table(series)),)
+    return (picture("fig04-thresholds", "", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
 
@@ -137,27 +136,23 @@ def draw_velocities(e: Velocities) -> tuple[Picture, ...]:
     shown = [k for k, c in enumerate(e.c) if c <= COUPLINGS[-1]]
     fine = np.linspace(e.threshold, 0.105, 100)
     offset, slope = e.line
-    axes.plot(fine, offset + slope * fine, "--", color=COLOURS["vermilion"],
-              label=rf"line from $c$ = {LINEAR_FROM:g} on")  # fmt: skip
+    curves = Curves({"measured": {"c": e.c, "v": e.v, "error": e.error}})
+    axes.plot(*curves.add("line", c=fine, v=offset + slope * fine), "--",
+              color=COLOURS["vermilion"], label=rf"line from $c$ = {LINEAR_FROM:g} on")  # fmt: skip
     waves = [chain_of(float(c)).largest_group_velocity for c in fine]
-    axes.plot(fine, waves, color=COLOURS["green"], lw=0.9, label="fastest linear waves")
+    axes.plot(*curves.add("fastest linear waves", c=fine, v=waves), color=COLOURS["green"], lw=0.9,
+              label="fastest linear waves")  # fmt: skip
     axes.errorbar([e.c[k] for k in shown], [e.v[k] for k in shown], [e.error[k] for k in shown],
                   fmt="o", ms=3.2, color=COLOURS["blue"], label="measured")  # fmt: skip
-    axes.plot(BELOW, [0.0] * len(BELOW), "o", mfc="none", color=COLOURS["blue"],
-              label="no propagation", clip_on=False)  # fmt: skip
+    axes.plot(*curves.add("no propagation", c=BELOW, v=[0.0] * len(BELOW)), "o", mfc="none",
+              color=COLOURS["blue"], label="no propagation", clip_on=False)  # fmt: skip
+    curves["c_crit"] = {"c": e.threshold}
     axes.axvline(e.threshold, color="0.4", lw=0.8, ls=":",
                  label=rf"$c_\mathrm{{crit}}$ = {e.threshold:.5f}")  # fmt: skip
     axes.set(xlim=(0.0, 0.105), ylim=(0.0, None))
     axes.set(title=r"$\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31, edge")
     axes.legend()
-    series: dict[str, dict[str, Any]] = {
-        "measured": {"c": e.c, "v": e.v, "error": e.error},
-        "no propagation": {"c": BELOW, "v": 0.0},
-        "line": {"c": fine, "v": offset + slope * fine},
-        "fastest linear waves": {"c": fine, "v": waves},
-        "c_crit": {"c": e.threshold},
-    }
-    return (picture("fig06-velocity", "", figure, long_table(series)),)
+    return (picture("fig06-velocity", "", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ import numpy as np
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, flow
 from paper_checks.claims._orbits import CENTRE, SITES, orbit_of
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.ruling import fails, holds
 
@@ -120,23 +120,20 @@ def draw(e: Localised) -> tuple[Picture, ...]:
     figure, (left, right) = new_panels(2, width="page", height=2.4)
     place = np.arange(SITES) - CENTRE
     one = e.orbit[CENTRE] * np.exp(e.rate * np.abs(place))
-    left.bar(place, e.orbit, color=COLOURS["blue"], width=0.7)
+    curves = Curves()
+    orbit = curves.add("periodic orbit", n=place, amplitude=e.orbit)
+    left.bar(*orbit, color=COLOURS["blue"], width=0.7)
     left.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(0, 3.2))
     left.set(title=r"$c$ = 0.1, $a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
-    right.semilogy(place, e.orbit, "o", color=COLOURS["blue"], label="periodic orbit of (8)")
-    right.semilogy(place, e.run, "x", color=COLOURS["black"], label="run of (8), scipy")
-    right.semilogy(place, one, "--", color=COLOURS["vermilion"], lw=0.9,
+    right.semilogy(*orbit, "o", color=COLOURS["blue"], label="periodic orbit of (8)")
+    right.semilogy(*curves.add("run of (8), scipy", n=place, amplitude=e.run), "x",
+                   color=COLOURS["black"], label="run of (8), scipy")  # fmt: skip
+    right.semilogy(*curves.add("one exponential, (9)", n=place, amplitude=one), "--", lw=0.9,
+                   color=COLOURS["vermilion"],
                    label=rf"paper, (9): one rate, fitted $k_1$ = {e.rate:.3f}")  # fmt: skip
     right.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(1e-6, 1e4))
     right.legend(loc="upper center")
-    table = long_table(
-        {
-            "periodic orbit": {"n": place, "amplitude": e.orbit},
-            "run of (8), scipy": {"n": place, "amplitude": e.run},
-            "one exponential, (9)": {"n": place, "amplitude": one},
-        }
-    )
-    return (picture("fig07-breather", "", figure, table),)
+    return (picture("fig07-breather", "", figure, long_table(curves)),)
 
 
 METHODS = (

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B, flow
 from paper_checks.claims._orbits import CENTRE, SMALL, averaged_of, orbit_of
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import fails, holds
 
@@ -99,18 +99,16 @@ def draw_amplitudes(e: Amplitudes) -> tuple[Picture, ...]:
 
     figure, axes = new_axes("column", height=3.0, xlabel="coupling c", ylabel=r"amplitude of $y_n$")
     fine = np.concatenate([np.linspace(0.005, 0.18, 60), np.linspace(0.181, 0.1973, 60)])
-    curve = closed_form(Reading.NEIGHBOUR, fine)
-    series: dict[str, dict[str, Any]] = {}
+    closed, curves = closed_form(Reading.NEIGHBOUR, fine), Curves()
     for n, colour in ((0, COLOURS["blue"]), (1, COLOURS["vermilion"])):
-        axes.plot(fine, curve[:, n], color=colour, label=f"n = {n}, paper: (29), (37), (38)")
-        axes.plot(COUPLINGS, e.exact[:, n], "o", mfc="none", color=colour, ms=4,
-                  label=f"n = {n}, periodic orbit of (8)")  # fmt: skip
-        series[f"closed form, n = {n}"] = {"c": fine, "amplitude": curve[:, n]}
-        series[f"orbit, n = {n}"] = {"c": COUPLINGS, "amplitude": e.exact[:, n]}
+        axes.plot(*curves.add(f"closed form, n = {n}", c=fine, amplitude=closed[:, n]),
+                  color=colour, label=f"n = {n}, paper: (29), (37), (38)")  # fmt: skip
+        axes.plot(*curves.add(f"orbit, n = {n}", c=COUPLINGS, amplitude=e.exact[:, n]), "o", ms=4,
+                  mfc="none", color=colour, label=f"n = {n}, periodic orbit of (8)")  # fmt: skip
     axes.set(xlim=(0, 0.2), ylim=(0, 3.05), xticks=(0, 0.05, 0.1, 0.15, 0.2))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
     axes.legend(loc="center left", bbox_to_anchor=(0.0, 0.6))
-    return (picture("fig08-amplitudes", "", figure, long_table(series)),)
+    return (picture("fig08-amplitudes", "", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B, flow
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.ruling import fails, holds, partly
 
@@ -125,32 +125,30 @@ def rule_in_phase(e: InPhase) -> Ruling:
 def draw(e: InPhase) -> tuple[Picture, ...]:
     """Draw the shapes of Fig. 10, and under each the phase steps in time."""
     figure, panels = new_panels(2, 2, width="page", height=4.2)
-    series = {}
+    curves = Curves()
     for k, size in enumerate(SIZES):
         shape = e.shapes[size]
         sites = np.arange(shape.size) - shape.size // 2
         near = np.abs(sites) <= 8
-        panels[k].bar(sites[near], shape[near], color=COLOURS["blue"], width=0.7)
+        panels[k].bar(*curves.add(f"shape, size {size}", n=sites[near], amplitude=shape[near]),
+                      color=COLOURS["blue"], width=0.7)  # fmt: skip
         panels[k].set(title=f"{'ab'[k]}) nucleus size {size}, $c$ = 0.1", xlabel="site n",
                       ylabel=r"amplitude $|\varphi_n|$", xticks=range(-8, 9, 4))  # fmt: skip
-        series[f"shape, size {size}"] = {"n": sites[near], "amplitude": shape[near]}
         axes = panels[2 + k]
         for noise, colour, label in (
             (0.0, "blue", "exact mirror symmetry"), (NOISE, "vermilion", "perturbed by 1e-6"),
         ):  # fmt: skip
             rows = e.steps[size, noise]
             for link in range(size - 1):
-                axes.plot(e.times, rows[:, link], ".", ms=1.4, color=COLOURS[colour],
-                          label="" if link else label)  # fmt: skip
-                series[f"size {size}, perturbation {noise:g}, step {link + 1}"] = {
-                    "slow_time": e.times, "phase_step_over_pi": rows[:, link],
-                }  # fmt: skip
+                name = f"size {size}, perturbation {noise:g}, step {link + 1}"
+                steps = curves.add(name, slow_time=e.times, phase_step_over_pi=rows[:, link])
+                axes.plot(*steps, ".", ms=1.4, color=COLOURS[colour], label="" if link else label)
         axes.axhline(0.0, color="black", lw=1.0, ls="--", label="in phase")
         axes.set(xlabel="slow time εt", ylabel="phase step / π", ylim=(-1.05, 1.05))
         axes.set_yticks((-1, -0.5, 0, 0.5, 1))
     figure.legend(*panels[2].get_legend_handles_labels(), loc="outside lower center", ncols=3,
                   markerscale=4)  # fmt: skip
-    return (picture("fig10-breathers", "", figure, long_table(series)),)
+    return (picture("fig10-breathers", "", figure, long_table(curves)),)
 
 
 CLAIMS = (

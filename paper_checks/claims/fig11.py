@@ -11,7 +11,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
 from paper_checks.claims._breathers import EPS, A, B, monodromy_by_differences
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import agrees, corrected, fails, holds, partly
 
@@ -418,12 +418,13 @@ def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
     """Draw Fig. 11."""
     figure, axes = new_axes("column", height=3.0, xlabel="nucleus size",
                             ylabel=r"critical coupling $c_{cr}$")  # fmt: skip
-    sizes = list(e.orbit)
-    axes.plot(sizes, list(e.orbit.values()), "o-", color=COLOURS["blue"], lw=0.8,
+    sizes, blue, curves = list(e.orbit), COLOURS["blue"], Curves()
+    axes.plot(*curves.add("(8)", size=sizes, c=list(e.orbit.values())), "o-", color=blue, lw=0.8,
               label="end of the breather in (8)")  # fmt: skip
-    axes.plot(sizes, list(e.averaged.values()), "o", mfc="none", ms=6, color=COLOURS["blue"],
-              label="the same, ε → 0")  # fmt: skip
-    axes.plot(list(PRINTED), [float(x) for x in PRINTED.values()], "D", mfc="none", ms=6,
+    axes.plot(*curves.add("averaged", size=sizes, c=list(e.averaged.values())), "o", mfc="none",
+              ms=6, color=blue, label="the same, ε → 0")  # fmt: skip
+    printed = [float(text) for text in PRINTED.values()]
+    axes.plot(*curves.add("paper", size=list(PRINTED), c=printed), "D", mfc="none", ms=6,
               color="black", label="paper")  # fmt: skip
     for n, text in PRINTED.items():
         axes.annotate(text, (n, float(text)), xytext=(7, -2), textcoords="offset points",
@@ -431,14 +432,7 @@ def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
     axes.set(xticks=sizes, ylim=(0.19, 0.2035))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01, bulk, mirror-symmetric")
     axes.legend(loc="lower right")
-    table = long_table(
-        {
-            "(8)": {"size": sizes, "c": list(e.orbit.values())},
-            "averaged": {"size": sizes, "c": list(e.averaged.values())},
-            "paper": {"size": list(PRINTED), "c": [float(x) for x in PRINTED.values()]},
-        }
-    )
-    return (picture("fig11-thresholds", "", figure, table),)
+    return (picture("fig11-thresholds", "", figure, long_table(curves)),)
 
 
 def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:

@@ -17,8 +17,8 @@ from paper_checks.claims._fronts import (
     velocity_on_few_sites,
     wave_velocity,
 )
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import COLOURS, new_panels, picture
+from paper_checks.report.data_table import Curves, long_table
+from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import fails, holds
 
 ETA = B / A**2
@@ -276,23 +276,21 @@ def rule_law(e: Law) -> Ruling:
 
 def draw_law(e: Law) -> tuple[Picture, ...]:
     """Draw velocity over that of the fastest waves."""
-    figure, axes = new_panels(1, width="column", height=2.7)
-    (panel,) = axes
-    fine = np.geomspace(5.0, 1200.0, 80)
-    series: dict[str, dict[str, Any]] = {}
+    figure, axes = new_axes("column", height=2.7, xlabel="coupling c",
+                            ylabel="front over fastest waves")  # fmt: skip
+    fine, curves = np.geomspace(5.0, 1200.0, 80), Curves()
     for eta, colour, mark in zip(LAW_ETAS, ("blue", "green", "vermilion"), "os^", strict=True):
         chosen = [row for row in e.settled if row[0] == eta]
         c, v = [row[1] for row in chosen], [row[2] / row[5] for row in chosen]
         kappa = (chosen[0][4] - chosen[0][5]) / fastest_waves(chosen[0][1])[1]
         law = [1.0 + kappa * fastest_waves(float(x))[1] / fastest_waves(float(x))[0] for x in fine]
-        panel.semilogx(c, v, mark, color=COLOURS[colour], label=f"η = {eta:g}, κ = {kappa:.2f}")
-        panel.semilogx(fine, law, color=COLOURS[colour], lw=0.8)
-        series[f"eta = {eta:g}"] = {"c": c, "ratio": v}
-        series[f"law, eta = {eta:g}"] = {"c": fine, "ratio": law}
-    panel.axhline(1.0, color="0.4", lw=0.8, ls="--")
-    panel.set(xlabel="coupling c", ylabel="front over fastest waves")
-    panel.legend(title="(8), ε = 0.01; lines: law for large c", title_fontsize=7)
-    return (picture("fig13-law", "", figure, long_table(series)),)
+        axes.semilogx(*curves.add(f"eta = {eta:g}", c=c, ratio=v), mark, color=COLOURS[colour],
+                      label=f"η = {eta:g}, κ = {kappa:.2f}")  # fmt: skip
+        axes.semilogx(*curves.add(f"law, eta = {eta:g}", c=fine, ratio=law),
+                      color=COLOURS[colour], lw=0.8)  # fmt: skip
+    axes.axhline(1.0, color="0.4", lw=0.8, ls="--")
+    axes.legend(title="(8), ε = 0.01; lines: law for large c", title_fontsize=7)
+    return (picture("fig13-law", "", figure, long_table(curves)),)
 
 
 CLAIMS = (

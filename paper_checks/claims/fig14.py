@@ -8,7 +8,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._fronts import EPS, staggered_velocity
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
 
@@ -89,17 +89,18 @@ def rule_collapse(e: Collapse) -> Ruling:
 def draw(e: Collapse) -> tuple[Picture, ...]:
     """Draw Fig. 14 with three sets of (a, b)."""
     figure, axes = new_axes("column", height=2.9, xlabel="η = b/a²", ylabel=r"$\hat v$")
-    axes.plot(ETAS, e.averaged, "-", color="0.3", lw=0.9, label="averaged chain (43)")
-    series = {"averaged (43)": {"eta": ETAS, "v": e.averaged}}
+    curves = Curves()
+    axes.plot(*curves.add("averaged (43)", eta=ETAS, v=e.averaged), "-", color="0.3", lw=0.9,
+              label="averaged chain (43)")  # fmt: skip
     for (a, v), colour, mark, size in zip(
         e.full.items(), ("blue", "vermilion", "green"), "os^", (7, 5, 3), strict=True
     ):
-        axes.plot(FULL, v, mark, ms=size, mfc="none" if size > 3 else None, color=COLOURS[colour],
+        axes.plot(*curves.add(f"(8), a = {a:g}", eta=FULL, v=v), mark, ms=size,
+                  mfc="none" if size > 3 else None, color=COLOURS[colour],
                   label=f"(8), $a$ = {a:g}, $b$ = {a * a:g}η".replace(" 1η", " η"))  # fmt: skip
-        series[f"(8), a = {a:g}"] = {"eta": FULL, "v": v}
     axes.set(title=r"$c$ = 0.3, $\varepsilon$ = 0.01", xlim=(0, 0.095), ylim=(0, None))
     axes.legend()
-    return (picture("fig14-collapse", "", figure, long_table(series)),)
+    return (picture("fig14-collapse", "", figure, long_table(curves)),)
 
 
 CLAIMS = (

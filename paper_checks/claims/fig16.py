@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
 
@@ -123,27 +123,20 @@ def rule_limits(e: Profile) -> Ruling:
 def draw(e: Profile) -> tuple[Picture, ...]:
     """Draw Fig. 16."""
     figure, axes = new_axes("column", height=3.4, xlabel=r"$\zeta$", ylabel=r"$|\varphi|$")
-    black = COLOURS["black"]
-    axes.plot(e.zeta, e.amplitude * np.abs(e.phi), color=COLOURS["blue"],
-              label="solution of (48), periodised integral")  # fmt: skip
-    axes.plot(e.few, e.amplitude * np.abs(e.series), "x", color=COLOURS["green"],
-              label="root series (49)")  # fmt: skip
-    axes.plot(e.sites, e.amplitude * np.abs(e.chain), "o", mfc="none", color=COLOURS["vermilion"],
-              label="chain (44), simulated")  # fmt: skip
+    black, curves = COLOURS["black"], Curves()
+    axes.plot(*curves.add("integral", zeta=e.zeta, abs_phi=e.amplitude * np.abs(e.phi)),
+              color=COLOURS["blue"], label="solution of (48), periodised integral")  # fmt: skip
+    axes.plot(*curves.add("root series (49)", zeta=e.few, abs_phi=e.amplitude * np.abs(e.series)),
+              "x", color=COLOURS["green"], label="root series (49)")  # fmt: skip
+    axes.plot(*curves.add("chain (44)", zeta=e.sites, abs_phi=e.amplitude * np.abs(e.chain)), "o",
+              mfc="none", color=COLOURS["vermilion"], label="chain (44), simulated")  # fmt: skip
     axes.axhline(e.amplitude * e.threshold, color=black, lw=0.8, label=r"$|\varphi_{us}|$")
     axes.axhline(e.amplitude, color=black, lw=0.8, ls="--", label=r"$|\varphi_s|$ and 0")
     axes.axhline(0.0, color=black, lw=0.8, ls="--")
     axes.set_xticks((-10, -5, 0, 5, 10))
     axes.set(title=r"$a$ = 4, $b$ = 0.5, $c$ = 0.5")
     figure.legend(loc="outside lower center", ncols=2)
-    table = long_table(
-        {
-            "integral": {"zeta": e.zeta, "abs_phi": e.amplitude * np.abs(e.phi)},
-            "root series (49)": {"zeta": e.few, "abs_phi": e.amplitude * np.abs(e.series)},
-            "chain (44)": {"zeta": e.sites, "abs_phi": e.amplitude * np.abs(e.chain)},
-        }
-    )
-    return (picture("fig16-profile", "", figure, table),)
+    return (picture("fig16-profile", "", figure, long_table(curves)),)
 
 
 METHODS = (

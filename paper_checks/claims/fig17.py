@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
-from paper_checks.report.velocity_plot import (
-    curve_of,
-    draw_curve,
-    draw_runs,
-    draw_thresholds,
-    velocities,
-)
+from paper_checks.report.velocity_plot import curve_of, draw_curve, draw_runs, draw_thresholds
 from paper_checks.ruling import fails, holds
 
 if TYPE_CHECKING:
@@ -142,22 +136,23 @@ def draw_scaling(e: Scaling) -> tuple[Picture, ...]:
     whole = curve_of(near, "c")
     figure, (first, second) = new_panels(2, width="page", height=2.7)
     draw_curve(first, whole)
-    settled = [run for run in e.runs if run.steady]
-    draw_runs(first, [run.coupling for run in settled], settled, "s", "chain (44), steady")
     draw_curve(second, fold)
+    curves = Curves({
+        "solutions of (54)": whole.columns("c"), "near the thresholds": fold.columns("c"),
+    })  # fmt: skip
+    settled = curves.add("chain, steady", c=[run.coupling for run in e.runs if run.steady],
+                         v=[run.v for run in e.runs if run.steady])  # fmt: skip
+    draw_runs(first, *settled, "s", "chain (44), steady")
     draw_thresholds(second, thresholds, "c")
-    draw_runs(second, both.couplings, both.moving, "s", "chain, moving start")
-    draw_runs(second, both.couplings, both.resting, "x", "chain, resting start")
+    for runs, mark, name in (
+        (both.moving, "s", "chain, moving start"), (both.resting, "x", "chain, resting start"),
+    ):  # fmt: skip
+        found = curves.add(name, c=both.couplings, v=[run.v for run in runs])
+        draw_runs(second, *found, mark, name)
     for axes, title in ((first, r"$a$ = 4, $b$ = 0.5"), (second, "near the thresholds")):
         axes.set(title=title, xlabel="coupling c", ylabel=r"$\hat v$")
         axes.legend(loc="lower right")
-    one = picture("fig17-velocity", "", figure, long_table({
-        "solutions of (54)": whole.columns("c"),
-        "near the thresholds": fold.columns("c"),
-        "chain, steady": {"c": [run.coupling for run in settled], "v": velocities(settled)},
-        "chain, moving start": {"c": both.couplings, "v": velocities(both.moving)},
-        "chain, resting start": {"c": both.couplings, "v": velocities(both.resting)},
-    }))  # fmt: skip
+    one = picture("fig17-velocity", "", figure, long_table(curves))
     c, v = np.array(e.c), np.array(e.v)
     figure, (left, right) = new_panels(2, width="page", height=2.5)
     left.loglog(c, v, color=COLOURS["blue"], label="fastest solution of (54)")
@@ -171,8 +166,8 @@ def draw_scaling(e: Scaling) -> tuple[Picture, ...]:
     right.set(xlabel="coupling c", ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0, 2))
     left.legend()
     right.legend()
-    series: dict[str, dict[str, Any]] = {"fastest": {"c": c, "v": v, "exponent": e.exponent}}
-    return one, picture("fig17-exponent", "", figure, long_table(series))
+    table = long_table({"fastest": {"c": c, "v": v, "exponent": e.exponent}})
+    return one, picture("fig17-exponent", "", figure, table)
 
 
 @dataclass(frozen=True, kw_only=True)

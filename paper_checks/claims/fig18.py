@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._fronts import staggered_velocity, sum_on_the_line
-from paper_checks.report.data_table import long_table
+from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.report.velocity_plot import curve_of, draw_curve, draw_runs, draw_thresholds
 from paper_checks.ruling import fails, holds, partly
@@ -102,28 +102,27 @@ def draw(e: Alike) -> tuple[Picture, ...]:
     near = curve_of(trace_kinetic_relation(C, np.linspace(0.95 * e.pin, 1.005 * e.fold, 200)),
                     "eta")  # fmt: skip
     crossing = [0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221]
-    moving = [simulate_front(C, eta) for eta in crossing]
-    resting = [simulate_front(C, eta, "resting") for eta in crossing]
     figure, (left, right) = new_panels(2, width="page", height=2.7)
+    curves = Curves({
+        "solutions of (54)": whole.columns("eta"), "near the thresholds": near.columns("eta"),
+    })  # fmt: skip
     draw_curve(left, whole)
-    draw_runs(left, [eta for eta, _ in e.runs], [run for _, run in e.runs], "s", "chain (44)")
-    left.plot(ETAS, e.averaged, "^", color=COLOURS["green"], label="averaged chain (43), Fig. 14")
+    chain = curves.add("chain (44)", eta=[x for x, _ in e.runs], v=[run.v for _, run in e.runs])
+    draw_runs(left, *chain, "s", "chain (44)")
+    left.plot(*curves.add("averaged (43)", eta=ETAS, v=e.averaged), "^", color=COLOURS["green"],
+              label="averaged chain (43), Fig. 14")  # fmt: skip
     left.set(xlim=(0, 0.024), ylim=(0, 1.3), title=r"$c$ = 0.3")
     draw_curve(right, near)
     draw_thresholds(right, {"fold": e.fold, "pin": e.pin}, r"\eta")
-    draw_runs(right, crossing, moving, "s", "chain, moving start")
-    draw_runs(right, crossing, resting, "x", "chain, resting start")
+    for start, mark in (("moving", "s"), ("resting", "x")):
+        name, found = f"chain, {start} start", [simulate_front(C, x, start).v for x in crossing]
+        draw_runs(right, *curves.add(name, eta=crossing, v=found), mark, name)
     right.set(title="near the thresholds")
     for axes in (left, right):
         axes.set(xlabel="η = b/a²", ylabel=r"$\hat v$")
         axes.locator_params(axis="x", nbins=5)
         axes.legend()
-    series: dict[str, dict[str, Any]] = {
-        "solutions of (54)": whole.columns("eta"),
-        "near the thresholds": near.columns("eta"),
-        "averaged (43)": {"eta": ETAS, "v": e.averaged},
-    }
-    return (picture("fig18-velocity", "", figure, long_table(series)),)
+    return (picture("fig18-velocity", "", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

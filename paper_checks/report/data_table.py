@@ -15,6 +15,32 @@ if TYPE_CHECKING:
     Column = ArrayLike | Sequence[float | None]
 
 
+class Curves(dict[str, "Mapping[str, Column]"]):
+    """The curves of a picture by name, recorded in the call that draws them, for `long_table`."""
+
+    def add(self, name: str, **columns: Column) -> tuple[Any, Any]:
+        """Record the columns of one curve and return the first two, to be drawn.
+
+        Raises
+        ------
+        ValueError
+            If there is a curve of that name.
+
+        Examples
+        --------
+        >>> from paper_checks.report.pictures import new_axes
+        >>> curves, (_, axes) = Curves(), new_axes()
+        >>> line = axes.plot(*curves.add("chain", c=[1, 2], v=[0.5, 0.7]), "o", label="runs")
+        >>> columns_as_csv(long_table(curves)).split()
+        ['series,c,v', 'chain,1,0.5', 'chain,2,0.7']
+        """
+        if name in self:
+            raise ValueError(f"there is a curve '{name}': give this one another name.")
+        self[name] = columns
+        x, y, *_ = columns.values()
+        return x, y
+
+
 def long_table(
     series: Mapping[str, Mapping[str, Column]],
 ) -> dict[str, NDArray[np.object_]]:

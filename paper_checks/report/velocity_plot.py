@@ -9,8 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from paper_checks.report.pictures import COLOURS
 
 if TYPE_CHECKING:
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from theory.piecewise.kinetic_relation import KineticRelation
-    from verification.piecewise.run import FrontRun
 
 
 @dataclass(frozen=True)
@@ -75,21 +72,7 @@ def draw_thresholds(axes: Axes, values: Mapping[str, float | None], symbol: str)
             )
 
 
-def draw_runs(
-    axes: Axes, x: Sequence[float], runs: Sequence[FrontRun], marker: str, label: str
-) -> None:
-    """Draw the velocities of runs of the chain; a pinned one has zero."""
-    axes.plot(
-        x,
-        velocities(runs),
-        marker,
-        ms=4.5,
-        mfc="none",
-        color=COLOURS["purple" if marker == "x" else "black"],
-        label=label,
-    )
-
-
-def velocities(runs: Sequence[FrontRun]) -> list[float]:
-    """Return the velocities of runs, NaN where there is none."""
-    return [run.v if run.v is not None else np.nan for run in runs]
+def draw_runs(axes: Axes, x: Sequence[float], v: ArrayLike, marker: str, label: str) -> None:
+    """Draw the velocities of runs of the chain; a pinned one has zero, None is not drawn."""
+    colour = COLOURS["purple" if marker == "x" else "black"]
+    axes.plot(x, v, marker, ms=4.5, mfc="none", color=colour, label=label)

@@ -213,9 +213,15 @@ def test_the_progress_of_a_curve_rises_to_its_end():
     many = trace_kinetic_relation([0.5] * 201, [0.03125], progress=told.append)
     assert told[0] == 0.0
     assert told == sorted(told)
-    assert 0.5 <= told[-1] <= 1.0  # two blocks of points
+    assert 0.5 <= told[-1] <= 1.0
     (alone,) = trace_kinetic_relation([0.5], [0.03125])
-    assert {answer.branches for answer in many} == {alone.branches}
+    (expected,) = alone.branches
+    for answer in many:  # computed by compiled rules, which round otherwise
+        (branch,) = answer.branches
+        for name in ("v", "by_coupling", "by_eta"):
+            error = getattr(expected, "error" if name == "v" else f"{name}_error")
+            assert abs(getattr(branch, name) - getattr(expected, name)) <= error
+        assert (branch.slope, branch.admissible) == (expected.slope, expected.admissible)
 
 
 def _stopped(capsys: pytest.CaptureFixture[str], line: str) -> str:

@@ -100,7 +100,7 @@ def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
 
     Examples
     --------
-    >>> code_of_objects([source_of])[0]
+    >>> code_of_objects([digest_of])[0]
     ('verification.execution.digest',)
     """
     modules: set[str] = set()

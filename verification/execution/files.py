@@ -184,6 +184,7 @@ def writing(path: Path) -> Iterator[BinaryIO]:
 
     Examples
     --------
+    >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     with writing(Path(folder, "a")) as file:
     ...         _ = file.write(b"whole")

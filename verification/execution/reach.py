@@ -72,8 +72,8 @@ def reached(
 
     Examples
     --------
-    >>> [name for name, _ in reached(["theory.parameters:within"], ["theory"])][:1]
-    ['theory.parameters:ParameterError']
+    >>> [name for name, _ in reached(["theory.parameters:within"], ["theory"])][-2:]
+    ['theory.parameters:number', 'theory.parameters:within']
     """
     search = _search(frozenset(packages), frozenset(without), _state(frozenset(packages)))
     waiting: list[Definition] = []

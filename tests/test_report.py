@@ -76,7 +76,7 @@ def start(*arguments):
 def without_times(value):
     """Everything of a report but what a clock wrote."""
     if isinstance(value, dict):
-        clock = {"seconds", "created", "judged", "stored"}
+        clock = {"seconds", "shared_seconds", "created", "judged", "stored"}
         return {key: without_times(item) for key, item in value.items() if key not in clock}
     return [without_times(item) for item in value] if isinstance(value, list) else value
 

@@ -98,9 +98,7 @@ def _computed(
                 )  # fmt: skip
                 return curve, {"model": bound.model, **fields, **parameters}
             chain = bound.chain(**fields)
-    # Before the call, which leaves cached values among the fields of a cell.
-    parameters = {**_parameters_of(chain), **parameters}
-    return function(chain, **arguments, **further), parameters
+    return function(chain, **arguments, **further), {**_parameters_of(chain), **parameters}
 
 
 def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:
@@ -201,8 +199,9 @@ def _refuse_other_methods(
 
 
 def _parameters_of(chain: Any) -> dict[str, Any]:
+    """Return what a chain says of itself; the fields of a cell, which has cached values too."""
     own = getattr(chain, "parameters", None)
-    return dict(own()) if own is not None else dict(vars(chain))
+    return dict(own()) if own is not None else dataclasses.asdict(chain)
 
 
 def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:

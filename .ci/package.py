@@ -32,10 +32,11 @@ def run(*words: object, where: Path) -> str:
     return done.stdout
 
 
-def build(kind: str, source: Path, into: Path) -> Path:
-    """Build an sdist or a wheel with the backend itself, and return its file."""
-    code = f"import sys; from setuptools.build_meta import *; print(build_{kind}(sys.argv[1]))"
-    return into / run(sys.executable, "-c", code, into, where=source).split()[-1]
+def build(into: Path) -> tuple[Path, Path]:
+    """Build the sdist and from it the wheel, with what pyproject.toml asks for; return both."""
+    run(sys.executable, "-m", "uv", "build", "--quiet", "--out-dir", into, ROOT, where=into)
+    (sdist,), (wheel,) = into.glob("*.tar.gz"), into.glob("*.whl")
+    return sdist, wheel
 
 
 def missing(wanted: set[str], found: set[str], where: Path) -> None:
@@ -49,13 +50,10 @@ def main() -> None:
     tracked = set(run("git", "ls-files", where=ROOT).split())
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        sdist = build("sdist", ROOT, folder)
+        sdist, wheel = build(folder)
         with tarfile.open(sdist) as archive:
-            archive.extractall(folder, filter="data")
             held = {each.name.partition("/")[2] for each in archive.getmembers()}
         missing(tracked, held, sdist)
-        source = folder / sdist.name.removesuffix(".tar.gz")
-        wheel = build("wheel", source, folder)
         with zipfile.ZipFile(wheel) as archive:
             names = set(archive.namelist())
         missing({each for each in tracked if each.split("/")[0] in PACKAGES}, names, wheel)

@@ -148,6 +148,11 @@ def test_every_equation_is_typeset_and_keeps_each_letter(judgements: dict[int, J
         (r"a-x", "<mi>a</mi><mo>−</mo><mi>x</mi>"),
         (r"\hat v", '<mover accent="true"><mi>v</mi><mo>^</mo></mover>'),
         (r"a<b", "<mi>a</mi><mo>&lt;</mo><mi>b</mi>"),
+        (
+            r"\begin{aligned}a&=b\end{aligned}",
+            '<mtable><mtr><mtd columnalign="right"><mi>a</mi></mtd>'
+            '<mtd columnalign="left"><mo>=</mo><mi>b</mi></mtd></mtr></mtable>',
+        ),
     ],
 )
 def test_formulas_become_what_the_standard_says(latex: str, expected: str) -> None:
@@ -162,6 +167,11 @@ def test_what_is_not_known_is_refused_and_shown_as_written(latex: str) -> None:
     with pytest.raises(LatexError):
         mathml(latex)
     assert typeset(f"see ${latex}$") == f"see <code>{latex}</code>"
+
+
+def test_a_mark_of_alignment_outside_of_lines_is_refused() -> None:
+    with pytest.raises(LatexError):
+        mathml("a&=b")
 
 
 def test_text_in_formulas_is_escaped() -> None:

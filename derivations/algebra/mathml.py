@@ -40,8 +40,10 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
     bare = latex.replace("\\{", "").replace("\\}", "")
     if bare.count("{") != bare.count("}"):
         raise LatexError(f"braces do not match in {latex!r}.")
+    known = latex.replace(r"\begin{aligned}", r"\begin{array}{rl}")
+    known = known.replace(r"\end{aligned}", r"\end{array}")
     try:
-        root = convert_to_element(latex, display="block" if block else "inline")
+        root = convert_to_element(known, display="block" if block else "inline")
     except _REFUSED as error:
         raise LatexError(f"{latex!r} cannot be typeset: {type(error).__name__}.") from error
     root.attrib.pop("xmlns", None)
@@ -49,7 +51,7 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
         root.attrib.pop("display", None)
     for node in root.iter():
         node.text = unescape(node.text) if node.text else node.text
-        lost = node.tag in ("mi", "mn", "mo") and not (node.text or "").strip()
+        lost = node.tag in ("mi", "mn", "mo") and (node.text or "").strip() in ("", "&")
         if lost or "\\" in (node.text or "") or len(node) != _PARTS.get(node.tag, len(node)):
             raise LatexError(f"{latex!r} has a command that is not known, or lacks an argument.")
         if node.tag == "mo" and (node.text or "").isascii() and (node.text or "").isalpha():

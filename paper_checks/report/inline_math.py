@@ -10,7 +10,7 @@ import re
 from html import escape
 
 from derivations.algebra.rendering import tex_words
-from paper_checks.report.mathml import LatexError, formula, mathml
+from paper_checks.report.mathml import LatexError, breakable, formula
 
 GREEK = (
     "alpha", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "mu", "xi", "pi", "rho",
@@ -91,7 +91,7 @@ def _plain(text: str) -> str:
 
 def _formula(plain: str) -> str:
     try:
-        return mathml(_latex(plain))
+        return breakable(_latex(plain))
     except LatexError:
         return escape(plain)
 

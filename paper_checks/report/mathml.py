@@ -9,7 +9,7 @@ from derivations.algebra.mathml import LatexError, as_text, mathml, mathml_eleme
 
 __all__ = ["LatexError", "formula", "mathml"]
 
-LONG = 80
+LONG = 40
 """Characters of LaTeX beyond which a line of a phone, or of paper, may not hold the equation."""
 WIDE = 40
 """Nodes between brackets beyond which a line may break there as well."""
@@ -18,17 +18,25 @@ _BREAKS = frozenset("+−=≈→≡⇔")
 
 
 def formula(latex: str, *, block: bool = False) -> str:
-    """Return MathML, or the LaTeX itself where it cannot be typeset.
-
-    A long equation comes in parts between which a line may break.
-    """
+    """Return MathML as `breakable` does, or the LaTeX itself where it cannot be typeset."""
     try:
-        if len(latex) <= LONG:
-            return mathml(latex, block=block)
-        parts = "<wbr>".join(as_text(part) for part in _parts(mathml_element(latex)))
-        return f'<span class="broken">{parts}</span>'
+        return breakable(latex, block=block)
     except LatexError:
         return f"<code>{escape(latex)}</code>"
+
+
+def breakable(latex: str, *, block: bool = False) -> str:
+    """Return MathML; a long equation comes in parts between which a line may break.
+
+    Raises
+    ------
+    LatexError
+        If it cannot be typeset.
+    """
+    if len(latex) <= LONG:
+        return mathml(latex, block=block)
+    parts = "<wbr>".join(as_text(part) for part in _parts(mathml_element(latex)))
+    return f'<span class="broken">{parts}</span>'
 
 
 def _parts(root: Element) -> list[Element]:

@@ -15,9 +15,7 @@ SITES = 4
 N = sp.Symbol("N", integer=True, positive=True)
 X, X_rate, J, delta_rate = sp.symbols(r"X \dot{X} J \dot{\delta}")
 displacements, velocities, displacement_rates = sp.symbols(r"Y V \dot{Y}")
-solution_rate, change, field_of_solution, jacobian_on_solution = sp.symbols(
-    r"\dot{\hat{X}} delta f(\hat{X}) J|_{X=\hat{X}}"
-)
+solution_rate, change, jacobian_on_solution = sp.symbols(r"\dot{\hat{X}} delta J|_{X=\hat{X}}")
 blocks = sp.symbols("0_{NN} I_{NN} A_{NN} B_{NN}")
 D, A = sp.symbols("D A")
 resonant = sp.Symbol("M")

@@ -25,11 +25,6 @@ def friction(speed: float) -> float:
     return MU_D + (MU_ST - MU_D) * math.exp(-abs(speed) / V_0)
 
 
-def hopf_speed() -> float:
-    """Return v_d = v_0 ln[(μ_st - μ_d)/(2ξ v_0)], above which steady sliding is stable."""
-    return V_0 * math.log((MU_ST - MU_D) / (2.0 * XI * V_0))
-
-
 def slip_rate(belt: float) -> Callable[[float, Real], list[float]]:
     """Return the right side of the slip equation."""
 

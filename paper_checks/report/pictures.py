@@ -40,9 +40,6 @@ COLOURS: Mapping[str, str] = {
 }
 """Okabe and Ito's palette, told apart by colour-blind readers; most legible first."""
 
-NO_NUMBERS = "The paper shows a picture here; neither its text nor its caption gives numbers of it."
-"""Ends the caption of a picture beside which no value of the paper can be drawn."""
-
 LARGE = 1_000_000
 """An SVG of more characters than this makes the report slow to open."""
 

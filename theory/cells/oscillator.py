@@ -167,11 +167,6 @@ class OscillatorCell:
             if one != other
         ]
 
-    @property
-    def rest_is_stable(self) -> bool:
-        """Whether a small motion decays: H(0) = h(0, 0) > 0, or g'(0) > 0 without inertia."""
-        return self.overdamped or self.damping.get((0, 0), 0.0) > 0.0
-
     def potential(self, y: FloatArray | float) -> FloatArray:
         """Return V(y), V(0) = 0."""
         powers = np.polynomial.polynomial.polyint(_ascending(self.stiffness))

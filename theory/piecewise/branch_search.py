@@ -25,7 +25,6 @@ from theory.piecewise.sums.integral import MANY, sums
 from theory.piecewise.sums.result import PrecisionError
 
 IntArray = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
 
 _TOLERANCE = 1e-14
 _SHORTEST = 1e-10

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from fronts.curves import Curve
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, count_within
+from theory.parameters import ParameterError, ascending, count_within, need_instance
 from theory.result import Result
 
 FloatArray = npt.NDArray[np.float64]
@@ -125,9 +125,8 @@ def follow_front(chain: AveragedChain, couplings: Sequence[float] | FloatArray) 
     from verification.fronts.resting import static_fold
 
     begin = perf_counter()
-    if not isinstance(chain, AveragedChain):
-        raise ParameterError("model", chain.model, "averaged", "take chain.averaged()")
-    chains = [chain.replace(c=c) for c in sorted(map(float, couplings))]
+    need_instance("chain", chain, (AveragedChain,), "take chain.averaged() where there is one")
+    chains = [chain.replace(c=c) for c in ascending("coupling c", couplings)]
     rest = static_fold(chain.eta)
     pinned = [wave_front(each) for each in chains if each.c <= rest.c]
     moving = [each.c for each in chains if each.c > rest.c]
@@ -205,14 +204,14 @@ def follow_breather(
     from verification.breathers.result import BreatherMethod
 
     begin = perf_counter()
+    need_instance("chain", chain, (VdpChain, AveragedChain), "other models cannot be followed")
+    need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     if method == "envelope" and isinstance(chain, VdpChain):
         chain = chain.averaged()
     elif method not in ("orbit", "envelope"):
         raise ParameterError("method", method, "orbit or envelope", "name one of them")
     count_within("number of folds", folds, 0, 20)
-    found = follow(
-        chain, list(couplings), nucleus=nucleus, method=BreatherMethod(method), turns=folds
-    )
+    found = follow(chain, couplings, nucleus=nucleus, method=BreatherMethod(method), turns=folds)
     return Branch(
         along="c",
         values=np.array([point.chain.c for point in found.points]),

@@ -12,7 +12,7 @@ import pytest
 from fronts.cli import main
 from theory.cells.oscillator import OscillatorCell
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import AveragedChain
+from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
 from verification.runs.averaging_error import averaging_error
@@ -44,6 +44,12 @@ def test_the_averaged_chain_is_first_order_close_to_the_full_one(name: str) -> N
     )  # fmt: skip
     found = averaging_error(chain, excite(chain, [3, 4], quarter_turns=[0, 1]), slow_time=2.0)
     assert found.eps.tolist() == [0.01, 0.005, 0.0025]
+    assert np.all(found.errors < 1e-3 * found.distances)
+    assert found.slope == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_averaged_chain_of_the_paper_is_first_order_close_to_the_full_one() -> None:
+    found = averaging_error(VdpChain(a=4, b=0.5, c=0.5, eps=0.01, sites=6), slow_time=2.0)
     assert np.all(found.errors < 1e-3 * found.distances)
     assert found.slope == pytest.approx(1.0, abs=0.1)
 

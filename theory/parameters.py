@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import SupportsFloat
 
 LATEST = 1e9
@@ -118,6 +118,30 @@ positive; give a positive number.
     return _checked(quantity, value, "finite and positive", remedy, lambda x: x > 0)
 
 
+def ascending(quantity: str, values: object) -> list[float]:
+    """Return positive numbers in ascending order, at least one.
+
+    Raises
+    ------
+    ParameterError
+        If they are not several numbers, there is none, or one is not finite and positive.
+
+    Examples
+    --------
+    >>> ascending("coupling c", (0.3, 0.1))
+    [0.1, 0.3]
+    >>> ascending("coupling c", [])
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: coupling c = [] is not allowed: it must be a sequence of \
+positive numbers; give at least one, as [0.1, 0.2].
+    """
+    if not isinstance(values, Iterable) or isinstance(values, str) or not (given := list(values)):
+        allowed = "a sequence of positive numbers"
+        raise ParameterError(quantity, values, allowed, "give at least one, as [0.1, 0.2]")
+    return sorted(positive(quantity, each) for each in given)
+
+
 def within(
     quantity: str,
     value: SupportsFloat | str,
@@ -221,6 +245,28 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
             quantity, _shown(value), allowed, remedy or "give a whole number in this range"
         )
     return count_within(quantity, value, low, high, remedy or None)
+
+
+def need_instance(quantity: str, value: object, kinds: tuple[type, ...], remedy: str) -> None:
+    """Refuse what is not of one of these kinds: another model than a method is made for, or text.
+
+    Raises
+    ------
+    ParameterError
+        If it is not; the sentence names what was given by its type, or text as it was given.
+
+    Examples
+    --------
+    >>> need_instance("nucleus", "3", (int, list), "give a number or sites")
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: nucleus = '3' is not allowed: it must be an object of the \
+class int or list; give a number or sites.
+    """
+    if not isinstance(value, kinds):
+        given = _shown(value) if isinstance(value, str) else type(value).__name__
+        names = " or ".join(kind.__name__ for kind in kinds)
+        raise ParameterError(quantity, given, f"an object of the class {names}", remedy)
 
 
 def _shown(value: object) -> str:

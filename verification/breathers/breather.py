@@ -19,7 +19,7 @@ from theory.averaged.breather import (
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, need_instance
 from verification.breathers.averaged_run import run_averaged_breather
 from verification.breathers.envelope import EnvelopeBreather, solve_envelope_breather
 from verification.breathers.floquet import Multipliers, approximate_multipliers
@@ -126,6 +126,9 @@ def breather(
     True
     """
     started = time.perf_counter()
+    kinds = VdpChain, AveragedChain, OscillatorChain
+    need_instance("chain", chain, kinds, "breathers of other models are not computed")
+    need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     nucleus = with_pattern(nucleus)
     nucleus.first(chain.sites)
     _ = chain.stable_amplitude

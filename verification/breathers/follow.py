@@ -7,9 +7,12 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, positive
+from theory.parameters import ParameterError, ascending
 from verification.breathers.breather import none_at, of_envelope, of_orbit, with_pattern
 from verification.breathers.envelope import (
     START,
@@ -51,7 +54,7 @@ class FollowedBreather:
 
 def follow(
     chain: VanDerPolChain,
-    couplings: Sequence[float],
+    couplings: Sequence[float] | NDArray[np.float64],
     *,
     nucleus: Nucleus,
     method: BreatherMethod,
@@ -78,7 +81,7 @@ def follow(
         If a coupling is out of range, or there is no such breather at small c.
     """
     started = time.perf_counter()
-    required = sorted(positive("coupling c", c) for c in couplings)
+    required = ascending("coupling c", couplings)
     nucleus = with_pattern(nucleus)
     system, start = _beginning(chain, nucleus, method, required)
     # To turn, the branch may go beyond the couplings that are required.
@@ -112,7 +115,9 @@ def _beginning(
         start = start_of_branch(chain, nucleus, min(START, lowest))
         return rotating_system(chain, centre), start
     if not isinstance(chain, VdpChain):
-        raise ParameterError("model", chain.model, "vdp for orbits", "take chain.full()")
+        raise ParameterError(
+            "method", "orbit", "envelope for the averaged chain", "take it, or chain.full()"
+        )
     start = start_of_orbits(chain, nucleus, required[-1])
     system = shooting_system(chain, centre)
     if lowest < start.c:

@@ -36,7 +36,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain
-from theory.parameters import ParameterError, count_within, positive, within
+from theory.parameters import ParameterError, count_within, need_instance, positive, within
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.network import planar, spread, velocity_of
@@ -132,6 +132,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     ('steady', True, True)
     """
     begin = perf_counter()
+    need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     if method not in ("run", "wave"):
         raise ParameterError("method", method, "run or wave", "name one of them")
     if method == "wave":

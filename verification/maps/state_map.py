@@ -28,7 +28,7 @@ import numpy as np
 from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, within
+from theory.parameters import ParameterError, need_instance, within
 from theory.result import Result
 from verification.execution.pool import worker_count, worker_pool
 from verification.execution.progress import ProgressCallback
@@ -364,6 +364,7 @@ def state_map(
     ({'breather': 1, 'fixed point': 2, 'front': 1}, 3)
     """
     begin = perf_counter()
+    need_instance("chain", what, (Chain, StateTask), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     task = what if isinstance(what, StateTask) else StateTask(chain=what)
     within("part of the spacing, refine,", refine, 0.0, 1.0)
     if not axes:

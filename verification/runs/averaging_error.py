@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from theory.cells.polynomial import Polynomial, as_polynomial
 from theory.chains.oscillator import OscillatorChain
-from theory.parameters import ParameterError, positive, whole_number
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError, need_instance, positive, whole_number
 from theory.result import Result
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
@@ -73,7 +74,7 @@ class AveragingError(Result):
 
 
 def averaging_error(
-    chain: OscillatorChain,
+    chain: VdpChain | OscillatorChain,
     start: npt.ArrayLike | None = None,
     *,
     slow_time: float = 3.0,
@@ -85,8 +86,8 @@ def averaging_error(
 
     Parameters
     ----------
-    chain : OscillatorChain
-        Of the largest ε; it may have disorder, but not of the frequency.
+    chain : VdpChain or OscillatorChain
+        Of the largest ε; the latter may have disorder, but not of the frequency.
     start : array_like, shape (2, N), optional
         (y, ẏ) of every site at t = 0; by default the middle site on its cycle.
     slow_time : float, optional
@@ -102,7 +103,8 @@ def averaging_error(
     Raises
     ------
     ParameterError
-        If the chain cannot be averaged, or its frequency differs from site to site.
+        If the chain is of another model or cannot be averaged, or its frequency differs from
+        site to site.
 
     References
     ----------
@@ -117,6 +119,9 @@ def averaging_error(
     True
     """
     begin = perf_counter()
+    need_instance(
+        "chain", chain, (VdpChain, OscillatorChain), "give the chain of the full equation"
+    )
     if positive("slow time", slow_time) > 100.0:
         raise ParameterError("slow time", slow_time, "at most 100", "compare over a shorter one")
     halvings = whole_number("halvings of eps", halvings, 2, 8)
@@ -136,8 +141,10 @@ def averaging_error(
     )
 
 
-def _scalable(chain: OscillatorChain) -> OscillatorChain:
+def _scalable(chain: VdpChain | OscillatorChain) -> VdpChain | OscillatorChain:
     """Return the chain with a named parameter that multiplies what is nonlinear in g."""
+    if isinstance(chain, VdpChain):
+        return chain
     terms = as_polynomial(chain.stiffness, "stiffness").terms
     linear = {each: value for each, value in terms.items() if dict(each).get("y") == 1}
     rest = {each: value for each, value in terms.items() if each not in linear}
@@ -155,15 +162,18 @@ def _scalable(chain: OscillatorChain) -> OscillatorChain:
     return chain.replace(stiffness=text, values={**chain.values, SHARE: 1.0})
 
 
-def _at(scaled: OscillatorChain, eps: float) -> OscillatorChain:
-    if SHARE not in scaled.names:
+def _at(scaled: VdpChain | OscillatorChain, eps: float) -> VdpChain | OscillatorChain:
+    if isinstance(scaled, VdpChain) or SHARE not in scaled.names:
         return scaled.replace(eps=eps)
     return scaled.replace(eps=eps, values={**scaled.values, SHARE: eps / scaled.eps})
 
 
-def _distance(chain: OscillatorChain, start: FloatArray, slow_time: float) -> tuple[float, float]:
+def _distance(
+    chain: VdpChain | OscillatorChain, start: FloatArray, slow_time: float
+) -> tuple[float, float]:
     """Return the largest distance of the two runs, and their errors together."""
-    end, omega = slow_time / chain.eps, chain.cell.frequency
+    end = slow_time / chain.eps
+    omega = 1.0 if isinstance(chain, VdpChain) else chain.cell.frequency
     times = np.linspace(0.0, end, _SAMPLES)
     full = simulate(chain, start, end, times=list(times), tolerance=_TOLERANCE, level=_NO_LEVEL)
     first = start / np.array([[1.0], [omega]])

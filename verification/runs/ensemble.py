@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.oscillator import OscillatorChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, need_instance
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
@@ -147,6 +147,7 @@ def ensemble(
     (True, True)
     """
     begin = perf_counter()
+    need_instance("chain", chain, (OscillatorChain,), "write the cell as text: it takes disorder")
     if not chain.disorder:
         raise ParameterError("disorder", "none", "a spread", "give one, as disorder={'a': 0.1}")
     if not len(seeds):

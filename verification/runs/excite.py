@@ -18,7 +18,7 @@ import numpy.typing as npt
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Chain, SmoothChain
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError, within
+from theory.parameters import ParameterError, need_instance, within
 from theory.status import Status
 from verification.runs.integration import as_psi
 
@@ -79,6 +79,7 @@ def excite(
     >>> excite(FrictionChain(c=0.02, sites=3), [2], 2.0)[0].round(6).tolist()
     [0.541042, 2.0, 0.541042]
     """
+    need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     count: int = getattr(chain, "sites", 0)
     if not count:
         raise ParameterError(

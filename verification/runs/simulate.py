@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.chain import Chain
-from theory.parameters import ParameterError, end_time, positive, within
+from theory.parameters import ParameterError, end_time, need_instance, positive, within
 from verification.execution.checkpoint import check_samples, run_to_end
 from verification.execution.progress import ProgressCallback
 from verification.runs import friction_integration, smooth_integration
@@ -108,6 +108,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     ((2, 2, 5), True, 'resolved')
     """
     begin = perf_counter()
+    need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     end_time("end time t", t_end)
     sampled = _sample_times(chain, t_end, samples, times)
     if level is not None:

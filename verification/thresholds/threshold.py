@@ -12,7 +12,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, within
+from theory.parameters import ParameterError, need_instance, within
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range
@@ -114,6 +114,8 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     >>> found.low < 0.01056 < found.high
     True
     """
+    need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
+    need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     how = _method(chain, method)
     what = _definition(how, definition)
     if how is ThresholdMethod.BISECTION:

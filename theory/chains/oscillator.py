@@ -1,4 +1,4 @@
-"""A chain or network of your own: any polynomial cell, any linear coupling, disorder.
+"""A chain or network of your own, and its average: any polynomial cell, any linear coupling.
 
     ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + εc Σ_j W_nj [(y_n - y_j) + d (ẏ_n - ẏ_j)] = F_n(t)
 
@@ -10,42 +10,22 @@ nearest neighbours, d = 0 and no force. Without inertia,
 
 from __future__ import annotations
 
-import dataclasses
-import json
-from collections.abc import Mapping
+import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-import numpy as np
-import numpy.typing as npt
+from theory.cells.averaging import mean_shift_of_stiffness
+from theory.chains.chain import Kernel, Site
+from theory.chains.oscillator_kernel import functions_of
+from theory.chains.polynomial import PolynomialChain
+from theory.parameters import ParameterError
 
-from theory.cells.oscillator import OscillatorCell
-from theory.cells.polynomial import Polynomial, as_polynomial
-from theory.chains.chain import MAX_COUPLING, MAX_SITES, Kernel, Site, SmoothChain, parameter
-from theory.chains.coupling import Network, is_file, network_of, size_of
-from theory.chains.drive import Drive, read_drives
-from theory.chains.ends import Ends
-from theory.chains.model_file import read_model
-from theory.chains.oscillator_kernel import OWN, KernelText, clock_size, functions_of
-from theory.chains.site_values import (
-    checked_disorder,
-    checked_values,
-    listed,
-    pairs,
-    relative_spread,
-)
-from theory.parameters import ParameterError, whole_number
-
-if TYPE_CHECKING:
-    from theory.chains.averaged_oscillator import AveragedOscillatorChain
-
-FloatArray = npt.NDArray[np.float64]
+MAX_PHASE = 0.1
+"""Phase that the averaged chain may lose against the full one in a unit of εt by its stiffness."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OscillatorChain(SmoothChain, model="chain"):
+class OscillatorChain(PolynomialChain, model="chain"):
     """A chain or network of oscillators of your own; dimensionless.
 
     Attributes
@@ -97,224 +77,10 @@ class OscillatorChain(SmoothChain, model="chain"):
     5.0
     """
 
-    allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.PERIODIC, Ends.FIXED)
-
-    damping: Any = parameter(
-        "polynomial h in y and v = dy/dt; it multiplies eps*v, as in '1 - a*y**2 + b*y**4'", "h",
-        kind="str",
-    )  # fmt: skip
-    c: float = parameter("coupling, zero or positive", "c")
-    stiffness: Any = parameter("polynomial g in y, the restoring force", "g", "y", kind="str")
-    values: Any = parameter(
-        "value of a named parameter of both, as a=4; repeat for each", "values", {}, kind="strings"
-    )
-    coupling: Any = parameter(
-        "chain, ring, next-nearest:1,0.2, small-world:4,0.1,7, square, hexagonal, or a file of "
-        "weights ending in .npz or .mtx", "W", "chain", kind="str",
-    )  # fmt: skip
-    eps: float = parameter("small parameter, from 1e-9 to 10", "ε", 0.01)
-    velocity_coupling: float = parameter("part of the coupling that acts on velocities", "d", 0.0)
-    overdamped: bool = parameter("without inertia: dy/dt in place of its derivative", "-", False)
-    disorder: Any = parameter(
-        "relative spread of a parameter over the sites, as a=0.1, normal, or a=uniform:0.1; "
-        "repeat for each", "-", {}, kind="strings",
-    )  # fmt: skip
-    seed: int = parameter("seed of the disorder", "-", 0)
-    drive: Any = parameter(
-        "harmonic force F cos(wt + phase), as F,w@1 or F,w,phase@1,4:6 or F,w@all; repeat for "
-        "several", "F", (), kind="strings",
-    )  # fmt: skip
-    sites: int = parameter("number of sites, or rows x columns", "N", None, kind="shape")
-    ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
-    shape: tuple[int, ...] | None = parameter("rows and columns; as a pair in sites", "-", None)
-
-    def __post_init__(self) -> None:
-        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or more")
-        self._check_number("eps", "small parameter eps", 1e-9, 10.0)
-        self._check_number("velocity_coupling", "velocity coupling", -1e6, 1e6)
-        self._check_count("seed", "seed", 0, 2**32 - 1)
-        self._check_ends()
-        self._check_size()
-        set_ = object.__setattr__
-        set_(self, "overdamped", _truth("overdamped", self.overdamped))
-        for name in ("damping", "stiffness"):
-            set_(self, name, _as_given(getattr(self, name), name))
-        if self.overdamped:
-            self._check_overdamped()
-        self._check_names()
-        set_(self, "values", checked_values(self.values, self.names, self.sites))
-        set_(self, "disorder", checked_disorder(self.disorder, self.names))
-        set_(self, "drive", read_drives(self.drive, self.sites))
-        for values in self._extreme_values():
-            self._cell_of(values)
-        _ = self.network
-
-    def _check_size(self) -> None:
-        given: Any = self.sites
-        shape: Any = self.shape
-        if isinstance(given, (tuple, list)):
-            shape, given = given, None
-        if shape is not None:
-            sides = tuple(whole_number("rows and columns", each, 1, MAX_SITES) for each in shape)
-            if len(sides) != 2:
-                raise ParameterError("sites", shape, "a number or rows x columns", "as in 60x60")
-            count = sides[0] * sides[1]
-            if given is not None and given != count:
-                raise ParameterError(
-                    "number of sites n", given, f"{sides[0]} x {sides[1]} as the lattice",
-                    "give rows x columns as in 60x60",
-                )  # fmt: skip
-            object.__setattr__(self, "shape", sides)
-            given = count
-        if given is None:
-            given = size_of(self.coupling) or 31
-        object.__setattr__(self, "sites", given)
-        self._check_count("sites", "number of sites n", 2, MAX_SITES)
-
-    def _check_overdamped(self) -> None:
-        """Refuse what has no meaning without inertia, and make ε one."""
-        zero = as_polynomial(self.damping, "damping").terms == {}
-        if not zero or self.velocity_coupling:
-            raise ParameterError(
-                "damping", self.damping, "0 without inertia, and no coupling of velocities",
-                "put the force into the stiffness",
-            )  # fmt: skip
-        object.__setattr__(self, "eps", 1.0)
-
-    @cached_property
-    def _g(self) -> Polynomial:
-        found = as_polynomial(self.stiffness, "stiffness")
-        if found.degree("v"):
-            raise ParameterError(
-                "stiffness", repr(self.stiffness), "a polynomial in y", "put v into the damping"
-            )
-        return found
-
-    @cached_property
-    def _h(self) -> Polynomial:
-        return as_polynomial(self.damping, "damping")
-
-    def _check_names(self) -> None:
-        own = {each.name for each in dataclasses.fields(self)}
-        for name in self.names:
-            if name in own:
-                raise ParameterError(
-                    "named parameter", name, f"other than {', '.join(sorted(own))}", "rename it"
-                )
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Named parameters of the cell, in alphabetical order."""
-        return tuple(sorted({*self._g.names, *self._h.names}))
-
-    @cached_property
-    def site_values(self) -> dict[str, float | FloatArray]:
-        """Values of the named parameters with their disorder: a number, or an array (N,)."""
-        found: dict[str, float | FloatArray] = dict(self.values)
-        for place, (name, spread) in enumerate(sorted(self.disorder.items())):
-            found[name] = self.values[name] * (
-                1.0 + relative_spread(spread, self.sites, [self.seed, place])
-            )
-        return found
-
-    def _extreme_values(self) -> list[dict[str, float]]:
-        """Return the mean values, and those of the sites where one is smallest or largest."""
-        values = self.site_values
-        arrays = [each for each in values.values() if isinstance(each, np.ndarray)]
-        places = {int(place) for each in arrays for place in (each.argmin(), each.argmax())}
-        at_places = [
-            {
-                name: float(np.asarray(each).flat[place % np.size(each)])
-                for name, each in values.items()
-            }
-            for place in sorted(places)
-        ]
-        mean = {name: float(np.mean(each)) for name, each in self.values.items()}
-        return [mean, *at_places]
-
-    def _cell_of(self, values: Mapping[str, float]) -> OscillatorCell:
-        stiffness = {i: value for (i, _), value in self._g.at(values).items()}
-        damping = self._h.at(values)
-        return OscillatorCell(stiffness=stiffness, damping=damping, overdamped=self.overdamped)
-
-    @cached_property
-    def cell(self) -> OscillatorCell:
-        """One cell alone, without disorder."""
-        return self._cell_of(self._extreme_values()[0])
-
-    @cached_property
-    def network(self) -> Network | None:
-        """The coupling; None where it is to the two neighbours, and all sites are alike."""
-        varied = any(isinstance(each, np.ndarray) for each in self.site_values.values())
-        alike = not (varied or self.drive)
-        plain = isinstance(self.coupling, str) and self.coupling in ("chain", "ring")
-        if plain and alike and self.shape is None and self._plain_ends is not Ends.FIXED:
-            return None
-        return self.links
-
-    @property
-    def _plain_ends(self) -> Ends:
-        return Ends.PERIODIC if self.coupling == "ring" else self.ends
-
-    @property
-    def along_line(self) -> bool:
-        """Whether sites are coupled by their distance along a line, which can be made longer."""
-        named = isinstance(self.coupling, str) and self.shape is None
-        return named and self.coupling.partition(":")[0] in ("chain", "ring", "next-nearest")
-
-    @cached_property
-    def links(self) -> Network:
-        """The weights of the coupling, whichever way they are stepped."""
-        return network_of(self.coupling, self.shape or (self.sites,), self.ends)
-
     @property
     def oscillates(self) -> bool:  # type: ignore[override]
         """Whether there is inertia."""
         return not self.overdamped
-
-    @property
-    def front_phase_step(self) -> int:  # type: ignore[override]
-        """-1 where there is inertia and displacements are coupled, as in (8); else 0."""
-        return -1 if self._has_waves else 0
-
-    @property
-    def time_unit(self) -> float:
-        """1/ε; 1 without inertia."""
-        return 1.0 / self.eps
-
-    @property
-    def trailing_wave_velocity(self) -> float:
-        """εc/ω of the fastest phase wave behind a front; 0 where waves are damped."""
-        return self.eps * self.c / self.cell.frequency if self._has_waves else 0.0
-
-    @property
-    def _has_waves(self) -> bool:
-        """Whether phase waves run undamped behind a front."""
-        return not self.overdamped and not self.velocity_coupling
-
-    @cached_property
-    def _pair(self) -> tuple[float, float]:
-        """Amplitudes above which a site is reached, and to which it then goes."""
-        cycles = self.cell.cycles
-        unstable = [each.amplitude for each in cycles if not each.stable]
-        level = unstable[0] if unstable else 0.0
-        above = [each.amplitude for each in cycles if each.stable and each.amplitude > level]
-        if not above:
-            raise ParameterError(
-                "cell", "without a stable cycle", "one with an excited state where that is needed",
-                "change its parameters, or give a level and a displacement",
-            )  # fmt: skip
-        return (level or 0.5 * above[0]), above[0]
-
-    @property
-    def stable_amplitude(self) -> float:
-        """Largest y of the first stable cycle above `unstable_amplitude`, to O(ε)."""
-        return self._pair[1]
-
-    @property
-    def unstable_amplitude(self) -> float:
-        """Largest y of the innermost unstable cycle; without one half of the stable amplitude."""
-        return self._pair[0]
 
     def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:
         """Return (y, ẏ) of a site on the motion of this amplitude; see `SmoothChain`."""
@@ -335,160 +101,94 @@ class OscillatorChain(SmoothChain, model="chain"):
         both = functions_of(self._source)
         return both["cell"], both["slopes"]
 
-    @property
-    def forces(self) -> tuple[Drive, ...]:
-        """The harmonic forces."""
-        found: tuple[Drive, ...] = self.drive
-        return found
-
-    @property
-    def forced_size(self) -> float:
-        """Displacement under the forces held at their largest, F/g'(0)."""
-        total = sum(abs(each.amplitude) for each in self.forces)
-        return total / self.cell.frequency**2
-
-    @cached_property
-    def _scalars(self) -> tuple[str, ...]:
-        return tuple(n for n in self.names if not isinstance(self.site_values[n], np.ndarray))
-
-    @cached_property
-    def _arrays(self) -> tuple[str, ...]:
-        return tuple(n for n in self.names if n not in self._scalars)
-
-    @property
-    def _text(self) -> KernelText:
-        return KernelText(
-            stiffness=self._g,
-            damping=self._h,
-            scalars=self._scalars,
-            arrays=self._arrays,
-            neighbours=self.network is None,
-            velocity_coupling=self.velocity_coupling != 0.0,
-            overdamped=self.overdamped,
-            drives=len(self.drive),
-        )
-
     @cached_property
     def _source(self) -> str:
         return self._text.full()
 
-    @property
-    def kernel_layout(self) -> tuple[int, ...]:
-        """How many numbers the kernel takes, and of a network how many arrays follow them."""
-        count = OWN + len(self._scalars) + clock_size(len(self.drive))
-        if self.network is None:
-            return (count,)
-        return count, len(self._arrays) + len(self.drive), int(self.velocity_coupling != 0.0)
-
-    def kernel_parameters(self) -> FloatArray:
-        """Return c, ε, d, the number of weights, ω, named parameters, drive, and network."""
-        return self._packed
-
-    @cached_property
-    def _packed(self) -> FloatArray:
-        values = self.site_values
-        links = 0 if self.network is None else self.network.weights.size
-        own = [self.c, self.eps, self.velocity_coupling, float(links), self.cell.frequency]
-        head = np.array(own + [float(np.asarray(values[name])) for name in self._scalars])
-        clock = [np.array([each.frequency, each.phase, np.cos(each.phase)]) for each in self.drive]
-        clock = [np.zeros(1), *clock] if clock else []
-        arrays = [np.asarray(values[name]) for name in self._arrays]
-        arrays += [each.amplitudes(self.sites) for each in self.drive]
-        network = [] if self.network is None else [self.network.packed()]
-        packed: FloatArray = np.concatenate([head, *clock, *arrays, *network])
-        packed.setflags(write=False)
-        return packed
-
     def averaged(self) -> AveragedOscillatorChain:
         """Return the averaged chain of the same parameters."""
-        from theory.chains.averaged_oscillator import AveragedOscillatorChain
+        return AveragedOscillatorChain(**self._attributes())
 
-        return AveragedOscillatorChain(**vars_of(self))
 
-    def replace(self, **changes: Any) -> Self:
-        """Return this chain with some parameters changed, those of the cell by their names."""
-        own = {each.name for each in dataclasses.fields(self)}
-        named = {name: value for name, value in changes.items() if name in self.names}
-        rest = {name: value for name, value in changes.items() if name not in named}
-        if named:
-            rest["values"] = {**pairs("values", rest.get("values", self.values)), **named}
-        if "sites" in rest and "shape" not in rest:
-            rest["shape"] = None
-        for name in rest:
-            if name not in own:
-                allowed = f"one of {', '.join([*self.names, *sorted(own)])}"
-                raise ParameterError("parameter", name, allowed, "rename it")
-        return dataclasses.replace(self, **rest)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AveragedOscillatorChain(PolynomialChain, model="averaged-chain"):
+    """An `OscillatorChain` averaged over a period, to first order in ε: the envelope φ.
 
-    def __getattr__(self, name: str) -> Any:
-        """Return a named parameter of the cell, as ``chain.a``."""
-        values = self.__dict__.get("values")
-        if isinstance(values, dict) and name in values:
-            return values[name]
-        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+        φ_n' = -½H(|φ_n|²)φ_n + iΩ(|φ_n|²)φ_n + (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j)
 
-    def parameters(self) -> dict[str, Any]:
-        """Return the model and its parameters, as JSON can hold them."""
-        found = super().parameters()
-        found |= {"damping": str(self.damping), "stiffness": str(self.stiffness)}
-        found["values"] = {name: listed(value) for name, value in self.values.items()}
-        found["disorder"] = dict(self.disorder)
-        if not isinstance(self.coupling, str):
-            found["coupling"] = f"weights {self.links.digest}"
-        elif is_file(self.coupling):
-            found["coupling"] = f"{Path(self.coupling).name} {self.links.digest}"
-        for name, given in (("drive", [*map(str, self.drive)]), ("shape", [*(self.shape or ())])):
-            if given:
-                found[name] = given
-            else:
-                del found[name]
-        return found
+    per unit of εt, for y = Im(φ e^{iωt}) and ẏ = ω Re(φ e^{iωt}); ω is that of small motion of a
+    cell, H and Ω are in ``theory.cells.averaging``. A state is (Im φ, Re φ); times are t. What is
+    nonlinear in the stiffness must be of order ε.
+
+    Attributes
+    ----------
+    damping, c, stiffness, values, coupling, eps, velocity_coupling, overdamped, disorder, seed, \
+sites, ends, shape
+        As in :class:`OscillatorChain`.
+    drive : empty
+        A force has a frequency of its own.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of range, there is a force or no inertia, or the frequency on a cycle is not
+        what first order says it is.
+
+    References
+    ----------
+    J. Guckenheimer, P. Holmes (1983), Nonlinear Oscillations, Dynamical Systems, and Bifurcations
+    of Vector Fields.
+
+    Examples
+    --------
+    >>> chain = OscillatorChain(damping="v**2 - 1", c=0.5).averaged()
+    >>> round(chain.stable_amplitude**2, 12)
+    1.333333333333
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.check_unforced("the averaged chain, whose frequency is its own")
+        if self.overdamped:
+            raise ParameterError("overdamped", "true", "false: it has no period", "leave it out")
+        off = self._phase_lost()
+        if off > MAX_PHASE:
+            raise ParameterError(
+                "stiffness", repr(self.stiffness), "linear up to terms of order eps: the phase of "
+                f"the averaged chain would be wrong by {off:.2g} in a unit of eps t",
+                "make what is nonlinear smaller, or run the full chain",
+            )  # fmt: skip
+
+    def _phase_lost(self) -> float:
+        """Return by how much first order misses the frequency of a stable cycle, over ε."""
+        mean = mean_shift_of_stiffness(self._g).at(self._extreme_values()[0])
+        small, worst = self.cell.frequency, 0.0
+        for cycle in self.cell.cycles:
+            if cycle.stable:
+                shift = sum(value * cycle.amplitude ** (2 * i) for (i, _), value in mean.items())
+                first = small + (shift - 0.5 * small**2) / small
+                worst = max(worst, abs(2.0 * math.pi / cycle.period - first) / self.eps)
+        return worst
+
+    @property
+    def kernel_rate(self) -> float:
+        """ε: the kernel is in slow time."""
+        return self.eps
+
+    def kernel(self) -> Kernel:
+        """Return the right-hand side of a site's envelope, generated from the polynomials."""
+        return functions_of(self._source)["cell"]
 
     @cached_property
-    def _identity(self) -> str:
-        return json.dumps(self.parameters(), sort_keys=True)
+    def _source(self) -> str:
+        return self._text.averaged()
 
-    def __eq__(self, other: object) -> bool:
-        """Whether the other chain has the same parameters."""
-        return type(other) is type(self) and self._identity == other._identity
+    @property
+    def kernel_layout(self) -> tuple[int, ...]:
+        """As of the full chain; the pull on both parts of φ is needed."""
+        layout = super().kernel_layout
+        return layout if self.network is None else (*layout[:2], 1)
 
-    def __hash__(self) -> int:
-        """Return a number that follows from the parameters."""
-        return hash(self._identity)
-
-    @classmethod
-    def from_file(cls, path: Path | str, **changes: Any) -> Self:
-        """Return the chain that a model file in TOML describes, with some parameters changed.
-
-        Parameters
-        ----------
-        path : Path or str
-            Its keys are the attributes of this class; ``values`` and ``disorder`` are tables. A
-            file of weights is looked for beside it.
-        **changes
-            Attributes in place of those in the file.
-
-        Raises
-        ------
-        ParameterError
-            If it cannot be read, or a key is none of the attributes.
-        """
-        known = [each.name for each in dataclasses.fields(cls)]
-        return cls(**read_model(Path(path), known, changes))
-
-
-def vars_of(chain: OscillatorChain) -> dict[str, Any]:
-    """Return the attributes of a chain by name."""
-    return {each.name: getattr(chain, each.name) for each in dataclasses.fields(chain)}
-
-
-def _as_given(given: Any, quantity: str) -> Any:
-    """Return a polynomial in the form that is stored: its text."""
-    as_polynomial(given, quantity)
-    return given if isinstance(given, str) else str(given)
-
-
-def _truth(quantity: str, given: Any) -> bool:
-    if not isinstance(given, (bool, np.bool_)):
-        raise ParameterError(quantity, repr(given), "true or false", "give one of them")
-    return bool(given)
+    def full(self) -> OscillatorChain:
+        """Return the full chain of the same parameters."""
+        return OscillatorChain(**self._attributes())

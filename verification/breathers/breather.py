@@ -127,7 +127,8 @@ def breather(
     """
     started = time.perf_counter()
     kinds = VdpChain, AveragedChain, OscillatorChain
-    need_instance("chain", chain, kinds, "breathers of other models are not computed")
+    remedy = "of an average take chain.full(); breathers of other models are not computed"
+    need_instance("chain", chain, kinds, remedy)
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     nucleus = with_pattern(nucleus)
     nucleus.first(chain.sites)

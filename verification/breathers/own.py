@@ -131,8 +131,6 @@ def check_orbits(chain: OscillatorChain) -> None:
         With the reason.
     """
     chain.check_unforced("a breather, which is motion of a chain that is left alone")
-    if not (chain.oscillates or chain.overdamped):
-        raise ParameterError("model", chain.model, "chain for a breather", "take chain.full()")
     if chain.overdamped:
         raise ParameterError("overdamped", "true", "false for a breather", "change it")
     if chain.sites > MAX_SITES:

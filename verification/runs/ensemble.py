@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.oscillator import OscillatorChain
+from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
+from theory.chains.polynomial import PolynomialChain
 from theory.parameters import ParameterError, need_instance
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
@@ -84,7 +85,7 @@ class SeedTask:
     """The number at one seed: a task for ``verification.execution.sweep``."""
 
     function: Callable[..., Any]
-    chain: OscillatorChain
+    chain: PolynomialChain
     options: Mapping[str, Any]
 
     def __call__(self, point: Point) -> dict[str, Any]:
@@ -102,7 +103,7 @@ class SeedTask:
 
 def ensemble(
     function: Callable[..., Any],
-    chain: OscillatorChain,
+    chain: PolynomialChain,
     seeds: Sequence[int] = range(16),
     *,
     workers: int | None = None,
@@ -147,7 +148,8 @@ def ensemble(
     (True, True)
     """
     begin = perf_counter()
-    need_instance("chain", chain, (OscillatorChain,), "write the cell as text: it takes disorder")
+    kinds = OscillatorChain, AveragedOscillatorChain
+    need_instance("chain", chain, kinds, "write the cell as text: it takes disorder")
     if not chain.disorder:
         raise ParameterError("disorder", "none", "a spread", "give one, as disorder={'a': 0.1}")
     if not len(seeds):

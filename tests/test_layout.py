@@ -1,0 +1,86 @@
+"""Imports run one way between the packages, and never in a circle between modules.
+
+Every import statement counts: those inside functions, and those for types only.
+"""
+
+import ast
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ALLOWED = {
+    "theory": {"theory"},
+    "derivations": {"derivations"},
+    "verification": {"theory", "verification"},
+    "paper_checks": {"theory", "derivations", "verification", "paper_checks"},
+    "benchmarks": {"theory", "derivations", "verification", "paper_checks", "benchmarks"},
+    "fronts": {"theory", "derivations", "verification", "paper_checks", "benchmarks", "fronts"},
+}
+
+
+def _modules(root: Path, packages: list[str]) -> dict[str, Path]:
+    """Return the files of some packages by the dotted names of their modules."""
+    found = {}
+    for package in packages:
+        for path in (root / package).rglob("*.py"):
+            name = ".".join(path.relative_to(root).with_suffix("").parts)
+            found[name.removesuffix(".__init__")] = path
+    return found
+
+
+def _imported(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield what a file imports, dotted, each with the module that it is of if it is none."""
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.Import):
+            yield from ((alias.name, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, f"{path} imports relative to itself"
+            home = node.module or ""
+            yield from ((f"{home}.{alias.name}", home) for alias in node.names)
+
+
+def _graph(modules: dict[str, Path]) -> dict[str, set[str]]:
+    """Return which modules each one imports."""
+    return {
+        module: {name if name in modules else home for name, home in _imported(path)} & {*modules}
+        for module, path in modules.items()
+    }
+
+
+def _circle(modules: dict[str, Path]) -> list[str]:
+    """Return the modules of a circle of imports, if there is one."""
+    try:
+        TopologicalSorter(_graph(modules)).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    assert _circle(_modules(ROOT, list(ALLOWED))) == []
+
+
+@pytest.mark.parametrize(
+    "inside", ["", "def f():\n    ", "if TYPE_CHECKING:\n    "], ids=["top", "function", "types"]
+)
+def test_a_circle_is_found_wherever_it_is_imported(tmp_path, inside):
+    home = tmp_path / "home"
+    home.mkdir()
+    for name, text in {
+        "__init__": "",
+        "a": "from home.b import f\n",
+        "b": "from home import c\n",
+        "c": f"{inside}import home.a\n",
+    }.items():
+        (home / f"{name}.py").write_text(text)
+    assert {*_circle(_modules(tmp_path, ["home"]))} == {"home.a", "home.b", "home.c"}
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_imports_run_one_way_between_the_packages(package):
+    for path in (ROOT / package).rglob("*.py"):
+        ours = {name.partition(".")[0] for name, _ in _imported(path)} & {*ALLOWED}
+        assert ours <= ALLOWED[package], path

@@ -30,13 +30,19 @@ from numba.core.bytecode import FunctionIdentity
 
 from verification.execution.digest import digest_of_files
 
-__all__ = ["DISTINCT_NAMES", "inner", "njit"]
+__all__ = ["DISTINCT_NAMES", "UNCOUNTED", "inner", "njit"]
 
 logger = logging.getLogger(__name__)
 
 _HOME = Path(__file__).parents[1]
 _PREFIX, _OPTION = "compiled-", "CACHE_DIR"
 _WEEK = 7 * 86400.0
+
+UNCOUNTED: dict[str, Any] = {"_nrt": False}
+"""Options of functions that make no arrays: no references are counted to those that they are given.
+
+numba counts by atomic instructions at every slice and every call; where arrays are short, this
+takes more than half of the time."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -42,7 +42,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import njit
 from verification.steppers.friction_series import (
     ARRIVAL,
     BEYOND,
@@ -78,6 +77,7 @@ from verification.steppers.friction_series import (
     inlined,
     inner,
     new_room,
+    outer,
     resolved,
     shift,
     site_value,
@@ -226,7 +226,7 @@ def advance(run: Run, stop: float, required: int, max_steps: int) -> int:
     return int(_advance(run, stop, required, max_steps))
 
 
-@njit(cache=True, error_model="numpy")
+@outer
 def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
     """Take frames until the time to reach, or a reason to return before; return a ``StopCode``."""
     counters, numbers = run.counters, run.numbers
@@ -268,19 +268,17 @@ def _begin(run: Run, longest: float) -> float:
 @inlined
 def _frame_length(ends: FloatArray, longest: float) -> float:
     """Return a length so that a sixteenth of the series at most expire before it."""
-    shortest = longest
+    length = longest
     for n in range(ends.size):
-        shortest = min(shortest, ends[n])
-    if shortest == 0.0:
-        return 0.0
-    found = np.zeros(64, dtype=np.int64)
-    for n in range(ends.size):
-        found[int(min(63.0, 2.0 * math.log2(ends[n] / shortest)))] += 1
-    place, slow = 0, found[0]
-    while place < 63 and slow <= ends.size // _SLOW_SHARE:
-        place += 1
-        slow += found[place]
-    return float(min(longest, shortest * 2.0 ** (0.5 * place)))
+        length = min(length, ends[n])
+    while 0.0 < length < longest:
+        longer, short = math.sqrt(2.0) * length, 0
+        for n in range(ends.size):
+            short += 1 if ends[n] < longer else 0
+        if _SLOW_SHARE * short > ends.size:
+            break
+        length = longer
+    return min(length, longest)
 
 
 @inlined

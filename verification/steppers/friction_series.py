@@ -75,18 +75,27 @@ _DEPTH = 48
 _LOOKS = 16
 
 
-inner = compiled.inner(cache=True, error_model="numpy")
+inner = compiled.inner(cache=True, error_model="numpy", **compiled.UNCOUNTED)
 """Compile what only compiled functions call."""
 
-vectorised = compiled.inner(cache=True, error_model="numpy", fastmath={"contract"})
+vectorised = compiled.inner(
+    cache=True, error_model="numpy", fastmath={"contract"}, **compiled.UNCOUNTED
+)
 """Compile as ``inner`` does, with products and sums contracted."""
+
+
+def outer(function: Function) -> Function:
+    """Compile what Python calls."""
+    options: dict[str, Any] = {"cache": True, "error_model": "numpy", **compiled.UNCOUNTED}
+    found: Function = compiled.njit(**options)(function)
+    return found
 
 
 def inlined(function: Function) -> Function:
     """Compile what has one caller as a part of it, and not once more beside it."""
-    found: Any = compiled.njit(error_model="numpy", inline="always")(function)
-    made: Function = found
-    return made
+    options: dict[str, Any] = {"error_model": "numpy", "inline": "always", **compiled.UNCOUNTED}
+    found: Function = compiled.njit(**options)(function)
+    return found
 
 
 Law = tuple[float, ...]

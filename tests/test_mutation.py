@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import ast
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +18,7 @@ from benchmarks.mutation.__main__ import chosen
 from benchmarks.mutation.explained import Explained, matches, read_explained, stale_entries
 from benchmarks.mutation.mutants import mutants_of
 from benchmarks.mutation.outcome import write_record
+from benchmarks.mutation.session import Answer, Task, in_children
 from benchmarks.mutation.survey import closure
 from benchmarks.mutation.survey import test_files as files_with_tests
 
@@ -30,8 +37,9 @@ def test_each_change_is_one_and_compiles() -> None:
     found = mutants_of("m.py", SOURCE)
     whole = ast.unparse(ast.parse(SOURCE))
     for mutant in found:
-        compile(mutant.source, "m.py", "exec")
-        ours, theirs = mutant.source.splitlines(), whole.splitlines()
+        with mutant.made() as tree:
+            compile(tree, "m.py", "exec")
+            ours, theirs = ast.unparse(tree).splitlines(), whole.splitlines()
         assert sum(a != b for a, b in zip(ours, theirs, strict=True)) == 1, mutant.name
     assert len({mutant.name for mutant in found}) == len(found)
 
@@ -152,3 +160,87 @@ def test_tests_are_found_by_what_they_import(file: str) -> None:
 def test_a_package_is_changed_with_the_packages_inside_it() -> None:
     found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0, "")}
     assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
+
+
+CODE = """
+from functools import lru_cache
+LIMIT = 1e-7
+def inside(x, most=1.0):
+    return abs(x) <= most
+def near(x):
+    return abs(x) < LIMIT
+@lru_cache
+def third(x):
+    return 3 * x
+START = third(2)
+def unseen(x):
+    return x + 1
+class Sum:
+    parts = (1, 2)
+    @property
+    def value(self):
+        return sum(part for part in self.parts)
+"""
+ITS_TESTS = """
+import pytest
+from derivations import small
+@pytest.fixture(scope="module")
+def three(): return small.Sum().value
+def test_sum(three): assert three == 3
+def test_inside(): assert small.inside(1.0) and not small.inside(1.5) and not small.inside(-1.5)
+def test_near(): assert small.near(9e-8) and not small.near(1e-7) and not small.near(-1)
+def test_start(): assert small.START == 6
+def test_fails(): assert small.unseen(1) == 3
+def test_long():
+    while small.unseen(1): pass
+"""
+
+
+def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_noticed(
+    tmp_path: Path,
+) -> None:
+    """And those which no test that passes in its time enters, or that no test is about, are not."""
+    for folder, name, text in (
+        ("derivations", "__init__.py", ""),
+        ("derivations", "small.py", CODE),
+        ("tests", "test_small.py", ITS_TESTS),
+    ):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / name).write_text(text, encoding="utf-8")
+    run = (
+        "import sys; from pathlib import Path; from benchmarks.mutation import __main__ as runner; "
+        "runner.ROOT = Path.cwd(); sys.exit(runner.main(sys.argv[1:]))"
+    )
+    words = ["derivations/small.py", "--tests", "tests/test_small.py", "--longest", "0.3"]
+    done = subprocess.run(
+        [sys.executable, "-c", run, *words, "--record", "record.json", "--jobs", "1"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "TMPDIR": str(tmp_path)},
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 1, done.stderr
+    record = json.loads((tmp_path / "record.json").read_text(encoding="utf-8"))
+    assert [name.removeprefix("derivations/small.py:") for name in record["open"]] == [
+        "unseen:x + 1 -> x - 1",
+        "unseen:x + 1 -> x",
+        "unseen:x + 1 -> 1",
+        "unseen:1 -> 2",
+    ]
+    assert record["total"]["noticed"] == record["total"]["run"] - 4
+    assert (tmp_path / "derivations" / "small.py").read_text(encoding="utf-8") == CODE
+
+
+def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:
+    answers: list[list[Answer]] = []
+
+    def crash(write: Callable[[Answer], None]) -> None:
+        os.kill(os.getpid(), signal.SIGSEGV)
+
+    def spin(write: Callable[[Answer], None]) -> None:
+        write({"before": 1})
+        while time.time():
+            pass
+
+    tasks = [Task(run=run, seconds=0.0, take=answers.append) for run in (crash, spin)]
+    in_children(iter(tasks), 1)
+    assert answers == [[{"by": "time limit or crash"}], [{"before": 1}]]

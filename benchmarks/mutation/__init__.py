@@ -1,1 +1,1 @@
-"""Whether the tests notice a wrong formula or a wrong judgement: one thing changed at a time."""
+"""Changes to the code, one at a time, and whether a test notices."""

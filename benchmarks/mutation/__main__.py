@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import argparse
+import json
+import os
 import random
 import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from hashlib import sha256
 from pathlib import Path
 
+from benchmarks.mutation import entered
 from benchmarks.mutation.explained import read_explained, stale_entries
 from benchmarks.mutation.mutants import Mutant, mutants_of
 from benchmarks.mutation.outcome import counts, write_record
-from benchmarks.mutation.runs import Runs, Workers
-from verification.execution.digest import digest_of
 
 ROOT = Path(__file__).resolve().parents[2]
+LEFT_OUT = "left out"
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
   python -m benchmarks.mutation theory/piecewise/limits.py --list        the changes, nothing run
-  python -m benchmarks.mutation verification paper_checks fronts --part 0.1 --minutes 9
-      a tenth at random, another one each time, as far as nine minutes reach
+  python -m benchmarks.mutation verification paper_checks fronts --part 0.1
+      a tenth at random, another one each time
+  python -m benchmarks.mutation fronts --open fronts.json      what a record left open, again
 
-Changes chosen at random are run in random order, so those that were run are a sample too. Nothing
-in the working tree is touched: tests run in copies of it in --work. Results are kept there by the
-text of what was changed, so that a run that was stopped goes on where it was. --record writes the
-counts and every change that went unnoticed to a file. Exit code 1: a change that no test notices is
-not explained in benchmarks/mutation/explained.toml, or an explanation there is no longer needed;
-the latter is judged when every change of a module was run."""
+Changes chosen at random are run in random order, so that those run before the time is over
+(--minutes) are a sample too. The working tree is not touched. What numba compiles is compiled anew
+for each change of it, half a minute or more: such changes are left out unless --compiled asks for
+them. --record writes the counts and every change that went unnoticed to a file. Exit code 1: a
+change that no test notices is not explained in benchmarks/mutation/explained.toml, or an
+explanation there is no longer needed; the latter is judged when all of a module was run."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
         return 0
     found = _run(mutants, options)
+    mutants = [mutant for mutant in mutants if found.get(mutant.name) != LEFT_OUT]
+    found = {name: status for name, status in found.items() if status != LEFT_OUT}
     explained = read_explained(Path(__file__).with_name("explained.toml"))
     survivors = [mutant for mutant in mutants if found.get(mutant.name) == "survived"]
     reasons = {m.name: explained.why(m.name) for m in survivors}
@@ -56,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             reasons=reasons,
         )  # fmt: skip
     # Of a selection only those explanations can be judged that are about its changes.
-    whole = options.part == 1.0 and not options.function
+    whole = options.part == 1.0 and not options.function and not options.open
     stale = stale_entries(explained, mutants, found) if whole and len(found) == len(mutants) else []
     for entry in stale:
         print(f"NO LONGER NEEDED {entry}")
@@ -67,6 +73,9 @@ def _selected(options: argparse.Namespace) -> list[Mutant]:
     """Return the changes that are asked for, a part of them in random order."""
     seed = random.SystemRandom().randrange(10**6) if options.seed is None else options.seed
     mutants = chosen(ROOT, options.where, options.part, seed, options.function or "")
+    if options.open:
+        left = set(json.loads(options.open.read_text(encoding="utf-8"))["open"])
+        mutants = [mutant for mutant in mutants if mutant.name in left]
     if options.part < 1.0:
         print(f"seed {seed}", file=sys.stderr)
         random.Random(seed).shuffle(mutants)
@@ -75,15 +84,44 @@ def _selected(options: argparse.Namespace) -> list[Mutant]:
 
 def _run(mutants: Sequence[Mutant], options: argparse.Namespace) -> dict[str, str]:
     """Return what became of the changes, by name."""
-    work = options.work or default_work(ROOT)
-    work.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + 60.0 * (options.minutes or 1e9)
-    with Workers(ROOT, work, options.jobs) as workers:
-        runs = Runs(
-            ROOT, work, workers, modules=modules_of(mutants), tests=options.tests,
-            seconds=options.seconds, again=options.again,
-        )  # fmt: skip
-        return runs.run(mutants, until)
+    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    names = entered.install(ROOT)
+    from benchmarks.mutation.runs import Runs
+    from benchmarks.mutation.session import Session, in_children
+    from benchmarks.mutation.survey import closure, survey, test_files
+
+    imported = {file: closure(ROOT, file) for file in options.tests or test_files(ROOT)}
+    modules = modules_of(mutants)
+    imported = {file: near for file, near in imported.items() if near & set(modules)}
+    session = Session(ROOT, names)
+    found: dict[str, str] = {}
+
+    def work() -> None:
+        begin = time.monotonic()
+        known = survey(session, kept(ROOT), imported, options.longest, options.jobs)
+        print(f"{len(known.seconds)} of {len(session.items)} tests are asked; recorded in "
+              f"{time.monotonic() - begin:.0f} s", file=sys.stderr, flush=True)  # fmt: skip
+        found.update({m.name: LEFT_OUT for m in mutants if _is_compiled(m)})
+        if options.compiled:
+            found.clear()
+        elif found:
+            print(f"{len(found)} changes of what numba compiles are left out", file=sys.stderr)
+        runs = Runs(session, known, imported, options.seconds)
+        in_children(runs.tasks([m for m in mutants if m.name not in found], until), options.jobs)
+        found.update(runs.found)
+        if options.by:
+            for test, count in runs.by.most_common():
+                print(f"{count:6} {test}")
+
+    code = session.collect(list(imported), modules, work)
+    if not found:
+        sys.exit(f"mutation: the tests were not collected, pytest's exit code is {code}.")
+    return found
+
+
+def _is_compiled(mutant: Mutant) -> bool:
+    return f"{mutant.module}:{mutant.first_line}" in entered.compiled
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -106,15 +144,16 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--function", help="only functions whose qualified name begins so")
     parser.add_argument("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
     parser.add_argument(
-        "--seconds",
-        type=float,
-        default=30.0,
-        help="of tests spent on a change at most (default 30)",
+        "--seconds", type=float, default=5.0, help="of tests asked about a change (default 5)"
+    )
+    parser.add_argument(
+        "--longest", type=float, default=1.0, help="seconds of a test that is asked (default 1)"
     )
     parser.add_argument("--minutes", type=float, help="begin no further change after so long")
     parser.add_argument("--list", action="store_true", help="list the changes, run nothing")
-    parser.add_argument("--again", action="store_true", help="forget stored results")
-    parser.add_argument("--work", type=Path, help="folder of the copies and results")
+    parser.add_argument("--open", type=Path, metavar="RECORD", help="only what it left open")
+    parser.add_argument("--compiled", action="store_true", help="also what numba compiles")
+    parser.add_argument("--by", action="store_true", help="say how much each test noticed")
     parser.add_argument("--record", type=Path, metavar="FILE", help="write the outcome as JSON")
     return parser
 
@@ -122,17 +161,17 @@ def _parser() -> argparse.ArgumentParser:
 def command_line(arguments: Sequence[str] | None) -> str:
     """Return the command as typed, without the places of copies and record."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    for option in ("--work", "--record"):
+    for option in ("--record", "--open"):
         if option in words:
             place = words.index(option)
             del words[place : place + 2]
     return " ".join(["python -m benchmarks.mutation", *words])
 
 
-def default_work(root: Path) -> Path:
-    """Return the folder for copies and results of this working tree, outside of it."""
-    mark = digest_of(str(root))[:8]
-    return Path(tempfile.gettempdir()) / f"fronts-mutation-{mark}"
+def kept(root: Path) -> Path:
+    """Return the file that keeps which tests enter what in this working tree, outside of it."""
+    mark = sha256(str(root).encode()).hexdigest()[:8]
+    return Path(tempfile.gettempdir()) / f"fronts-mutation-{mark}.jsonl"
 
 
 def chosen(root: Path, where: Sequence[str], part: float, seed: int, function: str) -> list[Mutant]:

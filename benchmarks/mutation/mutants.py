@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cached_property, partial
 from itertools import pairwise
 
 from benchmarks.mutation.places import Place, Scope, called, places_of
@@ -91,8 +91,8 @@ class Mutant:
         Line of the outermost ``def`` or decorator of the function; 0 outside any.
     change : str
         ``before -> after``, with ``#2`` for the second equal change in the function.
-    render : callable
-        Writes ``source``, the whole module with the change.
+    tree, place, changed
+        The module as a syntax tree, where in it something is changed, and what it becomes.
     """
 
     module: str
@@ -100,12 +100,23 @@ class Mutant:
     line: int
     first_line: int
     change: str
-    render: Callable[[], str] = field(repr=False, compare=False)
+    tree: ast.Module = field(repr=False, compare=False)
+    place: Place = field(repr=False, compare=False)
+    changed: ast.AST = field(repr=False, compare=False)
 
-    @cached_property
-    def source(self) -> str:
-        """The whole module with the change."""
-        return self.render()
+    @property
+    def of_default(self) -> bool:
+        """Whether a default value is changed."""
+        return self.change.startswith("default ")
+
+    @contextmanager
+    def made(self) -> Iterator[ast.Module]:
+        """Give the tree with the change, for as long as the context lasts."""
+        self.place.put(self.changed)
+        try:
+            yield self.tree
+        finally:
+            self.place.put(self.place.node)
 
     @property
     def name(self) -> str:
@@ -143,15 +154,8 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
             if seen[scope.function, text] > 1:
                 text += f" #{seen[scope.function, text]}"
             where = (scope.function, node.lineno, scope.first_line)
-            found.append(Mutant(module, *where, text, partial(_rendered, tree, place, changed)))
+            found.append(Mutant(module, *where, text, tree, place, changed))
     return found
-
-
-def _rendered(tree: ast.AST, place: Place, changed: ast.AST) -> str:
-    place.put(changed)
-    source = ast.unparse(tree)
-    place.put(place.node)
-    return source
 
 
 def _short(node: ast.AST) -> str:

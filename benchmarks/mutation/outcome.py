@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from benchmarks.mutation.mutants import Mutant
-from verification.execution.files import write_text
-from verification.execution.metadata import now
 
 
 def counts(
@@ -56,7 +55,7 @@ def write_record(
     missed = [m.name for m in mutants if found.get(m.name) == "survived"]
     record: dict[str, Any] = {
         "command": command,
-        "date": now(),
+        "date": datetime.now().isoformat(" ", "minutes"),
         "commit": _git(root, "rev-parse", "HEAD"),
         "uncommitted": bool(_git(root, "status", "--porcelain", "--untracked-files=no")),
         "total": counts(mutants, found, reasons),
@@ -64,8 +63,9 @@ def write_record(
         "explained": {name: reasons[name] for name in missed if reasons[name] is not None},
         "open": [name for name in missed if reasons[name] is None],
     }
-    text = json.dumps(record, indent=1, ensure_ascii=False) + "\n"
-    write_text(path, text)
+    from verification.execution.files import write_text
+
+    write_text(path, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
 
 
 def _git(root: Path, *words: str) -> str | None:

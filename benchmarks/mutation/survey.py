@@ -1,19 +1,20 @@
-"""Which tests enter which function, and how long each takes: a recorded run of each test file."""
+"""Which tests enter which function, and how long each takes: every test is run and recorded."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import Any
 
-from verification.execution.digest import digest_of, digest_of_files
-from verification.execution.files import write_text
-from verification.execution.imports import imports_of
+from benchmarks.mutation.entered import PACKAGES
+from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.session import Answer, Session, Task, dotted, in_children
 
-LONGEST_FILE = 400.0
-"""Seconds after which a file that is being recorded is given up."""
+FILE_SECONDS = 60.0
+"""Processor seconds after which the tests of a file that are left are not recorded."""
 
 EXCLUDED = (
     "test_benchmarks",
@@ -24,48 +25,49 @@ EXCLUDED = (
 """Test files about other things, or about time."""
 
 
-@dataclass
 class Survey:
     """What the recorded runs found.
 
     Attributes
     ----------
     seconds : dict
-        Test to its time, for those that pass on the unchanged tree.
-    tests_of : dict
-        ``path:first line`` of a function to the tests that enter it.
-    collecting : dict
-        File to the seconds that a run of it takes beside its tests.
+        Test to its time, with that of its fixtures, for those that pass on the unchanged code.
     breadth : dict
         Test to the number of functions it enters.
     """
 
-    seconds: dict[str, float] = field(default_factory=dict)
-    tests_of: dict[str, set[str]] = field(default_factory=dict)
-    collecting: dict[str, float] = field(default_factory=dict)
-    breadth: dict[str, int] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self.breadth: dict[str, int] = {}
+        self._entering: dict[str, set[str]] = defaultdict(set)
 
-    def add(self, file: str, answer: dict[str, Any]) -> None:
-        """Take in the answer of a recorded run."""
-        passed = answer.get("passed", {})
-        self.seconds.update(passed)
-        self.collecting[file] = max(0.0, answer["seconds"] - sum(passed.values()))
-        for test, places in answer.get("entered", {}).items():
-            if test in passed:
-                self.breadth[test] = len(places)
-                for place in places:
-                    self.tests_of.setdefault(place, set()).add(test)
-        for place in answer.get("shared", ()):
-            self.tests_of.setdefault(place, set()).update(passed)
+    def add(self, answers: Iterable[Answer]) -> None:
+        """Take in what the tests of a file entered."""
+        for answer in answers:
+            test = answer["test"]
+            self.seconds[test] = answer["seconds"]
+            self.breadth[test] = len(answer["entered"])
+            for place in answer["entered"]:
+                self._entering[place].add(test)
+                self._entering[place.split(":")[0]].add(test)
 
-    def tests_for(self, module: str, first_line: int, importing: Iterable[str]) -> list[str]:
-        """Return the tests that can notice a change there, the fastest first."""
-        if first_line:
-            found = self.tests_of.get(f"{module}:{first_line}", set())
-        else:
-            files = set(importing)
-            found = {test for test in self.seconds if test.split("::", maxsplit=1)[0] in files}
-        return sorted(found, key=lambda test: (self.seconds[test], test))
+    def reaching(
+        self, mutant: Mutant, on_import: bool, importing: dict[str, frozenset[str]]
+    ) -> list[str]:
+        """Return the tests that can notice a change, those about few functions and fast ones first.
+
+        They enter the function. What an import leaves may change others: those that enter any
+        function of the module come next, then those of all files that import it.
+        """
+        tiers = [self._entering[f"{mutant.module}:{mutant.first_line}"]]
+        if on_import:
+            tiers.append(self._entering[mutant.module])
+            tiers.append({t for t in self.seconds if mutant.module in importing[t.split("::")[0]]})
+
+        def cost(test: str) -> tuple[float, str]:
+            return self.seconds[test] * self.breadth[test], test
+
+        return list(dict.fromkeys(test for tier in tiers for test in sorted(tier, key=cost)))
 
 
 def test_files(root: Path) -> list[str]:
@@ -73,79 +75,64 @@ def test_files(root: Path) -> list[str]:
     tests = [p for p in sorted((root / "tests").glob("test_*.py")) if p.stem not in EXCLUDED]
     modules = [
         path
-        for package in ("theory", "derivations", "verification", "paper_checks", "fronts")
+        for package in PACKAGES
         for path in sorted((root / package).rglob("*.py"))
-        if ">>> " in path.read_text(encoding="utf-8")
+        if ">>> " in path.read_text(encoding="utf-8") and "explore" not in path.parts
     ]
     return [path.relative_to(root).as_posix() for path in (*tests, *modules)]
 
 
 def closure(root: Path, file: str) -> frozenset[str]:
     """Return the files of the project that a file imports, directly or not, itself included."""
-    reached, ahead = {file}, [file]
-    while ahead:
-        for near in _imports(root, ahead.pop()):
-            if near not in reached:
-                reached.add(near)
-                ahead.append(near)
-    return frozenset(reached)
+    from verification.execution.imports import closure as closure_of
 
-
-def _imports(root: Path, file: str) -> frozenset[str]:
-    names, _ = imports_of(root / file, file.rpartition("/")[0].replace("/", "."))
-    found = set()
-    for name in names:
-        for path in (f"{name.replace('.', '/')}.py", f"{name.replace('.', '/')}/__init__.py"):
-            if (root / path).is_file():
-                found.add(path)
-    return frozenset(found)
-
-
-def digest(root: Path, files: Iterable[str], *more: str) -> str:
-    """Return a digest of the contents of files and of some words."""
-    return digest_of([digest_of_files(root, [root / file for file in files]), *more])[:20]
+    packages = (*PACKAGES, "benchmarks", "tests")
+    return frozenset(
+        path.relative_to(root).as_posix() for path in closure_of(dotted(file), packages).values()
+    )
 
 
 def survey(
-    root: Path,
-    store: Path,
-    modules: Iterable[str],
-    tests: Iterable[str],
-    *,
-    ask: Callable[[list[dict[str, Any]], Callable[[int, dict[str, Any]], None]], None],
-    report: Callable[[str], None],
+    session: Session, path: Path, imported: dict[str, frozenset[str]], limit: float, jobs: int
 ) -> Survey:
-    """Record the test files that import any of the modules, where not known from an earlier run.
+    """Return what the tests of files enter, recorded in children where it is not known.
 
     Parameters
     ----------
-    root, store : Path
-        The project; the folder that keeps what was found.
-    modules : iterable of str
-        Paths of the modules to be changed.
-    tests : iterable of str
-        Files of tests.
-    ask : callable
-        Hands requests to the processes and each answer to a function.
-    report : callable
-        Progress callback.
+    session : Session
+        With the tests collected.
+    path : Path
+        Where records are kept; one is good for as long as nothing that its file imports changes.
+    imported : dict
+        By test file, what it imports.
+    limit : float
+        Processor seconds of a test above which it is not asked.
+    jobs : int
+        Children at a time.
     """
-    changed = set(modules)
-    files = [file for file in tests if closure(root, file) & changed]
-    path = store / "survey.json"
-    known: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    keys = {file: digest(root, closure(root, file)) for file in files}
-    required = [file for file in files if known.get(file, {}).get("key") != keys[file]]
+    from verification.execution.digest import digest_of, digest_of_files
 
-    def take(index: int, answer: dict[str, Any]) -> None:
-        file = required[index]
-        known[file] = {"key": keys[file], "answer": answer}
-        write_text(path, json.dumps(known))
-        report(f"recorded {file}: {len(answer.get('passed', {}))} tests, {answer['seconds']:.1f} s")
-
-    requests = [{"files": [file], "record": True, "timeout": LONGEST_FILE} for file in required]
-    ask(requests, take)
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    known = {record["file"]: record for record in map(json.loads, lines)}
     found = Survey()
-    for file in files:
-        found.add(file, known[file]["answer"])
+    root = session.root
+
+    def take(file: str, key: str, answers: list[Answer]) -> None:
+        passed = [each for each in answers if "test" in each]
+        found.add(passed)
+        with path.open("a", encoding="utf-8") as kept:
+            kept.write(json.dumps({"file": file, "key": key, "answers": passed}) + "\n")
+        took = sum(each["seconds"] for each in passed)
+        print(f"recorded {file}: {len(passed)} tests, {took:.1f} s", file=sys.stderr, flush=True)
+
+    def tasks() -> Iterator[Task]:
+        for file, files in imported.items():
+            key = digest_of([digest_of_files(root, [root / each for each in files]), limit])
+            if known.get(file, {}).get("key") == key:
+                found.add(known[file]["answers"])
+            else:
+                run = partial(session.record, file, limit)
+                yield Task(run=run, seconds=FILE_SECONDS, take=partial(take, file, key))
+
+    in_children(tasks(), jobs)
     return found

@@ -1,0 +1,101 @@
+"""Which functions of the project are entered: each is compiled with one more line that says so.
+
+A tracer would make the many small calls of mpmath and SymPy several times slower. What a function
+holds, other functions and lambdas, counts as the function. To numba goes what is written.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import os
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import CodeType, FunctionType
+from typing import Any
+
+ENTER = "enter_function_of_the_project"
+PACKAGES = ("theory", "derivations", "verification", "paper_checks", "fronts")
+replaced: dict[str, CodeType] = {}
+"""By the path of a module from the root, the code that it is imported with instead of its own."""
+
+compiled: set[str] = set()
+"""Functions that numba was given, by ``path:first line``."""
+
+
+def install(root: Path) -> set[str]:
+    """Let every module imported from now on name each function entered, and return their set.
+
+    A name is ``path:first line``, the line that of the outermost function or its decorator.
+    """
+    names: set[str] = set()
+    plain: dict[tuple[str, int, str], CodeType] = {}
+    builtins.__dict__[ENTER] = names.add
+    own = SourceFileLoader.get_code
+
+    def get_code(loader: Any, fullname: str) -> CodeType | None:
+        path = loader.get_filename(fullname)
+        relative = os.path.relpath(path, root)
+        if relative in replaced:
+            return replaced[relative]
+        if relative.split(os.sep)[0] not in PACKAGES:
+            return own(loader, fullname)
+        source = loader.get_data(path)
+        for code in codes_in(compile(source, path, "exec", dont_inherit=True)):
+            plain[path, code.co_firstlineno, code.co_qualname] = code
+        return compile(naming(source, relative), path, "exec", dont_inherit=True)
+
+    SourceFileLoader.get_code = get_code  # type: ignore[assignment, method-assign]
+    _compile_as_written(plain, names, root)
+    return names
+
+
+def _compile_as_written(
+    plain: dict[tuple[str, int, str], CodeType], names: set[str], root: Path
+) -> None:
+    """Hand to numba what is written, and note it."""
+    from numba.core.dispatcher import Dispatcher
+
+    begin = Dispatcher.__init__
+
+    def initialise(self: Any, py_func: Any, *more: Any, **options: Any) -> None:
+        code = py_func.__code__
+        written = plain.get((code.co_filename, code.co_firstlineno, code.co_qualname))
+        if written is not None and ENTER in code.co_names:
+            place = f"{os.path.relpath(code.co_filename, root)}:{code.co_firstlineno}"
+            names.add(place)
+            compiled.add(place)
+            own = py_func
+            py_func = FunctionType(
+                written, own.__globals__, own.__name__, own.__defaults__, own.__closure__
+            )
+            py_func.__module__, py_func.__qualname__ = own.__module__, own.__qualname__
+        begin(self, py_func, *more, **options)
+
+    Dispatcher.__init__ = initialise  # type: ignore[method-assign]
+
+
+def naming(source: bytes, relative: str) -> ast.Module:
+    """Return a module in which each function, and each lambda in one, begins by its name."""
+    tree = ast.parse(source)
+    outermost = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            outermost += [each for each in node.body if isinstance(each, ast.FunctionDef)]
+    for top in outermost:
+        first = min([top.lineno, *(each.lineno for each in top.decorator_list)])
+        call = f"{ENTER}({f'{relative}:{first}'!r})"
+        for node in ast.walk(top):
+            if isinstance(node, ast.FunctionDef):
+                place = 1 if ast.get_docstring(node) is not None else 0
+                node.body.insert(place, ast.parse(call).body[0])
+            elif isinstance(node, ast.Lambda):
+                both = ast.Tuple([ast.parse(call, mode="eval").body, node.body], ast.Load())
+                node.body = ast.Subscript(both, ast.Constant(1), ast.Load())
+    return ast.fix_missing_locations(tree)
+
+
+def codes_in(code: CodeType) -> list[CodeType]:
+    """Return a code object and all that it holds."""
+    inner = [each for each in code.co_consts if isinstance(each, CodeType)]
+    return [code, *(deeper for each in inner for deeper in codes_in(each))]

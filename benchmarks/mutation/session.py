@@ -1,0 +1,350 @@
+"""One session of pytest that collects all tests once, and forks a child for each run of some.
+
+A child begins with everything imported and all tests collected. A change is put in place there:
+the functions that live get the changed code, the files stay as they are, and tests run until one
+fails. What was entered while modules were imported has left its results in them. Where no test
+failed, such changes, and those of defaults, classes and constants, are made again with the project
+imported anew, and so are, at once, those of what numba compiles; its store of compiled code is
+never written to.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import gc
+import json
+import os
+import resource
+import selectors
+import signal
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import pytest
+
+from benchmarks.mutation import entered
+from benchmarks.mutation.mutants import Mutant
+
+LIBRARIES = ("hypothesis.strategies", "numba", "scipy.integrate", "scipy.optimize", "sympy")
+OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--import-mode=importlib",
+           "-p", "no:cacheprovider", "-p", "no:faulthandler",
+           "-o", "tmp_path_retention_policy=none")  # fmt: skip
+COLLECTING = 15.0
+"""Processor seconds allowed for importing the project anew."""
+
+Answer = dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What a child does: it writes answers; processor seconds allowed; what takes the answers."""
+
+    run: Callable[[Callable[[Answer], None]], None]
+    seconds: float
+    take: Callable[[list[Answer]], None]
+
+
+class Session:
+    """The collected tests, the functions that live, and what importing them has entered.
+
+    Parameters
+    ----------
+    root : Path
+        The project.
+    names : set of str
+        Of functions entered, as :func:`benchmarks.mutation.entered.install` returned it.
+    """
+
+    def __init__(self, root: Path, names: set[str]) -> None:
+        self.root, self.names = root, names
+        self.items: dict[str, pytest.Item] = {}
+        self.on_import: frozenset[str] = frozenset()
+        self._living: dict[str, list[FunctionType]] = defaultdict(list)
+        self._work: Callable[[], None] = lambda: None
+
+    def collect(
+        self, files: Sequence[str], modules: Sequence[str], work: Callable[[], None]
+    ) -> int:
+        """Import modules, collect the tests of files, do the work; return pytest's exit code."""
+        self._work = work
+        for name in (*LIBRARIES, *map(dotted, modules)):
+            import_module(name)
+        with tempfile.TemporaryDirectory(prefix="fronts-mutation-") as temporary:
+            options = [*OPTIONS, f"--basetemp={temporary}/pytest"]
+            os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = temporary
+            return int(pytest.main([*options, *files], plugins=[self]))
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """In the place of running all tests."""
+        self.items = {item.nodeid: item for item in session.items}
+        self.on_import = frozenset(self.names)
+        for each in gc.get_objects():
+            if isinstance(each, FunctionType):
+                path = os.path.relpath(each.__code__.co_filename, self.root)
+                self._living[f"{path}:{each.__code__.co_firstlineno}"].append(each)
+        gc.freeze()
+        self._work()
+        return True
+
+    def record(self, file: str, limit: float, write: Callable[[Answer], None]) -> None:
+        """Run the tests of a file; write of each that passes its time and what it entered.
+
+        A test that takes more than `limit` processor seconds counts as one that does not pass.
+        """
+        recorder = _Recorder(self.names)
+        for item in self._on(file):
+            failed = self._first_failing([item.nodeid], recorder, limit)
+            if failed is None:
+                write({"test": item.nodeid, **recorder.answer(item)})
+
+    def _on(self, file: str) -> list[pytest.Item]:
+        return [item for item in self.items.values() if item.nodeid.split("::")[0] == file]
+
+    def judge(self, mutant: Mutant, tests: Sequence[str], write: Callable[[Answer], None]) -> None:
+        """Run tests against a change until one fails; write which."""
+        from numba.core import caching
+
+        caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
+        place = f"{mutant.module}:{mutant.first_line}"
+        if place not in entered.compiled and self._put(mutant):
+            failed = self._first_failing(tests)
+            if failed or not self.made_on_import(mutant):
+                return write({"by": failed})
+        write({"by": self._anew(mutant, tests, place in entered.compiled)})
+
+    def made_on_import(self, mutant: Mutant) -> bool:
+        """Return whether importing the project leaves results of what is changed."""
+        place = f"{mutant.module}:{mutant.first_line}"
+        return not mutant.first_line or mutant.of_default or place in self.on_import
+
+    def _first_failing(
+        self, tests: Sequence[str], plugin: object = None, limit: float = 0.0
+    ) -> str | None:
+        failures = _Failures()
+        manager = self.items[tests[0]].config.pluginmanager
+        plugins = [failures, *([plugin] if plugin else [])]
+        for each in plugins:
+            manager.register(each)
+        for name in tests:
+            signal.setitimer(signal.ITIMER_PROF, limit)
+            item = self.items[name]
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+            if failures.first:
+                break
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        for each in plugins:
+            manager.unregister(each)
+        return failures.first
+
+    def _put(self, mutant: Mutant) -> bool:
+        """Give the living functions the changed code; return whether that could be done."""
+        if mutant.of_default:
+            return False
+        with mutant.made() as tree:
+            if not mutant.first_line:
+                return _put_constant(mutant, tree)
+            code = compile(tree, str(self.root / mutant.module), "exec", dont_inherit=True)
+        new = [c for c in entered.codes_in(code) if c.co_firstlineno == mutant.first_line]
+        living = self._living[f"{mutant.module}:{mutant.first_line}"]
+        pairs = [(old, c) for old in living for c in new if _fits(old.__code__, c)]
+        for old, changed in pairs:
+            old.__code__ = changed
+        return bool(pairs)
+
+    def _anew(self, mutant: Mutant, tests: Sequence[str], compiled: bool) -> str | None:
+        """Import the project anew with a change and run tests, in a session within this one."""
+        with mutant.made() as tree:
+            code = compile(tree, str(self.root / mutant.module), "exec", dont_inherit=True)
+        entered.replaced[mutant.module] = code
+        for name in list(sys.modules):
+            if name.split(".")[0] in (*entered.PACKAGES, "tests"):
+                del sys.modules[name]
+        files = {name.split("::")[0] for name in tests}
+        failures = _Failures(tests)
+        with tempfile.TemporaryDirectory(prefix="fronts-mutation-") as base:
+            if compiled:  # what calls the changed function would come from the store as it was
+                from numba.core import config
+
+                vars(config)["CACHE_DIR"] = base
+            options = [*OPTIONS, "-x", f"--basetemp={base}/pytest"]
+            code_ = pytest.main([*options, *sorted(files)], plugins=[failures])
+        return failures.first or (None if code_ in (0, 5) else f"exit code {int(code_)}")
+
+
+class _Failures:
+    """The first test that fails; of the named tests only, in their order."""
+
+    def __init__(self, tests: Sequence[str] = ()) -> None:
+        self.first: str | None = None
+        self._order = {name: i for i, name in enumerate(tests)}
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        items[:] = [item for item in items if item.nodeid in self._order]
+        items.sort(key=lambda item: self._order[item.nodeid])
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed and self.first is None:
+            self.first = report.nodeid
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        if report.failed and self.first is None:
+            self.first = f"{report.nodeid} (import)"
+
+
+class _Recorder:
+    """What a test enters and how long it takes, with the fixtures that it shares with others."""
+
+    def __init__(self, names: set[str]) -> None:
+        self._names = names
+        self._shared: dict[str, tuple[float, set[str]]] = {}
+        self._begin = self._elsewhere = 0.0
+        signal.signal(signal.SIGPROF, _too_long)
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_protocol(self) -> None:
+        for name, module in list(sys.modules.items()):
+            if name.split(".")[0] in entered.PACKAGES:
+                for value in list(vars(module).values()):
+                    # What one test leaves in a cache another would not enter.
+                    if hasattr(value, "cache_clear"):
+                        value.cache_clear()
+        self._names.clear()
+        self._begin, self._elsewhere = time.perf_counter(), 0.0
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
+        before, begin = set(self._names), time.perf_counter()
+        self._names.clear()
+        try:
+            return (yield)
+        finally:
+            if fixturedef.scope != "function":
+                took = time.perf_counter() - begin
+                self._elsewhere += took
+                self._shared[fixturedef.argname] = took, set(self._names)
+            self._names |= before
+
+    def answer(self, item: pytest.Item) -> Answer:
+        """Return the seconds of the last test and what it entered."""
+        seconds = max(0.0, time.perf_counter() - self._begin - self._elsewhere)
+        entered_ = set(self._names)
+        for fixture in getattr(item, "fixturenames", ()):
+            took, more = self._shared.get(fixture, (0.0, set()))
+            seconds += took
+            entered_ |= more
+        return {"seconds": seconds, "entered": sorted(entered_)}
+
+
+def _too_long(*_: object) -> None:
+    raise TimeoutError("this test is too long to be asked")
+
+
+def _fits(old: CodeType, new: CodeType) -> bool:
+    return old.co_qualname == new.co_qualname and old.co_freevars == new.co_freevars
+
+
+def _put_constant(mutant: Mutant, tree: ast.Module) -> bool:
+    """Give a number that a module names its changed value, also where it was imported."""
+    module = sys.modules[dotted(mutant.module)]
+    around = [each for each in tree.body if each.lineno <= mutant.line <= (each.end_lineno or 0)]
+    if len(around) != 1 or not isinstance(around[0], ast.Assign | ast.AnnAssign):
+        return False
+    space = dict(vars(module))
+    code = compile(ast.Module([around[0]], []), mutant.module, "exec", dont_inherit=True)
+    exec(code, space)
+    changed = {
+        name: value
+        for name, value in space.items()
+        if name in vars(module) and value is not vars(module)[name] and not name.startswith("__")
+    }
+    if not changed or not all(isinstance(v, int | float | complex) for v in changed.values()):
+        return False
+    for name, value in changed.items():
+        old = vars(module)[name]
+        for other in list(sys.modules.values()):
+            if isinstance(other, ModuleType) and vars(other).get(name) is old:
+                setattr(other, name, value)
+    return True
+
+
+def dotted(path: str) -> str:
+    """Return the name by which a module is imported.
+
+    Examples
+    --------
+    >>> dotted("theory/cells/vdp.py"), dotted("theory/__init__.py")
+    ('theory.cells.vdp', 'theory')
+    """
+    return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def in_children(tasks: Iterator[Task], count: int) -> None:
+    """Do tasks in forked children, so many at a time; what they start ends with them.
+
+    A child that is ended by a signal, or by its time, answers with that as what noticed.
+    """
+    waiting = selectors.DefaultSelector()
+    left = True
+    try:
+        while left or waiting.get_map():
+            while left and len(waiting.get_map()) < count:
+                task = next(tasks, None)
+                left = task is not None
+                if task is not None:
+                    child, pipe = _begin(task)
+                    until = time.monotonic() + 4.0 * task.seconds + 20.0
+                    state = (task, child, until, bytearray())
+                    waiting.register(pipe, selectors.EVENT_READ, state)
+            ready = {key.fd for key, _ in waiting.select(0.5)}
+            for key in list(waiting.get_map().values()):
+                task, child, until, received = key.data
+                part = os.read(key.fd, 1 << 16) if key.fd in ready else None
+                received += part or b""
+                if part == b"" or time.monotonic() > until:
+                    waiting.unregister(key.fd)
+                    os.close(key.fd)
+                    task.take(_ended(child, bytes(received)))
+    finally:
+        for key in waiting.get_map().values():
+            _ended(key.data[1], b"")
+
+
+def _begin(task: Task) -> tuple[int, int]:
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child:
+        os.close(writing)
+        return child, reading
+    os.setsid()
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(nowhere, stream)
+    limit = int(time.process_time() + task.seconds) + 1
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+
+    def write(answer: Answer) -> None:
+        os.write(writing, json.dumps(answer).encode() + b"\n")
+
+    try:
+        task.run(write)
+    except BaseException as error:
+        write({"by": type(error).__name__})
+    os._exit(0)
+
+
+def _ended(child: int, received: bytes) -> list[Answer]:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(child, signal.SIGKILL)  # the child's own session
+    _, status = os.waitpid(child, 0)
+    whole, _, _ = received.rpartition(b"\n")
+    answers = [json.loads(line) for line in whole.splitlines()]
+    return answers or ([{"by": "time limit or crash"}] if os.WIFSIGNALED(status) else [])

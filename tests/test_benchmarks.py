@@ -12,7 +12,17 @@ from csv import DictReader
 import numpy
 import pytest
 
-from benchmarks import choice, first_call, friction, front, growth, multipliers, roots, tables
+from benchmarks import (
+    choice,
+    first_call,
+    floor,
+    friction,
+    front,
+    growth,
+    multipliers,
+    roots,
+    tables,
+)
 from benchmarks import sum as sum_benchmark
 from benchmarks.diagram import draw, worth_choosing
 from benchmarks.growth_diagram import draw_growth
@@ -30,6 +40,8 @@ from benchmarks.work_precision import (
 )
 from fronts.cli import main
 from fronts.commands import bench
+from theory.chains.vdp import vdp_acceleration
+from theory.piecewise.sums import rules
 from verification.execution.metadata import staleness
 from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.problems import timed
@@ -571,3 +583,24 @@ def test_the_readme_shows_the_numbers_of_the_records(
     assert ("not met" in shown) == (target["verdict"] == "not met")
     table = (RESULTS.parents[1] / "README.md").read_text(encoding="utf-8").replace("\n", " ")
     assert shown in table
+
+
+def test_operations_are_counted_as_by_hand():
+    """Of (8): ẏ costs nothing, ÿ has six products and seven sums; c and ε are multiplied before."""
+    done = floor.Operations()
+    y, w = floor.Counting(0.5, done), floor.Counting(0.25, done)
+    parameters = (4.0, 0.5, 0.6, 0.01)
+    _, slope = vdp_acceleration((y, w), (y, w), (y, w), parameters)
+    assert (done.simple, done.divisions) == (13.0, 0.0)
+    assert slope.value == vdp_acceleration(*[(0.5, 0.25)] * 3, parameters)[1]
+    z = floor.Counting(1.0 + 2.0j, floor.Operations())
+    assert ((z * z + 1.0) * 2.0).done.simple == 6.0 + 1.0 + 2.0
+    assert (1.0 / floor.Counting(2.0, z.done)).done.divisions == 1.0
+
+
+def test_a_sum_costs_in_proportion_to_its_points_and_counting_does_not_change_it():
+    v, c = numpy.array([1.0]), numpy.array([0.5])
+    counts, _ = rules.plan(numpy.repeat(v, 2), numpy.array([0.5, 0.9]), 1e-12)
+    one, two = floor.of_sums(v, c, 1e-12), floor.of_sums(v, numpy.array([0.9]), 1e-12)
+    assert one.simple / two.simple == pytest.approx(counts[0] / counts[1])
+    assert one.divisions == 2 * 1 * (counts[0] // 4)

@@ -171,13 +171,14 @@ def _measure(
 def _growth(
     quick: bool, folder: Path | None, report: Callable[[str], None]
 ) -> tuple[dict[str, Any], str]:
-    from benchmarks import growth
+    from benchmarks import floor, growth
 
-    rows = growth.measure(quick, report)
+    rows, floors = growth.measure(quick, report), floor.measure(quick, report)
     payload = growth.as_payload(rows, "fronts bench growth" + " --quick" * quick)
+    payload["floors"] = floor.as_rows(floors)
     if folder is not None:
         growth.write_growth(payload, rows, folder)
-    return payload, growth.as_text(rows)
+    return payload, f"{growth.as_text(rows)}\n\n{floor.as_text(floors)}"
 
 
 def _report(text: str) -> None:

@@ -1,0 +1,327 @@
+"""Run time beside the floor: operations counted, times what the machine takes for such operations.
+
+What a compiled loop computes is plain Python, so that it can be run with numbers that count what is
+done to them. The rates are those of compiled loops over numbers in the first-level cache: of
+multiply-adds, each of them two operations, and of divisions. A floor says what arithmetic alone
+would cost in such a loop; the rest is loads and stores, the choice of steps, and operations that
+wait for one another.
+
+There is no row for event-driven runs, roots and derivations, where branches and searches cost more
+than arithmetic does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import lru_cache, partial
+from time import process_time
+from typing import Any
+from unittest import mock
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from benchmarks.work_precision import Report
+from theory.chains.vdp import VanDerPolChain, VdpChain
+from theory.piecewise.sums import rules
+from theory.piecewise.sums.integral import MANY, sums
+from verification.execution.compiled import njit
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+
+_STAGES = DOP853.n_stages
+_ROWS = [DOP853.A[i, :i] for i in range(1, _STAGES)] + [DOP853.B]
+_ERRORS = [DOP853.E5[:_STAGES], DOP853.E3[:_STAGES]]
+_LENGTH, _PASSES, _DEPTH = 512, 20_000, 8
+
+
+@dataclass(slots=True)
+class Operations:
+    """Operations on real numbers.
+
+    Attributes
+    ----------
+    simple : float
+        Additions, subtractions and multiplications.
+    divisions : float
+        Divisions.
+    """
+
+    simple: float = 0.0
+    divisions: float = 0.0
+
+    def __mul__(self, times: float) -> Operations:
+        """Return so many times these operations."""
+        return Operations(self.simple * times, self.divisions * times)
+
+    def __add__(self, other: Operations) -> Operations:
+        """Return both together."""
+        return Operations(self.simple + other.simple, self.divisions + other.divisions)
+
+
+class Counting:
+    """A real or complex number that counts the real operations done to it.
+
+    Parameters
+    ----------
+    value : float or complex
+        The number.
+    done : Operations
+        Where it counts; numbers of one count share it.
+
+    Examples
+    --------
+    >>> done = Operations()
+    >>> x, z = Counting(3.0, done), Counting(1j, done)
+    >>> y = 2.0 * x + x * z
+    >>> done.simple  # 2x, xz, and one part of the sum
+    4.0
+    """
+
+    __slots__ = ("done", "value")
+
+    def __init__(self, value: complex, done: Operations) -> None:
+        self.value, self.done = value, done
+
+    def _after(self, value: complex, simple: int, divisions: int = 0) -> Counting:
+        self.done.simple += simple
+        self.done.divisions += divisions
+        return Counting(value, self.done)
+
+    def _with(self, other: Counting | complex) -> tuple[complex, int]:
+        """Return the other number, and how many of the two are complex."""
+        value = other.value if isinstance(other, Counting) else other
+        return value, isinstance(self.value, complex) + isinstance(value, complex)
+
+    def __add__(self, other: Counting | complex) -> Counting:
+        value, parts = self._with(other)
+        return self._after(self.value + value, max(1, parts))
+
+    def __sub__(self, other: Counting | complex) -> Counting:
+        return self + (-other)
+
+    def __mul__(self, other: Counting | complex) -> Counting:
+        value, parts = self._with(other)
+        return self._after(self.value * value, (1, 2, 6)[parts])
+
+    def __truediv__(self, other: Counting | complex) -> Counting:
+        value, parts = self._with(other)
+        assert not parts, "complex numbers are divided by the rules' own quotient"
+        return self._after(self.value / value, 0, 1)
+
+    def __rtruediv__(self, other: float) -> Counting:
+        assert not isinstance(self.value, complex)
+        return self._after(other / self.value, 0, 1)
+
+    def __neg__(self) -> Counting:
+        return Counting(-self.value, self.done)  # folded into the sum that it stands in
+
+    def __abs__(self) -> Counting:
+        return Counting(abs(self.value), self.done)
+
+    def __radd__(self, other: Counting | complex) -> Counting:
+        return self + other
+
+    def __rmul__(self, other: Counting | complex) -> Counting:
+        return self * other
+
+    def __rsub__(self, other: Counting | complex) -> Counting:
+        return -self + other
+
+    def rint(self) -> Counting:
+        """Return the nearest whole number, as numpy.rint asks for it."""
+        return self._after(float(np.rint(self.value.real)), 1)
+
+    def conjugate(self) -> Counting:
+        """Return the conjugate, which costs nothing."""
+        return Counting(self.value.conjugate(), self.done)
+
+    @property
+    def real(self) -> Counting:
+        """Real part."""
+        return Counting(self.value.real, self.done)
+
+    @property
+    def imag(self) -> Counting:
+        """Imaginary part."""
+        return Counting(self.value.imag, self.done)
+
+
+def of_site_step(chain: VanDerPolChain) -> Operations:
+    """Return what one step of DOP853 does to one site: right-hand sides, stages, two errors.
+
+    Examples
+    --------
+    >>> of_site_step(VdpChain(a=4, b=0.5, c=0.6)).divisions
+    0.0
+    """
+    done = Operations()
+    y, w = Counting(0.3, done), Counting(0.2, done)
+    chain.kernel()((y, w), (y, w), (y, w), chain.kernel_parameters())
+    combinations = sum(2 * int(np.count_nonzero(row)) + 1 for row in [*_ROWS, *_ERRORS])
+    return done * _STAGES + Operations(simple=2.0 * combinations)
+
+
+def of_sums(v: np.ndarray, c: np.ndarray, tolerance: float) -> Operations:
+    """Return what the points of the trapezoidal rule do, for a batch of Σ without derivatives.
+
+    Parameters
+    ----------
+    v, c : ndarray, shape (n,)
+        Velocities and couplings at which no root is taken away.
+    tolerance : float
+        Truncation error wanted.
+    """
+    done = Operations()
+
+    def number(real: Any, imag: Any) -> Counting:
+        return Counting(complex(*(x.value for x in (real, imag))), done)
+
+    at = np.array([[Counting(x, done)] for x in rules._prepared(v[:1], c[:1])[:, 0]])
+    totals = np.array([[Counting(0.0, done)] for _ in range(3)])
+    with (
+        mock.patch.object(rules, "complex", number, create=True),
+        mock.patch.object(rules, "quotient", rules.quotient_without_branches),
+    ):
+        rules._add_values(0.3, at, totals)
+    counts, _ = rules.plan(v, c, tolerance)
+    assert counts.all(), "a root is taken away somewhere"
+    return done * float(np.sum(counts // 4))
+
+
+@lru_cache(maxsize=1)
+def rates() -> tuple[float, float]:
+    """Return multiply-adds, counted as two, and divisions of this machine, per second.
+
+    The best of a few trials.
+    """
+
+    @njit(error_model="numpy", fastmath={"contract"})
+    def multiply_add(x: Any, y: Any, passes: int) -> None:
+        for _ in range(passes):
+            for i in range(x.size):
+                z, factor = x[i], y[i]
+                for _ in range(_DEPTH):
+                    z = z * factor + 1e-3
+                x[i] = z
+
+    @njit(error_model="numpy")
+    def divide(x: Any, y: Any, passes: int) -> None:
+        for _ in range(passes):
+            for i in range(x.size):
+                x[i] = 1.5 / (x[i] + y[i])
+
+    x, y = np.full(_LENGTH, 0.5), np.full(_LENGTH, 0.9)
+    found = []
+    for loop, each in ((multiply_add, 2.0 * _DEPTH), (divide, 1.0)):
+        best = _least_seconds(partial(loop, x, y, _PASSES), 5)
+        found.append(each * _LENGTH * _PASSES / best)
+    return found[0], found[1]
+
+
+def _least_seconds(work: Callable[[], object], repeats: int) -> float:
+    work()  # compiled before it is timed
+    best = math.inf
+    for _ in range(repeats):
+        begin = process_time()
+        work()
+        best = min(best, process_time() - begin)
+    return best
+
+
+@dataclass(frozen=True, kw_only=True)
+class Floor:
+    """Run time beside its floor.
+
+    Attributes
+    ----------
+    name : str
+        What is computed.
+    operations, divisions : float
+        Counted, divisions apart.
+    seconds : float
+        Least processor time of a few calls.
+    floor : float
+        Seconds that the operations take at the machine's rates.
+    """
+
+    name: str
+    operations: float
+    divisions: float
+    seconds: float
+    floor: float
+
+    @property
+    def ratio(self) -> float:
+        """Run time over floor."""
+        return self.seconds / self.floor
+
+
+def measure(quick: bool, report: Report) -> list[Floor]:
+    """Measure runs of (8) and (43), and Σ in a batch."""
+    repeats = 2 if quick else 5
+    found = []
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=31)
+    long = chain.replace(sites=1000)
+    for name, model, end in (
+        ("(8), 31 sites", chain, 1000.0),
+        ("(43), 31 sites", chain.averaged(), 20_000.0),
+        ("(8), 1000 sites", long, 100.0),
+        ("(43), 1000 sites", long.averaged(), 1000.0),
+    ):
+        report(f"floor: {name}")
+        found.append(_run(name, model, end, repeats))
+    report("floor: sums")
+    v, c = np.random.default_rng(1).uniform(0.3, 3.0, (2, 30_000))
+    plain = rules.plan(v, c, 1e-12)[0] > 0
+    v, c = v[plain][:MANY], c[plain][:MANY]
+    seconds = _least_seconds(lambda: sums(v, c, 1e-12), repeats)
+    found.append(_row(f"Σ at 1e-12, a batch of {v.size}", of_sums(v, c, 1e-12), seconds))
+    return found
+
+
+def _run(name: str, chain: VanDerPolChain, end: float, repeats: int) -> Floor:
+    """Measure a run in which all sites move from the start."""
+    start = excite(chain, range(1, chain.sites + 1)) * np.linspace(0.5, 1.0, chain.sites)
+
+    def run() -> Any:
+        return simulate(chain, start, end, samples=2, estimate_error=False)
+
+    seconds = _least_seconds(run, repeats)
+    return _row(name, of_site_step(chain) * run().counts["site_steps"], seconds)
+
+
+def _row(name: str, done: Operations, seconds: float) -> Floor:
+    simple, divisions = rates()
+    return Floor(
+        name=name,
+        operations=done.simple,
+        divisions=done.divisions,
+        seconds=seconds,
+        floor=done.simple / simple + done.divisions / divisions,
+    )
+
+
+def as_rows(floors: list[Floor]) -> list[dict[str, object]]:
+    """Return the rows for JSON, with their ratio."""
+    return [asdict(each) | {"ratio": each.ratio} for each in floors]
+
+
+def as_text(floors: list[Floor]) -> str:
+    """Return the table as text."""
+    simple, divisions = rates()
+    lines = [
+        f"{'run time and floor':34} {'operations':>11} {'divisions':>10} {'seconds':>9} "
+        f"{'floor':>9} {'ratio':>6}"
+    ]
+    lines += [
+        f"{each.name:34} {each.operations:11.3g} {each.divisions:10.3g} {each.seconds:9.3g} "
+        f"{each.floor:9.3g} {each.ratio:6.1f}"
+        for each in floors
+    ]
+    lines.append(
+        f"    at {simple:.3g} multiplications and additions, {divisions:.3g} divisions a s"
+    )
+    return "\n".join(lines)

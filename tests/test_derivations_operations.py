@@ -76,7 +76,7 @@ from derivations.algebra.solution import (
     SolveOscillator,
     StationaryAmplitudes,
 )
-from derivations.algebra.steps import Derived, Evidence, Given, Kind, derived, model
+from derivations.algebra.steps import Derived, Draft, Evidence, Given, Kind
 from derivations.algebra.substitution import (
     HALF,
     ChangeVariables,
@@ -680,8 +680,14 @@ def passes(_):
     return Evidence(True, "")
 
 
+def begun(right: sp.Expr = q) -> Draft:
+    draft = Draft()
+    draft.model("start", equation(p, right), "a model", check=passes)
+    return draft
+
+
 def test_a_derived_step_cannot_be_given_its_result():
-    start = model("start", equation(p, q), "a model", check=passes)
+    start = begun()["start"]
     with pytest.raises(TypeError, match="equation"):
         Derived(name="x", check=passes, operations=(Rewrite(Form.EXCHANGED),), given_by=(start,),
                 equation=equation(q, p))  # fmt: skip
@@ -696,7 +702,32 @@ def test_a_derived_step_cannot_be_given_its_result():
 
 def test_a_result_follows_when_its_source_changes():
     for right in (q, q**2):
-        start = model("start", equation(p, right), "a model", check=passes)
-        found = derived("end", (Rewrite(Form.EXCHANGED), Divide(q)), start, check=passes)
+        draft = begun(right)
+        draft.derived("end", (Rewrite(Form.EXCHANGED), Divide(q)), "start", check=passes)
+        found = draft["end"]
         assert same(found.result, equation(right / q, p / q))
         assert found.operation == "exchange the sides of 'start'; divide the result by q"
+
+
+def test_a_source_is_a_step_that_was_written_down_before():
+    draft = begun()
+    with pytest.raises(ValueError, match="no step is called 'later' so far"):
+        draft.derived("end", Rewrite(Form.EXCHANGED), "later", check=passes)
+    assert "end" not in draft
+
+
+def test_a_source_is_a_step_of_the_same_derivation_before_one_of_an_earlier():
+    earlier = begun(q**2).finished("earlier", "")
+    later = Draft(earlier)
+    assert later["start"] is earlier.named("start")
+    assert "start" not in later
+    later.model("start", equation(p, q), "another model", check=passes)
+    assert later["start"].result == equation(p, q)
+    assert later.finished("later", "").steps == (later["start"],)
+
+
+def test_a_derivation_has_no_two_steps_of_one_name():
+    draft = begun()
+    draft.ansatz("start", equation(p, q), "once more", check=passes)
+    with pytest.raises(ValueError, match="two steps called 'start'"):
+        draft.finished("x", "")

@@ -13,16 +13,16 @@
 ``dispersion``      group velocity, its maximum, the envelope of a wave
 ``transform``       Fourier transform, contours, integrals over a period; ``sums`` over roots
 ``roots``           count roots; terms at a root; square roots of complex numbers
-``steps``           `Given` and `Derived` steps, checks, derivations
+``steps``           `Given` and `Derived` steps, checks, derivations and how they are written down
 ``evidence``        checks: values at random points, a predicted order
 ``rendering``       text, LaTeX, MathML, JSON; ``notation`` names what is shown
 ``mathml``          LaTeX as MathML
 
-A derivation is a function of its model and reads like an appendix::
+A derivation is a function of its model and reads like an appendix: each step names its sources::
 
-    chain = model("chain", m.equation(), "The chain", check=..., number=8)
-    centre = derived("centre", (Substitute({n: 0}), mirrored(y, t, 1)), chain,
-                     check=..., number=10)
+    draft = Draft()
+    draft.model("chain", m.equation(), "The chain", check=..., number=8)
+    draft.derived("centre", (Substitute({n: 0}), mirrored(y, t, 1)), "chain", check=..., number=10)
 
 The first operation receives the results of all sources, each further one the result before it. No
 step but a model, a definition or an ansatz is ever given its equation.

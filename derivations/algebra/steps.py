@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, partialmethod
 
 import numpy as np
 import sympy as sp
@@ -214,42 +214,6 @@ class Derived(Step):
         return "; ".join(said)
 
 
-def derived(
-    name: str,
-    operations: Operation | tuple[Operation, ...],
-    *sources: Step,
-    check: Check,
-    number: int | None = None,
-    note: str = "",
-    assumes: bool = False,
-) -> Derived:
-    """Return a `Derived` step: the shorthand in which derivations are written."""
-    steps = operations if isinstance(operations, tuple) else (operations,)
-    return Derived(name=name, operations=steps, given_by=sources, check=check, number=number,
-                   note=note, assumes=assumes)  # fmt: skip
-
-
-def model(name: str, equation: sp.Basic, words: str, *, check: Check, number: int | None = None,
-          note: str = "") -> Given:  # fmt: skip
-    """Return a given step that is a model."""
-    return Given(name=name, given_as=Kind.MODEL, equation=equation, words=words, check=check,
-                 number=number, note=note)  # fmt: skip
-
-
-def definition(name: str, equation: sp.Basic, words: str, *, check: Check,
-               number: int | None = None, note: str = "") -> Given:  # fmt: skip
-    """Return a given step that is a definition."""
-    return Given(name=name, given_as=Kind.DEFINITION, equation=equation, words=words, check=check,
-                 number=number, note=note)  # fmt: skip
-
-
-def ansatz(name: str, equation: sp.Basic, words: str, *, check: Check, number: int | None = None,
-           note: str = "") -> Given:  # fmt: skip
-    """Return a given step that is an ansatz."""
-    return Given(name=name, given_as=Kind.ANSATZ, equation=equation, words=words, check=check,
-                 number=number, note=note)  # fmt: skip
-
-
 @dataclass(frozen=True)
 class Derivation:
     """A named sequence of steps, each after its sources; sources may lie in earlier derivations.
@@ -336,3 +300,58 @@ class Derivation:
     def only(self, number: int) -> Derivation:
         """Return the same derivation with the single step that carries ``number``."""
         return replace(self, steps=(self.numbered(number),))
+
+
+class Draft:
+    """The steps of a derivation as they are written down, each after its sources.
+
+    Sources are called by their names, as in an appendix; a name stands for a step of this
+    derivation, else of an earlier one.
+
+    Parameters
+    ----------
+    *earlier : Derivation
+        Derivations that this one builds on.
+    """
+
+    def __init__(self, *earlier: Derivation) -> None:
+        self._earlier = [step for derivation in earlier for step in derivation.steps]
+        self._steps: list[Step] = []
+
+    def __getitem__(self, name: str) -> Step:
+        for step in (*self._steps, *self._earlier):
+            if step.name == name:
+                return step
+        raise ValueError(f"no step is called '{name}' so far")
+
+    def __contains__(self, name: str) -> bool:
+        return any(step.name == name for step in self._steps)
+
+    def add(self, *steps: Step) -> None:
+        """Take steps as they are."""
+        self._steps += steps
+
+    def given(
+        self, kind: Kind, name: str, equation: sp.Basic, words: str, *, check: Check,
+        number: int | None = None, note: str = "",
+    ) -> None:  # fmt: skip
+        """Give a step: its equation, and in words what is assumed or defined."""
+        self.add(Given(name=name, given_as=kind, equation=equation, words=words, check=check,
+                       number=number, note=note))  # fmt: skip
+
+    model = partialmethod(given, Kind.MODEL)
+    definition = partialmethod(given, Kind.DEFINITION)
+    ansatz = partialmethod(given, Kind.ANSATZ)
+
+    def derived(
+        self, name: str, operations: Operation | tuple[Operation, ...], *sources: str,
+        check: Check, number: int | None = None, note: str = "", assumes: bool = False,
+    ) -> None:  # fmt: skip
+        """Derive a step from the steps of these names."""
+        done = operations if isinstance(operations, tuple) else (operations,)
+        self.add(Derived(name=name, operations=done, given_by=tuple(self[q] for q in sources),
+                         check=check, number=number, note=note, assumes=assumes))  # fmt: skip
+
+    def finished(self, key: str, title: str) -> Derivation:
+        """Return the derivation."""
+        return Derivation(key, title, tuple(self._steps))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import sympy as sp
 
 from derivations.algebra.amplitudes import (
@@ -17,7 +15,7 @@ from derivations.algebra.amplitudes import (
 from derivations.algebra.equations import equation
 from derivations.algebra.rearrangement import Divide, Take
 from derivations.algebra.solution import SolveFor
-from derivations.algebra.steps import Derivation, Step, ansatz, derived, model
+from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import EliminatePowers, Substitute
 from derivations.averaging.second_order_checks import SecondOrderChecks
 from derivations.averaging.symbols import (
@@ -31,9 +29,11 @@ from derivations.averaging.symbols import (
     y_next,
 )
 from derivations.chain import PAPER, ChainModel
-from derivations.multiple_scales.steps import chain as chain_step
 from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import epsilon, i, n, omega, t
+
+# Filled by hand: name, operation, sources, then check, number and note.
+# fmt: off
 
 
 def derive(model: ChainModel = PAPER) -> Derivation:
@@ -44,9 +44,11 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     model : ChainModel
         The chain; that of Eq. (8) if left out.
     """
-    start = chain_step(model)
-    return Derivation("second-order", "Second order for the cell and the chain",
-                      (start, *steps(model, start)))  # fmt: skip
+    scales = derive_scales(model)
+    draft = Draft(scales)
+    draft.add(scales.named("chain"))
+    steps(draft, model)
+    return draft.finished("second-order", "Second order for the cell and the chain")
 
 
 def extended(derivation: Derivation, model: ChainModel = PAPER) -> Derivation:
@@ -59,79 +61,75 @@ def extended(derivation: Derivation, model: ChainModel = PAPER) -> Derivation:
     model : ChainModel
         Its chain.
     """
-    start = derive_scales(model).numbered(8)
-    return replace(derivation, steps=(*derivation.steps, *steps(model, start)))
+    draft = Draft(derive_scales(model))
+    draft.add(*derivation.steps)
+    steps(draft, model)
+    return draft.finished(derivation.key, derivation.title)
 
 
-def steps(given: ChainModel, chain: Step) -> tuple[Step, ...]:
+def steps(draft: Draft, given: ChainModel, chain: str = "chain") -> None:
     """Second order by both routes, and what it predicts.
 
     Parameters
     ----------
+    draft : Draft
+        Where it is written down.
     given : ChainModel
         The chain.
-    chain : Step
-        The step of Eq. (8).
+    chain : str
+        Name of the step of Eq. (8).
     """
     alone = given.cell()
-    cell = model("cell", alone.equation(), "the isolated cell of (8), without springs",
-                 check=SecondOrderChecks(alone).motion)  # fmt: skip
-    routes = _routes("cell", cell, SecondOrderChecks(alone))
-    return (cell, *routes, *_cycle(cell, routes[0], SecondOrderChecks(alone)),
-            *_chain(chain, given))  # fmt: skip
+    checks = SecondOrderChecks(alone)
+    draft.model("cell", alone.equation(), "the isolated cell of (8), without springs",
+                check=checks.motion)
+    _routes(draft, "cell", "cell", checks)
+    _cycle(draft, checks)
+    _chain(draft, given, chain)
 
 
-def _routes(name: str, start: Step, checks: SecondOrderChecks) -> tuple[Step, ...]:
-    scales = derived(f"modulation by multiple scales, {name}",
-                     FindModulation(Route.MULTIPLE_SCALES, epsilon, amplitude), start,
-                     check=checks.scales)  # fmt: skip
-    averaged = derived(
-        f"modulation by averaging, {name}",
-        FindModulation(Route.AVERAGING, epsilon, phi),
-        start,
-        check=checks.averaging,
-    )
-    visible = derived(f"fundamental of the average, {name}",
-                      FundamentalOfAverage(epsilon, phi, fundamental), start,
-                      check=checks.fundamental)  # fmt: skip
-    carried = derived(
-        f"averaging in the amplitude of multiple scales, {name}",
-        ChangeAmplitude(epsilon, phi, amplitude), averaged, visible, check=checks.scales,
-        note="It is the same polynomial as by multiple scales",
-    )  # fmt: skip
-    return scales, averaged, visible, carried
+def _routes(draft: Draft, name: str, start: str, checks: SecondOrderChecks) -> None:
+    draft.derived(f"modulation by multiple scales, {name}",
+                  FindModulation(Route.MULTIPLE_SCALES, epsilon, amplitude), start,
+                  check=checks.scales)
+    draft.derived(f"modulation by averaging, {name}", FindModulation(Route.AVERAGING, epsilon, phi),
+                  start, check=checks.averaging)
+    draft.derived(f"fundamental of the average, {name}",
+                  FundamentalOfAverage(epsilon, phi, fundamental), start,
+                  check=checks.fundamental)
+    draft.derived(f"averaging in the amplitude of multiple scales, {name}",
+                  ChangeAmplitude(epsilon, phi, amplitude), f"modulation by averaging, {name}",
+                  f"fundamental of the average, {name}", check=checks.scales,
+                  note="It is the same polynomial as by multiple scales")
 
 
-def _cycle(cell: Step, scales: Step, checks: SecondOrderChecks) -> tuple[Step, ...]:
-    harmonics = derived("next harmonics of the cell",
-                        NextHarmonics(epsilon, amplitude, y_next, turn), cell,
-                        check=checks.next_harmonics, note="E is e^(it)")  # fmt: skip
+def _cycle(draft: Draft, checks: SecondOrderChecks) -> None:
+    scales = "modulation by multiple scales, cell"
+    draft.derived("next harmonics of the cell", NextHarmonics(epsilon, amplitude, y_next, turn),
+                  "cell", check=checks.next_harmonics, note="E is e^(it)")
     seek = SeekCycles(epsilon, amplitude, square, omega, size)
-    own = derived("cycles of the cell", (seek, Take(0)), scales,
-                  check=checks.cycles, note="s is the square of the amplitude of y")  # fmt: skip
-    frequency = derived("frequency of the cell",
-                        (seek, Take(1)), scales,
-                        check=checks.cell_frequency)  # fmt: skip
-    reduced = derived("frequency of its cycles", EliminatePowers(square), frequency, own,
-                      check=checks.cell_frequency)  # fmt: skip
-    root = derived("fundamental of the cycles",
-                   (seek, Take(2)), scales,
-                   check=checks.cell_amplitude)  # fmt: skip
-    return harmonics, own, frequency, reduced, root
+    draft.derived("cycles of the cell", (seek, Take(0)), scales, check=checks.cycles,
+                  note="s is the square of the amplitude of y")
+    draft.derived("frequency of the cell", (seek, Take(1)), scales,
+                  check=checks.cell_frequency)
+    draft.derived("frequency of its cycles", EliminatePowers(square), "frequency of the cell",
+                  "cycles of the cell", check=checks.cell_frequency)
+    draft.derived("fundamental of the cycles", (seek, Take(2)), scales,
+                  check=checks.cell_amplitude)
 
 
-def _chain(chain: Step, given: ChainModel) -> tuple[Step, ...]:
+def _chain(draft: Draft, given: ChainModel, chain: str) -> None:
     checks = SecondOrderChecks(given)
-    routes = _routes("chain", chain, checks)
+    _routes(draft, "chain", chain, checks)
     spin = sp.exp(-i * sp.pi * n / 2) * sp.exp(i * epsilon * given.total_coupling * t)
-    shape = ansatz("quarter turns to second order", equation(amplitude(n, t), -i / 2 * rho(n, t)
-                   * spin), "phase steps of -π/2; ρ holds what turns beyond them",
-                   check=checks.turned)  # fmt: skip
+    draft.ansatz("quarter turns to second order",
+                 equation(amplitude(n, t), -i / 2 * rho(n, t) * spin),
+                 "phase steps of -π/2; ρ holds what turns beyond them",
+                 check=checks.turned)
     sites = tuple(n + at for at in range(-2 * given.reach, 2 * given.reach + 1))
-    turned = derived(
-        "chain in quarter turns to second order",
-        (Substitute(index=n, at=sites), Divide(-i / 2 * spin), SolveFor(rho(n, t).diff(t))),
-        routes[0], shape, check=checks.staggered,
-        note="What is not real turns the phases and shifts the frequency",
-    )  # fmt: skip
-    return (*routes, shape, turned)
+    draft.derived("chain in quarter turns to second order",
+                  (Substitute(index=n, at=sites), Divide(-i / 2 * spin),
+                   SolveFor(rho(n, t).diff(t))),
+                  "modulation by multiple scales, chain", "quarter turns to second order",
+                  check=checks.staggered,
+                  note="What is not real turns the phases and shifts the frequency")

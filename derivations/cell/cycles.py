@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -33,6 +34,7 @@ class LimitCycle:
     multiplicity: int = 1
 
 
+@lru_cache(maxsize=32)
 def limit_cycles(damping_mean: sp.Expr) -> tuple[LimitCycle, ...]:
     """Return all limit cycles, inner to outer, with their stability.
 

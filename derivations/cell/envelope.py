@@ -10,11 +10,12 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.algebra.errors import DerivationInputError
+from derivations.algebra.steps import Derivation
 from derivations.averaging.symbols import phi, square
 from derivations.cell.cycles import LimitCycle, limit_cycles, ratio_of_cycles, shown
 from derivations.cell.polynomial_input import Coefficients, coefficients, number, values_of
 from derivations.cell.results import Compiled, KineticRelation
-from derivations.cell.steps import AveragedCell, averaged_cell, derive
+from derivations.cell.steps import damping_mean, derive, shift_mean
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon, n, t
 
@@ -38,8 +39,9 @@ class Envelope:
     model: ChainModel
 
     @cached_property
-    def _averaged(self) -> AveragedCell:
-        return averaged_cell(self.model)
+    def derivation(self) -> Derivation:
+        """Its steps, to first order, with the front that follows; each computed when asked for."""
+        return derive(self.model)
 
     @property
     def symbols(self) -> tuple[sp.Symbol, ...]:
@@ -49,18 +51,19 @@ class Envelope:
     @cached_property
     def damping_mean(self) -> sp.Expr:
         """H(s): the amplitude obeys ``r' = -(r/2) H(r^2)``, a unit of ``eps t``."""
-        return self._averaged.damping_mean
+        return damping_mean(self.derivation.named("amplitude of the cell").result)
 
     @cached_property
     def shift_mean(self) -> sp.Expr:
         """Omega(s): the frequency of the isolated cell is ``1 + eps Omega(r^2)``."""
-        return self._averaged.shift_mean
+        return shift_mean(self.derivation.named("frequency shift of the cell").result)
 
     @cached_property
     def equation(self) -> sp.Eq:
         """The averaged equation of the chain for ``y = Im(phi e^{it})``; prime is d/d(eps t)."""
         fields = {phi(n + at, t): symbol for at, symbol in PHI.items()}
-        right = self._averaged.chain.result.rhs.xreplace(fields)
+        averaged = self.derivation.named("averaged cell in its chain").result
+        right = averaged.rhs.xreplace(fields)
         return equation(phi_rate, sp.expand(right / epsilon))
 
     @property
@@ -102,7 +105,7 @@ class Envelope:
         neglected = ""
         if self.shift_mean.has(square):
             neglected = "the dependence of the frequency on amplitude is left out"
-        relation = derive(self.model).named("kinetic relation of the cell").result
+        relation = self.derivation.named("kinetic relation of the cell").result
         return KineticRelation(ratio, rest, relation, neglected)
 
     def compiled(self, **given: float) -> Compiled:

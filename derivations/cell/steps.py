@@ -14,7 +14,7 @@ from derivations.algebra.operations import Operation
 from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.rearrangement import Divide, Take
 from derivations.algebra.solution import SolveFor
-from derivations.algebra.steps import Check, Derivation, Step, definition, derived, model
+from derivations.algebra.steps import Check, Derivation, Draft
 from derivations.algebra.substitution import Substitute
 from derivations.averaging.second_order import steps as second_order
 from derivations.averaging.symbols import phi, square
@@ -27,40 +27,18 @@ from derivations.front.symbols import ratio as front_ratio
 from derivations.front.symbols import v as v_hat
 from derivations.symbols import c, epsilon, i, n, t
 
-
-@dataclass(frozen=True, kw_only=True)
-class AveragedCell:
-    """The steps from the equation of motion to the amplitude of a cell.
-
-    Attributes
-    ----------
-    steps : tuple of Step
-        All of them.
-    chain : Step
-        The averaged chain.
-    amplitude, frequency : Step
-        Of the isolated cell.
-    """
-
-    steps: tuple[Step, ...]
-    chain: Step
-    amplitude: Step
-    frequency: Step
-
-    @property
-    def damping_mean(self) -> sp.Expr:
-        """H(s) of ``r' = -(eps r/2) H(r^2)``."""
-        return damping_mean(self.amplitude.result)
-
-    @property
-    def shift_mean(self) -> sp.Expr:
-        """Omega(s): the frequency is ``1 + eps Omega(r^2)``."""
-        return sp.expand(self.frequency.result.rhs / epsilon).subs(radius, sp.sqrt(square))
+# Filled by hand: name, operation, sources, then check, number and note.
+# fmt: off
 
 
 def damping_mean(amplitude: sp.Basic) -> sp.Expr:
     """Return H(s) of an amplitude equation ``r' = -(eps r/2) H(r^2)``."""
     return sp.expand(-2 * amplitude.rhs / (epsilon * radius)).subs(radius, sp.sqrt(square))
+
+
+def shift_mean(frequency: sp.Basic) -> sp.Expr:
+    """Return Omega(s) of the frequency ``1 + eps Omega(r^2)``, from ``psi' = eps Omega(r^2)``."""
+    return sp.expand(frequency.rhs / epsilon).subs(radius, sp.sqrt(square))
 
 
 @dataclass(frozen=True)
@@ -76,7 +54,7 @@ class FindCycles(Operation):
         (amplitude,) = sources
         cycles = limit_cycles(damping_mean(amplitude))
         return sp.Tuple(*(equation(sp.Symbol(f"r_{place}"), cycle.amplitude)
-                          for place, cycle in enumerate(cycles, start=1)))  # fmt: skip
+                          for place, cycle in enumerate(cycles, start=1)))
 
 
 @dataclass(frozen=True)
@@ -92,7 +70,7 @@ class GrowthRates(Operation):
         return sp.Tuple(*(
             equation(sp.Symbol(f"lambda_{place}"), sp.simplify(slope.subs(square, part.rhs)))
             for place, part in enumerate(parts_of(cycles), start=1)
-        ))  # fmt: skip
+        ))
 
 
 @dataclass(frozen=True)
@@ -108,32 +86,7 @@ class RatioOfCycles(Operation):
         return equation(ratio, ratio_of_cycles(mean, limit_cycles(mean), {}))
 
 
-def averaged_cell(given: ChainModel) -> AveragedCell:
-    """Derive the averaged chain, and amplitude and frequency of its isolated cell."""
-    checks = CellChecks(given)
-    chain = model("cell in its chain", given.equation(), "the oscillator in its chain",
-                  check=checks.motion)  # fmt: skip
-    cell = model("isolated cell", given.cell().equation(), "the same without springs",
-                 check=CellChecks(given.cell()).motion)  # fmt: skip
-    average = FindModulation(Route.AVERAGING, epsilon, phi, order=1)
-    averaged = derived("averaged cell in its chain", average, chain, check=checks.averaged)
-    alone = derived("averaged cell", average, cell, check=CellChecks(given.cell()).averaged)
-    turn = sp.exp(i * angle)
-    polar = definition("amplitude and phase of the cell", equation(phi(n, t), radius * turn),
-                       "amplitude and phase", check=checks.polar)  # fmt: skip
-    parts = derived("cell in real and imaginary parts",
-                    (Substitute(), Divide(turn), RealAndImaginaryParts()), alone, polar,
-                    check=checks.parts)  # fmt: skip
-    amplitude = derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))), parts,
-                        check=checks.amplitude)  # fmt: skip
-    frequency = derived("frequency shift of the cell", (Take(1), SolveFor(angle.diff(t))), parts,
-                        check=checks.frequency,
-                        note="The frequency of the cell is 1 plus this")  # fmt: skip
-    steps = (chain, cell, averaged, alone, polar, parts, amplitude, frequency)
-    return AveragedCell(steps=steps, chain=averaged, amplitude=amplitude, frequency=frequency)
-
-
-def derive(given: ChainModel, order: int = 1) -> Derivation:
+def derive(given: ChainModel, order: int = 1, *, front: bool = True) -> Derivation:
     """Equation, average, amplitude, cycles, stability, and the front that follows from them.
 
     Parameters
@@ -142,55 +95,78 @@ def derive(given: ChainModel, order: int = 1) -> Derivation:
         The cell in its chain.
     order : {1, 2}
         With 2 the second order of the cell and the chain follows.
+    front : bool
+        Whether the kinetic relation of a bistable cell follows.
     """
-    found = averaged_cell(given)
-    steps = (*found.steps, *_cycles(given, found))
+    draft = Draft(derive_front())
+    _average(draft, given)
+    _cycles(draft, given, front=front)
     if order == 2:
-        steps += second_order(given, found.steps[0])
+        second_order(draft, given, "cell in its chain")
     title = f"Averaged equation of the cell with damping {shown(given.damping)}"
-    return Derivation("cell", title, steps)
+    return draft.finished("cell", title)
 
 
-def _cycles(given: ChainModel, found: AveragedCell) -> tuple[Step, ...]:
-    """Derive what hangs on the cycles, as far as they have a closed form and are bistable."""
-    checks, mean = CellChecks(given), found.damping_mean
+def _average(draft: Draft, given: ChainModel) -> None:
+    """Write down the averaged chain, and amplitude and frequency of its isolated cell."""
+    checks = CellChecks(given)
+    draft.model("cell in its chain", given.equation(), "the oscillator in its chain",
+                check=checks.motion)
+    draft.model("isolated cell", given.cell().equation(), "the same without springs",
+                check=CellChecks(given.cell()).motion)
+    average = FindModulation(Route.AVERAGING, epsilon, phi, order=1)
+    draft.derived("averaged cell in its chain", average, "cell in its chain",
+                  check=checks.averaged)
+    draft.derived("averaged cell", average, "isolated cell",
+                  check=CellChecks(given.cell()).averaged)
+    turn = sp.exp(i * angle)
+    draft.definition("amplitude and phase of the cell", equation(phi(n, t), radius * turn),
+                     "amplitude and phase", check=checks.polar)
+    draft.derived("cell in real and imaginary parts",
+                  (Substitute(), Divide(turn), RealAndImaginaryParts()), "averaged cell",
+                  "amplitude and phase of the cell", check=checks.parts)
+    draft.derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))),
+                  "cell in real and imaginary parts", check=checks.amplitude)
+    draft.derived("frequency shift of the cell", (Take(1), SolveFor(angle.diff(t))),
+                  "cell in real and imaginary parts", check=checks.frequency,
+                  note="The frequency of the cell is 1 plus this")
+
+
+def _cycles(draft: Draft, given: ChainModel, *, front: bool) -> None:
+    """Write down what hangs on the cycles, as far as they have a closed form and are bistable."""
+    checks, mean = CellChecks(given), damping_mean(draft["amplitude of the cell"].result)
     try:
         known = limit_cycles(mean)
     except DerivationInputError:
-        return ()
+        return
     if not known:
-        return ()
-    cycles = derived("cycles", FindCycles(), found.amplitude, check=checks.cycles(known),
-                     note="Each exists where its amplitude is real")  # fmt: skip
+        return
+    draft.derived("cycles", FindCycles(), "amplitude of the cell", check=checks.cycles(known),
+                  note="Each exists where its amplitude is real")
     kinds = ", ".join(cycle.stability or "stable where negative" for cycle in known)
-    growth = derived("growth rates", GrowthRates(), found.amplitude, cycles,
-                     check=checks.growth(known), note=f"In order: {kinds}")  # fmt: skip
-    steps: tuple[Step, ...] = (cycles, growth)
+    draft.derived("growth rates", GrowthRates(), "amplitude of the cell", "cycles",
+                  check=checks.growth(known), note=f"In order: {kinds}")
     try:
         ratio_of_cycles(mean, known, given.damping)
     except DerivationInputError:
-        return steps
-    quotient = derived("ratio of the cycles", RatioOfCycles(), found.amplitude,
-                       check=checks.ratio(known))  # fmt: skip
-    note = "M⁺ holds the roots of (50) in the upper half-plane"
-    if found.shift_mean.has(square):
-        note += "; the dependence of the frequency on amplitude is left out"
-    return (*steps, quotient, *_front(given, mean, quotient, checks.relation(known), note))
+        return
+    draft.derived("ratio of the cycles", RatioOfCycles(), "amplitude of the cell",
+                  check=checks.ratio(known))
+    if front:
+        _front(draft, given, mean.subs(square, 0), checks.relation(known))
 
 
-def _front(
-    given: ChainModel, mean: sp.Expr, quotient: Step, check: Check, note: str
-) -> tuple[Step, ...]:
+def _front(draft: Draft, given: ChainModel, rest: sp.Expr, check: Check) -> None:
     """Put the cell into (54): its damping at rest takes the place of one in (44)."""
-    front, rest = derive_front(), mean.subs(square, 0)
-    put = Substitute({front_ratio: ratio})
+    note = "M⁺ holds the roots of (50) in the upper half-plane"
+    if shift_mean(draft["frequency shift of the cell"].result).has(square):
+        note += "; the dependence of the frequency on amplitude is left out"
+    put: tuple[Operation, ...] = (Substitute({front_ratio: ratio}),)
     scaled_by = ((v_hat, v_hat / rest), (c, given.coupling / rest))
     scales = {own: value for own, value in scaled_by if own != value}
-    scaled = derived(
-        "kinetic relation at this damping",
-        (put, Substitute(scales, meaning="in units of the damping at rest")) if scales else put,
-        front.named("relation by the ratio"), front.named("slope of the dispersion"), check=check,
-    )  # fmt: skip
-    relation = derived("kinetic relation of the cell", Substitute(), scaled, quotient, check=check,
-                       note=note)  # fmt: skip
-    return scaled, relation
+    if scales:
+        put += (Substitute(scales, meaning="in units of the damping at rest"),)
+    draft.derived("kinetic relation at this damping", put, "relation by the ratio",
+                  "slope of the dispersion", check=check)
+    draft.derived("kinetic relation of the cell", Substitute(), "kinetic relation at this damping",
+                  "ratio of the cycles", check=check, note=note)

@@ -14,10 +14,10 @@ from derivations.algebra.solution import (
     SolveFor,
     StationaryAmplitudes,
 )
-from derivations.algebra.steps import Step, definition, derived
+from derivations.algebra.steps import Draft
 from derivations.algebra.substitution import Eliminate, Substitute, TakeBranch, alike
 from derivations.chain import ChainModel
-from derivations.front.checks import Checks
+from derivations.front.checks_cell import CellChecks
 from derivations.front.symbols import (
     deviation,
     eta,
@@ -29,6 +29,9 @@ from derivations.front.symbols import (
     radius,
 )
 from derivations.symbols import i, n, t
+
+# Filled by hand: name, operation, sources, then check, number and note.
+# fmt: off
 
 
 def forcing_parameter(chain: ChainModel) -> sp.Expr | None:
@@ -46,78 +49,63 @@ def eliminated(chain: ChainModel) -> tuple[sp.Symbol, ...]:
     return tuple(found[:1])
 
 
-def steps(chain: ChainModel, averaged: Step, checks: Checks) -> dict[str, Step]:
+def steps(draft: Draft, chain: ChainModel) -> None:
     """From (43) to the ratio of the two cycles, for a cell that has them in closed form."""
-    uniform = derived(
-        "averaged cell", alike(phi, n, t, chain.reach), averaged, check=checks.averaged_cell
-    )
-    polar = definition("amplitude and phase", equation(phi(n, t), radius * sp.exp(i * phase)),
-                       "modulus and argument of the envelope", check=checks.polar)  # fmt: skip
-    parts = derived("averaged cell in parts",
-                    (Substitute(), Divide(sp.exp(i * phase)), RealAndImaginaryParts()), uniform,
-                    polar, check=checks.cell_parts)  # fmt: skip
-    rate = derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))), parts,
-                   check=checks.amplitude_rate)  # fmt: skip
-    turning = derived(
-        "phase of the cell",
-        (Take(1), SolveFor(phase.diff(t))),
-        parts,
-        check=checks.phase_rate,
-        note="without nonlinear stiffness it rests: no phase is preferred",
-    )
-    found = [uniform, polar, parts, rate, turning]
+    checks = CellChecks(chain)
+    draft.derived("averaged cell", alike(phi, n, t, chain.reach),
+                  "averaged chain at unit frequency", check=checks.averaged_cell)
+    draft.definition("amplitude and phase", equation(phi(n, t), radius * sp.exp(i * phase)),
+                     "modulus and argument of the envelope", check=checks.polar)
+    draft.derived("averaged cell in parts",
+                  (Substitute(), Divide(sp.exp(i * phase)), RealAndImaginaryParts()),
+                  "averaged cell", "amplitude and phase", check=checks.cell_parts)
+    draft.derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))),
+                  "averaged cell in parts", check=checks.amplitude_rate)
+    draft.derived("phase of the cell", (Take(1), SolveFor(phase.diff(t))), "averaged cell in parts",
+                  check=checks.phase_rate,
+                  note="without nonlinear stiffness it rests: no phase is preferred")
     forcing = forcing_parameter(chain)
-    if forcing is not None:
-        cycles = derived("cycles", StationaryAmplitudes(radius, (sp.Abs(phi_us), sp.Abs(phi_s))),
-                         rate, check=checks.cycles)  # fmt: skip
-        outer = derived("radial decay on the cycle", DecayAtRoot(radius, 1, radial_rate), rate,
-                        cycles, check=checks.radial_decay)  # fmt: skip
-        quotient = derived("ratio of the cycles", RatioOfAmplitudes(2), cycles,
-                           check=checks.ratio)  # fmt: skip
-        parameter = definition("forcing parameter", equation(eta, forcing),
-                               "what is left of the coefficients when amplitudes are scaled",
-                               check=checks.forcing)  # fmt: skip
-        found += [cycles, outer, quotient, parameter]
-        if eliminated(chain):
-            found.append(
-                derived(
-                    "ratio by η",
-                    (
-                        Eliminate(eliminated(chain)),
-                        Rewrite(Form.SIMPLIFIED),
-                        Rewrite(Form.SHORT_ROOTS),
-                    ),
-                    quotient,
-                    parameter,
-                    check=checks.ratio,
-                )
-            )
-    return {step.name: step for step in found}
+    if forcing is None:
+        return
+    draft.derived("cycles", StationaryAmplitudes(radius, (sp.Abs(phi_us), sp.Abs(phi_s))),
+                  "amplitude of the cell", check=checks.cycles)
+    draft.derived("radial decay on the cycle", DecayAtRoot(radius, 1, radial_rate),
+                  "amplitude of the cell", "cycles", check=checks.radial_decay)
+    draft.derived("ratio of the cycles", RatioOfAmplitudes(2), "cycles",
+                  check=checks.ratio)
+    draft.definition("forcing parameter", equation(eta, forcing),
+                     "what is left of the coefficients when amplitudes are scaled",
+                     check=checks.forcing)
+    if eliminated(chain):
+        draft.derived("ratio by η",
+                      (Eliminate(eliminated(chain)), Rewrite(Form.SIMPLIFIED),
+                       Rewrite(Form.SHORT_ROOTS)), "ratio of the cycles", "forcing parameter",
+                      check=checks.ratio)
 
 
-def comparison(chain: ChainModel, averaged: Step, lines: Step, checks: Checks
-               ) -> tuple[Step, ...]:  # fmt: skip
-    """Return what (44) keeps of (43), and what it drops, as steps."""
+def comparison(draft: Draft, chain: ChainModel) -> None:
+    """Write down what (44) keeps of (43), and what it drops."""
+    checks = CellChecks(chain)
     size, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
     below, above = (side(size, threshold, evaluate=False) for side in (sp.Lt, sp.Gt))
-    full = derived("averaged chain near rest", Linearise({phi: phi}, at_rest=True), averaged,
-                   check=checks.near_rest)  # fmt: skip
-    lower = derived("two lines near rest", TakeBranch(below), lines, check=checks.near_rest)
-    kept = derived("kept at rest", Subtract(), full, lower, check=checks.nothing,
-                   note="(44) has the rest state of (43), its decay and its springs")  # fmt: skip
-    shifted = definition("deviation from the cycle", equation(phi(n, t), phi_s * (1 + deviation)),
-                         "a relative deviation: its real part is radial, its imaginary part turns "
-                         "the phase", check=checks.shifted)  # fmt: skip
-    upper = derived(
-        "two lines near the cycle",
-        (TakeBranch(above), alike(phi, n, t, chain.reach), Rewrite(Form.EXPANDED)),
-        lines,
-        check=checks.upper,
-    )
-    decay = derived("dropped on the cycle", (Substitute(), Divide(phi_s),
-                                             SolveFor(deviation.diff(t))), upper, shifted,
-                    check=checks.upper_decay,
-                    note="(44) gives radius and phase the decay of the rest state; in (43) the "
-                         "radius has the rate of 'radial decay on the cycle' and the phase none: "
-                         "(44) fixes the phase of φ_s, which (43) leaves free")  # fmt: skip
-    return full, lower, kept, shifted, upper, decay
+    draft.derived("averaged chain near rest", Linearise({phi: phi}, at_rest=True),
+                  "averaged chain at unit frequency",
+                  check=checks.near_rest)
+    draft.derived("two lines near rest", TakeBranch(below), "two lines",
+                  check=checks.near_rest)
+    draft.derived("kept at rest", Subtract(), "averaged chain near rest", "two lines near rest",
+                  check=checks.nothing,
+                  note="(44) has the rest state of (43), its decay and its springs")
+    draft.definition("deviation from the cycle", equation(phi(n, t), phi_s * (1 + deviation)),
+                     "a relative deviation: its real part is radial, its imaginary "
+                     "part turns the phase", check=checks.shifted)
+    draft.derived("two lines near the cycle",
+                  (TakeBranch(above), alike(phi, n, t, chain.reach), Rewrite(Form.EXPANDED)),
+                  "two lines", check=checks.upper)
+    draft.derived("dropped on the cycle",
+                  (Substitute(), Divide(phi_s), SolveFor(deviation.diff(t))),
+                  "two lines near the cycle", "deviation from the cycle", check=checks.upper_decay,
+                  note="(44) gives radius and phase the decay of the rest state; "
+                       "in (43) the radius has the rate of 'radial decay on the "
+                       "cycle' and the phase none: (44) fixes the phase of φ_s, "
+                       "which (43) leaves free")

@@ -5,20 +5,17 @@ from __future__ import annotations
 import cmath
 import random
 from collections.abc import Iterator
-from functools import cached_property
-from typing import Any
 
 import sympy as sp
 
 from derivations.algebra.evidence import Points, at_points, slope_of
-from derivations.algebra.steps import Check, Evidence
-from derivations.chain import ChainModel
+from derivations.algebra.steps import Evidence
 from derivations.front import symbols as s
 from derivations.front.sampling import (
     Sample,
+    SampledChecks,
     as_point,
     complex_number,
-    samples,
     sites,
 )
 from derivations.symbols import n, t
@@ -26,22 +23,8 @@ from derivations.symbols import n, t
 _OWN = s.phi(n, t)
 
 
-class CellChecks:
-    """What the cell is held against: Eq. (8) averaged by equal samples in time.
-
-    Parameters
-    ----------
-    model : ChainModel
-        The chain.
-    """
-
-    def __init__(self, model: ChainModel) -> None:
-        self.model = model
-
-    @cached_property
-    def samples(self) -> tuple[Sample, ...]:
-        """Three chains whose cells have two cycles."""
-        return samples(self.model)
+class CellChecks(SampledChecks):
+    """What the cell is held against: Eq. (8) averaged by equal samples in time."""
 
     def _cells(self) -> Iterator[tuple[Sample, random.Random]]:
         rng = random.Random(5)
@@ -89,33 +72,17 @@ class CellChecks:
             turn = sample.chain.cell_rate(size).imag
             yield {s.radius: size, s.phase.diff(t): turn, **sample.chain.values}, [0]
 
-    def _with_cycles(self, sample: Sample) -> dict[Any, Any]:
-        inner, outer = sample.inner * 1j, sample.outer * cmath.exp(0.3j)
-        return {s.phi_us: inner, s.phi_s: outer, s.eta: self._eta(sample), **sample.chain.values}
-
-    def _eta(self, sample: Sample) -> float:
-        """Product of the outer coefficients of the damping over the square of the middle one."""
-        low, middle, top = (q for q in sample.chain.damping if q != 0)
-        return low * top / middle**2
-
-    def _vanish_on_cycles(self, parts: int, what: str) -> Check:
-        def points() -> Points:
-            for sample in self.samples:
-                yield self._with_cycles(sample), [0] * parts
-
-        return at_points(what)(points)
-
     def cycles(self, candidate: sp.Basic) -> Evidence:
         """Zeros of the sampled loss."""
-        return self._vanish_on_cycles(2, "zeros of the sampled loss")(candidate)
+        return self.on_cycles("zeros of the sampled loss", 2)(candidate)
 
     def ratio(self, candidate: sp.Basic) -> Evidence:
         """Ratio of those zeros."""
-        return self._vanish_on_cycles(1, "zeros of the sampled loss")(candidate)
+        return self.on_cycles("zeros of the sampled loss", 1)(candidate)
 
     def forcing(self, candidate: sp.Basic) -> Evidence:
         """From the coefficients of the damping, and that it does not change with the amplitude."""
-        return self._vanish_on_cycles(1, "the coefficients of the damping")(candidate)
+        return self.on_cycles("the coefficients of the damping", 1)(candidate)
 
     @at_points("the slope of the sampled loss", tolerance=1e-7)
     def radial_decay(self) -> Points:

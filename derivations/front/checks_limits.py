@@ -14,15 +14,14 @@ from scipy.linalg import solve_banded
 from derivations.algebra.evidence import Points, at_points, solved_for
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
-from derivations.front.checks_profile import ProfileChecks
 from derivations.front.numbers import Lattice, kinetic_sum
-from derivations.front.sampling import Sample, standing
+from derivations.front.sampling import Sample, SampledChecks, standing
 from derivations.symbols import c
 
 _FACTORS = (0.4, 1.0, 2.3)
 
 
-class LimitChecks(ProfileChecks):
+class LimitChecks(SampledChecks):
     """What pinning, retreat and strong coupling are held against."""
 
     def _standing(self, side: int) -> Iterator[tuple[Sample, complex, dict[Any, Any]]]:
@@ -106,8 +105,12 @@ class LimitChecks(ProfileChecks):
 
     def squared(self, side: int) -> Check:
         """Ratio and root of a standing chain."""
-        points = [(point, [0]) for point in self._with_ratio(side)]
-        return at_points("standing chains")(lambda: iter(points))
+
+        def points() -> Points:
+            for point in self._with_ratio(side):
+                yield point, [0]
+
+        return at_points("standing chains")(points)
 
     parameter = squared
     threshold_coupling = squared
@@ -122,11 +125,9 @@ class LimitChecks(ProfileChecks):
             f"a standing chain at c = 2500, 10000, extrapolated: {limit:.6f}",
         )
 
-    @at_points("cycles of the direct average")
-    def ratio_in_eta(self) -> Points:
+    def ratio_in_eta(self, candidate: sp.Basic) -> Evidence:
         """Compare with the cycles of the direct average."""
-        for sample in self.samples:
-            yield {s.ratio: sample.ratio, s.eta: self._eta(sample)}, [0]
+        return self.on_cycles("cycles of the direct average", 1)(candidate)
 
     def largest_eta(self, candidate: sp.Basic) -> Evidence:
         """Compare with the cycles of that forcing have the ratio one half."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import cmath
-import math
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cached_property, partial
 from typing import Any
 
@@ -15,14 +14,15 @@ import sympy as sp
 from scipy.integrate import quad
 
 from derivations.algebra.equations import parts_of
-from derivations.algebra.evidence import Point, Points, at_points, slope_of, solved_for, value
+from derivations.algebra.evidence import Point, Points, at_points, slope_of, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.front import symbols as s
-from derivations.front.checks_cell import CellChecks
-from derivations.front.numbers import count_between, evaluated, profile, roots
+from derivations.front.numbers import evaluated, profile, roots
 from derivations.front.sampling import (
+    CYCLE,
     PLACES,
     Sample,
+    SampledChecks,
     as_point,
     complex_number,
     front,
@@ -31,15 +31,13 @@ from derivations.front.sampling import (
 from derivations.symbols import epsilon, n, t
 
 _OWN = s.phi(n, t)
-_SPEEDS = (0.5, 1.3, 0.7)
-_CYCLE = 0.8 - 0.4j
 
 
 def _wave(z: Any) -> Any:
     return mp.tanh(1 - z) * mp.exp(0.4j * z) + 0.3 * mp.sin(z)
 
 
-class ProfileChecks(CellChecks):
+class ProfileChecks(SampledChecks):
     """What (44)-(54) are held against."""
 
     def _states(self) -> Iterator[tuple[Sample, dict[int, complex], complex, complex, bool]]:
@@ -139,11 +137,6 @@ class ProfileChecks(CellChecks):
 
         return at_points("(44) for a travelling test wave", tolerance=1e-7)(points)
 
-    def _waves(self) -> Iterator[tuple[Sample, float, complex]]:
-        rng = random.Random(6)
-        for sample, fast in zip(self.samples, _SPEEDS, strict=True):
-            yield sample, fast, complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
-
     def transformed(self, candidate: sp.Basic) -> Evidence:
         """Transform both sides of (48) by quadrature, with a bell for the profile."""
         worst = 0.0
@@ -156,7 +149,7 @@ class ProfileChecks(CellChecks):
     def _transforms(self) -> list[tuple[Point, complex, complex]]:
         """Image of the bell, and both sides of (48), at three wavenumbers."""
         found: list[tuple[Point, complex, complex]] = []
-        for sample, fast, number in self._waves():
+        for sample, fast, number in self.waves():
             image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
             left = _integral(
                 lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z),
@@ -165,19 +158,19 @@ class ProfileChecks(CellChecks):
             )
             step = _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
             point: dict[Any, Any] = {**sample.chain.values, s.v: fast, s.k: number,
-                                     s.phi_s: _CYCLE, s.phi_hat(s.k): image}  # fmt: skip
-            found.append((point, left, sample.lattice.decay * _CYCLE * step))
+                                     s.phi_s: CYCLE, s.phi_hat(s.k): image}  # fmt: skip
+            found.append((point, left, sample.lattice.decay * CYCLE * step))
         return found
 
     @at_points("(48) applied to e^{ik zeta}, numerically", tolerance=1e-8)
     def dispersion(self) -> Points:
         """(48) applied to a wave, from its values at the neighbours."""
-        for sample, fast, number in self._waves():
+        for sample, fast, number in self.waves():
             yield {**sample.chain.values, s.v: fast, s.k: number,
                    s.L(s.k): complex(sample.lattice.dispersion(number, fast))}, [0]  # fmt: skip
 
     def _slopes(self, on_roots: bool) -> Points:
-        for sample, fast, number in self._waves():
+        for sample, fast, number in self.waves():
             for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
                 slope = complex(slope_of(partial(sample.lattice.dispersion, v=fast), at, step=1e-4))
                 yield {**sample.chain.values, s.v: fast, s.k: complex(at), s.L_k: slope}, [0]
@@ -214,104 +207,35 @@ class ProfileChecks(CellChecks):
                         return Evidence(False, f"wrong about the root {complex(number):.4f}")
         return Evidence(True, "roots of both half-planes are sorted correctly")
 
-    def on_line(self, where: Callable[[dict[Any, Any]], Any]) -> Check:
-        """Compare with L from its neighbours, at points of a line."""
-
-        def points() -> Points:
-            rng = random.Random(12)
-            for sample, fast, _ in self._waves():
-                for _ in range(3):
-                    point: dict[Any, Any] = {s.x: rng.uniform(-9, 9), s.turns: rng.randrange(-4, 5)}
-                    point |= {s.y: rng.uniform(-2, 2), **sample.chain.values, s.v: fast}
-                    exact = complex(sample.lattice.dispersion(complex(where(point)), fast))
-                    yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
-
-        return at_points("L from its values at the neighbours")(points)
-
-    def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
-        """Velocity and wavenumber at which the numerical slope of L vanishes."""
-        for sample in self.samples:
-            for turn, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
-                fast = sample.lattice.springs[0] * math.cosh(height)
-                number = complex(2 * math.pi * turn - math.pi / 2, height)
-                yield sample, fast, number, {**sample.chain.values, s.v: fast, s.k: number,
-                                             s.turns: turn, s.height: height}  # fmt: skip
-
-    def turning(self, candidate: sp.Basic) -> Evidence:
-        """Compare with wavenumbers at which the numerical slope of L vanishes."""
-        worst = max(
-            abs(sample.lattice.slope(number, fast)) for sample, fast, number, _ in self._turns()
-        )
-        points = [(point, [0]) for *_, point in self._turns()]
-        what = "wavenumbers where the slope of L vanishes"
-        found = at_points(what)(lambda: iter(points))(candidate)
-        return Evidence(found.holds and worst < 1e-9, found.statement)
-
-    @at_points("L where its slope vanishes")
-    def at_turning(self) -> Points:
-        """Compare with L there, from its values at the neighbours."""
-        for sample, fast, number, point in self._turns():
-            exact = complex(sample.lattice.dispersion(number, fast))
-            yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
-
-    def no_double(self, candidate: sp.Basic) -> Evidence:
-        """At the value of n that comes out, which is no integer, Im L vanishes on the line."""
-        worst, nearest = 0.0, 1.0
-        for sample, fast, number, point in self._turns():
-            turn = solved_for(candidate, s.turns, point).real
-            moved = complex(2 * math.pi * turn - math.pi / 2, number.imag)
-            level = sample.lattice.dispersion(number, fast) - 1j * fast * (moved - number)
-            worst = max(worst, abs(level.imag))
-            nearest = min(nearest, abs(turn - round(turn)))
-        return Evidence(
-            worst < 1e-9 and nearest > 0.05,
-            f"Im L there: at most {worst:.1e}; {nearest:.3f} from any integer",
-        )
-
-    def counted(self, left: int) -> Check:
-        """Compare with winding numbers around strips, two periods apart."""
-
-        def check(candidate: sp.Basic) -> Evidence:
-            expected = solved_for(candidate, s.root_count, {})
-            for sample, fast, _ in self._waves():
-                for start in (left - 2, left, left + 2):
-                    found = count_between(sample.lattice, fast, start * math.pi,
-                                          (start + 1) * math.pi, True)  # fmt: skip
-                    if abs(found - expected) > 1e-12:
-                        return Evidence(False, f"{found} roots in a strip from {start} pi")
-            return Evidence(True, "winding numbers of three strips on three chains")
-
-        return check
-
     def _image(self, sample: Sample, fast: float, number: complex) -> complex:
         step = _integral(lambda z: np.exp(-1j * number * z), -90 / number.imag**0.5, 0)
-        drive = sample.lattice.decay * _CYCLE * step
+        drive = sample.lattice.decay * CYCLE * step
         return complex(drive / sample.lattice.dispersion(number, fast))
 
     @at_points("the transform of the step by quadrature", tolerance=1e-6)
     def image(self) -> Points:
         """Compare with the transform of the step by quadrature, over the numerical L."""
-        for sample, fast, number in self._waves():
-            yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: _CYCLE,
+        for sample, fast, number in self.waves():
+            yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: CYCLE,
                    s.L(s.k): complex(sample.lattice.dispersion(number, fast)),
                    s.phi_hat(s.k): self._image(sample, fast, number)}, [0]  # fmt: skip
 
     def contour(self, candidate: sp.Basic) -> Evidence:
         """Integrate along a line above the axis, by the trapezoidal rule with a cut-off."""
         worst = 0.0
-        for place, (sample, fast, _) in zip((-0.6, 0.7, 1.4), self._waves(), strict=True):
+        for place, (sample, fast, _) in zip((-0.6, 0.7, 1.4), self.waves(), strict=True):
             lattice = sample.lattice
             height = 0.5 * float(roots(lattice, fast).imag.min())
             line = np.linspace(-1000.0, 1000.0, 100_001) + 1j * height
             integral = candidate.rhs.atoms(sp.Integral).pop()
             if integral.limits != (sp.Tuple(s.k),):
                 return Evidence(False, "it is not an integral over the wavenumber along a line")
-            plain = integral.function.xreplace({s.L(s.k): s.L_k, s.phi_s: _sympy(_CYCLE)})
+            plain = integral.function.xreplace({s.L(s.k): s.L_k, s.phi_s: _sympy(CYCLE)})
             plain = plain.subs({**sample.chain.values, s.v: fast, s.zeta: place})
             terms = sp.lambdify((s.k, s.L_k), plain, "numpy")(line, lattice.dispersion(line, fast))
             found = complex(np.trapezoid(terms, line))
             total = complex(value(candidate.rhs.xreplace({integral: _sympy(found)}), {}))
-            worst = max(worst, abs(total - _CYCLE * profile(lattice, place, fast)))
+            worst = max(worst, abs(total - CYCLE * profile(lattice, place, fast)))
             if candidate.lhs != s.phi(s.zeta):
                 return Evidence(False, "it does not give the profile")
         # The tails beyond 1000 fall like 1/k² and oscillate.
@@ -321,56 +245,24 @@ class ProfileChecks(CellChecks):
         """Against the front built from its history, at both signs of zeta."""
         left, right = candidate.args
         worst = 0.0
-        cases = zip((-1.5, -0.4, 0.3, 1.5), (*self._waves(), next(self._waves())), strict=True)
+        cases = zip((-1.5, -0.4, 0.3, 1.5), (*self.waves(), next(self.waves())), strict=True)
         for place, (sample, fast, _) in cases:
-            point = {**sample.chain.values, s.v: fast, s.phi_s: _CYCLE, s.zeta: place}
+            point = {**sample.chain.values, s.v: fast, s.phi_s: CYCLE, s.zeta: place}
             branch = right.xreplace({s.zeta: sp.Float(place)})
             found = evaluated(branch, point, sample.lattice, fast)
-            worst = max(worst, abs(found - _CYCLE * profile(sample.lattice, place, fast)))
+            worst = max(worst, abs(found - CYCLE * profile(sample.lattice, place, fast)))
         holds = worst < 1e-7 and left == s.phi(s.zeta)
         return Evidence(holds, f"the front from its history: off by at most {worst:.1e}")
-
-    def _vanishes(self, candidate: sp.Basic, what: str, tolerance: float = 1e-7) -> Evidence:
-        """Left minus right of each part on fronts at three velocities, series summed."""
-        worst = 0.0
-        for sample, fast, _ in self._waves():
-            lattice = sample.lattice
-            at_front = _CYCLE * profile(lattice, 0.0, fast)
-            point = {**sample.chain.values, s.v: fast, s.phi_s: _CYCLE, s.phi(0): at_front,
-                     s.phi_us: at_front, s.ratio: abs(at_front / _CYCLE)}  # fmt: skip
-            for part in parts_of(candidate):
-                left, right = part.args
-                worst = max(worst, abs(evaluated(left - right, point, lattice, fast)))
-        return Evidence(worst < tolerance, f"{what}: off by at most {worst:.1e}")
-
-    def at_zero(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the value at the front, from its history."""
-        return self._vanishes(candidate, "the value at the front, from its history")
-
-    def meeting(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the threshold is the value at the front."""
-        return self._vanishes(candidate, "the value at the front, from its history")
-
-    def threshold(self, candidate: sp.Basic) -> Evidence:
-        """With phi_us taken from the front built from its history."""
-        return self._vanishes(candidate, "phi(0) of the front from its history")
-
-    relation = threshold
-    sums = threshold
-
-    def by_ratio(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the modulus at the front."""
-        return self._vanishes(candidate, "|phi(0)| of the front from its history")
 
     def relation_in_eta(self, candidate: sp.Basic) -> Evidence:
         """Compare with the modulus of (53) on the front, and with the two sampled cycles."""
         pieces = parts_of(candidate)
         if len(pieces) != 3:
             return Evidence(False, "three equations are expected")
-        first = self.relation(pieces[0])
+        first = self.at_front(pieces[0])
         if not first.holds:
             return first
-        second = self._vanish_on_cycles(2, "cycles of the direct average")(sp.Tuple(*pieces[1:]))
+        second = self.on_cycles("cycles of the direct average", 2)(sp.Tuple(*pieces[1:]))
         return Evidence(second.holds, f"{first.statement}; {second.statement}")
 
 

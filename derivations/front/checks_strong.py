@@ -18,8 +18,7 @@ from derivations.algebra.evidence import Points, at_points, solved_for
 from derivations.algebra.steps import Evidence
 from derivations.chain_numbers import ChainNumbers
 from derivations.front import symbols as s
-from derivations.front.checks_limits import LimitChecks
-from derivations.front.sampling import TINY, Sample
+from derivations.front.sampling import TINY, Sample, SampledChecks
 from derivations.symbols import epsilon, n, omega, t, y
 
 
@@ -27,7 +26,7 @@ def _shape(z: Any) -> Any:
     return mp.tanh(1 - z) + 0.3 * mp.sin(z)
 
 
-class StrongChecks(LimitChecks):
+class StrongChecks(SampledChecks):
     """What the speed law is held against."""
 
     @at_points("the forces on a chain at rest", floor=1.0)

@@ -8,7 +8,7 @@ from derivations.algebra.equations import equation
 from derivations.algebra.sums import SumOver
 from derivations.chain import PAPER
 from derivations.front import readings
-from derivations.front.checks import Checks
+from derivations.front.checks_profile import ProfileChecks
 from derivations.front.symbols import (
     F,
     L,
@@ -33,7 +33,7 @@ _springs = i * epsilon * c / 2 * (2 * _own - _left - _right)
 _wave = sp.exp(i * k * zeta) / (k * L_k)
 _total = SumOver(1 / (k * L_k), k, M_plus)
 _root = sp.sqrt(1 - 8 * eta)
-_checks = Checks(PAPER)
+_checks = ProfileChecks(PAPER)
 
 
 def _lines(left: sp.Expr, right: sp.Expr) -> sp.Eq:

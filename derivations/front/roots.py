@@ -16,58 +16,52 @@ from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.rearrangement import Take
 from derivations.algebra.roots import CountAbove
 from derivations.algebra.solution import SolveFor
-from derivations.algebra.steps import Step, derived
+from derivations.algebra.steps import Draft
 from derivations.algebra.substitution import Substitute
 from derivations.chain import ChainModel
-from derivations.front.checks import Checks
+from derivations.front.checks_roots import RootChecks
 from derivations.front.symbols import L_k, half_imag, half_real, k, turns, v, x, y
 from derivations.front.symbols import height as kappa
 from derivations.front.symbols import root_count as count
 from derivations.symbols import i
 
+# Filled by hand: name, operation, sources, then check, number and note.
+# fmt: off
 
-def steps(chain: ChainModel, found: dict[str, Step], checks: Checks) -> tuple[Step, ...]:
-    """Return the proofs as steps.
+
+def steps(draft: Draft, chain: ChainModel) -> None:
+    """Write the proofs down.
 
     Parameters
     ----------
+    draft : Draft
+        With the dispersion relation and its slope.
     chain : ChainModel
         The chain; the proofs are for springs between nearest neighbours that pull.
-    found : dict of str to Step
-        The dispersion relation and its slope.
-    checks : Checks
-        Of that chain.
     """
+    checks = RootChecks(chain)
     parts = RealAndImaginaryParts((half_real, half_imag))
-    axis = derived("real axis", (Substitute({k: x}), parts), found["dispersion"],
-                   check=checks.on_line(lambda point: point[x]),
-                   note="the real part does not vanish: no root is real")  # fmt: skip
+    draft.derived("real axis", (Substitute({k: x}), parts), "dispersion",
+                  check=checks.on_line(lambda point: point[x]),
+                  note="the real part does not vanish: no root is real")
     if chain.reach != 1 or not chain.coupling.is_positive:
-        return (axis,)
-    turning = derived("turning wavenumber", (Substitute({L_k: 0}), SolveFor(sp.sin(k))),
-                      found["slope of the dispersion"], check=checks.turning,
-                      note="its sine is real and negative: off the real axis Re k = -π/2 + 2πm, "
-                           "and v = c cosh κ")  # fmt: skip
+        return
+    draft.derived("turning wavenumber", (Substitute({L_k: 0}), SolveFor(sp.sin(k))),
+                  "slope of the dispersion", check=checks.turning,
+                  note="its sine is real and negative: off the real axis Re k = "
+                       "-π/2 + 2πm, and v = c cosh κ")
     at_turn = {k: -sp.pi / 2 + 2 * sp.pi * turns + i * kappa,
-               v: chain.coupling * sp.cosh(kappa)}  # fmt: skip
-    level = derived("dispersion at a turning wavenumber", (Substitute(at_turn), parts),
-                    found["dispersion"], check=checks.at_turning)  # fmt: skip
-    double = derived(
-        "no double root",
-        (Take(1), Substitute({half_imag: 0}), SolveFor(turns)),
-        level,
-        check=checks.no_double,
-        note="1/4 - 1/(2π cosh κ) lies between 0.09 and 0.25 and is no integer",
-    )
-    sides = derived(
-        "sides of the strips",
-        (Substitute({k: turns * sp.pi + i * y}), parts),
-        found["dispersion"],
-        check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]),
-    )
-    odd = derived("one root from odd to even", CountAbove(k, -1, count), found["dispersion"], axis,
-                  sides, check=checks.counted(-1),
-                  note="above the axis; below it the number depends on v and c")  # fmt: skip
-    even = derived("no root from even to odd", CountAbove(k, 0, count), found["dispersion"], axis,
-                   sides, check=checks.counted(0))  # fmt: skip
-    return axis, turning, level, double, sides, odd, even
+               v: chain.coupling * sp.cosh(kappa)}
+    draft.derived("dispersion at a turning wavenumber", (Substitute(at_turn), parts), "dispersion",
+                  check=checks.at_turning)
+    draft.derived("no double root", (Take(1), Substitute({half_imag: 0}), SolveFor(turns)),
+                  "dispersion at a turning wavenumber", check=checks.no_double,
+                  note="1/4 - 1/(2π cosh κ) lies between 0.09 and 0.25 and is no integer")
+    draft.derived("sides of the strips", (Substitute({k: turns * sp.pi + i * y}), parts),
+                  "dispersion",
+                  check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]))
+    draft.derived("one root from odd to even", CountAbove(k, -1, count), "dispersion", "real axis",
+                  "sides of the strips", check=checks.counted(-1),
+                  note="above the axis; below it the number depends on v and c")
+    draft.derived("no root from even to odd", CountAbove(k, 0, count), "dispersion", "real axis",
+                  "sides of the strips", check=checks.counted(0))

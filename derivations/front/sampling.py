@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -13,16 +14,22 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
+from derivations.algebra.equations import parts_of
+from derivations.algebra.evidence import Points, at_points
+from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, numbers_of
 from derivations.front import symbols as s
-from derivations.front.numbers import Lattice, profile
+from derivations.front.numbers import Lattice, evaluated, profile
 from derivations.symbols import n, t
 
 MAX_RATIO = 0.6
 """Of the cycles: nearer cells relax too slowly for a direct run."""
 TINY = 1e-5
 """Amplitude of a linear response: the cubic terms are 1e-10 of the linear ones."""
+CYCLE = 0.8 - 0.4j
+"""The cycle behind a front."""
+_SPEEDS = (0.5, 1.3, 0.7)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +58,12 @@ class Sample:
         """Linear part of the two lines: the response to a tiny amplitude, a unit of eps t."""
         decay = -self.rate(TINY) / TINY / self.chain.eps
         return Lattice(float(decay), self.chain.springs)
+
+    @property
+    def eta(self) -> float:
+        """Product of the outer coefficients of the damping over the square of the middle one."""
+        low, middle, top = (q for q in self.chain.damping if q != 0)
+        return low * top / middle**2
 
     def rate(self, size: float) -> float:
         """Rate of change of the amplitude of the cell."""
@@ -173,3 +186,50 @@ def standing(sample: Sample, coupling: float = 1.0, half: int = 60) -> complex:
     pull = np.zeros(size, dtype=complex)
     pull[:half] = lattice.decay
     return complex(np.linalg.solve(matrix, pull)[half])
+
+
+class SampledChecks:
+    """What the checks of the front have in common: three chains in numbers, and fronts of them.
+
+    Parameters
+    ----------
+    model : ChainModel
+        The chain, of which only coefficients are read.
+    """
+
+    def __init__(self, model: ChainModel) -> None:
+        self.model = model
+
+    @property
+    def samples(self) -> tuple[Sample, ...]:
+        """Three chains whose cells have two cycles."""
+        return samples(self.model)
+
+    def waves(self) -> Iterator[tuple[Sample, float, complex]]:
+        """Each chain with a velocity and a wavenumber above the real axis."""
+        rng = random.Random(6)
+        for sample, fast in zip(self.samples, _SPEEDS, strict=True):
+            yield sample, fast, complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
+
+    def on_cycles(self, what: str, parts: int) -> Check:
+        """Every part holds with the cycles of the direct average, at any phase, put in."""
+
+        def points() -> Points:
+            for sample in self.samples:
+                inner, outer = sample.inner * 1j, sample.outer * cmath.exp(0.3j)
+                yield {s.phi_us: inner, s.phi_s: outer, s.ratio: sample.ratio,
+                       s.eta: sample.eta, **sample.chain.values}, None  # fmt: skip
+
+        return at_points(what, parts=parts)(points)
+
+    def at_front(self, candidate: sp.Basic) -> Evidence:
+        """Left minus right of each part on fronts at three velocities, series summed."""
+        worst = 0.0
+        for sample, fast, _ in self.waves():
+            here = CYCLE * profile(sample.lattice, 0.0, fast)
+            point = {**sample.chain.values, s.v: fast, s.phi_s: CYCLE, s.phi(0): here,
+                     s.phi_us: here, s.ratio: abs(here / CYCLE)}  # fmt: skip
+            for part in parts_of(candidate):
+                left, right = part.args
+                worst = max(worst, abs(evaluated(left - right, point, sample.lattice, fast)))
+        return Evidence(worst < 1e-7, f"phi(0) of the front from its history: off by {worst:.1e}")

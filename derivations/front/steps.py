@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy as sp
 
 from derivations.algebra.equations import equation
@@ -16,7 +18,7 @@ from derivations.algebra.rearrangement import (
     TakeCoefficient,
 )
 from derivations.algebra.solution import SolveFor
-from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived, model
+from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import (
     HALF,
     Eliminate,
@@ -30,7 +32,7 @@ from derivations.algebra.transform import CloseContour, FourierTransform, Invert
 from derivations.averaging.steps import derive as derive_averages
 from derivations.chain import PAPER, ChainModel
 from derivations.front import cell, limits, roots, strong
-from derivations.front.checks import Checks
+from derivations.front.checks_profile import ProfileChecks
 from derivations.front.symbols import (
     F,
     L,
@@ -47,9 +49,14 @@ from derivations.front.symbols import (
     v,
     zeta,
 )
+from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import epsilon, i, n, t
 
+# Filled by hand: name, operation, sources, then check, number and note.
+# fmt: off
 
+
+@lru_cache(maxsize=8)
 def derive(chain: ChainModel = PAPER) -> Derivation:
     """Derive Eqs. (44)-(54), the limits of the kinetic relation, and the speed of the full front.
 
@@ -62,18 +69,16 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
     -------
     Derivation
     """
-    checks = Checks(chain)
-    averaged = derive_averages(chain).numbered(43)
-    cycles = cell.steps(chain, averaged, checks)
-    profile = _to_profile(chain, checks)
-    kept = cell.comparison(chain, averaged, profile["two lines"], checks)
-    located = roots.steps(chain, profile, checks)
-    relation = _to_kinetic_relation(profile, cycles, checks)
-    found = (*cycles.values(), *profile.values(), *kept, *located, *relation.values(),
-             *limits.steps(chain, {**cycles, **profile, **relation}, checks),
-             *strong.steps(chain, cycles, checks))  # fmt: skip
+    draft, checks = Draft(derive_averages(chain), derive_scales(chain)), ProfileChecks(chain)
+    cell.steps(draft, chain)
+    _to_profile(draft, chain, checks)
+    cell.comparison(draft, chain)
+    roots.steps(draft, chain)
+    _to_kinetic_relation(draft, checks)
+    limits.steps(draft, chain)
+    strong.steps(draft, chain)
     title = "The piecewise-linear front and its kinetic relation (44)-(54)"
-    return Derivation("piecewise-front", title, found)
+    return draft.finished("piecewise-front", title)
 
 
 def two_lines(chain: ChainModel) -> sp.Eq:
@@ -81,15 +86,15 @@ def two_lines(chain: ChainModel) -> sp.Eq:
     own = phi(n, t)
     springs = sum(
         (weight * (2 * own - phi(n - j, t) - phi(n + j, t))
-         for j, weight in enumerate(chain.weights, start=1)), sp.S.Zero)  # fmt: skip
+         for j, weight in enumerate(chain.weights, start=1)), sp.S.Zero)
     size, threshold = sp.Abs(own), sp.Abs(phi_us)
     branches = sp.Piecewise(
         (own, sp.Lt(size, threshold, evaluate=False)),
         (own - phi_s, sp.Gt(size, threshold, evaluate=False)), evaluate=False,
-    )  # fmt: skip
+    )
     rest = chain.damping.get(0, sp.S.Zero)
     return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * springs,
-                    -HALF * epsilon * rest * branches)  # fmt: skip
+                    -HALF * epsilon * rest * branches)
 
 
 def travelling_wave(reach: int) -> sp.Tuple:
@@ -106,94 +111,70 @@ def _half_plane(side: type[sp.Rel]) -> sp.ConditionSet:
     return sp.ConditionSet(k, condition, sp.S.Complexes)
 
 
-def _to_profile(chain: ChainModel, checks: Checks) -> dict[str, Step]:
+def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
     """From (44) to (52)."""
     own = phi(n, t)
-    lines = model("two lines", two_lines(chain), "two lines of equal slope in place of the "
-                  "nonlinear term, switched where |φ_n| passes |φ_us|",
-                  check=checks.two_lines, number=44)  # fmt: skip
-    force = derived("force", WriteWithStep(F), lines, check=checks.force, number=45)
-    moving = ansatz("travelling wave", travelling_wave(chain.reach),
-                    "a travelling wave that does not turn its phase on the way",
-                    check=checks.moving, number=46)  # fmt: skip
+    draft.model("two lines", two_lines(chain),
+                "two lines of equal slope in place of the nonlinear term, switched "
+                "where |φ_n| passes |φ_us|", check=checks.two_lines, number=44)
+    draft.derived("force", WriteWithStep(F), "two lines", check=checks.force,
+                  number=45)
+    draft.ansatz("travelling wave", travelling_wave(chain.reach),
+                 "a travelling wave that does not turn its phase on the way", check=checks.moving,
+                 number=46)
     once = sp.Equivalent(sp.Gt(sp.Abs(own), sp.Abs(phi_us), evaluate=False),
-                         sp.Lt(zeta, 0, evaluate=False), evaluate=False)  # fmt: skip
-    passed = ansatz("one passage", once, "each site passes the threshold once, at ζ = 0",
-                    check=checks.admissible, number=47)  # fmt: skip
-    slow = definition("slow velocity", equation(speed, epsilon * v), "the velocity a unit of εt",
-                      check=checks.slow_velocity)  # fmt: skip
-    driven = derived("driven chain", InsertRightSide(), lines, force, check=checks.driven)
-    located = derived("chain with the step at the front", Substitute(), driven, passed,
-                      check=checks.located)  # fmt: skip
-    frame = derived("profile", EnterMovingFrame(n, t, zeta), located, moving,
-                    check=checks.profile_equation(speed))  # fmt: skip
-    front = derived("front", (Substitute(), Divide(epsilon)), frame, slow,
-                    check=checks.profile_equation(v), number=48)  # fmt: skip
-    transformed = derived("transformed front", FourierTransform(zeta, k, phi, phi_hat), front,
-                          check=checks.transformed)  # fmt: skip
-    dispersion = derived("dispersion", TakeCoefficient(phi_hat(k), L(k)), transformed,
-                         check=checks.dispersion, number=50)  # fmt: skip
-    slope = derived("slope of the dispersion", Differentiate(k, L_k), dispersion,
-                    check=checks.slope)  # fmt: skip
-    on_roots = derived(
-        "slope on the roots",
-        (Eliminate((v,), {L(k): 0}), Rewrite(Form.EXPANDED)),
-        slope,
-        dispersion,
-        check=checks.slope_on_roots,
-        number=51,
-        note="only where L = 0",
-    )
-    sets = definition("roots", sp.Tuple(equation(M_plus, _half_plane(sp.Gt)),
-                                        equation(M_minus, _half_plane(sp.Lt))),
-                      "the roots in the upper and in the lower half-plane",
-                      check=checks.root_sets, number=52)  # fmt: skip
-    image = derived("transform of the front", SolveFor(phi_hat(k)), transformed, dispersion,
-                    check=checks.image)  # fmt: skip
-    inverse = derived("front as a contour integral", InvertTransform(zeta, k, phi(zeta)), image,
-                      check=checks.contour)  # fmt: skip
-    summed = derived(
-        "front as sums over roots",
-        CloseContour(zeta, k, L_k),
-        inverse,
-        dispersion,
-        sets,
-        check=checks.profile,
-        number=49,
-        note="no root is double or real, see 'no double root' and 'real axis'",
-    )
-    steps = (lines, force, moving, passed, slow, driven, located, frame, front, transformed,
-             dispersion, slope, on_roots, sets, image, inverse, summed)  # fmt: skip
-    return {step.name: step for step in steps}
+                         sp.Lt(zeta, 0, evaluate=False), evaluate=False)
+    draft.ansatz("one passage", once, "each site passes the threshold once, at ζ = 0",
+                 check=checks.admissible, number=47)
+    draft.definition("slow velocity", equation(speed, epsilon * v), "the velocity a unit of εt",
+                     check=checks.slow_velocity)
+    draft.derived("driven chain", InsertRightSide(), "two lines", "force",
+                  check=checks.driven)
+    draft.derived("chain with the step at the front", Substitute(), "driven chain", "one passage",
+                  check=checks.located)
+    draft.derived("profile", EnterMovingFrame(n, t, zeta), "chain with the step at the front",
+                  "travelling wave", check=checks.profile_equation(speed))
+    draft.derived("front", (Substitute(), Divide(epsilon)), "profile", "slow velocity",
+                  check=checks.profile_equation(v), number=48)
+    draft.derived("transformed front", FourierTransform(zeta, k, phi, phi_hat), "front",
+                  check=checks.transformed)
+    draft.derived("dispersion", TakeCoefficient(phi_hat(k), L(k)), "transformed front",
+                  check=checks.dispersion, number=50)
+    draft.derived("slope of the dispersion", Differentiate(k, L_k), "dispersion",
+                  check=checks.slope)
+    draft.derived("slope on the roots", (Eliminate((v,), {L(k): 0}), Rewrite(Form.EXPANDED)),
+                  "slope of the dispersion", "dispersion", check=checks.slope_on_roots, number=51,
+                  note="only where L = 0")
+    draft.definition("roots",
+                     sp.Tuple(equation(M_plus, _half_plane(sp.Gt)),
+                              equation(M_minus, _half_plane(sp.Lt))),
+                     "the roots in the upper and in the lower half-plane", check=checks.root_sets,
+                     number=52)
+    draft.derived("transform of the front", SolveFor(phi_hat(k)), "transformed front", "dispersion",
+                  check=checks.image)
+    draft.derived("front as a contour integral", InvertTransform(zeta, k, phi(zeta)),
+                  "transform of the front", check=checks.contour)
+    draft.derived("front as sums over roots", CloseContour(zeta, k, L_k),
+                  "front as a contour integral", "dispersion", "roots", check=checks.profile,
+                  number=49,
+                  note="no root is double or real, see 'no double root' and 'real axis'")
 
 
-def _to_kinetic_relation(
-    profile: dict[str, Step], cycles: dict[str, Step], checks: Checks
-) -> dict[str, Step]:
+def _to_kinetic_relation(draft: Draft, checks: ProfileChecks) -> None:
     """(53) and (54)."""
-    total = over_roots(1, M_plus)
-    summed = profile["front as sums over roots"]
-    ahead = derived(
-        "front from ahead",
-        (TakeBranch(zeta > 0), Substitute({zeta: 0})),
-        summed,
-        check=checks.at_zero,
-    )
-    behind = derived("front from behind", (TakeBranch(zeta < 0), Substitute({zeta: 0})), summed,
-                     check=checks.at_zero)  # fmt: skip
-    meeting = definition(
-        "threshold at the front",
-        equation(phi(0), phi_us),
-        "the front is where the threshold is passed",
-        check=checks.meeting,
-    )
-    relation = derived("threshold", (Substitute(), SolveFor(total)), ahead, meeting,
-                       check=checks.threshold, number=53)  # fmt: skip
-    modulus = derived("kinetic relation", Apply(Function.MODULUS), relation, check=checks.relation)
-    steps = [ahead, behind, meeting, relation, modulus]
-    if "ratio by η" in cycles:
-        steps.append(derived("kinetic relation in η", Join(), modulus, cycles["ratio by η"],
-                             cycles["forcing parameter"], check=checks.relation_in_eta,
-                             number=54, note="only moduli are known: the phase of each cycle is "
-                             "free"))  # fmt: skip
-    return {step.name: step for step in steps}
+    total, summed = over_roots(1, M_plus), "front as sums over roots"
+    draft.derived("front from ahead", (TakeBranch(zeta > 0), Substitute({zeta: 0})), summed,
+                  check=checks.at_front)
+    draft.derived("front from behind", (TakeBranch(zeta < 0), Substitute({zeta: 0})), summed,
+                  check=checks.at_front)
+    draft.definition("threshold at the front", equation(phi(0), phi_us),
+                     "the front is where the threshold is passed",
+                     check=checks.at_front)
+    draft.derived("threshold", (Substitute(), SolveFor(total)), "front from ahead",
+                  "threshold at the front", check=checks.at_front, number=53)
+    draft.derived("kinetic relation", Apply(Function.MODULUS), "threshold",
+                  check=checks.at_front)
+    if "ratio by η" in draft:
+        draft.derived("kinetic relation in η", Join(), "kinetic relation", "ratio by η",
+                      "forcing parameter", check=checks.relation_in_eta, number=54,
+                      note="only moduli are known: the phase of each cycle is free")

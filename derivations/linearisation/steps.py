@@ -9,7 +9,7 @@ from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.expansion import Linearise
 from derivations.algebra.lattice import CloseChain, Ends, ReadMatrix, WriteFirstOrder
 from derivations.algebra.oscillation import CollectHarmonic
-from derivations.algebra.steps import Derivation, Step, ansatz, definition, derived
+from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import Substitute
 from derivations.chain import PAPER, ChainModel
 from derivations.linearisation import checks
@@ -27,8 +27,11 @@ from derivations.linearisation.symbols import (
     perturbations,
     resonant,
 )
-from derivations.multiple_scales.steps import chain as chain_step
+from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import i, n, t, y
+
+# Filled by hand: name, operation, sources, then check, number and note.
+# fmt: off
 
 
 def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
@@ -51,56 +54,43 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
     count = max(SITES, least + 1) if sites is None else sites
     if count < least:
         raise DerivationInputError("number of sites N", count, f"at least {least}",
-                                   "use a longer chain")  # fmt: skip
-    base = chain_step(chain)
+                                   "use a longer chain")
+    draft = Draft(derive_scales(chain))
     own, change = components(count), perturbations(count)
-    vector = sp.ImmutableMatrix(
-        [
-            *(y(site, t) for site in range(1, count + 1)),
-            *(y(site, t).diff(t) for site in range(1, count + 1)),
-        ]
-    )
-    state = definition("state", equation(X, vector), "displacements, then velocities",
-                       check=checks.state, number=39)  # fmt: skip
-    steps: list[Step] = [state]
+    places = [y(site, t) for site in range(1, count + 1)]
+    vector = sp.ImmutableMatrix([*places, *(place.diff(t) for place in places)])
+    draft.definition("state", equation(X, vector), "displacements, then velocities",
+                     check=checks.state, number=39)
     for ends in (Ends.RING, Ends.FREE):
         suffix, numbered = ("", True) if ends is Ends.RING else (" with free ends", False)
-        closed = derived(f"closed chain{suffix}", CloseChain(y, n, t, count, ends), base,
-                         check=checks.closed(chain, ends))  # fmt: skip
-        system = derived(f"first-order system{suffix}", WriteFirstOrder(X_rate, own, t), closed,
-                         state, check=checks.field(chain, ends),
-                         number=40 if numbered else None)  # fmt: skip
-        linear = derived(
-            f"linearised system{suffix}",
-            Linearise(dict(zip(own, change, strict=True)), delta_rate),
-            system,
-            check=checks.linear(chain, ends),
-            number=41 if numbered else None,
-            note="what is omitted is of second order in the perturbation",
-        )
-        matrix = derived(f"Jacobian{suffix}", ReadMatrix(change, J), linear,
-                         check=checks.jacobian(chain, ends),
-                         number=42 if numbered else None)  # fmt: skip
-        steps += [closed, system, linear, matrix]
-    return Derivation(
-        "linearisation", "Linearisation and the Jacobian (39)-(42)", (*steps, *_extra_term())
-    )
+        draft.derived(f"closed chain{suffix}", CloseChain(y, n, t, count, ends), "chain",
+                      check=checks.closed(chain, ends))
+        draft.derived(f"first-order system{suffix}", WriteFirstOrder(X_rate, own, t),
+                      f"closed chain{suffix}", "state", check=checks.field(chain, ends),
+                      number=40 if numbered else None)
+        draft.derived(f"linearised system{suffix}",
+                      Linearise(dict(zip(own, change, strict=True)), delta_rate),
+                      f"first-order system{suffix}", check=checks.linear(chain, ends),
+                      number=41 if numbered else None,
+                      note="what is omitted is of second order in the perturbation")
+        draft.derived(f"Jacobian{suffix}", ReadMatrix(change, J), f"linearised system{suffix}",
+                      check=checks.jacobian(chain, ends),
+                      number=42 if numbered else None)
+    _extra_term(draft)
+    return draft.finished("linearisation", "Linearisation and the Jacobian (39)-(42)")
 
 
-def _extra_term() -> tuple[Step, ...]:
-    """Return the resonant part of ``-y' delta``, which the '1' in print adds to the equation."""
+def _extra_term(draft: Draft) -> None:
+    """Write down the resonant part of ``-y' delta``, which the '1' in print adds."""
     wave = sp.exp(i * t)
-    product = definition("term added by print", equation(resonant, -motion.diff(t) * deviation),
-                         "what the '1' in the bracket of the printed (42) adds, over eps",
-                         check=checks.added)  # fmt: skip
-    waves = ansatz(
-        "oscillation and deviation",
-        sp.Tuple(*(equation(own, size * wave + sp.conjugate(size) / wave)
-                   for own, size in ((motion, A), (deviation, D)))),
-        "an oscillation at frequency one, and a deviation at the same frequency",
-        check=checks.waves,
-    )  # fmt: skip
-    mean = derived("resonant part of the added term", (Substitute(), CollectHarmonic(t, resonant)),
-                   product, waves, check=checks.mean,
-                   note="it vanishes, so print errs at O(eps^2) only")  # fmt: skip
-    return product, waves, mean
+    draft.definition("term added by print", equation(resonant, -motion.diff(t) * deviation),
+                     "what the '1' in the bracket of the printed (42) adds, over eps",
+                     check=checks.added)
+    draft.ansatz("oscillation and deviation",
+                 sp.Tuple(*(equation(own, size * wave + sp.conjugate(size) / wave)
+                            for own, size in ((motion, A), (deviation, D)))),
+                 "an oscillation at frequency one, and a deviation at the same frequency",
+                 check=checks.waves)
+    draft.derived("resonant part of the added term", (Substitute(), CollectHarmonic(t, resonant)),
+                  "term added by print", "oscillation and deviation", check=checks.mean,
+                  note="it vanishes, so print errs at O(eps^2) only")

@@ -211,7 +211,8 @@ def _cell(args: argparse.Namespace) -> Answer:
 
     envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")
     envelope = envelope.with_values(_values(args.value))
-    answer = _shown(derive(envelope.model, args.order), args.format)
+    derivation = derive(envelope.model, args.order, front=not args.no_front)
+    answer = _shown(derivation, args.format)
     payload = dict(answer.payload)
     payload["averaged"], payload["amplitude"] = _pair(envelope)
     try:

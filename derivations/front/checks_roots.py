@@ -1,0 +1,89 @@
+"""Checks of where the roots lie: L from its neighbours, and winding numbers."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import sympy as sp
+
+from derivations.algebra.evidence import Points, at_points, solved_for
+from derivations.algebra.steps import Check, Evidence
+from derivations.front import symbols as s
+from derivations.front.numbers import count_between
+from derivations.front.sampling import Sample, SampledChecks
+
+
+class RootChecks(SampledChecks):
+    """What the proofs about roots are held against."""
+
+    def on_line(self, where: Callable[[dict[Any, Any]], Any]) -> Check:
+        """Compare with L from its neighbours, at points of a line."""
+
+        def points() -> Points:
+            rng = random.Random(12)
+            for sample, fast, _ in self.waves():
+                for _ in range(3):
+                    point: dict[Any, Any] = {s.x: rng.uniform(-9, 9), s.turns: rng.randrange(-4, 5)}
+                    point |= {s.y: rng.uniform(-2, 2), **sample.chain.values, s.v: fast}
+                    exact = complex(sample.lattice.dispersion(complex(where(point)), fast))
+                    yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
+
+        return at_points("L from its values at the neighbours")(points)
+
+    def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
+        """Velocity and wavenumber at which the numerical slope of L vanishes."""
+        for sample in self.samples:
+            for turn, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
+                fast = sample.lattice.springs[0] * math.cosh(height)
+                number = complex(2 * math.pi * turn - math.pi / 2, height)
+                yield sample, fast, number, {**sample.chain.values, s.v: fast, s.k: number,
+                                             s.turns: turn, s.height: height}  # fmt: skip
+
+    def turning(self, candidate: sp.Basic) -> Evidence:
+        """Compare with wavenumbers at which the numerical slope of L vanishes."""
+        worst = max(
+            abs(sample.lattice.slope(number, fast)) for sample, fast, number, _ in self._turns()
+        )
+        points = [(point, [0]) for *_, point in self._turns()]
+        what = "wavenumbers where the slope of L vanishes"
+        found = at_points(what)(lambda: iter(points))(candidate)
+        return Evidence(found.holds and worst < 1e-9, found.statement)
+
+    @at_points("L where its slope vanishes")
+    def at_turning(self) -> Points:
+        """Compare with L there, from its values at the neighbours."""
+        for sample, fast, number, point in self._turns():
+            exact = complex(sample.lattice.dispersion(number, fast))
+            yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
+
+    def no_double(self, candidate: sp.Basic) -> Evidence:
+        """At the value of n that comes out, which is no integer, Im L vanishes on the line."""
+        worst, nearest = 0.0, 1.0
+        for sample, fast, number, point in self._turns():
+            turn = solved_for(candidate, s.turns, point).real
+            moved = complex(2 * math.pi * turn - math.pi / 2, number.imag)
+            level = sample.lattice.dispersion(number, fast) - 1j * fast * (moved - number)
+            worst = max(worst, abs(level.imag))
+            nearest = min(nearest, abs(turn - round(turn)))
+        return Evidence(
+            worst < 1e-9 and nearest > 0.05,
+            f"Im L there: at most {worst:.1e}; {nearest:.3f} from any integer",
+        )
+
+    def counted(self, left: int) -> Check:
+        """Compare with winding numbers around strips, two periods apart."""
+
+        def check(candidate: sp.Basic) -> Evidence:
+            expected = solved_for(candidate, s.root_count, {})
+            for sample, fast, _ in self.waves():
+                for start in (left - 2, left, left + 2):
+                    found = count_between(sample.lattice, fast, start * math.pi,
+                                          (start + 1) * math.pi, True)  # fmt: skip
+                    if abs(found - expected) > 1e-12:
+                        return Evidence(False, f"{found} roots in a strip from {start} pi")
+            return Evidence(True, "winding numbers of three strips on three chains")
+
+        return check

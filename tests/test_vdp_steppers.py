@@ -196,7 +196,7 @@ def test_a_step_that_explodes_never_passes(displacement: float) -> None:
     """The damping rate is up to 4e7: most of these steps are unstable, some end near 1e150."""
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=5)
     take_step, parameters = dop853_step(slope_of(chain)), np.array(chain.kernel_parameters())
-    K, room, out = np.zeros((12, 10)), np.zeros((3, 10)), np.zeros(10)
+    K, room, out = np.zeros((12, 10)), np.zeros((2, 10)), np.zeros(10)
     x = np.zeros(10)
     x[2] = displacement
     exploded = 0

@@ -17,7 +17,6 @@ from verification.runs.excite import as_psi
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.kernel import fast
 from verification.steppers.runge_kutta import Step
-from verification.steppers.smooth import Condition
 
 FloatArray = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -53,31 +52,27 @@ class EnvelopeRun:
     steps: int
 
 
-def escape(take_step: Step) -> Condition:
-    """Return the stop condition: the amplitude of a watched site passes a limit.
+@fast
+def escape(  # noqa: PLR0917  (as a Condition)
+    take_step: Step,
+    t: float,
+    h: float,
+    before: FloatArray,
+    after: FloatArray,
+    parameters: FloatArray,
+    K: FloatArray,
+    room: FloatArray,
+    memory: FloatArray,
+) -> int:
+    """Return 1 once the amplitude of a watched site passes a limit.
 
-    Its memory is the square of the limit, then for each site whether it is watched.
+    ``memory`` is the square of the limit, then for each site whether it is watched.
     """
-
-    @fast
-    def escaped(  # noqa: PLR0917  (as a Condition)
-        t: float,
-        h: float,
-        before: FloatArray,
-        after: FloatArray,
-        parameters: FloatArray,
-        K: FloatArray,
-        room: FloatArray,
-        memory: FloatArray,
-    ) -> int:
-        m = after.size // 2
-        for n in range(m):
-            if memory[1 + n] > 0.0 and not after[n] ** 2 + after[m + n] ** 2 <= memory[0]:
-                return 1
-        return 0
-
-    found: Condition = escaped
-    return found
+    m = after.size // 2
+    for n in range(m):
+        if memory[1 + n] > 0.0 and not after[n] ** 2 + after[m + n] ** 2 <= memory[0]:
+            return 1
+    return 0
 
 
 def run_envelope(

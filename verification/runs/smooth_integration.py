@@ -76,7 +76,7 @@ class SmoothIntegration(Integration):
     shortest_step, longest_step : float
         Steps in kernel time: the run is given up below the first, and none is above the second.
     watch, memory : optional
-        A stop condition (``steppers.smooth.Watch``) and its numbers.
+        A stop condition (``steppers.smooth.Condition``) and its numbers.
     """
 
     method: ClassVar[str] = "DOP853"
@@ -97,7 +97,7 @@ class SmoothIntegration(Integration):
         step: float | None = None,
         shortest_step: float = SHORTEST_STEP,
         longest_step: float = math.inf,
-        watch: smooth.Watch | None = None,
+        watch: smooth.Condition | None = None,
         memory: FloatArray | None = None,
     ) -> None:
         state = checked_state(chain, start)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +19,6 @@ from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE
 from verification.steppers.rows import put
 from verification.steppers.runge_kutta import Step
-from verification.steppers.smooth import Condition
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -118,35 +116,30 @@ def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     return total < quiet
 
 
-def _to_section_of(take_step: Step) -> Any:
-    """Return the compiled search for a section, by steps of this kind."""
+@inner(cache=True, error_model="numpy")
+def _to_section(  # noqa: PLR0917  (one kind each)
+    take_step: Step, p: FloatArray, state: FloatArray, h: float, K: FloatArray, out: FloatArray
+) -> None:
+    """Put into ``out`` the state where the last site has y = 0, within h after ``state``.
 
-    @njit(error_model="numpy")
-    def to_section(
-        p: FloatArray, state: FloatArray, h: float, K: FloatArray, out: FloatArray
-    ) -> None:
-        """Put into ``out`` the state where the last site has y = 0, within h after ``state``.
-
-        Shorter steps are taken from the same point (Hénon), by the Illinois rule; y has opposite
-        signs at 0 and h.
-        """
-        last = state.size // 2 - 1
-        low, high = 0.0, h
-        at_low = state[last]
-        take_step(state, p, FREE, FREE, h, K, out)
-        at_high = out[last]
-        for _ in range(30):
-            middle = low - at_low * (high - low) / (at_high - at_low)
-            take_step(state, p, FREE, FREE, middle, K, out)
-            value = out[last]
-            if abs(value) <= 1e-12 or high - low < 1e-14:
-                return
-            if (value < 0.0) == (at_low < 0.0):
-                low, at_low, at_high = middle, value, 0.5 * at_high
-            else:
-                high, at_high, at_low = middle, value, 0.5 * at_low
-
-    return to_section
+    Shorter steps are taken from the same point (Hénon), by the Illinois rule; y has opposite
+    signs at 0 and h.
+    """
+    last = state.size // 2 - 1
+    low, high = 0.0, h
+    at_low = state[last]
+    take_step(state, p, FREE, FREE, h, K, out)
+    at_high = out[last]
+    for _ in range(30):
+        middle = low - at_low * (high - low) / (at_high - at_low)
+        take_step(state, p, FREE, FREE, middle, K, out)
+        value = out[last]
+        if abs(value) <= 1e-12 or high - low < 1e-14:
+            return
+        if (value < 0.0) == (at_low < 0.0):
+            low, at_low, at_high = middle, value, 0.5 * at_high
+        else:
+            high, at_high, at_low = middle, value, 0.5 * at_low
 
 
 @inner(cache=True)
@@ -207,42 +200,37 @@ def _stays(t: float, sites: int, memory: FloatArray) -> bool:
     return False
 
 
-def named_state(take_step: Step) -> Condition:
-    """Return the stop condition; its memory is laid out in ``_LEVEL`` and the names after it."""
-    to_section = _to_section_of(take_step)
-
-    @njit(error_model="numpy")
-    def named(  # noqa: PLR0917  (as a Condition)
-        t: float,
-        h: float,
-        before: FloatArray,
-        after: FloatArray,
-        parameters: FloatArray,
-        K: FloatArray,
-        room: FloatArray,
-        memory: FloatArray,
-    ) -> int:
-        sites = after.size // 2
-        oscillates = memory[_OSCILLATES] > 0.0
-        rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0
-        if t >= memory[_NEXT] and (rises or not oscillates):
-            if oscillates:
-                to_section(parameters, before, h, K, room)
-            else:
-                put(before, room)
-            _take_sample(room, memory)
-        t += h
-        if _arrived(t, math.hypot(after[0], after[sites]), memory):
-            return _FRONT
-        if _stays(t, sites, memory):
-            return _BREATHER
-        if at_rest_for_ever(after, memory[_STIFFNESS], memory[_QUIET]):
-            memory[_ABOVE] = 0.0
-            return _FIXED_POINT
-        return 0
-
-    found: Condition = named
-    return found
+@njit(error_model="numpy")
+def named_state(  # noqa: PLR0917  (as a Condition)
+    take_step: Step,
+    t: float,
+    h: float,
+    before: FloatArray,
+    after: FloatArray,
+    parameters: FloatArray,
+    K: FloatArray,
+    room: FloatArray,
+    memory: FloatArray,
+) -> int:
+    """Return the outcome; ``memory`` is laid out in ``_LEVEL`` and the names after it."""
+    sites = after.size // 2
+    oscillates = memory[_OSCILLATES] > 0.0
+    rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0
+    if t >= memory[_NEXT] and (rises or not oscillates):
+        if oscillates:
+            _to_section(take_step, parameters, before, h, K, room)
+        else:
+            put(before, room)
+        _take_sample(room, memory)
+    t += h
+    if _arrived(t, math.hypot(after[0], after[sites]), memory):
+        return _FRONT
+    if _stays(t, sites, memory):
+        return _BREATHER
+    if at_rest_for_ever(after, memory[_STIFFNESS], memory[_QUIET]):
+        memory[_ABOVE] = 0.0
+        return _FIXED_POINT
+    return 0
 
 
 def run_to_state(

@@ -1,7 +1,7 @@
 """Explicit Runge-Kutta steps, compiled for any right-hand side: DOP853 and the classical one.
 
-The tableau is scipy's; each of its rows becomes a compiled closure over its nonzero weights. The
-state is a row of length 2m (``active``); all quantities are dimensionless.
+The tableau is scipy's; its nonzero weights become constants of a text that is compiled. The state
+is a row of length 2m (``active``); all quantities are dimensionless.
 
 References
 ----------
@@ -13,12 +13,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
-from verification.execution.compiled import inner, njit
+from verification.execution.compiled import njit
 from verification.steppers.kernel import Slope, fast
 from verification.steppers.rows import finite, largest
 
@@ -34,32 +35,22 @@ state.
 """
 
 
-def _weighted(
-    weights: FloatArray,
-) -> Callable[[FloatArray, float, FloatArray, FloatArray], None]:
-    """Return compiled out = x + h Σ w_i K_i over the nonzero weights."""
-    used = tuple(i for i, weight in enumerate(weights) if weight != 0.0)
-    w = tuple(float(weights[i]) for i in used)
-    count = len(used)
-
-    @inner(error_model="numpy", fastmath={"contract"})
-    def combine(x: FloatArray, h: float, K: FloatArray, out: FloatArray) -> None:
-        for n in range(x.size):
-            total = w[0] * K[used[0], n]
-            for j in range(1, count):
-                total += w[j] * K[used[j], n]
-            out[n] = x[n] + h * total
-
-    found: Callable[[FloatArray, float, FloatArray, FloatArray], None] = combine
-    return found
+_ROWS = [*DOP853.A[1:STAGES, :STAGES], DOP853.B]
 
 
-_ROWS = [DOP853.A[i, :i] for i in range(1, STAGES)] + [DOP853.B]
-_C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11, _C12 = map(_weighted, _ROWS)
-_FIFTH, _THIRD = _weighted(DOP853.E5[:STAGES]), _weighted(DOP853.E3[:STAGES])
+def _sum(weights: FloatArray) -> str:
+    """Return the text of Σ w_i K_i over the nonzero weights, at site n."""
+    return " + ".join(f"{float(w)!r}*K[{i}, n]" for i, w in enumerate(weights) if w != 0.0)
 
 
-_NODES = tuple(float(c) for c in DOP853.C[:STAGES])
+def _compiled(text: list[str], **names: Any) -> Any:
+    """Return the compiled function of a text, in which other functions have these names.
+
+    One function with the tableau as constants, since numba takes a tenth of a second for each.
+    """
+    names["__name__"] = __name__
+    exec(compile("\n".join(text), __file__, "exec"), names)  # code is stored for a file only
+    return fast(names[text[0].partition("(")[0].removeprefix("def ")])
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -80,58 +71,28 @@ def dop853_step(slope: Slope, clock: tuple[int, int] = (0, 0)) -> Step:
 
     ``clock`` is the place of the time among the parameters, and the number of harmonic forces.
     """
-    place, count = clock
-    c = _NODES
-
-    @fast
-    def step(
-        x: FloatArray,
-        p: FloatArray,
-        left: int,
-        right: int,
-        h: float,
-        K: FloatArray,
-        out: FloatArray,
-    ) -> None:
-        _put_cosines(p, place, count, 0.0)
-        slope(x, p, left, right, K[0])
-        _C1(x, h, K, out)
-        _put_cosines(p, place, count, c[1] * h)
-        slope(out, p, left, right, K[1])
-        _C2(x, h, K, out)
-        _put_cosines(p, place, count, c[2] * h)
-        slope(out, p, left, right, K[2])
-        _C3(x, h, K, out)
-        _put_cosines(p, place, count, c[3] * h)
-        slope(out, p, left, right, K[3])
-        _C4(x, h, K, out)
-        _put_cosines(p, place, count, c[4] * h)
-        slope(out, p, left, right, K[4])
-        _C5(x, h, K, out)
-        _put_cosines(p, place, count, c[5] * h)
-        slope(out, p, left, right, K[5])
-        _C6(x, h, K, out)
-        _put_cosines(p, place, count, c[6] * h)
-        slope(out, p, left, right, K[6])
-        _C7(x, h, K, out)
-        _put_cosines(p, place, count, c[7] * h)
-        slope(out, p, left, right, K[7])
-        _C8(x, h, K, out)
-        _put_cosines(p, place, count, c[8] * h)
-        slope(out, p, left, right, K[8])
-        _C9(x, h, K, out)
-        _put_cosines(p, place, count, c[9] * h)
-        slope(out, p, left, right, K[9])
-        _C10(x, h, K, out)
-        _put_cosines(p, place, count, c[10] * h)
-        slope(out, p, left, right, K[10])
-        _C11(x, h, K, out)
-        _put_cosines(p, place, count, c[11] * h)
-        slope(out, p, left, right, K[11])
-        _C12(x, h, K, out)
-
-    found: Step = step
+    place, forces = clock
+    text = ["def step(x, p, left, right, h, K, out):"]
+    for i, (node, row) in enumerate(zip(DOP853.C, _ROWS, strict=False)):
+        if forces:
+            text += [f"    put_cosines(p, {place}, {forces}, {float(node)!r}*h)"]
+        text += [
+            f"    slope({'out' if i else 'x'}, p, left, right, K[{i}])",
+            "    for n in range(x.size):",
+            f"        out[n] = x[n] + h*({_sum(row)})",
+        ]
+    found: Step = _compiled(text, slope=slope, put_cosines=_put_cosines)
     return found
+
+
+_estimates: Callable[[FloatArray, FloatArray, FloatArray], None] = _compiled(
+    [
+        "def estimates(K, five, three):",
+        "    for n in range(five.size):",
+        f"        five[n] = {_sum(DOP853.E5[:STAGES])}",
+        f"        three[n] = {_sum(DOP853.E3[:STAGES])}",
+    ]
+)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -140,11 +101,10 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
 
     It is e5²/√(e5² + e3²/100) and vanishes where e3 alone is huge, so that a step that explodes
     would pass: where e3 is as large as the state, the estimate is infinite. ``room`` has the shape
-    (3, 2m); its last row must be zero.
+    (2, 2m).
     """
-    five, three, zero = room[0], room[1], room[2]
-    _FIFTH(zero, 1.0, K, five)
-    _THIRD(zero, 1.0, K, three)
+    five, three = room[0], room[1]
+    _estimates(K, five, three)
     e5, e3 = h * largest(five), h * largest(three)
     if not (finite(five) and finite(three)) or e3 >= size > 0.0:
         return math.inf

@@ -142,7 +142,7 @@ class Rows(NamedTuple):
         State before and after the step, and at a time within it.
     K : ndarray, shape (STAGES, 2m)
         Slopes.
-    room : ndarray, shape (3, 2m)
+    room : ndarray, shape (2, 2m)
         Of ``step_error``.
     """
 
@@ -157,14 +157,15 @@ Ends = tuple[int, int]
 """What is beyond the left and the right end of the window."""
 
 Condition = Callable[..., int]
-"""Of (t, h, before, after, parameters, K, room, memory): 0 to go on, else what to end with.
+"""Of (step, t, h, before, after, parameters, K, room, memory): 0 to go on, else what to end with.
 
 ``before`` and ``after`` are the rows (``active``) at t and at t + h; ``K`` and ``room`` may be
-overwritten.
+overwritten, and shorter steps taken from ``before``.
 """
 
 
 def _never(
+    take_step: Step,
     t: float,
     h: float,
     before: FloatArray,
@@ -274,7 +275,7 @@ def _note_many(
     """
     x, new, lo = rows.x, rows.new, run.counters[LO]
     m, square, last = x.size // 2, task.level * task.level, _PARTS.size - 1
-    values = np.zeros((last + 1, m))
+    values = np.empty((last + 1, m))
     for j in range(last + 1):
         row = x if j == 0 else new if j == last else rows.inside
         if 0 < j < last:
@@ -376,10 +377,10 @@ def _unpacked(run: Run) -> Rows:
     """Return rows for the sites of the window, with their state."""
     lo, hi = run.counters[LO], run.counters[HI]
     m = hi - lo
-    x, K, room = np.zeros(2 * m), np.zeros((STAGES, 2 * m)), np.zeros((3, 2 * m))
+    x, K, room = np.empty(2 * m), np.empty((STAGES, 2 * m)), np.empty((2, 2 * m))
     put(run.state[0, lo:hi], x[:m])
     put(run.state[1, lo:hi], x[m:])
-    return Rows(x, np.zeros(2 * m), np.zeros(2 * m), K, room)
+    return Rows(x, np.empty(2 * m), np.empty(2 * m), K, room)
 
 
 @inner(cache=True)
@@ -415,7 +416,7 @@ def _advance(take_step: Step, stop: Condition, task: Task, run: Run, max_steps: 
             break
         _take_samples(take_step, task, run, p, rows, ends, h)
         foremost = _note_arrivals(take_step, task, run, p, rows, ends, h)
-        found = stop(clock[0], h, rows.x, rows.new, p, rows.K, rows.inside, run.memory)
+        found = stop(take_step, clock[0], h, rows.x, rows.new, p, rows.K, rows.inside, run.memory)
         put(rows.new, rows.x)
         _pass_time(task, clock, h)
         steps += 1
@@ -435,40 +436,12 @@ def _advance(take_step: Step, stop: Condition, task: Task, run: Run, max_steps: 
 
 
 Loop = Callable[[Task, Run, int], int]
-Watch = Callable[[Step], Condition]
-"""From a step, of which it may take some of its own, to a compiled stop condition."""
-
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 _STEP = types.void(_ROW, _ROW, types.intp, types.intp, types.float64, _TABLE, _ROW)
-_STOP = types.int64(types.float64, types.float64, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW)
-
-
-def _not_given(*_: object) -> Any:
-    """Stand for the step of a chain, or for a condition, until there is one."""
-    raise NotImplementedError
-
-
-step_of_chain: Step = _not_given
-condition: Condition = _not_given
-
-
-def _step(
-    x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
-) -> None:
-    step_of_chain(x, p, left, right, h, K, out)
-
-
-def _stop(
-    t: float,
-    h: float,
-    before: FloatArray,
-    after: FloatArray,
-    parameters: FloatArray,
-    K: FloatArray,
-    room: FloatArray,
-    memory: FloatArray,
-) -> int:
-    return condition(t, h, before, after, parameters, K, room, memory)
+_TIME = types.float64
+_STOP = types.int64(
+    types.FunctionType(_STEP), _TIME, _TIME, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW
+)  # fmt: skip
 
 
 def clock_place(chain: SmoothChain) -> int:
@@ -477,7 +450,7 @@ def clock_place(chain: SmoothChain) -> int:
     return chain.kernel_layout[0] - 3 * count - 1 if count else -1
 
 
-def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
+def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
     """Return the loop of a chain and a stop condition; from disk, what is compiled already.
 
     Parameters
@@ -485,25 +458,19 @@ def loop(chain: SmoothChain, watch: Watch | None = None) -> Loop:
     chain : SmoothChain
         Only its kernel counts, the layout of its parameters, and the phase step of its fronts.
     watch : callable, optional
-        A function of a module that makes the stop condition; by default the run goes to its end.
+        The stop condition, a function of a module; by default the run goes to its end.
     """
-    kernel = chain.kernel()
+    kernel, watch = chain.kernel(), watch or _never
     clock = clock_place(chain), len(chain.forces)
     key = (kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
     if key not in _STEPS:
         step = dop853_step(slope_of(chain), clock)
         mark = "-".join([source_mark(kernel), *map(str, key[1:])])
-        _STEPS[key] = step, mark, pointer(_step, _STEP, mark, step_of_chain=step)
-    step, mark, take_step = _STEPS[key]
-    if (key, watch) not in _STOPS:
-        if watch is None:
-            stop = pointer(_never, _STOP, "")
-        else:
-            mark = f"{mark}-{source_mark(watch)}"
-            stop = pointer(_stop, _STOP, mark, condition=watch(step))
-        _STOPS[key, watch] = stop
-    return partial(_advance, take_step, _STOPS[key, watch])
+        _STEPS[key] = pointer(step, _STEP, mark)
+    if watch not in _STOPS:
+        _STOPS[watch] = pointer(watch, _STOP, source_mark(watch))
+    return partial(_advance, _STEPS[key], _STOPS[watch])
 
 
-_STEPS: dict[Any, tuple[Step, str, Any]] = {}
-_STOPS: dict[Any, Any] = {}
+_STEPS: dict[Any, Any] = {}
+_STOPS: dict[Condition, Any] = {}

@@ -43,7 +43,7 @@ def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
     Parameters
     ----------
     function : callable
-        A plain function of a module.
+        A function of a module, plain or compiled by ``njit``, whose options are used.
     signature
         Its types, in numba's notation.
     mark : str
@@ -51,7 +51,9 @@ def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
     **names
         Global names of the function, and what they mean in it.
     """
-    copy = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
-    copy.__module__ = function.__module__
-    copy.__qualname__ = f"{function.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
-    return cfunc(signature, cache=DISTINCT_NAMES)(copy)
+    plain: Any = getattr(function, "py_func", function)
+    options = getattr(function, "targetoptions", {})
+    copy = FunctionType(plain.__code__, {**plain.__globals__, **names}, plain.__name__)
+    copy.__module__ = plain.__module__
+    copy.__qualname__ = f"{plain.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
+    return cfunc(signature, cache=DISTINCT_NAMES, **options)(copy)

@@ -12,9 +12,9 @@ from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.sums import precise as sum_integral_precise
 from theory.piecewise.sums import series as sum_series
+from theory.piecewise.sums.axis import plain_points
 from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
-from theory.piecewise.sums.rules import plain_points
 from theory.piecewise.sums.series import sum_by_roots
 
 

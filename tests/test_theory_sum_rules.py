@@ -12,13 +12,13 @@ import pytest
 
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums import rules
-from theory.piecewise.sums.compiled import compiled_rules
+from theory.piecewise.sums import axis, legs, poles
 from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
 
 ComplexArray = npt.NDArray[np.complex128]
+FloatArray = npt.NDArray[np.float64]
 VELOCITIES = [0.08, 0.11, 0.16, 0.24, 0.4, 0.7, 1.1, 2.0, 5.0, 20.0, 300.0, 1e4, 1e8]
 
 
@@ -63,15 +63,15 @@ def left_on_a_leg(v: float, c: float, psi: float, depth: float) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
         rest = (coth((a + 1j * k) / 2) + coth((a - 1j * k) / 2)) / 2 - 1
     g = rest / (2 * A) * k_u
-    if v >= rules.SLOWEST:
+    if v >= axis.SLOWEST:
         for psi_j in (psi, psi - math.copysign(2 * np.pi, psi)) if psi else (0.0,):
-            for start in rules.two_roots_near(0.5 / v, psi_j, c / v):
-                _, half, cosine = rules.root_near(start, 0.5 / v, psi_j, c / v)
+            for start in poles.two_roots_near(0.5 / v, psi_j, c / v):
+                _, half, cosine = poles.root_near(start, 0.5 / v, psi_j, c / v)
                 at = half / (np.exp(0.25j * np.pi) * math.sqrt(m))
                 A_p = A_0 - 2j * c * half * half
                 t = -1 / (A_p * (1 + 2 * c / v * half * cosine))
                 g -= t / 2j * 2 * at / (u * u - at * at)
-    if not psi and v >= rules.SLOWEST:  # the pole of -1/2A
+    if not psi and v >= axis.SLOWEST:  # the pole of -1/2A
         at = 1j / math.sqrt(2 * v)
         k_at = 2 * np.exp(0.25j * np.pi) * math.sqrt(m) / np.sqrt(1 + 0.25j / c)
         g += k_at / (4 * v * at) * 2 * at / (u * u - at * at)
@@ -85,7 +85,7 @@ def test_what_the_legs_leave_is_as_small_as_stated(rho: float) -> None:
         psi = 2 * rho % (2 * np.pi) - np.pi
         for second in (False, True):
             far = abs(1 + 4j * c) if second else 1.0
-            stated = rules._leg_size(rho, far, second)
+            stated = legs._leg_size(rho, far, second)
             assert left_on_a_leg(v, c, psi if second else 0.0, 1.6) <= stated, (v, c, second)
 
 
@@ -93,7 +93,7 @@ def test_the_cost_does_not_depend_on_the_coupling_along_the_velocities_of_fronts
     """So many points as cost less than a root, or some thirty; from c = 1e-8 to 1e8."""
     for c in 10.0 ** np.arange(-8, 9):
         found = sums(math.sqrt(c) * np.geomspace(1 / 3, 3, 41), c, 1e-12)
-        assert found.points.max() <= rules.MAX_PLAIN // 2
+        assert found.points.max() <= axis.MAX_PLAIN // 2
         assert found.error.max() < 2e-12
 
 
@@ -147,13 +147,52 @@ def test_the_stated_errors_of_the_derivatives_bound_the_true_ones(v: float, c: f
         assert abs(by_c - complex(found.by_c)) <= float(found.error_by_c) + 1e-14 / c
 
 
-def test_compiled_or_not_the_rules_give_the_same() -> None:
-    compiled = compiled_rules()["sum_at"]
-    for v, c in points_at_random(33, 12):
-        plain, fast = rules.sum_at(v, c, 1e-12, True), compiled(v, c, 1e-12, True)
-        assert plain[-1] == fast[-1]
-        assert abs(plain[0] - fast[0]) <= 2 * plain[4]
-        assert abs(plain[1] - fast[1]) * v <= 2 * plain[5]
+def points_at_which_roots_are_taken_away(seed: int, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return v and c of each kind at random, and fronts of c ≥ 10."""
+    rng = np.random.default_rng(seed)
+    v, c = np.array(points_at_random(seed, count)).T
+    strong = 10 ** rng.uniform(1, 8, 4 * count)
+    fast = np.sqrt(strong) * 3.0 ** rng.uniform(-1, 1, strong.size)
+    v, c = np.append(v, fast), np.append(c, strong)
+    beside = axis.plan(v, c, 1e-12)[0] == 0
+    return v[beside], c[beside]
+
+
+@pytest.mark.parametrize("slopes", [False, True])
+def test_compiled_or_not_the_rules_give_the_same(slopes: bool) -> None:
+    """Roots in loops over many values, and in one that knows of no other."""
+    v, c = points_at_which_roots_are_taken_away(33, 60)
+    plain, fast = (sums(v, c, 1e-12, slopes, compiled) for compiled in (False, True))
+    assert v.size > 100
+    assert np.array_equal(plain.points, fast.points)
+    np.testing.assert_allclose(fast.error, plain.error, rtol=1e-3)
+    # the truncation is the same: what is left are roundings
+    assert (np.abs(plain.value - fast.value) <= 2 * (plain.error - 3e-13).clip(1e-14)).all()
+    if slopes:
+        assert (np.abs(plain.by_v - fast.by_v) <= 0.2 * plain.error_by_v).all()
+        assert (np.abs(plain.by_c - fast.by_c) <= 0.2 * plain.error_by_c).all()
+
+
+def test_what_a_value_becomes_does_not_depend_on_those_beside_it() -> None:
+    v, c = points_at_which_roots_are_taken_away(37, 40)
+    together = sums(v, c, 1e-12, slopes=True, compiled=True)
+    for some in (slice(0, 1), slice(3, 17), slice(None, None, -1)):
+        apart = sums(v[some], c[some], 1e-12, slopes=True, compiled=True)
+        for name in ("value", "error", "by_v", "by_c", "error_by_v", "error_by_c", "points"):
+            assert np.array_equal(getattr(together, name)[some], getattr(apart, name)), name
+
+
+def test_along_the_velocities_of_fronts_the_compiled_error_bounds_the_true_one() -> None:
+    """From c = 1e-8 to 1e8; the values held against are of the roots' series, and share no code."""
+    rng = np.random.default_rng(38)
+    c = 10 ** np.linspace(-8, 8, 17)
+    v = np.sqrt(c) * 3.0 ** rng.uniform(-1, 1, c.size)
+    found = sums(v, c, 1e-12, compiled=True)
+    assert found.error.max() < 2e-12
+    for i in range(c.size):
+        exact = sum_by_roots(float(v[i]), float(c[i]), 20)
+        with mp.workdps(30):
+            assert float(abs(mp.mpc(complex(found.value[i])) - exact.value)) <= found.error[i]
 
 
 @pytest.mark.parametrize("slopes", [False, True])
@@ -227,7 +266,7 @@ def test_the_strip_without_roots_is_free_of_them() -> None:
         s = min(0.5 / (c + v), math.asinh(0.5 / c))
         for _ in range(50):  # Newton's method, monotonic from above
             s -= (c * math.sinh(s) + v * s - 0.5) / (c * math.cosh(s) + v)
-        count, bound = rules.plain_points(v, c, 1e-12)
+        count, bound = axis.plain_points(v, c, 1e-12)
         assert count % 4 == 0
         assert bound <= 1e-12
         assert count * s >= math.log(1 + 2 / bound)

@@ -17,8 +17,8 @@ from theory.piecewise.folds import fold_couplings
 from theory.piecewise.limits import static_sum
 from theory.piecewise.profile import ProfileGrid
 from theory.piecewise.roots import labelled_roots
+from theory.piecewise.sums.axis import plain_points
 from theory.piecewise.sums.integral import sums
-from theory.piecewise.sums.rules import plain_points
 from theory.piecewise.sums.series import SeriesScene, sum_by_roots, tail_sum
 from verification.work_reduction.comparison import Comparison, timed
 

@@ -7,27 +7,54 @@ so that whoever asks for few values is better served by the functions as they st
 from __future__ import annotations
 
 from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from theory.piecewise.sums import rules
+from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, legs, poles, rules
 
-_WITHIN_LOOPS = ("quotient_without_branches", "integrand", "integrand_and_slopes", "_slopes_at")
+_MODULES = (arithmetic, axis, poles, legs, corrected_axis, rules, blocks)
+_WITHOUT_BRANCHES = {
+    "quotient": "quotient_without_branches",
+    "modulus": "modulus_without_branches",
+    "square_root": "square_root_without_branches",
+    "axis_means": "axis_means_of_one",
+}
+_WITHIN_LOOPS = (
+    "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
+    "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_slopes_at", "step_to_root",
+    "is_settled", "pair_of_the_parabola", "effect_of_root", "clearance_of", "leg_unit", "leg_term",
+    "leg_slopes", "_node", "side_of", "twice_arcsine",
+)  # fmt: skip
 """Calls that would keep a loop from being vectorised."""
+
+
+def _state_of_sources() -> str:
+    """Digest the modules: numba keeps compiled code until the file of a function changes.
+
+    Part of the names, it makes changes in the files of what that calls count too.
+    """
+    sources = (Path(module.__file__ or "").read_bytes() for module in _MODULES)
+    return sha256(b"".join(sources)).hexdigest()[:12]
 
 
 @lru_cache(maxsize=1)
 def compiled_rules() -> dict[str, Any]:
-    """Return the functions of ``rules`` by name, each one compiled and calling the others so."""
+    """Return the functions of the rules by name, each one compiled and calling the others so."""
     from numba import njit
 
     options: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
-    namespace = dict(vars(rules))
-    for name, plain in vars(rules).items():
-        if isinstance(plain, FunctionType) and plain.__module__ == rules.__name__:
-            copy = FunctionType(plain.__code__, namespace, name)
-            copy.__module__, copy.__qualname__ = plain.__module__, plain.__qualname__
-            namespace[name] = njit(**options, forceinline=name in _WITHIN_LOOPS)(copy)
-    namespace["axis_means"] = namespace["axis_means_of_one"]
-    namespace["quotient"] = namespace["quotient_without_branches"]
+    state = _state_of_sources()
+    namespace: dict[str, Any] = {}
+    for module in _MODULES:
+        namespace |= vars(module)
+    for module in _MODULES:
+        for name, plain in vars(module).items():
+            if isinstance(plain, FunctionType) and plain.__module__ == module.__name__:
+                copy = FunctionType(plain.__code__, namespace, name)
+                copy.__module__, copy.__qualname__ = plain.__module__, f"{name}_{state}"
+                namespace[name] = njit(**options, forceinline=name in _WITHIN_LOOPS)(copy)
+    for plain_name, name in _WITHOUT_BRANCHES.items():
+        namespace[plain_name] = namespace[name]
     return namespace

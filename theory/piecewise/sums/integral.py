@@ -25,7 +25,8 @@ import numpy.typing as npt
 from theory.parameters import within
 from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling
-from theory.piecewise.sums import rules
+from theory.piecewise.sums import axis, rules
+from theory.piecewise.sums.beside_roots import means_of_block, sums_beside_roots
 from theory.piecewise.sums.compiled import compiled_rules
 from theory.piecewise.sums.result import KineticSum
 
@@ -141,13 +142,13 @@ def sums(
     v_, c_ = v_.ravel(), c_.ravel()
     fast = compiled_rules() if (v_.size >= MANY if compiled is None else compiled) else None
     if v_.size <= _FEW_VALUES and not fast:
-        found = _one_by_one(v_, c_, tolerance, slopes, None)
+        found = _one_by_one(v_, c_, tolerance, slopes)
         return _as_array(*found, shape, slopes)
     values, errors = np.empty((3, v_.size), dtype=complex), np.empty((3, v_.size))
-    points, truncation = rules.plan(v_, c_, tolerance)
+    points, truncation = axis.plan(v_, c_, tolerance)
     if v_.size < _FEW_POINTS and not fast:  # more points cost less than more groups
         power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
-        more = np.maximum(points, np.minimum(power, rules.MAX_PLAIN))
+        more = np.maximum(points, np.minimum(power, axis.MAX_PLAIN))
         points = np.where(points, more, 0.0).astype(np.int64)
     # sixteen bits are sorted in linear time, and no plain rule has as many points
     order = np.argsort(points.astype(np.int16), kind="stable")
@@ -160,8 +161,10 @@ def sums(
             )
             points[part] = count // 2
         else:
-            values[:, part], errors[:, part], points[part] = _one_by_one(
-                *at, tolerance, slopes, fast
+            values[:, part], errors[:, part], points[part] = (
+                sums_beside_roots(*at, tolerance, slopes, fast)
+                if fast
+                else _one_by_one(*at, tolerance, slopes)
             )
     return _as_array(values, errors, points, shape, slopes)
 
@@ -182,33 +185,26 @@ def _plain(
     fast: dict[str, Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
     """Return Σ and derivatives with no root taken away, and their error bounds, shapes (3, n)."""
-    values, sizes = np.zeros((3, v.size), dtype=complex), np.zeros((2, v.size))
     if fast:
-        q = 0.5 / v
-        re, im, squares = fast["block_values"](v, c, count)
-        values[0], sizes[0] = q * (re + 1j * im), q * np.sqrt(squares)
-        if slopes:
-            re, im, squares, re_c, im_c = fast["block_slopes"](v, c, count)
-            values[1], sizes[1] = -2.0 * q * q * (re + 1j * im), 2.0 * q * np.sqrt(squares)
-            values[2] = q * q * (im_c - 1j * re_c)
+        values, sizes = means_of_block(v, c, count, slopes, fast)
     else:
+        values, sizes = np.zeros((3, v.size), dtype=complex), np.zeros((2, v.size))
         piece = max(1, _PIECE // count)
         for start in range(0, v.size, piece):
             part = slice(start, start + piece)
-            found = rules.axis_means(v[part, None], c[part, None], count, slopes)
+            found = axis.axis_means(v[part, None], c[part, None], count, slopes)
             for row, column in zip((*values, *sizes), found, strict=True):
                 row[part] = column
     values[0] -= 1.0
-    rounding, rough = rules.plain_errors(v, c, truncation, *sizes)
+    rounding, rough = axis.plain_errors(v, c, truncation, *sizes)
     return values, np.stack([truncation + rounding, rough / v, rough / c])
 
 
 def _one_by_one(
-    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any] | None
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool
 ) -> tuple[ComplexArray, FloatArray, npt.NDArray[np.int64]]:
     """Return Σ, derivatives and error bounds, shapes (3, n), and points, by any rule."""
     values, errors = np.empty((3, v.size), dtype=complex), np.empty((3, v.size))
     points = np.empty(v.size, dtype=np.int64)
-    fill = fast["fill"] if fast else rules.fill
-    fill(v, c, tolerance, slopes, values, errors, points)
+    rules.fill(v, c, tolerance, slopes, values, errors, points)
     return values, errors, points

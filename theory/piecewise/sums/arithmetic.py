@@ -1,0 +1,101 @@
+"""Complex arithmetic of the rules for Σ: as Python has it, and as it vectorises.
+
+Compiled, a loop over many values is vectorised only where nothing in it branches or calls a
+library. Therefore ``theory.piecewise.sums.compiled`` puts the functions ``…_without_branches`` in
+place of those before them. They differ by roundings, and by range: squares of moduli must be
+numbers.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Any
+
+import numpy as np
+
+_PI = (math.floor(math.pi * 2.0**28) / 2.0**28, math.pi % 2.0**-28, math.sin(math.pi))
+"""π in three parts; n times the first has no rounding for n up to 2²³."""
+_SINE = tuple((-1) ** n / math.factorial(2 * n + 1) for n in range(12))
+_COSINE = tuple((-1) ** n / math.factorial(2 * n) for n in range(13))
+NEAR = 1.7
+"""Modulus up to which `sine_and_cosine_near` is exact but for rounding."""
+
+
+def quotient(x: Any, y: Any) -> Any:
+    """Return x/y; compiled without the branches of a complex division."""
+    return x / y
+
+
+def quotient_without_branches(x: complex, y: complex) -> complex:
+    """Return x/y where |y|² is neither too large nor too small for a number."""
+    return x * y.conjugate() * (1.0 / (y.real * y.real + y.imag * y.imag))
+
+
+def modulus(z: complex) -> float:
+    """Return |z|."""
+    return abs(z)
+
+
+def modulus_without_branches(z: complex) -> float:
+    """Return |z| where |z|² is neither too large nor too small for a number."""
+    return math.sqrt(z.real * z.real + z.imag * z.imag)
+
+
+def square_root(z: complex) -> complex:
+    """Return √z, Re √z ≥ 0."""
+    return cmath.sqrt(z)
+
+
+def square_root_without_branches(z: complex) -> complex:
+    """Return √z, Re √z ≥ 0, where |z|² is neither too large nor too small for a number."""
+    size = math.sqrt(z.real * z.real + z.imag * z.imag)
+    larger = math.sqrt(0.5 * (size + abs(z.real)))
+    smaller = 0.5 * abs(z.imag) / (larger + 1e-300)
+    re = larger if z.real >= 0.0 else smaller
+    im = smaller if z.real >= 0.0 else larger
+    return complex(re, im if z.imag >= 0.0 else -im)
+
+
+def cosine_and_sine(theta: float) -> tuple[float, float]:
+    """Return both for |θ| < 2²³, to 2e-16 beside the rounding of θ.
+
+    Points on the axis are few for larger θ only where v < 1e-4, and e^{-a} is zero.
+    Taylor's series of half of what is left of θ beside nπ, without branches: loops vectorise.
+    """
+    n = np.rint(theta * (1.0 / math.pi))
+    h = 0.5 * (((theta - n * _PI[0]) - n * _PI[1]) - n * _PI[2])
+    s = h * h
+    sine, cosine = _SINE[7], _COSINE[8]
+    sine = _SINE[6] + s * sine
+    sine = _SINE[5] + s * sine
+    sine = _SINE[4] + s * sine
+    sine = _SINE[3] + s * sine
+    sine = _SINE[2] + s * sine
+    sine = _SINE[1] + s * sine
+    sine = h + h * (s * sine)
+    cosine = _COSINE[7] + s * cosine
+    cosine = _COSINE[6] + s * cosine
+    cosine = _COSINE[5] + s * cosine
+    cosine = _COSINE[4] + s * cosine
+    cosine = _COSINE[3] + s * cosine
+    cosine = _COSINE[2] + s * cosine
+    cosine = 1.0 + s * (s * cosine - 0.5)
+    sign = 1.0 - 2.0 * abs(n - 2.0 * np.rint(0.5 * n))
+    return sign * (1.0 - 2.0 * sine * sine), sign * (2.0 * sine * cosine)
+
+
+def sine_and_cosine_near(z: complex) -> tuple[complex, complex]:
+    """Return sin z and cos z for |z| ≤ ``NEAR``, by Taylor's series."""
+    w = z * z
+    sine, cosine = w * _SINE[11] + _SINE[10], w * _COSINE[12] + _COSINE[11]
+    sine, cosine = w * sine + _SINE[9], w * cosine + _COSINE[10]
+    sine, cosine = w * sine + _SINE[8], w * cosine + _COSINE[9]
+    sine, cosine = w * sine + _SINE[7], w * cosine + _COSINE[8]
+    sine, cosine = w * sine + _SINE[6], w * cosine + _COSINE[7]
+    sine, cosine = w * sine + _SINE[5], w * cosine + _COSINE[6]
+    sine, cosine = w * sine + _SINE[4], w * cosine + _COSINE[5]
+    sine, cosine = w * sine + _SINE[3], w * cosine + _COSINE[4]
+    sine, cosine = w * sine + _SINE[2], w * cosine + _COSINE[3]
+    sine, cosine = w * sine + _SINE[1], w * cosine + _COSINE[2]
+    return z + z * (w * sine), 1.0 + w * (w * cosine - 0.5)

@@ -1,0 +1,263 @@
+"""Points on the real axis, no root taken away; see ``theory.piecewise.sums.rules``.
+
+The integrand as numbers, arrays and compiled loops over many values, how many points are taken,
+and the bounds of the errors.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from theory.piecewise.sums.arithmetic import cosine_and_sine, quotient
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from theory.piecewise.dispersion import ComplexArray, FloatArray
+
+    IntArray = npt.NDArray[np.int64]
+
+EPS = 2.0**-52
+SLOWEST = 0.08
+"""Below this velocity no root is near a path."""
+STEEPEST = 3.0
+"""Largest c/v on the real axis."""
+MAX_PLAIN = 400
+"""Points that are computed sooner than the roots that would save some of them."""
+_MAX_POINTS = 2.0**40
+"""Of the plain rule, in a compiled integer; so many are never taken."""
+_BLOCK = 256
+SLOPE_SHARE = 10.0
+"""Truncation of the derivatives by ln v and ln c, over that of Σ, at most."""
+
+
+def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
+    """Return N with no root taken away, at most some 10¹², and the bound, proved.
+
+    N is a multiple of 4, and up to an eighth larger than it need be so that few different N occur.
+
+    On |Im k| ≤ σ < s, c sinh s + vs = ½, both Re A ≥ ½ - c sinh σ and Re(a ± ik) ≥ d/v with
+    d = ½ - c sinh σ - vσ > 0, and S is the mean of coth((a ± ik)/2). So |G| ≤
+    coth(d/2v)/(1 - 2c sinh σ).
+    """
+    strip = 0.5 / (c + v)
+    if strip < 0.1:  # s is smaller by less than 0.2 per cent
+        strip *= 0.88
+        sinh = strip * (1.0 + 0.2 * strip * strip)
+    else:
+        strip = min(strip, math.log1p(1.0 / c))
+        for _ in range(3):  # from above, to within 0.5 per cent
+            grown = math.exp(strip)
+            back = 1.0 / grown
+            strip -= (c * (grown - back) + 2.0 * v * strip - 1.0) / (c * (grown + back) + 2.0 * v)
+        strip *= 0.88
+        grown = math.exp(strip)
+        sinh = 0.5 * (grown - 1.0 / grown)
+    gap = 0.5 - c * sinh
+    lost = -math.expm1(strip - gap / v)
+    peak = (2.0 - lost) / (lost * 2.0 * gap)
+    wanted = min(math.log(1.0 + 2.0 * peak / tolerance) / strip, _MAX_POINTS)
+    unit = 4.0
+    while wanted > 16.0 * unit:
+        unit *= 2.0
+    count = max(8, int(unit * math.ceil(wanted / unit)))
+    return count, 2.0 * peak / math.expm1(count * strip)
+
+
+def is_plain(v: Any, c: Any, count: Any) -> Any:
+    """Return whether points on the real axis alone are the fastest rule, or the only one."""
+    return (count <= MAX_PLAIN) | ((v < SLOWEST) & (c <= STEEPEST * v))
+
+
+def integrand(E: Any, a: Any, X4: Any) -> Any:
+    """Return S/a = 2vG, E = e^{-a} and X4 = 4 sin²(k/2): of numbers, arrays, or compiled."""
+    F = 1.0 - E
+    return quotient(F + E * F, (F * F + X4 * E) * a)
+
+
+def integrand_and_slopes(E: Any, a: Any, X4: Any) -> tuple[Any, Any, Any]:
+    """Return S/a, S_a = -2v² ∂G/∂v, and (S_a - S/a) X4/a = 4iv² ∂G/∂c; see `integrand`."""
+    F = 1.0 - E
+    D = F * F + X4 * E
+    inverse = quotient(1.0, D * a)
+    g, over_D = (F + E * F) * inverse, a * inverse
+    S_a = E * (X4 * (1.0 + E * E) - 2.0 * F * F) * over_D * over_D
+    return g, S_a, (S_a - g) * X4 * (D * inverse)
+
+
+@lru_cache(maxsize=256)
+def _nodes(count: int) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return X4 and -X4 i/2 at half of ``count`` points, the others being mirrored; and weights."""
+    half = (np.arange(count // 2) + 0.5) * (math.pi / count)
+    X4 = 4.0 * np.sin(half) ** 2 + 0j
+    return X4, -0.5j * X4, np.full(count // 2, 2.0 / count + 0j)
+
+
+def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any, Any, Any]:
+    """Return the mean of G, ∂G/∂v, ∂G/∂c over the points, and rms of |G| and |∂G/∂ ln v|.
+
+    v and c are numbers, or arrays whose last axis has length one, and is summed over.
+    """
+    X4, turn, weights = _nodes(count)
+    single = isinstance(v, float)
+    dot = np.vdot if single else np.vecdot  # without threads
+    a = turn * (c / v) + 0.5 / v
+    E = np.exp(-a)
+    q = 0.5 / (v if single else v[..., 0])
+    if not slopes:
+        g = integrand(E, a, X4)
+        return dot(weights, g) * q, 0j, 0j, (dot(g, g).real * (2.0 / count)) ** 0.5 * q, 0.0
+    g, S_a, h = integrand_and_slopes(E, a, X4)
+    return (
+        dot(weights, g) * q,
+        dot(weights, S_a) * (-2.0 * q * q),
+        dot(weights, h) * (-1j * q * q),
+        (dot(g, g).real * (2.0 / count)) ** 0.5 * q,
+        (dot(S_a, S_a).real * (2.0 / count)) ** 0.5 * (2.0 * q),
+    )
+
+
+def axis_means_of_one(
+    v: float, c: float, count: int, slopes: bool
+) -> tuple[complex, complex, complex, float, float]:
+    """Return what `axis_means` does, for numbers, as a loop: what the compiled rules call."""
+    by_v, by_c, total, squares, steep = 0j, 0j, 0j, 0.0, 0.0
+    q = 0.5 / v
+    for j in range(count // 2):
+        half = math.sin((j + 0.5) * (math.pi / count))
+        X4 = 4.0 * half * half
+        a = complex(q, -X4 * q * c)
+        E = cmath.exp(-a)
+        if slopes:
+            g, S_a, h = integrand_and_slopes(E, a, X4)
+            by_v += S_a
+            by_c += h
+            steep += S_a.real * S_a.real + S_a.imag * S_a.imag
+        else:
+            g = integrand(E, a, X4)
+        total += g
+        squares += g.real * g.real + g.imag * g.imag
+    weight = 2.0 / count
+    return (
+        total * (weight * q),
+        by_v * (-2.0 * weight * q * q),
+        by_c * (-1j * weight * q * q),
+        math.sqrt(weight * squares) * q,
+        math.sqrt(weight * steep) * (2.0 * q),
+    )
+
+
+def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
+    """Add Re and Im of S/a, and its |.|², at X and at 1 - X; ``at`` are rows from `_prepared`."""
+    q, turn, decay, P_re, P_im = at[0], at[1], at[2], at[3], at[4]
+    re, im, squares = sums[0], sums[1], sums[2]
+    for i in range(turn.size):
+        theta = turn[i] * X
+        x, y = cosine_and_sine(theta)
+        E = complex(decay[i] * x, decay[i] * y)
+        g = integrand(E, complex(q[i], -theta), 4.0 * X)
+        E = complex(P_re[i] * x + P_im[i] * y, P_im[i] * x - P_re[i] * y)
+        h = integrand(E, complex(q[i], theta - turn[i]), 4.0 - 4.0 * X)
+        re[i] += g.real + h.real
+        im[i] += g.imag + h.imag
+        squares[i] += g.real * g.real + g.imag * g.imag + h.real * h.real + h.imag * h.imag
+
+
+def _slopes_at(X: float, q: float, turn: float, decay: float) -> tuple[complex, complex]:
+    """Return the last two that `integrand_and_slopes` returns, at X."""
+    theta = turn * X
+    x, y = cosine_and_sine(theta)
+    E = complex(decay * x, decay * y)
+    _, S_a, h = integrand_and_slopes(E, complex(q, -theta), 4.0 * X)
+    return S_a, h
+
+
+def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
+    """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X."""
+    q, turn, decay = at[0], at[1], at[2]
+    for i in range(turn.size):  # two loops: one that writes both is not vectorised
+        S_a, _ = _slopes_at(X, q[i], turn[i], decay[i])
+        sums[0, i] += S_a.real
+        sums[1, i] += S_a.imag
+        sums[2, i] += S_a.real * S_a.real + S_a.imag * S_a.imag
+    for i in range(turn.size):
+        _, h = _slopes_at(X, q[i], turn[i], decay[i])
+        sums[3, i] += h.real
+        sums[4, i] += h.imag
+
+
+def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:
+    """Return 1/2v, 2c/v, d = e^{-1/2v}, and Re and Im of d e^{2ic/v}, as rows."""
+    at = np.empty((5, v.size))
+    for i in range(v.size):
+        q = 0.5 / v[i]
+        turn, decay = 4.0 * q * c[i], math.exp(-q)
+        at[0, i], at[1, i], at[2, i] = q, turn, decay
+        at[3, i], at[4, i] = decay * math.cos(turn), decay * math.sin(turn)
+    return at
+
+
+def block_values(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
+    """Return the means of Re and Im of S/a and of its |.|² as rows.
+
+    For compilation: the loop over values is the inner one. ``count`` must be a multiple of 4.
+    """
+    means = np.empty((3, v.size))
+    for first in range(0, v.size, _BLOCK):
+        at = _prepared(v[first : first + _BLOCK], c[first : first + _BLOCK])
+        sums = np.zeros((3, at.shape[1]))
+        for j in range(count // 4):
+            half = math.sin((j + 0.5) * (math.pi / count))
+            _add_values(half * half, at, sums)
+        for i in range(at.shape[1]):
+            for row in range(3):
+                means[row, first + i] = sums[row, i] * (2.0 / count)
+    return means
+
+
+def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
+    """Return the means of Re, Im and |.|² of S_a, and of Re and Im of (S_a - S/a) X4/a, as rows.
+
+    As `block_values`.
+    """
+    means = np.empty((5, v.size))
+    for first in range(0, v.size, _BLOCK):
+        at = _prepared(v[first : first + _BLOCK], c[first : first + _BLOCK])
+        sums = np.zeros((5, at.shape[1]))
+        for j in range(count // 2):
+            half = math.sin((j + 0.5) * (math.pi / count))
+            _add_slopes(half * half, at, sums)
+        for i in range(at.shape[1]):
+            for row in range(5):
+                means[row, first + i] = sums[row, i] * (2.0 / count)
+    return means
+
+
+def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
+    """Return what `plain_points` does for arrays, but 0 points where another rule is taken."""
+    strip = np.minimum(0.5 / (c + v), np.log1p(1.0 / c))
+    for _ in range(3):
+        strip -= (c * np.sinh(strip) + v * strip - 0.5) / (c * np.cosh(strip) + v)
+    strip *= 0.88
+    gap = 0.5 - c * np.sinh(strip)
+    lost = -np.expm1(strip - gap / v)
+    peak = (2.0 - lost) / (lost * 2.0 * gap)
+    wanted = np.minimum(np.log1p(2.0 * peak / tolerance) / strip, _MAX_POINTS)
+    unit = 4.0 * np.exp2(np.maximum(np.ceil(np.log2(wanted / 64.0)), 0.0))
+    counts = np.maximum(unit * np.ceil(wanted / unit), 8.0)
+    truncation = 2.0 * peak / np.expm1(counts * strip)
+    return np.where(is_plain(v, c, counts), counts, 0.0).astype(np.int64), truncation
+
+
+def plain_errors(
+    v: Any, c: Any, truncation: Any, size: Any, steep: Any
+) -> tuple[Any, Any]:  # fmt: skip
+    """Return bounds of the rounding of Σ, and of the errors of v ∂Σ/∂v and c ∂Σ/∂c."""
+    phase = 1.0 + np.exp(-0.5 / v) * c / v  # of e^{-a}, which loses digits in it
+    rounding = 8.0 * EPS * (size + 1.0) * phase
+    return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + steep) * phase

@@ -1,0 +1,273 @@
+"""Loops over many values of Σ where roots are taken away, for compilation.
+
+The loop over values is the innermost, free of branches and of calls, and so vectorised.
+``theory.piecewise.sums.beside_roots`` puts the loops together.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from theory.piecewise.sums.arithmetic import cosine_and_sine, modulus, sine_and_cosine_near
+from theory.piecewise.sums.corrected_axis import (
+    PAIR_FROM,
+    points_beside_roots,
+    points_off_roots,
+    strip_of_what_is_left,
+)
+from theory.piecewise.sums.legs import (
+    LEG_SHARE,
+    clearance_of,
+    leg_nodes,
+    leg_slopes,
+    leg_term,
+    leg_unit,
+    phase_rate,
+    second_phase,
+    still_part,
+)
+from theory.piecewise.sums.poles import (
+    effect_of_root,
+    is_settled,
+    pair_of_the_parabola,
+    resonant_pair,
+    side_of,
+    step_to_root,
+    two_roots_near,
+)
+
+if TYPE_CHECKING:
+    from theory.piecewise.dispersion import FloatArray
+
+_LARGEST_EXPONENT = 100.0
+"""Of e^z, beyond which the effect of a root is none."""
+
+
+def plan_legs(
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, second: bool, plan: FloatArray
+) -> None:
+    """Write step, number of nodes, truncation and phase of one leg as rows."""
+    for i in range(v.size):
+        wanted = LEG_SHARE * tolerance / (phase_rate(v[i], c[i], second) if slopes else 1.0)
+        far = 2.0 * modulus(complex(0.5, 2.0 * c[i])) if second else 1.0
+        step, count, truncation = leg_nodes(wanted, v[i], c[i] / v[i], far, second)
+        plan[0, i], plan[1, i], plan[2, i] = step, count, truncation
+        plan[3, i] = second_phase(v[i], c[i]) if second else 0.0
+
+
+def start_roots(q: FloatArray, psi: FloatArray, rho: FloatArray, pair: FloatArray) -> None:
+    """Write starting points of two roots into the first two rows of each table."""
+    n = q.size
+    meet = pair[0, 2]
+    for i in range(n):
+        one, other, nearly = pair_of_the_parabola(q[i], psi[i], rho[i])
+        pair[0, 0, i], pair[0, 1, i] = one.real, one.imag
+        pair[1, 0, i], pair[1, 1, i] = other.real, other.imag
+        meet[i] = 1.0 if nearly else 0.0
+    for i in range(n):
+        if meet[i] > 0.0:
+            one, other = two_roots_near(q[i], psi[i], rho[i])
+            pair[0, 0, i], pair[0, 1, i] = one.real, one.imag
+            pair[1, 0, i], pair[1, 1, i] = other.real, other.imag
+
+
+def halves(at: FloatArray) -> None:
+    """Write sin(p/2) and cos(p/2) below p."""
+    p_re, p_im, sine_re, sine_im, cosine_re, cosine_im = at[0], at[1], at[2], at[3], at[4], at[5]
+    for i in range(at.shape[1]):
+        sine, cosine = sine_and_cosine_near(complex(0.5 * p_re[i], 0.5 * p_im[i]))
+        sine_re[i], sine_im[i] = sine.real, sine.imag
+        cosine_re[i], cosine_im[i] = cosine.real, cosine.imag
+
+
+def step_all(
+    at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, moving: FloatArray
+) -> None:
+    """Take a step to each root that moves; stop the settled."""
+    p_re, p_im, sine_re, sine_im, cosine_re, cosine_im = at[0], at[1], at[2], at[3], at[4], at[5]
+    for i in range(q.size):
+        p = complex(p_re[i], p_im[i])
+        sine, cosine = complex(sine_re[i], sine_im[i]), complex(cosine_re[i], cosine_im[i])
+        step, steep = step_to_root(p, sine, cosine, q[i], psi[i], rho[i])
+        p += moving[i] * step
+        p_re[i], p_im[i] = p.real, p.imag
+        moving[i] = 0.0 if is_settled(p, step, steep, rho[i]) else moving[i]
+
+
+def exponents_on_legs(
+    rho: FloatArray, step: FloatArray, at: FloatArray, power: FloatArray, turn: FloatArray
+) -> None:
+    """Write Re and Im of z and of its derivative by p as rows; see `legs`."""
+    for i in range(rho.size):
+        unit = leg_unit(rho[i], step[i], side_of(at[1, i]))
+        exponent = unit * complex(at[2, i], at[3, i])
+        power[0, i], power[1, i] = exponent.real, exponent.imag
+        turned = 0.5 * unit * complex(at[4, i], at[5, i])
+        turn[0, i], turn[1, i] = turned.real, turned.imag
+
+
+def exponents_on_axis(
+    count: FloatArray, at: FloatArray, power: FloatArray, turn: FloatArray
+) -> None:
+    """Write Re and Im of z and of its derivative by p as rows; see `corrected_axis`."""
+    for i in range(count.size):
+        turn[0, i], turn[1, i] = 0.0, -side_of(at[1, i]) * count[i]
+        power[0, i], power[1, i] = -turn[1, i] * at[1, i], turn[1, i] * at[0, i]
+
+
+def exponentials(z: FloatArray) -> None:
+    """Write Re and Im of e^z in place of those of z."""
+    re, im, size = z[0], z[1], z[2]
+    for i in range(re.size):
+        size[i] = math.exp(min(re[i], _LARGEST_EXPONENT))
+    for i in range(re.size):
+        x, y = cosine_and_sine(im[i])
+        re[i], im[i] = size[i] * x, size[i] * y
+
+
+def clearances(power: FloatArray, halfway: FloatArray, whole: FloatArray) -> None:
+    """Lower how near a root comes to nodes that begin halfway, and at 0."""
+    for i in range(halfway.size):
+        grown = complex(power[0, i], power[1, i])
+        halfway[i] = min(halfway[i], clearance_of(grown, -1.0))
+        whole[i] = min(whole[i], clearance_of(grown, 1.0))
+
+
+def add_effects(
+    v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
+    turn: FloatArray, sign: FloatArray, wanted: FloatArray, effects: FloatArray,
+) -> None:  # fmt: skip
+    """Add Re and Im of the effects of one root each, where wanted, and their roundings."""
+    re, im, shifts = effects[0], effects[1], effects[6]
+    p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
+    power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
+    for i in range(v.size):
+        root = complex(p_re[i], p_im[i]), complex(s_re[i], s_im[i]), complex(c_re[i], c_im[i])
+        value, _, _, shift, _ = effect_of_root(
+            root, complex(p_re[i] + along[i], p_im[i]), v[i], c[i],
+            complex(power_re[i], power_im[i]), complex(turn_re[i], turn_im[i]), sign[i],
+        )  # fmt: skip
+        side = wanted[i] * side_of(p_im[i])
+        re[i] += side * value.real
+        im[i] += side * value.imag
+        shifts[i] += wanted[i] * shift
+
+
+def add_effect_slopes(
+    v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
+    turn: FloatArray, sign: FloatArray, wanted: FloatArray, effects: FloatArray,
+) -> None:  # fmt: skip
+    """Add the derivatives of the effects of one root each, where wanted, and their roundings."""
+    v_re, v_im, by_re, by_im, gains = effects[2], effects[3], effects[4], effects[5], effects[7]
+    p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
+    power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
+    for i in range(v.size):
+        root = complex(p_re[i], p_im[i]), complex(s_re[i], s_im[i]), complex(c_re[i], c_im[i])
+        _, by_v, by_c, _, gain = effect_of_root(
+            root, complex(p_re[i] + along[i], p_im[i]), v[i], c[i],
+            complex(power_re[i], power_im[i]), complex(turn_re[i], turn_im[i]), sign[i],
+        )  # fmt: skip
+        side = wanted[i] * side_of(p_im[i])
+        v_re[i] += side * by_v.real
+        v_im[i] += side * by_v.imag
+        by_re[i] += side * by_c.real
+        by_im[i] += side * by_c.imag
+        gains[i] += wanted[i] * gain
+
+
+def start_nodes(
+    v: FloatArray, psi: FloatArray, step: FloatArray, offset: FloatArray, at: FloatArray
+) -> None:
+    """Write Re and Im of e^{-a} at u = 0, e^{-u²} at the first node, and what it is multiplied by.
+
+    The last two rows: from node to node e^{-u²} goes by the one, and that by the other. Their
+    roundings add up where e^{-u²} is small.
+    """
+    for i in range(v.size):
+        decay, square = math.exp(-0.5 / v[i]), step[i] * step[i]
+        x, y = cosine_and_sine(psi[i])
+        at[0, i], at[1, i] = decay * x, -decay * y
+        at[2, i] = math.exp(-offset[i] * offset[i] * square)
+        at[3, i] = math.exp(-(2.0 * offset[i] + 1.0) * square)
+        at[4, i] = math.exp(-2.0 * square)
+
+
+def next_nodes(at: FloatArray) -> None:
+    """Go to the next node; see `start_nodes`."""
+    gauss, factor, second = at[2], at[3], at[4]
+    for i in range(gauss.size):
+        gauss[i] *= factor[i]
+        factor[i] *= second[i]
+
+
+def _node(
+    j: int, v: float, c: float, step: float, offset: float, count: float, second: bool
+) -> tuple[float, complex, float]:
+    """Return Y, A and the share of the term at a node."""
+    u = (j + offset) * step
+    A = complex(0.5 + v * u * u, 2.0 * c if second else 0.0)
+    return 0.5 * v / c * u * u, A, (0.5 if u == 0.0 else 1.0) * (1.0 if j < count else 0.0)
+
+
+def add_nodes(
+    j: int, v: FloatArray, c: FloatArray, step: FloatArray, offset: FloatArray, count: FloatArray,
+    at: FloatArray, second: bool, sums: FloatArray,
+) -> None:  # fmt: skip
+    """Add Re and Im of g, and |g|, at node j."""
+    phase_re, phase_im, gauss = at[0], at[1], at[2]
+    re, im, size = sums[0], sums[1], sums[2]
+    for i in range(v.size):
+        Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
+        g = leg_term(complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i]), Y, A)
+        re[i] += share * g.real
+        im[i] += share * g.imag
+        size[i] += share * modulus(g)
+
+
+def add_node_slopes(
+    j: int, v: FloatArray, c: FloatArray, step: FloatArray, offset: FloatArray, count: FloatArray,
+    at: FloatArray, second: bool, sums: FloatArray,
+) -> None:  # fmt: skip
+    """Add Re and Im of the derivatives of g, and |.| of the first, at node j."""
+    phase_re, phase_im, gauss = at[0], at[1], at[2]
+    for i in range(v.size):
+        Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
+        E = complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i])
+        g_v, g_c = leg_slopes(E, Y, A, v[i], second)
+        sums[3, i] += share * g_v.real
+        sums[4, i] += share * g_v.imag
+        sums[5, i] += share * modulus(g_v)
+        sums[6, i] += share * g_c.real
+        sums[7, i] += share * g_c.imag
+
+
+def still_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:
+    """Write Re and Im of what `legs.still_part` returns as rows."""
+    for i in range(v.size):
+        still, by_c = still_part(v[i], c[i], step[i])
+        parts[0, i], parts[1, i], parts[2, i], parts[3, i] = (
+            still.real, still.imag, by_c.real, by_c.imag,
+        )  # fmt: skip
+
+
+def start_resonant_pairs(q: FloatArray, rho: FloatArray, roots: FloatArray) -> None:
+    """Write starting points of the pair that meets in resonance, where it is taken away."""
+    for i in range(q.size):
+        if rho[i] > PAIR_FROM:
+            above, below = resonant_pair(q[i], rho[i])
+            roots[1, 0, i], roots[1, 1, i] = above.real, above.imag
+            roots[2, 0, i], roots[2, 1, i] = below.real, below.imag
+
+
+def plan_axis(
+    v: FloatArray, c: FloatArray, tolerance: float, roots: FloatArray, plan: FloatArray
+) -> None:
+    """Write the number of points on the axis, and the truncation, as rows."""
+    for i in range(v.size):
+        depth, bound = strip_of_what_is_left(v[i], c[i])
+        count = points_beside_roots(bound, tolerance, depth)
+        if c[i] / v[i] > PAIR_FROM:
+            above = complex(roots[1, 0, i], roots[1, 1, i])
+            count = points_off_roots(above, complex(roots[2, 0, i], roots[2, 1, i]), count)
+        plan[0, i], plan[1, i] = count, 2.0 * bound / math.expm1(count * depth)

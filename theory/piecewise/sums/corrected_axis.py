@@ -1,0 +1,85 @@
+"""Points on the real axis, one root or three taken away; see ``theory.piecewise.sums.rules``."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Any
+
+from theory.piecewise.sums.axis import EPS, SLOPE_SHARE, axis_means
+from theory.piecewise.sums.poles import (
+    effect_of_root,
+    grown,
+    resonant_pair,
+    root_near,
+    side_of,
+    two_roots_near,
+)
+
+PAIR_FROM = 1.0
+"""c/v from which the pair that meets in resonance is taken away too."""
+
+
+def strip_of_what_is_left(v: float, c: float) -> tuple[float, float]:
+    """Return σ and a bound of |G̃| on |Im k| = σ."""
+    rho = c / v
+    if rho > PAIR_FROM:
+        return math.acosh(9.0 / rho - 1.0) - 0.25, 1.0 / (1.0 + c)
+    return math.acosh(1.7 / rho), 2.5 / (1.0 + c)
+
+
+def points_beside_roots(bound: float, tolerance: float, depth: float) -> int:
+    """Return the N, a multiple of 4, with 2 bound/(e^{N depth} - 1) ≤ tolerance."""
+    return max(8, 4 * math.ceil(0.25 * math.log1p(2.0 * bound / tolerance) / depth))
+
+
+def is_at_a_point(k: complex, count: int) -> bool:
+    """Return whether a root k above the axis is so near a point of the rule that digits go."""
+    return k.imag * count < 3.0 and abs(1.0 + cmath.exp(-1j * count * k)) < 0.5
+
+
+def points_off_roots(above: complex, below: complex, count: int) -> int:
+    """Return the number of points from ``count`` on of which none is at a root of the pair."""
+    for _ in range(4):
+        if is_at_a_point(above, count) or is_at_a_point(-below, count):
+            count += 4
+    return count
+
+
+def corrected_errors(
+    truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
+) -> tuple[Any, Any]:
+    """Return bounds of the rounding, and of the errors of the derivatives by ln v and ln c."""
+    rounding = 8.0 * EPS * (size + 1.0 + shifts)
+    return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + steep + gains)
+
+
+def corrected_axis(
+    v: float, c: float, tolerance: float, slopes: bool
+) -> tuple[complex, complex, complex, float, float, float, int]:
+    """Return Σ by points on the real axis and the roots beside it; see `rules.sum_at`."""
+    rho, q = c / v, 0.5 / v
+    near = root_near(two_roots_near(q, 0.0, rho)[0], q, 0.0, rho)
+    depth, bound = strip_of_what_is_left(v, c)
+    count = points_beside_roots(bound, tolerance, depth)
+    above, below = near, near
+    if rho > PAIR_FROM:
+        first, second = resonant_pair(q, rho)
+        above, below = root_near(first, q, 0.0, rho), root_near(second, q, 0.0, rho)
+        count = points_off_roots(above[0], below[0], count)
+    value, by_v, by_c, size, steep = axis_means(v, c, count, slopes)
+    value -= 1.0
+    shifts, gains = 0.0, 0.0
+    for i in range(3 if rho > PAIR_FROM else 1):
+        root = near if i == 0 else above if i == 1 else below
+        side = side_of(root[0].imag)
+        turn = -1j * side * count
+        found = effect_of_root(root, root[0], v, c, grown(turn * root[0]), turn, -1.0)
+        value -= side * found[0]
+        by_v -= side * found[1]
+        by_c -= side * found[2]
+        shifts += found[3]
+        gains += found[4]
+    truncation = 2.0 * bound / math.expm1(count * depth)
+    rounding, rough = corrected_errors(truncation, float(size), float(steep), shifts, gains)
+    return value, by_v, by_c, truncation, rounding, rough, count // 2

@@ -1,0 +1,216 @@
+"""The two legs of the path for c > 3v; see ``theory.piecewise.sums.rules``."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Any
+
+from theory.piecewise.sums.arithmetic import modulus, quotient, square_root
+from theory.piecewise.sums.axis import EPS, SLOPE_SHARE, SLOWEST
+from theory.piecewise.sums.poles import (
+    TURN,
+    effect_of_root,
+    grown,
+    root_near,
+    side_of,
+    two_roots_near,
+)
+
+_EIGHTH = cmath.exp(0.25j * math.pi)
+_BACK = cmath.exp(-0.75j * math.pi)  # -i over that
+_DEPTH = 1.6
+LEG_SHARE = 0.4
+"""Of the tolerance, for each leg."""
+CLEAR = 0.5
+"""|e^z ∓ 1| from which a root is far enough from every node."""
+
+
+def _leg_size(rho: float, far: float, second: bool) -> float:
+    """Bound (1/π) ∫|g̃| du along Im u = 1.6, where ``far`` is |2A| at u = 0."""
+    return (3.0 if not second else 6.0 if rho > 6.3 else 130.0) / (math.sqrt(rho) * far)
+
+
+def leg_nodes(
+    tolerance: float, v: float, rho: float, far: float, second: bool
+) -> tuple[float, int, float]:
+    """Return the step, the number of nodes, and the bound of the error, both ends included.
+
+    Beyond u = U ≥ √3 the terms are below 2.7 (1 + 2Y) e^{-q - u²} √m/|A|.
+    """
+    size = _leg_size(rho, far, second)
+    wanted = math.log1p(1.5 * size / tolerance)
+    step = TURN * _DEPTH / wanted
+    m, q = 0.5 / rho, 0.5 / v
+    U = math.sqrt(max(3.0, math.log1p(4.0 / (math.sqrt(rho) * far * tolerance)) - q))
+    count = math.ceil(U / step)
+    U = count * step
+    rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * math.exp(-q - U * U) / math.pi
+    rest *= step / (-math.expm1(-2.0 * U * step) * max(0.5 * far, v * U * U))
+    return step, count, tolerance / 1.5 + rest  # size/(e^wanted - 1), and what lies beyond U
+
+
+def phase_rate(v: Any, c: Any, second: bool) -> Any:
+    """Return how fast the phase of the leg, and what is left out, turns with ln v or ln c."""
+    return 1.0 + c / v if second else 1.0
+
+
+def leg_term(E: complex, Y: float, A: complex) -> complex:
+    """Return g = (S - 1)/(2A) dk/du, k from where the leg begins, but for a constant factor."""
+    F = 1.0 - E
+    D = F * F + 4j * Y * E
+    g: complex = quotient(E * (F - 2j * Y), D * A * square_root(1.0 - 1j * Y))
+    return g
+
+
+def leg_slopes(E: complex, Y: float, A: complex, v: float, second: bool) -> tuple[complex, complex]:
+    """Return ∂g/∂v and ∂g/∂c at fixed nodes, the first times -v²; see `leg_term`."""
+    g = leg_term(E, Y, A)
+    F = 1.0 - E
+    D = F * F + 4j * Y * E
+    S_a = quotient(E * (2j * Y * (1.0 + E * E) - F * F), D * D * square_root(1.0 - 1j * Y))
+    A_c = complex(2.0 * Y, 2.0 if second else 0.0)
+    return S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
+
+
+def leg_weight(v: Any, c: Any, step: Any) -> Any:
+    """Return the constant factor of the terms."""
+    return 2.0 * _EIGHTH * (0.5 * v / c) ** 0.5 * step / math.pi
+
+
+def _on_a_leg(
+    v: float, c: float, psi: float, second: bool, nodes: tuple[float, int, float], slopes: bool
+) -> tuple[complex, complex, complex, float, float]:
+    """Return (1/π)∫g du over the nodes of one leg, derivatives, and sums of moduli.
+
+    ``nodes`` are the step, their number and the place of the first one in steps, ½ or 0.
+    """
+    step, count, offset = nodes
+    m = 0.5 * v / c
+    phase = math.exp(-0.5 / v) * cmath.exp(-1j * psi)
+    turned = 2.0 * c if second else 0.0
+    total, by_v, by_c, size, steep = 0j, 0j, 0j, 0.0, 0.0
+    for j in range(count):
+        u = (j + offset) * step
+        square = u * u
+        E, A = phase * math.exp(-square), complex(0.5 + v * square, turned)
+        share = 0.5 if u == 0.0 else 1.0
+        g = leg_term(E, m * square, A)
+        total += share * g
+        size += share * modulus(g)
+        if slopes:
+            g_v, g_c = leg_slopes(E, m * square, A, v, second)
+            by_v += share * g_v
+            by_c += share * g_c
+            steep += share * modulus(g_v)
+    weight = leg_weight(v, c, step)
+    width = abs(weight)
+    return weight * total, -weight / (v * v) * by_v, weight * by_c, width * size, width * steep / v
+
+
+def other_phase(psi: float, j: int) -> float:
+    """Return the phase that roots j = 0, 1 beside a leg are taken with, and that of 2, 3."""
+    return psi if j < 2 else psi - math.copysign(TURN, psi)
+
+
+def leg_unit(rho: float, step: float, side: float) -> complex:
+    """Return z over sin(p/2), for roots above (1) or below the path (-1)."""
+    return _BACK * (TURN * side / (step * math.sqrt(0.5 / rho)))
+
+
+def clearance_of(power: complex, sign: float) -> float:
+    """Return how near a root comes to a node: 0 on it."""
+    return modulus(sign * power - 1.0)
+
+
+def _roots_on_a_leg(
+    v: float, c: float, psi: float, second: bool, step: float, offset: float
+) -> tuple[complex, complex, complex, float, float, float]:
+    """Return the effect of the roots beside one leg, to be taken away, and its derivatives.
+
+    Last come the two roundings, and how near a root comes to a node: small where digits are lost.
+    """
+    rho, q = c / v, 0.5 / v
+    sign = 1.0 if offset == 0.0 else -1.0
+    value, by_v, by_c, shifts, gains, clearance = 0j, 0j, 0j, 0.0, 0.0, 1.0
+    for j in range(4 if second else 2):
+        psi_j = other_phase(psi, j)
+        root = root_near(two_roots_near(q, psi_j, rho)[j % 2], q, psi_j, rho)
+        wave = root[0] + (2.0 * rho - psi_j) if second else root[0]
+        side = side_of(root[0].imag)
+        unit = leg_unit(rho, step, side)
+        power = grown(unit * root[1])
+        found = effect_of_root(root, wave, v, c, power, 0.5 * unit * root[2], sign)
+        clearance = min(clearance, clearance_of(power, sign))
+        value += side * found[0]
+        by_v += side * found[1]
+        by_c += side * found[2]
+        shifts += found[3]
+        gains += found[4]
+    return value, by_v, by_c, shifts, gains, clearance
+
+
+def _leg(
+    v: float, c: float, psi: float, second: bool, tolerance: float, slopes: bool
+) -> tuple[complex, complex, complex, float, float, float, float, int]:
+    """Return one leg's part of Σ, slopes, error bounds, step and number; ψ = 0 for the first."""
+    A_0 = complex(0.5, 2.0 * c if second else 0.0)
+    if slopes:
+        tolerance /= phase_rate(v, c, second)
+    step, count, truncation = leg_nodes(tolerance, v, c / v, 2.0 * abs(A_0), second)
+    offset = 0.5
+    taken = (0j, 0j, 0j, 0.0, 0.0, 1.0)
+    if v >= SLOWEST:
+        taken = _roots_on_a_leg(v, c, psi, second, step, offset)
+        if second and taken[5] < CLEAR:
+            other = _roots_on_a_leg(v, c, psi, second, step, 0.0)
+            if other[5] > taken[5]:
+                offset, taken = 0.0, other
+    value, by_v, by_c, size, steep = _on_a_leg(v, c, psi, second, (step, count, offset), slopes)
+    bounds = leg_errors(v, c, second, truncation, size, steep, taken[3], taken[4])
+    return (
+        value - taken[0], by_v - taken[1], by_c - taken[2], truncation, bounds[0], bounds[1], step,
+        count,
+    )  # fmt: skip
+
+
+def leg_errors(
+    v: Any, c: Any, second: bool, truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
+) -> tuple[Any, Any]:
+    """Return bounds of the rounding of one leg, and of the errors of its derivatives."""
+    phase = 1.0 + 2.0 * c / v if second else 1.0
+    rough = SLOPE_SHARE * phase_rate(v, c, second) * truncation
+    return 8.0 * EPS * (size * phase + shifts), rough + 8.0 * EPS * (steep * phase + gains)
+
+
+def still_part(v: float, c: float, step: float) -> tuple[complex, complex]:
+    """Return what the nodes of the first leg make of 1/√(1 - 4ic), and its derivative by c."""
+    still = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
+    pole = math.pi / (step * math.sqrt(2.0 * v))  # that of -1/2A, at u = i/√(2v)
+    share = math.tanh(pole)
+    # at fixed nodes the place of the pole goes like c^{-1/2} and does not depend on v
+    by_c = still * (2j * still * still * share - 0.5 * pole / c * (1.0 - share * share))
+    return share * still, by_c
+
+
+def second_phase(v: float, c: float) -> float:
+    """Return the phase ψ of e^{-a} on the second leg, from -π to π."""
+    return 2.0 * c / v % TURN - math.pi
+
+
+def arch(
+    v: float, c: float, tolerance: float, slopes: bool
+) -> tuple[complex, complex, complex, float, float, float, int]:
+    """Return Σ by the two legs; see ``theory.piecewise.sums.rules.sum_at``."""
+    first = _leg(v, c, 0.0, False, LEG_SHARE * tolerance, slopes)
+    second = _leg(v, c, second_phase(v, c), True, LEG_SHARE * tolerance, slopes)
+    still, by_c = still_part(v, c, first[6])
+    return (
+        still - 1.0 + first[0] + second[0].conjugate(),
+        first[1] + second[1].conjugate(),
+        by_c + first[2] + second[2].conjugate(),
+        first[3] + second[3],
+        8.0 * EPS + first[4] + second[4],
+        8.0 * EPS + first[5] + second[5],
+        first[7] + second[7],
+    )

@@ -25,7 +25,7 @@ from scipy.integrate import DOP853
 
 from benchmarks.work_precision import Report
 from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.piecewise.sums import rules
+from theory.piecewise.sums import arithmetic, axis
 from theory.piecewise.sums.integral import MANY, sums
 from verification.execution.compiled import njit
 from verification.runs.excite import excite
@@ -179,14 +179,14 @@ def of_sums(v: np.ndarray, c: np.ndarray, tolerance: float) -> Operations:
     def number(real: Any, imag: Any) -> Counting:
         return Counting(complex(*(x.value for x in (real, imag))), done)
 
-    at = np.array([[Counting(x, done)] for x in rules._prepared(v[:1], c[:1])[:, 0]])
+    at = np.array([[Counting(x, done)] for x in axis._prepared(v[:1], c[:1])[:, 0]])
     totals = np.array([[Counting(0.0, done)] for _ in range(3)])
     with (
-        mock.patch.object(rules, "complex", number, create=True),
-        mock.patch.object(rules, "quotient", rules.quotient_without_branches),
+        mock.patch.object(axis, "complex", number, create=True),
+        mock.patch.object(axis, "quotient", arithmetic.quotient_without_branches),
     ):
-        rules._add_values(0.3, at, totals)
-    counts, _ = rules.plan(v, c, tolerance)
+        axis._add_values(0.3, at, totals)
+    counts, _ = axis.plan(v, c, tolerance)
     assert counts.all(), "a root is taken away somewhere"
     return done * float(np.sum(counts // 4))
 
@@ -275,7 +275,7 @@ def measure(quick: bool, report: Report) -> list[Floor]:
         found.append(_run(name, model, end, repeats))
     report("floor: sums")
     v, c = np.random.default_rng(1).uniform(0.3, 3.0, (2, 30_000))
-    plain = rules.plan(v, c, 1e-12)[0] > 0
+    plain = axis.plan(v, c, 1e-12)[0] > 0
     v, c = v[plain][:MANY], c[plain][:MANY]
     seconds = _least_seconds(lambda: sums(v, c, 1e-12), repeats)
     found.append(_row(f"Σ at 1e-12, a batch of {v.size}", of_sums(v, c, 1e-12), seconds))

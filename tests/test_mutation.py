@@ -15,9 +15,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mutation.__main__ import chosen
-from benchmarks.mutation.explained import Explained, matches, read_explained, stale_entries
 from benchmarks.mutation.mutants import mutants_of
-from benchmarks.mutation.outcome import write_record
+from benchmarks.mutation.outcome import KILLED, SURVIVED, Outcome, matches, read_explained
 from benchmarks.mutation.session import Answer, Task, in_children
 from benchmarks.mutation.survey import closure
 from benchmarks.mutation.survey import test_files as files_with_tests
@@ -102,21 +101,14 @@ def test_what_judges_is_loosened_dropped_swapped_and_misstated() -> None:
 
 def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
     mutants = mutants_of("m.py", JUDGEMENT)[:9]
-    found = {mutant.name: "killed" for mutant in mutants[:-1]}
-    found[mutants[0].name] = found[mutants[1].name] = "survived"
-    reasons = {mutants[0].name: "because", mutants[1].name: None}
-    write_record(
-        tmp_path / "m.json",
-        ROOT,
-        command="a command",
-        mutants=mutants,
-        found=found,
-        reasons=reasons,
-    )
+    found = dict.fromkeys((mutant.name for mutant in mutants[:-1]), KILLED)
+    found[mutants[0].name] = found[mutants[1].name] = SURVIVED
+    outcome = Outcome(mutants, found, {mutants[0].name: "because"})
+    outcome.write(tmp_path / "m.json", ROOT, {"part": 1.0})
     record = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
-    assert record["total"] == record["modules"]["m.py"]
-    assert record["total"] == {
-        "chosen": 9, "run": 8, "noticed": 6, "explained": 1, "open": 1, "not_run": 1,
+    assert record["counts"]["all"] == record["counts"]["m.py"]
+    assert record["counts"]["all"] == {
+        "chosen": 9, "run": 8, "noticed": 6, "explained": 1, "open": 1,
     }  # fmt: skip
     assert record["open"] == [mutants[1].name]
     assert record["explained"] == {mutants[0].name: "because"}
@@ -132,7 +124,7 @@ def test_the_list_is_the_same_again() -> None:
 def test_every_explanation_is_about_a_change_that_can_be_made() -> None:
     explained = read_explained(ROOT / "benchmarks" / "mutation" / "explained.toml")
     names: dict[str, list[str]] = {}
-    for form, why in explained.reasons.items():
+    for form, why in explained.items():
         assert len(why) > 20, form
         module = form.split(":")[0]
         if module not in names:
@@ -143,11 +135,11 @@ def test_every_explanation_is_about_a_change_that_can_be_made() -> None:
 
 def test_an_explanation_that_is_not_needed_is_named() -> None:
     mutants = mutants_of("m.py", SOURCE)
-    found = {mutant.name: "killed" for mutant in mutants}
-    explained = Explained({mutants[0].name: "because", "m.py:f:0 ...": "because"})
-    assert stale_entries(explained, mutants, found) == list(explained.reasons)
-    found[mutants[0].name] = "survived"
-    assert stale_entries(explained, mutants, found) == ["m.py:f:0 ..."]
+    found = dict.fromkeys((mutant.name for mutant in mutants), KILLED)
+    explained = {mutants[0].name: "because", "m.py:f:0 ...": "because", "other.py:f:0": "because"}
+    assert Outcome(mutants, found, explained).stale == list(explained)[:2]
+    found[mutants[0].name] = SURVIVED
+    assert Outcome(mutants, found, explained).stale == ["m.py:f:0 ..."]
 
 
 @pytest.mark.parametrize("file", ["tests/test_theory_sums.py", "theory/piecewise/limits.py"])
@@ -158,7 +150,7 @@ def test_tests_are_found_by_what_they_import(file: str) -> None:
 
 
 def test_a_package_is_changed_with_the_packages_inside_it() -> None:
-    found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0, "")}
+    found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0)}
     assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
 
 
@@ -226,7 +218,7 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
         "unseen:x + 1 -> 1",
         "unseen:1 -> 2",
     ]
-    assert record["total"]["noticed"] == record["total"]["run"] - 4
+    assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 4
     assert (tmp_path / "derivations" / "small.py").read_text(encoding="utf-8") == CODE
 
 
@@ -234,7 +226,7 @@ def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:
     answers: list[list[Answer]] = []
 
     def crash(write: Callable[[Answer], None]) -> None:
-        os.kill(os.getpid(), signal.SIGSEGV)
+        os.kill(os.getpid(), signal.SIGKILL)
 
     def spin(write: Callable[[Answer], None]) -> None:
         write({"before": 1})

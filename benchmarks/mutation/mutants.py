@@ -105,6 +105,11 @@ class Mutant:
     changed: ast.AST = field(repr=False, compare=False)
 
     @property
+    def function_at(self) -> str:
+        """``module:first line`` of the function."""
+        return f"{self.module}:{self.first_line}"
+
+    @property
     def of_default(self) -> bool:
         """Whether a default value is changed."""
         return self.change.startswith("default ")

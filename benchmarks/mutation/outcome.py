@@ -1,9 +1,10 @@
-"""What a run of the changes found, as a file: counts by module, and what no test noticed."""
+"""What became of the changes: noticed, explained in ``explained.toml``, or left open."""
 
 from __future__ import annotations
 
 import json
 import subprocess
+import tomllib
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -11,65 +12,105 @@ from typing import Any
 
 from benchmarks.mutation.mutants import Mutant
 
+KILLED, SURVIVED = "killed", "survived"
 
-def counts(
-    mutants: Sequence[Mutant], found: Mapping[str, str], reasons: Mapping[str, str | None]
-) -> dict[str, int]:
-    """Count the changes chosen, run, noticed, explained and left open.
+
+def read_explained(path: Path) -> dict[str, str]:
+    """Return the reasons why changes need not be noticed, by their names or forms of names."""
+    content = tomllib.loads(path.read_text(encoding="utf-8"))
+    return {form: entry["why"] for entry in content["explained"] for form in entry["changes"]}
+
+
+def matches(form: str, name: str) -> bool:
+    """Return whether a name has the form; ``...`` at the end of one stands for anything.
 
     Examples
     --------
-    >>> from benchmarks.mutation.mutants import mutants_of
-    >>> some = mutants_of("m.py", "def f(x): return 3 * x + 1")
-    >>> found = {some[0].name: "killed", some[1].name: "survived"}
-    >>> counts(some, found, {some[1].name: None})
-    {'chosen': 6, 'run': 2, 'noticed': 1, 'explained': 0, 'open': 1, 'not_run': 4}
+    >>> matches("m.py:f:2 ...", "m.py:f:2 -> 3 #2"), matches("m.py:f:...", "m.py:g:2 -> 3")
+    (True, False)
     """
-    ran = [mutant.name for mutant in mutants if mutant.name in found]
-    missed = [name for name in ran if found[name] == "survived"]
-    open_ = sum(reasons[name] is None for name in missed)
-    return {
-        "chosen": len(mutants),
-        "run": len(ran),
-        "noticed": len(ran) - len(missed),
-        "explained": len(missed) - open_,
-        "open": open_,
-        "not_run": len(mutants) - len(ran),
-    }
+    return name.startswith(form[:-3]) if form.endswith("...") else name == form
 
 
-def write_record(
-    path: Path,
-    root: Path,
-    *,
-    command: str,
-    mutants: Sequence[Mutant],
-    found: Mapping[str, str],
-    reasons: Mapping[str, str | None],
-) -> None:
-    """Write the outcome whole: command, date, commit, counts, and each change not noticed."""
-    by_module = {
-        module: counts([m for m in mutants if m.module == module], found, reasons)
-        for module in dict.fromkeys(mutant.module for mutant in mutants)
-    }
-    missed = [m.name for m in mutants if found.get(m.name) == "survived"]
-    record: dict[str, Any] = {
-        "command": command,
-        "date": datetime.now().isoformat(" ", "minutes"),
-        "commit": _git(root, "rev-parse", "HEAD"),
-        "uncommitted": bool(_git(root, "status", "--porcelain", "--untracked-files=no")),
-        "total": counts(mutants, found, reasons),
-        "modules": by_module,
-        "explained": {name: reasons[name] for name in missed if reasons[name] is not None},
-        "open": [name for name in missed if reasons[name] is None],
-    }
-    from verification.execution.files import write_text
+class Outcome:
+    """What became of changes.
 
-    write_text(path, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    Parameters
+    ----------
+    mutants : sequence of Mutant
+        The changes chosen.
+    found : mapping
+        `KILLED` or `SURVIVED` by name of each that was run.
+    explained : mapping
+        Reasons by forms of names.
 
+    Attributes
+    ----------
+    why : dict
+        Of each change that no test noticed, the reason why none need; None if there is none.
+    """
 
-def _git(root: Path, *words: str) -> str | None:
-    done = subprocess.run(
-        ["git", *words], cwd=root, capture_output=True, text=True, check=False, timeout=30
-    )
-    return done.stdout.strip() if done.returncode == 0 else None
+    def __init__(
+        self, mutants: Sequence[Mutant], found: Mapping[str, str], explained: Mapping[str, str]
+    ) -> None:
+        self.mutants, self.found, self._explained = mutants, found, explained
+        self.why = {
+            m.name: next((explained[form] for form in explained if matches(form, m.name)), None)
+            for m in mutants
+            if found.get(m.name) == SURVIVED
+        }
+
+    @property
+    def open(self) -> list[Mutant]:
+        """The changes that are not explained."""
+        return [m for m in self.mutants if m.name in self.why and self.why[m.name] is None]
+
+    @property
+    def stale(self) -> list[str]:
+        """The explanations about these modules that match no change which goes unnoticed."""
+        modules = {mutant.module for mutant in self.mutants}
+        return [
+            form
+            for form in self._explained
+            if form.split(":")[0] in modules and not any(matches(form, name) for name in self.why)
+        ]
+
+    def counts(self) -> dict[str, dict[str, int]]:
+        """Count by module, and of all."""
+        modules = dict.fromkeys(mutant.module for mutant in self.mutants)
+        parts = {module: [m for m in self.mutants if m.module == module] for module in modules}
+        return {name: self._count(part) for name, part in {**parts, "all": self.mutants}.items()}
+
+    def _count(self, mutants: Sequence[Mutant]) -> dict[str, int]:
+        ran = [mutant.name for mutant in mutants if mutant.name in self.found]
+        missed = [name for name in ran if name in self.why]
+        open_ = sum(self.why[name] is None for name in missed)
+        return {
+            "chosen": len(mutants),
+            "run": len(ran),
+            "noticed": len(ran) - len(missed),
+            "explained": len(missed) - open_,
+            "open": open_,
+        }
+
+    def __str__(self) -> str:
+        """Lay out the counts, a line each, and name what is open."""
+        lines = [f"{'module':44}" + "".join(f"{word:>10}" for word in self.counts()["all"])]
+        for name, row in self.counts().items():
+            lines.append(f"{name:44}" + "".join(f"{count:10}" for count in row.values()))
+        lines += [f"NOT NOTICED {m.module}:{m.line} {m.function}: {m.change}" for m in self.open]
+        return "\n".join(lines)
+
+    def write(self, path: Path, root: Path, selection: Mapping[str, Any]) -> None:
+        """Write what was selected, when, of which commit, and all of this to a file, as JSON."""
+        git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40"]
+        done = subprocess.run(git, capture_output=True, text=True, check=False, timeout=30)
+        record = {
+            "selection": selection,
+            "date": datetime.now().isoformat(" ", "minutes"),
+            "commit": done.stdout.strip() or None,
+            "counts": self.counts(),
+            "explained": {name: why for name, why in self.why.items() if why},
+            "open": [mutant.name for mutant in self.open],
+        }
+        path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import sys
 import time
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
 
 from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.outcome import KILLED, SURVIVED
 from benchmarks.mutation.session import COLLECTING, Answer, Session, Task
 from benchmarks.mutation.survey import Survey
 
@@ -32,8 +33,6 @@ class Runs:
     ----------
     found : dict
         ``killed`` or ``survived`` by name of the change.
-    by : Counter
-        Changes noticed by each test, or by a time limit or crash.
     """
 
     def __init__(
@@ -44,7 +43,6 @@ class Runs:
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._begin = self._shown = time.monotonic()
         self.found: dict[str, str] = {}
-        self.by: Counter[str] = Counter()
 
     def tasks(self, mutants: Sequence[Mutant], until: float) -> Iterator[Task]:
         """Yield what children do, a change each, until a time of the monotonic clock."""
@@ -64,7 +62,7 @@ class Runs:
         """Return the tests that noticed other changes here, then more as the time allows."""
         on_import = self._session.made_on_import(mutant)
         reaching = self._survey.reaching(mutant, on_import, self._importing)
-        known = self._killers[f"{mutant.module}:{mutant.first_line}"]
+        known = self._killers[mutant.function_at]
         known = [*known, *self._killers[mutant.module]]
         picked = [test for test in dict.fromkeys(known) if test in reaching][:MAX_KNOWN]
         left = self._seconds - sum(self._survey.seconds[test] for test in picked)
@@ -76,16 +74,14 @@ class Runs:
 
     def _take(self, mutant: Mutant, count: int, answers: list[Answer]) -> None:
         by = answers[0]["by"] if answers else None
-        self.found[mutant.name] = "killed" if by else "survived"
-        if by:
-            self.by[by] += 1
+        self.found[mutant.name] = KILLED if by else SURVIVED
         if by in self._survey.seconds:
-            for place in (f"{mutant.module}:{mutant.first_line}", mutant.module):
+            for place in (mutant.function_at, mutant.module):
                 self._killers[place] = [by, *(t for t in self._killers[place] if t != by)][:5]
         now = time.monotonic()
         if now - self._shown > 10.0 or len(self.found) == count:
             self._shown = now
-            missed = sum(status == "survived" for status in self.found.values())
+            missed = sum(status == SURVIVED for status in self.found.values())
             ahead = (now - self._begin) / len(self.found) * (count - len(self.found)) / 60.0
             print(f"[{len(self.found)}/{count}] {missed} not noticed, {ahead:.0f} min left",
                   file=sys.stderr, flush=True)  # fmt: skip

@@ -114,17 +114,17 @@ class Session:
         from numba.core import caching
 
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
-        place = f"{mutant.module}:{mutant.first_line}"
-        if place not in entered.compiled and self._put(mutant):
+        compiled = mutant.function_at in entered.compiled
+        if not compiled and self._put(mutant):
             failed = self._first_failing(tests)
             if failed or not self.made_on_import(mutant):
                 return write({"by": failed})
-        write({"by": self._anew(mutant, tests, place in entered.compiled)})
+        write({"by": self._anew(mutant, tests, compiled)})
 
     def made_on_import(self, mutant: Mutant) -> bool:
         """Return whether importing the project leaves results of what is changed."""
-        place = f"{mutant.module}:{mutant.first_line}"
-        return not mutant.first_line or mutant.of_default or place in self.on_import
+        at = mutant.function_at
+        return not mutant.first_line or mutant.of_default or at in self.on_import
 
     def _first_failing(
         self, tests: Sequence[str], plugin: object = None, limit: float = 0.0
@@ -154,7 +154,7 @@ class Session:
                 return _put_constant(mutant, tree)
             code = compile(tree, str(self.root / mutant.module), "exec", dont_inherit=True)
         new = [c for c in entered.codes_in(code) if c.co_firstlineno == mutant.first_line]
-        living = self._living[f"{mutant.module}:{mutant.first_line}"]
+        living = self._living[mutant.function_at]
         pairs = [(old, c) for old in living for c in new if _fits(old.__code__, c)]
         for old, changed in pairs:
             old.__code__ = changed

@@ -59,7 +59,7 @@ class Survey:
         They enter the function. What an import leaves may change others: those that enter any
         function of the module come next, then those of all files that import it.
         """
-        tiers = [self._entering[f"{mutant.module}:{mutant.first_line}"]]
+        tiers = [self._entering[mutant.function_at]]
         if on_import:
             tiers.append(self._entering[mutant.module])
             tiers.append({t for t in self.seconds if mutant.module in importing[t.split("::")[0]]})

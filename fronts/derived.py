@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
@@ -43,12 +42,11 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     from verification.execution.progress import Progress
 
     check_output(options, bound.filmed)
-    checkpoint = getattr(options, "checkpoint", None)
-    saved = nullcontext() if checkpoint is None else resumable_run(checkpoint)
     if options.out:
         from verification.execution.metadata import COMMAND_LINE
 
         COMMAND_LINE.set(command_line(words))
+    saved = resumable_run(getattr(options, "checkpoint", None))
     with saved, Progress(words[0], quiet=getattr(options, "json", False)) as live:
         result, parameters = _computed(options, bound, live.report)
     if options.out:
@@ -135,7 +133,7 @@ def _grid(
         )
         axes[name] = values_of(value) if is_range(value) else [value]
     for name, value in fields.items():
-        if is_range(value) and name not in axes:
+        if is_range(value):
             axes[name] = values_of(value)
     if not axes:
         raise UsageError("a map needs a range, as in --c 0.1:1:10.")

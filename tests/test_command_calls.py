@@ -17,9 +17,12 @@ from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
 from fronts.wording import in_words_also
+from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain
+from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
+from verification.runs import simulate
 
 OF_THE_LIBRARY = {
     where
@@ -217,15 +220,79 @@ def test_help_names_the_defaults_that_depend_on_others(capsys):
         parser = argparse.ArgumentParser()
         bound.configure(parser, bound_to(line))
         assert said in parser.format_help()
-    with pytest.raises(SystemExit):
-        main(["threshold", "vdp", "--help"])
-    assert "7 on each side" not in capsys.readouterr().out
+    for command in ("threshold", "front"):  # of which a chain has sites, and no nucleus
+        with pytest.raises(SystemExit):
+            main([command, "vdp", "--help"])
+        assert "7 on each side" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("line", "missing"),
+    [
+        ("front vdp --eta 0.05", "--c"),
+        ("front piecewise --eta 0.03125", "--c"),
+        ("sum --c 0.5", "--v"),
+    ],
+)
+def test_what_has_no_default_is_asked_for(line, missing, capsys):
+    assert main(line.split()) == 2
+    assert f"required: {missing}" in capsys.readouterr().err
+
+
+def test_a_chain_that_restricts_no_ends_takes_all(monkeypatch):
+    def choices():
+        (ends,) = (each for each in bound_to("simulate averaged").fields.parameters
+                   if each.name == "ends")  # fmt: skip
+        return set(ends.choices)
+
+    some = choices()
+    monkeypatch.setattr(AveragedChain, "allowed_ends", ())
+    assert choices() == {end.value for end in Ends} > some
+
+
+def test_ranges_are_for_the_fields_of_a_chain_and_not_of_a_run():
+    for line, ranged in (("front vdp", True), ("map vdp", True), ("simulate vdp", False)):
+        found = bound_to(line)
+        assert found.fields.ranged is ranged
+        assert not any(group.ranged for group in (found.start, found.nucleus, found.own))
+
+
+def test_a_chain_without_sites_is_given_none(called):
+    (chain,), _, _ = called("front piecewise --c 0.5 --eta 0.03125")
+    assert (chain.c, hasattr(chain, "sites")) == (0.5, False)
+
+
+@pytest.mark.parametrize("more", [[], ["--json"]])
+def test_progress_is_that_of_the_command_and_is_quiet_beside_json(more, monkeypatch, capsys):
+    seen = []
+
+    def begun(name, *, quiet):
+        seen.append((name, quiet))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(progress, "Progress", begun)
+    assert main(["kinetic", "--c", "0.5", *more]) == 130
+    assert seen == [("kinetic", bool(more))]
+
+
+def test_an_interrupted_run_names_its_checkpoint(monkeypatch, capsys, tmp_path):
+    def interrupted(*_, checkpoint, **__):
+        checkpoint.write_bytes(b"so far")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(simulate, "simulate", functools.wraps(simulate.simulate)(interrupted))
+    path = tmp_path / "run.npz"
+    assert main(["simulate", "vdp", "--checkpoint", str(path)]) == 130
+    assert f"{path} is there: the same command with this" in capsys.readouterr().err
 
 
 def test_a_file_holds_every_parameter_of_what_was_computed(tmp_path):
     for line, wanted in (
         ("cell friction --v-d 1.25", {"v_d": 1.25, "xi": 0.05}),
-        ("breather averaged --c 0.1 --nucleus 2", {"a": 2.5, "c": 0.1, "sites": 16}),
+        (
+            "breather averaged --c 0.1 --nucleus 2",
+            {"model": "averaged", "a": 2.5, "c": 0.1, "sites": 16, "ends": "free"},
+        ),
         ("profile --c 0.5 --eta 0.03125 --points 3", {"c": 0.5, "points": 3}),
     ):
         out = tmp_path / "found.json"

@@ -67,7 +67,18 @@ DROPPED = frozenset({"conj", "conjugate", "abs", "sqrt", "log", "log1p", "arcsin
 """Functions that are replaced by their argument."""
 
 SYMMETRIC = frozenset(
-    {"max", "min", "maximum", "minimum", "hypot", "array_equal", "isinstance", "getattr", "hasattr"}
+    {
+        "max",
+        "min",
+        "maximum",
+        "minimum",
+        "hypot",
+        "array_equal",
+        "isinstance",
+        "getattr",
+        "hasattr",
+        "same_file",
+    }
 )
 """Functions whose arguments are not swapped: it changes nothing, or leaves no program."""
 

@@ -82,6 +82,9 @@ SYMMETRIC = frozenset(
 )
 """Functions whose arguments are not swapped: it changes nothing, or leaves no program."""
 
+LOGS = frozenset({"info", "debug"})
+"""Calls that are neither dropped nor changed: what they write is for whoever debugs."""
+
 SMALLEST, LARGEST = 1e-5, 1e4
 """Numbers below are tolerances, numbers above are limits."""
 
@@ -227,7 +230,7 @@ def _of_a_judgement(place: Place, node: ast.expr) -> Iterator[ast.expr]:
             yield left[0] if len(left) == 1 else ast.BoolOp(node.op, left)
     elif isinstance(node, ast.IfExp):
         yield from (node.body, node.orelse)
-    elif isinstance(node, ast.Call):
+    elif isinstance(node, ast.Call) and called(node) not in LOGS:
         if isinstance(place.parent, ast.Expr):
             yield ast.Constant(...)
         yield from _swapped(node)

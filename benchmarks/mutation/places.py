@@ -19,12 +19,14 @@ UNCHANGED_CALLS = frozenset(
         "dataclass",
         "errstate",
         "catch_warnings",
+        "info",
+        "debug",
     }
 )
-"""Calls that hold checks, messages and limits of loops."""
+"""Calls that hold checks, messages, logs and limits of loops."""
 
-SETTINGS = frozenset({"limit", "maxsize", "order", "digits", "maxiter", "options"})
-"""Keyword arguments that tune a method."""
+SETTINGS = frozenset({"limit", "maxsize", "order", "digits", "maxiter", "options", "repr"})
+"""Keyword arguments that tune a method or how an object is printed."""
 
 
 @dataclass(frozen=True)

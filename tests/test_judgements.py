@@ -1,0 +1,237 @@
+"""What comes of judging a claim: status, changes, judgements and evidence as they are stored."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from paper_checks import claim as claims
+from paper_checks.claim import Claim, Method
+from paper_checks.discover import Entry, UnknownKeyError, select
+from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
+from paper_checks.independence import engines, shared_engines
+from paper_checks.outcome import FAILED, Judgement, Outcome, Provenance, checked_finding, judge
+from paper_checks.plain_evidence import evidence_from, plain_evidence
+from paper_checks.ruling import Verdict, fails, holds, partly
+from paper_checks.stored_judgement import judgement_from, plain_judgement
+
+FINDING = Finding(
+    verdict=Verdict.REPRODUCED, value="1", error="0", methods=("one", "other"), tolerance="none",
+    explanation="It is.",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Seen:
+    number: float
+
+
+def made_up(key: str = "k", **changes: Any) -> Claim:
+    """Return a claim that holds; its evidence is a number."""
+    return replace(
+        Claim(
+            key=key, place="Eq. 1", quote="at  $c = 1$ it holds", statement="It holds.",
+            recorded=Verdict.REPRODUCED, command="true", evidence=lambda: Seen(2.0),
+            rule=lambda _: holds(), methods=(Method("one", "theory.cells.vdp:f"),),
+        ),
+        **changes,
+    )  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _prose(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give every claim the same text, in place of a file beside its module."""
+    erratum = Erratum(Fault.AMBIGUOUS, "x", "y", "of the text", "", "")
+    prose = SimpleNamespace(
+        value="2", error="0", tolerance="none", explanation="It is.", remarks=("elsewhere too",),
+        headline="", erratum=lambda: erratum, caption=lambda name: f"seen in {name}",
+    )  # fmt: skip
+    monkeypatch.setattr(claims, "written", lambda *_: prose)
+
+
+# ------------------------------------------------------------------------------------ the outcome
+
+
+@pytest.mark.parametrize(
+    ("verdict", "status", "changed"),
+    [
+        (Verdict.REPRODUCED, "reproduced", False),
+        (Verdict.NOT_REPRODUCED, "not-reproduced", True),
+        (None, FAILED, True),
+    ],
+)
+def test_an_outcome_is_changed_if_its_verdict_is_not_the_recorded_one_or_its_judge_failed(
+    verdict: Verdict | None, status: str, changed: bool
+) -> None:
+    found = None if verdict is None else replace(FINDING, verdict=verdict, because="It is off.")
+    outcome = Outcome(
+        Entry("fig01", made_up()), Judgement(found, None if found else "No root.", 1.0, "")
+    )
+    assert (outcome.status, outcome.changed) == (status, changed)
+    assert outcome.because == ("It is off." if found else "")
+    assert ("k: " in outcome.change) is changed
+    assert ("its judge failed: No root." in outcome.change) is (found is None)
+
+
+@pytest.mark.parametrize("stale", [True, False])
+def test_only_a_stored_finding_of_other_code_is_stale(stale: bool) -> None:
+    judgement = Judgement(FINDING, None, 1.0, "")
+    assert not judgement.stale
+    assert replace(judgement, provenance=Provenance("", {}, {}, stale)).stale is stale
+
+
+def test_evidence_is_kept_of_expensive_claims_only() -> None:
+    assert judge(made_up()).evidence is None
+    assert judge(made_up(expensive=True)).evidence == plain_evidence(Seen(2.0))
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ArithmeticError("no root"), "ArithmeticError: no root."),
+        (ValueError("Is it?\nIt is not."), "ValueError: Is it?"),
+        (SystemExit(), "SystemExit."),
+    ],
+)
+def test_an_error_of_a_judge_is_one_sentence(error: BaseException, said: str) -> None:
+    def evidence() -> None:
+        raise error
+
+    judgement = judge(made_up(evidence=evidence))
+    assert (judgement.finding, judgement.failure) == (None, said)
+
+
+def test_a_finding_has_one_method_or_two() -> None:
+    for methods in ((), ("one", "two", "three")):
+        wrong = replace(FINDING, methods=methods)
+        with pytest.raises(ValueError, match="one method or two"):
+            checked_finding(wrong)
+        with pytest.raises(ValueError, match="methods"):
+            judgement_from(plain_judgement(Judgement(wrong, None, 1.0, "")))
+
+
+# -------------------------------------------------------------------------------------- the claim
+
+
+def test_a_part_that_fails_is_one_of_the_quote_whatever_its_spaces_and_dollar_signs() -> None:
+    def ruled(part: str) -> Any:
+        return made_up(rule=lambda _: partly(part, "It is off."))
+
+    assert ruled("$c =  1$").found(Seen(2.0)).part == "$c =  1$"
+    with pytest.raises(ValueError, match="not a part of the quote"):
+        ruled("at c = 2").found(Seen(2.0))
+    assert made_up(rule=lambda _: fails("It is off.")).found(Seen(2.0)).part == ""
+
+
+def test_a_finding_has_what_the_claim_draws_typesets_and_corrects() -> None:
+    drawn, formula = Picture("p", "", "<svg/>", ""), Formula("As printed", "x")
+    own = Erratum(Fault.MISPRINT, "a", "b", "of the claim", "", "")
+    claim = made_up(figure=lambda _: (drawn,), formulas=lambda _: (formula,), erratum=lambda _: own)
+    found = claim.found(Seen(2.0))
+    assert [picture.caption for picture in found.pictures] == ["seen in p"]
+    assert (found.formulas, found.erratum) == ((formula,), own)
+    plain = made_up().found(Seen(2.0))
+    assert (plain.pictures, plain.formulas) == ((), ())
+    assert plain.erratum is not None
+    assert plain.erratum.reason == "of the text"
+
+
+def test_a_method_says_what_it_covers_if_that_is_not_all() -> None:
+    method = Method("a run", "verification.runs.simulate:simulate")
+    assert (str(method), method.module) == ("a run", "verification.runs.simulate")
+    assert str(replace(method, covers="the velocity")) == "a run (this covers the velocity)"
+
+
+def test_claims_are_chosen_by_key_or_group_in_their_own_order() -> None:
+    entries = tuple(Entry(group, made_up(key)) for group, key in (
+        ("fig02", "fig02-stick"), ("fig02", "fig02-map"), ("fig03", "fig03-front"),
+    ))  # fmt: skip
+    assert select(entries, ["fig03-front", "fig02"]) == entries
+    assert select(entries, ["fig02-map"]) == entries[1:2]
+    assert select(entries, []) == entries
+    with pytest.raises(UnknownKeyError, match="did you mean fig02-stick"):
+        select(entries, ["fig02-stik"])
+    with pytest.raises(UnknownKeyError) as refusal:
+        select(entries, ["zzz"])
+    assert "did you mean" not in str(refusal.value)
+
+
+# --------------------------------------------------------------------------------------- as stored
+
+
+def test_a_judgement_is_read_back_as_it_was_and_marked_as_stored() -> None:
+    found = replace(
+        FINDING,
+        verdict=Verdict.PARTIAL, because="It is off.", part="it holds", remarks=("elsewhere",),
+        pictures=(Picture("p", "seen", '<svg></svg>', "x\n1\n"),),
+        formulas=(Formula("As printed", "x"),),
+        erratum=Erratum(Fault.MISPRINT, "a", "b", "why", "proof", "nothing"),
+    )  # fmt: skip
+    judged = Judgement(found, None, 1.5, "2026-01-01T00:00:00Z", shared=0.25)
+    computed = replace(
+        judged, provenance=Provenance("true", {}, {}, True), evidence=[1.0], stored=True
+    )
+    record = json.loads(json.dumps(plain_judgement(computed)))
+    assert record == json.loads(json.dumps(plain_judgement(judged)))
+    assert judgement_from(record) == replace(judged, stored=True)
+    del record["shared"]  # as in older records
+    assert judgement_from(record).shared == 0.0
+
+
+@dataclass(frozen=True)
+class Other:
+    verdict: Verdict
+
+
+def test_evidence_that_is_forged_or_is_none_is_refused() -> None:
+    packages = (__name__.partition(".")[0], "paper_checks")
+    plain = plain_evidence(Other(Verdict.PARTIAL))
+    assert evidence_from(plain, packages) == Other(Verdict.PARTIAL)
+    member = plain["object"]["verdict"]
+    for forged in (
+        {**member, "of": plain["of"]},  # a member of what is no enumeration
+        {"object": {}, "of": member["of"]},  # an object of what is no dataclass
+        {"other": {}, "of": plain["of"]},
+        {"other": {}, "of": member["of"]},
+    ):
+        with pytest.raises(ValueError, match="evidence holds a"):
+            evidence_from(forged, packages)
+    with pytest.raises(TypeError, match="evidence cannot hold"):
+        plain_evidence(Other)
+
+
+def test_evidence_is_the_same_text_whatever_the_order_of_its_sets() -> None:
+    words = [f"site {n}" for n in range(20)]
+    assert plain_evidence(set(words)) == {"set": sorted(words)}
+    assert plain_evidence(tuple(words[::-1])) == {"tuple": words[::-1]}
+
+
+def test_finite_numbers_are_kept_as_numbers_and_the_others_as_words() -> None:
+    assert plain_evidence([0.1, math.inf]) == [0.1, {"float": "inf"}]
+    back = evidence_from(json.loads(json.dumps(plain_evidence({math.inf: [math.nan]}))), ())
+    assert list(back) == [math.inf]
+    assert math.isnan(back[math.inf][0])
+
+
+# ------------------------------------------------------------------------------------ independence
+
+
+def test_an_engine_computes_and_is_no_definition() -> None:
+    run = Method("a run", "verification.runs.simulate:simulate")
+    found = engines(run)
+    assert "verification.runs.simulate" in found
+    assert "verification.steppers.friction" in found
+    for defined in ("theory.parameters", "theory.chains.vdp", "verification", "theory.chains"):
+        assert defined not in found
+    assert not any(name.startswith("theory.cells.") for name in found)
+
+
+def test_two_methods_share_the_engines_that_both_import() -> None:
+    run = Method("a run", "verification.runs.simulate:simulate")
+    assert shared_engines((run, run)) == engines(run)
+    assert shared_engines((run,)) == frozenset()

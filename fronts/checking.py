@@ -19,7 +19,7 @@ from theory.result import Result
 if TYPE_CHECKING:
     import sympy as sp
 
-    from derivations.algebra.steps import Derivation
+    from derivations.algebra.steps import Derivation, Evidence, Step
     from derivations.cell.cycles import LimitCycle
     from derivations.cell.envelope import Envelope
     from paper_checks.outcome import Outcome
@@ -87,6 +87,68 @@ class DerivedCell(Result):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DerivedEquations(Result):
+    """Steps of a derivation, each computed from its sources and with a check that can fail.
+
+    It can be iterated over; a notebook shows operations, equations and checks.
+
+    Attributes
+    ----------
+    title : str
+        What is derived.
+    derivation : Derivation
+        The steps as objects of the package ``derivations``.
+    """
+
+    title: str
+    derivation: Derivation = field(metadata={"json": None})
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps, in order; each has ``name``, ``number``, ``operation``, ``result``."""
+        return self.derivation.steps
+
+    def __iter__(self) -> Iterator[Step]:
+        return iter(self.steps)
+
+    def verify(self) -> tuple[Evidence, ...]:
+        """Run the check of every step.
+
+        Returns
+        -------
+        tuple of Evidence
+            One a step.
+
+        Raises
+        ------
+        CheckFailedError
+            At the first step whose check fails.
+        """
+        return self.derivation.verify()
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a step; the number is text, empty where a step has none."""
+        rows = self.to_dict()["steps"]
+        table = {
+            name: np.array([row[name] for row in rows])
+            for name in ("name", "kind", "operation", "expression", "latex", "holds")
+        }
+        return table | {"number": np.array([str(row["number"] or "") for row in rows])}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the steps, checked: operation, sources, equation, SymPy expression, LaTeX."""
+        from derivations.algebra.rendering import records
+
+        return records(self.derivation)
+
+    def _repr_html_(self) -> str:
+        """Return the derivation for notebooks, with displayed equations."""
+        from derivations.algebra.rendering import mathml
+
+        return mathml(self.derivation)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Verdicts(Result):
     """Verdicts on claims of the paper; it can be iterated over and indexed by position.
 
@@ -131,7 +193,7 @@ class Verdicts(Result):
         return {"claims": claims, "seconds": self.seconds}
 
 
-def derivation(of: int | str, *, order: int = 1) -> Derivation:
+def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:
     """Return the derivation of an equation of the paper, or a derivation by its name.
 
     Parameters
@@ -143,8 +205,8 @@ def derivation(of: int | str, *, order: int = 1) -> Derivation:
 
     Returns
     -------
-    Derivation
-        Its steps, each with a check that can fail.
+    DerivedEquations
+        The steps, each with a check that can fail.
 
     Raises
     ------
@@ -165,9 +227,11 @@ def derivation(of: int | str, *, order: int = 1) -> Derivation:
             raise ParameterError(
                 "derivation", of, f"one of {', '.join(catalogue.LISTING)}", "choose one"
             )
-        return catalogue.load(of, order)
-    number = whole_number("equation", of, 1, 54)
-    return catalogue.load(catalogue.owner(number), order).only(number)
+        found = catalogue.load(of, order)
+    else:
+        number = whole_number("equation", of, 1, 54)
+        found = catalogue.load(catalogue.owner(number), order).only(number)
+    return DerivedEquations(title=found.title, derivation=found)
 
 
 def derive_cell(

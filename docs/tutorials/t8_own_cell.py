@@ -2,11 +2,14 @@ r"""
 Your own cell
 =============
 
-Any oscillator with polynomial damping and stiffness, on any coupling, is a chain of this toolkit:
-runs, fronts, thresholds, breathers and maps know it at once.
+Any oscillator with smooth damping and stiffness, on any coupling, is a chain of this toolkit: runs,
+fronts, thresholds, breathers and maps know it at once.
 """
 
+import math
+
 import matplotlib.pyplot as plt
+import numba
 import numpy as np
 
 import fronts as fr
@@ -89,5 +92,25 @@ for force in (0.005, 0.03):
 # %%
 # Beyond polynomials
 # ------------------
+# Forces that are no polynomials are functions that numba compiles: g(y) and h(y, v), with v = ẏ.
+# Further arguments are named parameters. Averaging needs polynomials; breathers need the
+# derivatives too, as ``(g, g_y)`` and ``(h, h_y, h_v)``. An expression of SymPy becomes such a
+# function by ``numba.njit(sympy.lambdify((y, v), expression, "math"))``.
+
+
+@numba.njit
+def gain(y, v, p):
+    """Damping at rest and at large y, gain between."""
+    return 1 - p * y * y * math.exp(-y * y / 4)
+
+
+lasing = fr.OscillatorChain(damping=gain, values={"p": 3}, c=0.6)
+print(f"cycles: {lasing.unstable_amplitude:.4f} (unstable), {lasing.stable_amplitude:.4f} (stable)")
+front = fr.measure_front(lasing)
+print(f"v = {front.v:.4f} ± {front.error:.0e}, {front.status.value}")
+
+# %%
+# Another right-hand side
+# -----------------------
 # A right-hand side of your own is one dataclass and one function, as the docstring of
 # `theory.chains.chain` says step by step; ``examples/your_own_model.py`` is complete.

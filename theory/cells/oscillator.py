@@ -16,6 +16,7 @@ Vector Fields.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -48,9 +49,125 @@ class Cycle(NamedTuple):
     stable: bool
 
 
+class Oscillator(ABC):
+    """One cell, by its forces; what follows from them is found here for any cell.
+
+    Attributes
+    ----------
+    overdamped : bool
+        Whether it is ẏ + g(y) = 0 instead.
+    harmonic : bool
+        Whether g = ω²y.
+    frequency : float
+        ω of small motion.
+    """
+
+    overdamped: bool
+    harmonic: bool
+    frequency: float
+
+    @abstractmethod
+    def potential(self, y: FloatArray | float) -> FloatArray:
+        """Return V(y), V(0) = 0."""
+
+    @abstractmethod
+    def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
+        """Return h(y, v)."""
+
+    @abstractmethod
+    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
+        """Return the distances |y| of other rest states on a side of y = 0, and whether stable.
+
+        Stable without inertia, that is: minima of the potential.
+        """
+
+    @property
+    def largest(self) -> float:
+        """Largest amplitude that is tried for cycles."""
+        return _LARGE
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """All cycles, inner to outer; of an overdamped cell its rest states at y > 0."""
+        if self.overdamped:
+            return tuple(Cycle(y, 0.0, math.inf, stable) for y, stable in self.rest_states())
+        return tuple(
+            self._cycle(
+                float(brentq(self.loss, low, high, xtol=1e-14, rtol=1e-14)), self.loss(high) > 0.0
+            )
+            for low, high in self._brackets()
+        )
+
+    def _brackets(self) -> list[tuple[float, float]]:
+        """Return intervals of amplitude in each of which Δ changes sign once, ascending.
+
+        A pair of cycles between two amplitudes that are tried is found by the extremum of Δ there.
+        """
+        tried = np.geomspace(_SMALL, self.largest, _TRIED)
+        lost = np.array([self.loss(amplitude) for amplitude in tried])
+        edges = [float(tried[0])]
+        for at in range(1, _TRIED):
+            sign = math.copysign(1.0, lost[at - 1])
+            inner = at + 1 < _TRIED and sign * lost[at + 1] > 0.0
+            if inner and 0.0 < sign * lost[at] <= min(sign * lost[at - 1], sign * lost[at + 1]):
+                lowest = minimize_scalar(
+                    lambda amplitude, sign=sign: sign * self.loss(amplitude),
+                    bounds=(tried[at - 1], tried[at + 1]), method="bounded",
+                    options={"xatol": 1e-9 * tried[at]},
+                )  # fmt: skip
+                if lowest.fun < 0.0:
+                    edges += [float(lowest.x), float(tried[at + 1])]
+                    continue
+            if sign * lost[at] < 0.0:
+                edges += [float(tried[at - 1]), float(tried[at])]
+        signs = [self.loss(each) > 0.0 for each in edges]
+        return [
+            (low, high)
+            for low, high, one, other in zip(edges, edges[1:], signs, signs[1:], strict=False)
+            if one != other
+        ]
+
+    def velocity(self, amplitude: float) -> float:
+        """Return the largest ẏ of the motion of this amplitude at ε = 0, at y = 0."""
+        return math.sqrt(2.0 * float(self.potential(amplitude)))
+
+    def loss(self, amplitude: float) -> float:
+        """Return Δ/A², the energy lost in a turn of this amplitude, by quadrature."""
+        y, v, dy = self._turn(amplitude)
+        both = self.damping_at(y, v) + self.damping_at(y, -v)
+        return float(np.sum(dy * both * v)) / amplitude**2
+
+    def period(self, amplitude: float) -> float:
+        """Return the period of the motion of this amplitude at ε = 0."""
+        if self.harmonic:
+            return 2.0 * math.pi / self.frequency
+        _, v, dy = self._turn(amplitude)
+        return 2.0 * float(np.sum(dy / v))
+
+    def _turn(self, amplitude: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return y, v and weights dy of a half turn, in an angle in which v is smooth."""
+        energy = float(self.potential(amplitude))
+        low = self._other_end(amplitude, energy)
+        angle = 0.5 * math.pi * _NODES
+        middle, half = 0.5 * (amplitude + low), 0.5 * (amplitude - low)
+        y = middle + half * np.sin(angle)
+        v = np.sqrt(2.0 * np.maximum(energy - self.potential(y), 1e-300))
+        return y, v, 0.5 * math.pi * _WEIGHTS * half * np.cos(angle)
+
+    def _other_end(self, amplitude: float, energy: float) -> float:
+        """Return the negative y at which the motion turns."""
+        low = -amplitude
+        while float(self.potential(low)) < energy:
+            low *= 1.5
+        return float(brentq(lambda y: float(self.potential(y)) - energy, low, 0.0, xtol=1e-15))
+
+    def _cycle(self, amplitude: float, stable: bool) -> Cycle:
+        return Cycle(amplitude, self.velocity(amplitude), self.period(amplitude), stable)
+
+
 @dataclass(frozen=True, kw_only=True)
-class OscillatorCell:
-    """One cell, by its coefficients; dimensionless.
+class OscillatorCell(Oscillator):
+    """One cell, by the coefficients of polynomials; dimensionless.
 
     Attributes
     ----------
@@ -103,12 +220,12 @@ class OscillatorCell:
             )  # fmt: skip
 
     @property
-    def harmonic(self) -> bool:
+    def harmonic(self) -> bool:  # type: ignore[override]
         """Whether g = ω²y."""
         return set(self.stiffness) == {1}
 
     @property
-    def frequency(self) -> float:
+    def frequency(self) -> float:  # type: ignore[override]
         """ω of small motion."""
         return math.sqrt(self.stiffness[1])
 
@@ -124,95 +241,32 @@ class OscillatorCell:
 
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
-        """All cycles, inner to outer; of an overdamped cell its rest states at y > 0."""
-        if self.overdamped:
-            found = _positive_crossings(_ascending(self.stiffness)[1:])  # of g/y: where g does
-            return tuple(Cycle(y, 0.0, math.inf, stable) for y, stable in found)
-        if self.harmonic:
-            found = _positive_crossings(self.mean_damping)
-            return tuple(self._cycle(math.sqrt(s), stable) for s, stable in found)
-        return tuple(
-            self._cycle(
-                float(brentq(self.loss, low, high, xtol=1e-14, rtol=1e-14)), self.loss(high) > 0.0
-            )
-            for low, high in self._brackets()
-        )
+        """All cycles, as of any cell; where g = ω²y from the roots of H."""
+        if self.overdamped or not self.harmonic:
+            return super().cycles
+        found = _positive_crossings(self.mean_damping)
+        return tuple(self._cycle(math.sqrt(s), stable) for s, stable in found)
 
-    def _brackets(self) -> list[tuple[float, float]]:
-        """Return intervals of amplitude in each of which Δ changes sign once, ascending.
-
-        A pair of cycles between two amplitudes that are tried is found by the extremum of Δ there.
-        """
-        tried = np.geomspace(_SMALL, _LARGE, _TRIED)
-        lost = np.array([self.loss(amplitude) for amplitude in tried])
-        edges = [float(tried[0])]
-        for at in range(1, _TRIED):
-            sign = math.copysign(1.0, lost[at - 1])
-            inner = at + 1 < _TRIED and sign * lost[at + 1] > 0.0
-            if inner and 0.0 < sign * lost[at] <= min(sign * lost[at - 1], sign * lost[at + 1]):
-                lowest = minimize_scalar(
-                    lambda amplitude, sign=sign: sign * self.loss(amplitude),
-                    bounds=(tried[at - 1], tried[at + 1]), method="bounded",
-                    options={"xatol": 1e-9 * tried[at]},
-                )  # fmt: skip
-                if lowest.fun < 0.0:
-                    edges += [float(lowest.x), float(tried[at + 1])]
-                    continue
-            if sign * lost[at] < 0.0:
-                edges += [float(tried[at - 1]), float(tried[at])]
-        signs = [self.loss(each) > 0.0 for each in edges]
-        return [
-            (low, high)
-            for low, high, one, other in zip(edges, edges[1:], signs, signs[1:], strict=False)
-            if one != other
-        ]
+    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
+        """Return the distances |y| of other rest states on a side of y = 0, and whether stable."""
+        turned = {power: value * side ** (power - 1) for power, value in self.stiffness.items()}
+        return _positive_crossings(_ascending(turned)[1:])  # of g/y: where g does
 
     def potential(self, y: FloatArray | float) -> FloatArray:
         """Return V(y), V(0) = 0."""
         powers = np.polynomial.polynomial.polyint(_ascending(self.stiffness))
         return np.asarray(np.polynomial.polynomial.polyval(y, powers))
 
-    def velocity(self, amplitude: float) -> float:
-        """Return the largest ẏ of the motion of this amplitude at ε = 0, at y = 0."""
-        return math.sqrt(2.0 * float(self.potential(amplitude)))
-
-    def loss(self, amplitude: float) -> float:
-        """Return Δ/A², the energy lost in a turn of this amplitude, by quadrature."""
-        y, v, dy = self._turn(amplitude)
-        even = sum(
-            (value * y**i * v**j for (i, j), value in self.damping.items() if j % 2 == 0),
-            np.zeros_like(y),
-        )
-        return 2.0 * float(np.sum(dy * even * v)) / amplitude**2
-
-    def period(self, amplitude: float) -> float:
-        """Return the period of the motion of this amplitude at ε = 0."""
-        if self.harmonic:
-            return 2.0 * math.pi / self.frequency
-        _, v, dy = self._turn(amplitude)
-        return 2.0 * float(np.sum(dy / v))
-
-    def _turn(self, amplitude: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return y, v and weights dy of a half turn, in an angle in which v is smooth."""
-        energy = float(self.potential(amplitude))
-        low = self._other_end(amplitude, energy)
-        angle = 0.5 * math.pi * _NODES
-        middle, half = 0.5 * (amplitude + low), 0.5 * (amplitude - low)
-        y = middle + half * np.sin(angle)
-        v = np.sqrt(2.0 * np.maximum(energy - self.potential(y), 1e-300))
-        return y, v, 0.5 * math.pi * _WEIGHTS * half * np.cos(angle)
+    def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
+        """Return h(y, v)."""
+        terms = (value * y**i * v**j for (i, j), value in self.damping.items())
+        return sum(terms, np.zeros_like(y))
 
     def _other_end(self, amplitude: float, energy: float) -> float:
         """Return the negative y at which the motion turns."""
         if all(power % 2 for power in self.stiffness):
             return -amplitude
-        low = -amplitude
-        while float(self.potential(low)) < energy:
-            low *= 1.5
-        return float(brentq(lambda y: float(self.potential(y)) - energy, low, 0.0, xtol=1e-15))
-
-    def _cycle(self, amplitude: float, stable: bool) -> Cycle:
-        return Cycle(amplitude, self.velocity(amplitude), self.period(amplitude), stable)
+        return super()._other_end(amplitude, energy)
 
     def _loss_at_large(self) -> float:
         """Return a number of the sign of Δ at large amplitudes; 0 where it vanishes."""

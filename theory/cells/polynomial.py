@@ -8,9 +8,10 @@ here and has a reader of its own; a test holds the two together.)
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any, TypeAlias
 
 from theory.parameters import ParameterError
@@ -41,6 +42,10 @@ class Polynomial:
     """
 
     terms: Mapping[Monomial, Fraction]
+
+    def __hash__(self) -> int:
+        """Return a number that follows from the terms."""
+        return hash(tuple(self.terms.items()))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -92,6 +97,10 @@ class Polynomial:
             found[tuple(sorted(powers.items()))] = coefficient
         return Polynomial(found)
 
+    def function(self, values: Mapping[str, float]) -> Callable[..., float]:
+        """Return it as a function of numbers y and, if it is given, v."""
+        return partial(_value, self.at(values))
+
     def source(self) -> str:
         """Return it as an expression of Python, by Horner's rule in v and then in y.
 
@@ -113,6 +122,10 @@ class Polynomial:
             key = powers.pop("y", 0), powers.pop("v", 0)
             found.setdefault(key, {})[tuple(sorted(powers.items()))] = coefficient
         return dict(sorted(found.items()))
+
+
+def _value(terms: Mapping[tuple[int, int], float], y: float, v: float = 0.0) -> float:
+    return sum(each * y**i * v**j for (i, j), each in terms.items())
 
 
 def _product(monomial: Monomial, coefficient: Fraction) -> str:

@@ -1,10 +1,10 @@
-"""A chain or network of your own, and its average: any polynomial cell, any linear coupling.
+"""A chain or network of your own, and its average: any smooth cell, any linear coupling.
 
     ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + εc Σ_j W_nj [(y_n - y_j) + d (ẏ_n - ẏ_j)] = F_n(t)
 
-with polynomials g and h, named parameters that may differ from site to site, any weights W
-(``theory.chains.coupling``), and harmonic forces F_n, if any; (8) is g = y, h = 1 - ay² + by⁴,
-nearest neighbours, d = 0 and no force. Without inertia,
+with g and h polynomials or compiled functions, named parameters that may differ from site to site,
+any weights W (``theory.chains.coupling``), and harmonic forces F_n, if any; (8) is g = y,
+h = 1 - ay² + by⁴, nearest neighbours, d = 0 and no force. Without inertia,
 ẏ_n + g(y_n) + c Σ_j W_nj (y_n - y_j) = F_n(t).
 """
 
@@ -14,10 +14,14 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from theory.cells.averaging import mean_shift_of_stiffness
+from theory.cells.compiled import CompiledForce
+from theory.cells.polynomial import as_polynomial
 from theory.chains.chain import Kernel, Site
-from theory.chains.oscillator_kernel import functions_of
-from theory.chains.polynomial import PolynomialChain
+from theory.chains.oscillator_kernel import Namespace, functions_of
+from theory.chains.own import OwnChain
 from theory.parameters import ParameterError
 
 MAX_PHASE = 0.1
@@ -25,19 +29,22 @@ MAX_PHASE = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OscillatorChain(PolynomialChain, model="chain"):
+class OscillatorChain(OwnChain, model="chain"):
     """A chain or network of oscillators of your own; dimensionless.
 
     Attributes
     ----------
-    damping : str, number or SymPy expression
-        h(y, v), v = ẏ: a polynomial; it multiplies εv.
+    damping : str, number, SymPy expression, function or sequence of functions
+        h(y, v), v = ẏ, which multiplies εv: a polynomial; or ``h`` compiled by ``numba.njit``, or
+        ``(h, h_y, h_v)`` with its derivatives, which breathers need.
     c : float
         Coupling, from 0 to 1e6.
-    stiffness : str, number or SymPy expression
-        g(y): a polynomial, with a minimum of its potential at y = 0.
+    stiffness : str, number, SymPy expression, function or sequence of functions
+        g(y), with a minimum of its potential at y = 0: a polynomial; or ``g`` compiled, or
+        ``(g, g_y)``.
     values : mapping of str to float or array of shape (N,)
-        The named parameters in both, one value or one a site; also texts as ``a=4``.
+        The named parameters in both, one value or one a site; also texts as ``a=4``. Of compiled
+        functions they are the arguments after y (and v).
     coupling : str, Path, sparse matrix or networkx graph
         As `theory.chains.coupling.network_of` takes it.
     eps : float
@@ -65,8 +72,9 @@ class OscillatorChain(PolynomialChain, model="chain"):
     Raises
     ------
     ParameterError
-        If a polynomial is none, a parameter has no value, the coupling does not fit, the cell has
-        no rest state at y = 0, or its motion would grow without bound.
+        If a polynomial is none, a function cannot be compiled, a parameter has no value, the
+        coupling does not fit, the cell has no rest state at y = 0, or its motion would grow without
+        bound.
 
     Examples
     --------
@@ -75,6 +83,16 @@ class OscillatorChain(PolynomialChain, model="chain"):
     (3.863703, 1.035276)
     >>> chain.replace(a=5).values["a"]
     5.0
+
+    Any other smooth force is a compiled function:
+
+    >>> import math, numba
+    >>> @numba.njit
+    ... def pendulum(y):
+    ...     return math.sin(y) + y
+    >>> chain = OscillatorChain(damping="y**2 - 1", stiffness=pendulum, c=0.6)
+    >>> round(chain.stable_amplitude, 3), round(chain.cell.frequency, 3)
+    (2.007, 1.414)
     """
 
     @property
@@ -90,16 +108,43 @@ class OscillatorChain(PolynomialChain, model="chain"):
         return Site(site.y, site.w / abs(displacement) * self.cell.velocity(abs(displacement)))
 
     def kernel(self) -> Kernel:
-        """Return the right-hand side of a site, generated from the polynomials."""
-        return functions_of(self._source)["cell"]
+        """Return the right-hand side of a site, generated from the forces."""
+        return functions_of(self._source, self._functions, self._mark)["cell"]
 
     def kernels(self) -> tuple[Kernel, Kernel]:
         """Return the right-hand side of a site, and the derivatives of its own force.
 
-        The second takes (y, ẏ, p, n, N) and gives the derivatives by y and by ẏ of the force.
+        The second takes (y, ẏ, p, n, N) and gives the derivatives by y and by ẏ of the force. Both
+        are plain Python and take arrays.
+
+        Raises
+        ------
+        ParameterError
+            If a compiled force comes without its derivatives.
         """
-        both = functions_of(self._source)
+        for name, force in (("stiffness", self._g), ("damping", self._h)):
+            if isinstance(force, CompiledForce) and not force.has_derivatives:
+                raise ParameterError(
+                    name, force, "given with its derivatives for a breather",
+                    "give (g, g_y) or (h, h_y, h_v)",
+                )  # fmt: skip
+        both = functions_of(self._source, self._array_functions, self._mark)
         return both["cell"], both["slopes"]
+
+    @cached_property
+    def _functions(self) -> Namespace:
+        """Compiled functions by the names that the text of the kernel has for them."""
+        forces = (each for each in (self._g, self._h) if isinstance(each, CompiledForce))
+        return tuple(pair for each in forces for pair in each.namespace)
+
+    @cached_property
+    def _array_functions(self) -> Namespace:
+        """The same, of arrays."""
+        return tuple((name, np.vectorize(each, otypes=[float])) for name, each in self._functions)
+
+    @property
+    def _mark(self) -> str:
+        return " ".join(str(each) for each in (self._g, self._h) if isinstance(each, CompiledForce))
 
     @cached_property
     def _source(self) -> str:
@@ -111,7 +156,7 @@ class OscillatorChain(PolynomialChain, model="chain"):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AveragedOscillatorChain(PolynomialChain, model="averaged-chain"):
+class AveragedOscillatorChain(OwnChain, model="averaged-chain"):
     """An `OscillatorChain` averaged over a period, to first order in ε: the envelope φ.
 
         φ_n' = -½H(|φ_n|²)φ_n + iΩ(|φ_n|²)φ_n + (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j)
@@ -151,6 +196,12 @@ sites, ends, shape
         self.check_unforced("the averaged chain, whose frequency is its own")
         if self.overdamped:
             raise ParameterError("overdamped", "true", "false: it has no period", "leave it out")
+        for name in ("damping", "stiffness"):
+            if not isinstance(getattr(self, name), str):
+                raise ParameterError(
+                    name, getattr(self, name), "a polynomial in y and v = dy/dt, which can be "
+                    "averaged exactly", "give one as text, or run the full chain",
+                )  # fmt: skip
         off = self._phase_lost()
         if off > MAX_PHASE:
             raise ParameterError(
@@ -161,7 +212,8 @@ sites, ends, shape
 
     def _phase_lost(self) -> float:
         """Return by how much first order misses the frequency of a stable cycle, over ε."""
-        mean = mean_shift_of_stiffness(self._g).at(self._extreme_values()[0])
+        stiffness = as_polynomial(self.stiffness, "stiffness")
+        mean = mean_shift_of_stiffness(stiffness).at(self._extreme_values()[0])
         small, worst = self.cell.frequency, 0.0
         for cycle in self.cell.cycles:
             if cycle.stable:

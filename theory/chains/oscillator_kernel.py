@@ -1,7 +1,7 @@
-"""Right-hand sides of a site, generated as text from the polynomials of a cell.
+"""Right-hand sides of a site, generated as text from the forces of a cell.
 
 Names of the cell's parameters never begin with ``_``, those of the text do. The text is made of
-numbers, names and the operations of `Polynomial.source` only.
+numbers, names and the operations of `Polynomial.source`, and of calls of compiled forces.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from types import FunctionType
-from typing import Any
+from typing import Any, TypeAlias
 
 from theory.cells.averaging import (
     FREQUENCY,
@@ -19,8 +19,12 @@ from theory.cells.averaging import (
     mean_shift_of_damping,
     mean_shift_of_stiffness,
 )
-from theory.cells.polynomial import Polynomial
+from theory.cells.compiled import CompiledForce
+from theory.cells.polynomial import Polynomial, as_polynomial
 from theory.chains.chain import Kernel
+
+Force: TypeAlias = Polynomial | CompiledForce
+Namespace: TypeAlias = tuple[tuple[str, Any], ...]
 
 OWN = 5
 """Numbers at the beginning of a kernel's parameters: c, ε, d, the number of weights, ω."""
@@ -37,7 +41,7 @@ class KernelText:
 
     Attributes
     ----------
-    stiffness, damping : Polynomial
+    stiffness, damping : Polynomial or CompiledForce
         g and h.
     scalars, arrays : sequence of str
         Named parameters of one value, and of one a site.
@@ -49,8 +53,8 @@ class KernelText:
         Number of harmonic forces; their amplitudes at the sites follow the other arrays.
     """
 
-    stiffness: Polynomial
-    damping: Polynomial
+    stiffness: Force
+    damping: Force
     scalars: Sequence[str]
     arrays: Sequence[str]
     neighbours: bool
@@ -81,7 +85,7 @@ class KernelText:
         return f"_pull[{at}]"
 
     def full(self) -> str:
-        """Return the functions ``cell`` and ``slopes``, its derivatives by y and v."""
+        """Return the functions ``cell`` and ``slopes``, its derivatives by y and v if known."""
         own = f"-({self.stiffness.source()})"
         if not self.overdamped:
             own += f" - _eps*v*({self.damping.source()})"
@@ -90,31 +94,37 @@ class KernelText:
             force += f" - _eps*_c*_d*{self._pull(1, 'v')}"
         force += "".join(f" + _force{k}*_cosine{k}" for k in range(self.drives))
         rate = f"{force}, -v" if self.overdamped else f"v, {force}"
-        by_y = f"-({self.stiffness.derivative('y').source()})"
-        damped = self.damping.times("v")
-        if not self.overdamped:
-            by_y += f" - _eps*({damped.derivative('y').source()})"
-        by_v = "-1.0" if self.overdamped else f"-_eps*({damped.derivative('v').source()})"
-        return "\n".join(
-            [f"def cell({self._signature}):", "    y, v = _site", *self._values,
-             f"    return {rate}",
-             "def slopes(y, v, _p, _n, _sites):", *self._values, f"    return {by_y}, {by_v}", ""]
-        )  # fmt: skip
+        lines = [f"def cell({self._signature}):", "    y, v = _site", *self._values]
+        lines += [f"    return {rate}", *self._slopes(), ""]
+        return "\n".join(lines)
+
+    def _slopes(self) -> list[str]:
+        """Return the lines of ``slopes``; none where a derivative is not known."""
+        known = [_derivatives(self.stiffness), _damped_derivatives(self.damping)]
+        if not all(known):
+            return []
+        (g_y,), (by_y, by_v) = known
+        by_y, by_v = f"-({g_y}) - _eps*({by_y})", f"-_eps*({by_v})"
+        if self.overdamped:
+            by_y, by_v = f"-({g_y})", "-1.0"
+        head = "def slopes(y, v, _p, _n, _sites):"
+        return [head, *self._values, f"    return {by_y}, {by_v}"]
 
     def averaged(self) -> str:
         """Return ``cell`` of (Im φ, Re φ) per unit of εt (``theory.cells.averaging``).
 
         Coupling averages to (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j).
         """
+        damping = as_polynomial(self.damping, "damping")
         shift = mean_shift_of_stiffness(self._beyond_frequency())
         left = "" if self._linear_is_frequency() else f" - 0.5*{FREQUENCY}*{FREQUENCY}"
         real, imaginary = self._pull(1, "_re"), self._pull(0, "_im")
         return "\n".join(
             [f"def cell({self._signature}):", "    _im, _re = _site", *self._values,
              "    y = _im*_im + _re*_re",
-             f"    _less = -0.5*({mean_damping(self.damping).source()})",
+             f"    _less = -0.5*({mean_damping(damping).source()})",
              f"    _turn = (({shift.source()}){left})/({FREQUENCY}*_eps)"
-             f" + ({mean_shift_of_damping(self.damping).source()})",
+             f" + ({mean_shift_of_damping(damping).source()})",
              f"    _a, _b = 0.5*_c/{FREQUENCY}, 0.5*_c*_d",
              f"    _pull_im, _pull_re = {imaginary}, {real}",
              "    return (_less*_im + _turn*_re + _a*_pull_re - _b*_pull_im,",
@@ -123,22 +133,51 @@ class KernelText:
 
     def _linear_is_frequency(self) -> bool:
         """Whether the linear part of the stiffness is ω²y at every site."""
-        linear = [each for each in self.stiffness.terms if dict(each).get("y") == 1]
+        terms = as_polynomial(self.stiffness, "stiffness").terms
+        linear = [each for each in terms if dict(each).get("y") == 1]
         return not any(name in self.arrays for each in linear for name, _ in each)
 
     def _beyond_frequency(self) -> Polynomial:
         """Return the stiffness without its linear part, where that is ω²y everywhere."""
+        stiffness = as_polynomial(self.stiffness, "stiffness")
         if not self._linear_is_frequency():
-            return self.stiffness
-        terms = self.stiffness.terms.items()
+            return stiffness
+        terms = stiffness.terms.items()
         return Polynomial({each: value for each, value in terms if dict(each).get("y") != 1})
 
 
+def _derivatives(stiffness: Force) -> tuple[str, ...]:
+    """Return the text of the derivative of g by y; none if it is not known."""
+    if isinstance(stiffness, Polynomial):
+        return (stiffness.derivative("y").source(),)
+    return (stiffness.source("y"),) if stiffness.has_derivatives else ()
+
+
+def _damped_derivatives(damping: Force) -> tuple[str, ...]:
+    """Return the texts of the derivatives of vh by y and by v; none if they are not known."""
+    if isinstance(damping, Polynomial):
+        damped = damping.times("v")
+        return damped.derivative("y").source(), damped.derivative("v").source()
+    if not damping.has_derivatives:
+        return ()
+    return f"v*{damping.source('y')}", f"{damping.source()} + v*{damping.source('v')}"
+
+
 @lru_cache(maxsize=256)
-def functions_of(source: str) -> dict[str, Kernel]:
-    """Return the functions of a generated text by name, named after its content."""
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    names: dict[str, Any] = {"__name__": __name__}
+def functions_of(source: str, outside: Namespace = (), mark: str = "") -> dict[str, Kernel]:
+    """Return the functions of a generated text by name, named after its content.
+
+    Parameters
+    ----------
+    source : str
+        The text.
+    outside : tuple of pairs
+        Names of functions that it calls, and these.
+    mark : str
+        Digest of what they do.
+    """
+    digest = hashlib.sha256((source + mark).encode()).hexdigest()[:16]
+    names: dict[str, Any] = {"__name__": __name__, **dict(outside)}
     exec(compile(source, f"<cell {digest}>", "exec"), names)
     found: dict[str, Kernel] = {}
     for name in ("cell", "slopes"):

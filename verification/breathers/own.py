@@ -99,7 +99,7 @@ def steps_for(chain: OscillatorChain) -> int:
     (cycle,) = [each for each in chain.cell.cycles if each.amplitude == chain.stable_amplitude]
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
     y, v = cycle.amplitude * np.sin(angle), cycle.velocity * np.cos(angle)
-    h = sum(value * y**i * v**j for (i, j), value in chain.cell.damping.items())
+    h = chain.cell.damping_at(y, v)
     return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
 
 

@@ -33,8 +33,8 @@ from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import Chain, SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
+from theory.chains.own import OwnChain
 from theory.chains.piecewise import PiecewiseChain
-from theory.chains.polynomial import PolynomialChain
 from theory.chains.vdp import AveragedChain
 from theory.parameters import ParameterError, count_within, need_instance, positive, within
 from verification.execution.progress import ProgressCallback
@@ -154,7 +154,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         directions=directions,
         progress=progress,
     )
-    lattice = isinstance(chain, PolynomialChain) and chain.shape is not None
+    lattice = isinstance(chain, OwnChain) and chain.shape is not None
     if directions is not None:
         if not lattice:
             raise ParameterError(
@@ -343,7 +343,7 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
 
 
 @_measured.register
-def _own_front(chain: PolynomialChain, request: Request) -> Front:
+def _own_front(chain: OwnChain, request: Request) -> Front:
     """Of a chain as of any other; of a lattice or a network from the middle outwards."""
     if not chain.along_line:
         return _spreading_front(chain, request)
@@ -368,7 +368,7 @@ def _own_front(chain: PolynomialChain, request: Request) -> Front:
     return _front(prepared, found, LeftBoundary.FREE, outruns)
 
 
-def _spreading_front(chain: PolynomialChain, request: Request) -> Front:
+def _spreading_front(chain: OwnChain, request: Request) -> Front:
     stall = 60.0 if request.stall_time is None else request.stall_time
     options: dict[str, Any] = {
         "tolerance": 1e-8 if request.tolerance is None else request.tolerance,

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from theory.chains.polynomial import PolynomialChain
+from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, count_within
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
@@ -84,7 +84,7 @@ class SpreadRun:
     steps: int
 
 
-def middle_site(chain: PolynomialChain) -> int:
+def middle_site(chain: OwnChain) -> int:
     """Return the index of the middle site: of a lattice in the plane, of others by number."""
     positions = chain.links.positions
     if positions is None or positions.ndim == 1:
@@ -93,7 +93,7 @@ def middle_site(chain: PolynomialChain) -> int:
     return int(np.argmin(away))
 
 
-def distances_from(chain: PolynomialChain, site: int) -> FloatArray:
+def distances_from(chain: OwnChain, site: int) -> FloatArray:
     """Return the distance of every site from one: in the plane of a lattice, or in links."""
     positions = chain.links.positions
     if positions is None or positions.ndim == 1:
@@ -103,7 +103,7 @@ def distances_from(chain: PolynomialChain, site: int) -> FloatArray:
 
 
 def spread(
-    chain: PolynomialChain,
+    chain: OwnChain,
     *,
     excited: int = EXCITED,
     directions: int = 8,
@@ -171,7 +171,7 @@ class _Runs(NamedTuple):
 
 
 def _runs(
-    chain: PolynomialChain,
+    chain: OwnChain,
     start: FloatArray,
     *,
     tolerance: float,
@@ -190,7 +190,7 @@ def _runs(
 
 
 def _found(
-    chain: PolynomialChain,
+    chain: OwnChain,
     runs: _Runs,
     *,
     angles: FloatArray,
@@ -232,7 +232,7 @@ def _follow(
 
 
 def _fitted(
-    chain: PolynomialChain,
+    chain: OwnChain,
     away: FloatArray,
     *,
     middle: int,
@@ -264,7 +264,7 @@ def _along(offset: FloatArray, angle: float) -> FloatArray:
     return part
 
 
-def _radius(chain: PolynomialChain, middle: int) -> float:
+def _radius(chain: OwnChain, middle: int) -> float:
     """Return how far the middle is from the nearest side, less what a side disturbs."""
     positions = chain.links.positions
     assert positions is not None
@@ -298,7 +298,7 @@ def _slope(distance: FloatArray, times: FloatArray) -> tuple[float, float]:
 
 
 def planar(
-    chain: PolynomialChain,
+    chain: OwnChain,
     *,
     excited: int = ROWS,
     tolerance: float = 1e-8,
@@ -353,7 +353,7 @@ def planar(
     )
 
 
-def velocity_of(found: SpreadRun, chain: PolynomialChain) -> tuple[float | None, float | None]:
+def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float | None, float | None]:
     """Return v in the first direction and its error; None where the motion did not spread."""
     v, error = float(found.spread.velocities[0]), float(found.spread.errors[0])
     if found.status is not FrontStatus.STEADY:

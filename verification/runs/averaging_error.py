@@ -129,6 +129,7 @@ def averaging_error(
         start = excite(chain, [(chain.sites + 1) // 2])
     state = np.asarray(start, dtype=float)
     eps = np.array([chain.eps * 0.5**k for k in range(halvings + 1)])
+    chain.averaged()  # refuses what has no average
     scaled = _scalable(chain)
     found = [_distance(_at(scaled, float(each)), state, slow_time) for each in eps]
     return AveragingError(

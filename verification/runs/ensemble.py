@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
-from theory.chains.polynomial import PolynomialChain
+from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, need_instance
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
@@ -85,7 +85,7 @@ class SeedTask:
     """The number at one seed: a task for ``verification.execution.sweep``."""
 
     function: Callable[..., Any]
-    chain: PolynomialChain
+    chain: OwnChain
     options: Mapping[str, Any]
 
     def __call__(self, point: Point) -> dict[str, Any]:
@@ -103,7 +103,7 @@ class SeedTask:
 
 def ensemble(
     function: Callable[..., Any],
-    chain: PolynomialChain,
+    chain: OwnChain,
     seeds: Sequence[int] = range(16),
     *,
     workers: int | None = None,

@@ -1,4 +1,4 @@
-"""Parameters of a chain or network of polynomial cells: what its two models have in common."""
+"""Parameters of a chain or network of cells of your own: what its two models have in common."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import numpy.typing as npt
 
-from theory.cells.oscillator import OscillatorCell
-from theory.cells.polynomial import Polynomial, as_polynomial
+from theory.cells.compiled import CompiledForce, read_force
+from theory.cells.compiled_cell import compiled_cell
+from theory.cells.oscillator import Oscillator, OscillatorCell
+from theory.cells.polynomial import Polynomial
 from theory.chains.chain import MAX_COUPLING, MAX_SITES, SmoothChain, parameter
 from theory.chains.coupling import Network, is_file, network_of, size_of
 from theory.chains.drive import Drive, read_drives
 from theory.chains.ends import Ends
 from theory.chains.model_file import read_model
-from theory.chains.oscillator_kernel import OWN, KernelText, clock_size
+from theory.chains.oscillator_kernel import OWN, Force, KernelText, clock_size
 from theory.chains.site_values import (
     checked_disorder,
     checked_values,
@@ -34,16 +36,17 @@ FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PolynomialChain(SmoothChain):
-    """Parameters common to a chain of polynomial cells and to its average, checked once.
+class OwnChain(SmoothChain):
+    """Parameters common to a chain of cells of your own and to its average, checked once.
 
     They are described in :class:`~theory.chains.oscillator.OscillatorChain`.
 
     Raises
     ------
     ParameterError
-        If a polynomial is none, a parameter has no value, the coupling does not fit, the cell has
-        no rest state at y = 0, or its motion would grow without bound.
+        If a polynomial is none, a function cannot be compiled, a parameter has no value, the
+        coupling does not fit, the cell has no rest state at y = 0, or its motion would grow without
+        bound.
     """
 
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.PERIODIC, Ends.FIXED)
@@ -87,7 +90,7 @@ class PolynomialChain(SmoothChain):
         set_ = object.__setattr__
         set_(self, "overdamped", _truth("overdamped", self.overdamped))
         for name in ("damping", "stiffness"):
-            set_(self, name, _as_given(getattr(self, name), name))
+            set_(self, name, _stored(getattr(self, name), name))
         if self.overdamped:
             self._check_overdamped()
         self._check_names()
@@ -122,7 +125,7 @@ class PolynomialChain(SmoothChain):
 
     def _check_overdamped(self) -> None:
         """Refuse what has no meaning without inertia, and make ε one."""
-        zero = as_polynomial(self.damping, "damping").terms == {}
+        zero = isinstance(self._h, Polynomial) and not self._h.terms
         if not zero or self.velocity_coupling:
             raise ParameterError(
                 "damping", self.damping, "0 without inertia, and no coupling of velocities",
@@ -131,17 +134,17 @@ class PolynomialChain(SmoothChain):
         object.__setattr__(self, "eps", 1.0)
 
     @cached_property
-    def _g(self) -> Polynomial:
-        found = as_polynomial(self.stiffness, "stiffness")
-        if found.degree("v"):
+    def _g(self) -> Force:
+        found = read_force(self.stiffness, "stiffness")
+        if isinstance(found, Polynomial) and found.degree("v"):
             raise ParameterError(
                 "stiffness", repr(self.stiffness), "a polynomial in y", "put v into the damping"
             )
         return found
 
     @cached_property
-    def _h(self) -> Polynomial:
-        return as_polynomial(self.damping, "damping")
+    def _h(self) -> Force:
+        return read_force(self.damping, "damping")
 
     def _check_names(self) -> None:
         own = {each.name for each in dataclasses.fields(self)}
@@ -181,13 +184,16 @@ class PolynomialChain(SmoothChain):
         mean = {name: float(np.mean(each)) for name, each in self.values.items()}
         return [mean, *at_places]
 
-    def _cell_of(self, values: Mapping[str, float]) -> OscillatorCell:
-        stiffness = {i: value for (i, _), value in self._g.at(values).items()}
-        damping = self._h.at(values)
+    def _cell_of(self, values: Mapping[str, float]) -> Oscillator:
+        g, h = self._g, self._h
+        if isinstance(g, CompiledForce) or isinstance(h, CompiledForce):
+            return compiled_cell(g, h, values, self.overdamped)
+        stiffness = {i: value for (i, _), value in g.at(values).items()}
+        damping = h.at(values)
         return OscillatorCell(stiffness=stiffness, damping=damping, overdamped=self.overdamped)
 
     @cached_property
-    def cell(self) -> OscillatorCell:
+    def cell(self) -> Oscillator:
         """One cell alone, without disorder."""
         return self._cell_of(self._extreme_values()[0])
 
@@ -396,9 +402,11 @@ class PolynomialChain(SmoothChain):
         return cls(**read_model(Path(path), known, changes))
 
 
-def _as_given(given: Any, quantity: str) -> Any:
-    """Return a polynomial in the form that is stored: its text."""
-    as_polynomial(given, quantity)
+def _stored(given: Any, quantity: str) -> Any:
+    """Return a force in the form that is stored: the text of a polynomial, or functions."""
+    force = read_force(given, quantity)
+    if isinstance(force, CompiledForce):
+        return force
     return given if isinstance(given, str) else str(given)
 
 

@@ -1,0 +1,210 @@
+"""Cells given as compiled functions: a polynomial is its text, and others are scipy's."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from theory.cells.compiled_cell import CompiledCell
+from theory.chains.oscillator import OscillatorChain
+from theory.parameters import ParameterError
+from verification.breathers.breather import breather
+from verification.fronts.measure import measure_front
+from verification.references.equations import pull_matrix
+from verification.references.network import oscillator_rate, overdamped_rate, states_by_scipy
+from verification.runs.averaging_error import averaging_error
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+
+SHARPNESS = 0.25
+
+
+@numba.njit
+def paper_h(y, v, a, b):  # type: ignore[no-untyped-def]
+    return 1.0 - a * y**2 + b * y**4
+
+
+@numba.njit
+def paper_h_y(y, v, a, b):  # type: ignore[no-untyped-def]
+    return -2.0 * a * y + 4.0 * b * y**3
+
+
+@numba.njit
+def paper_h_v(y, v, a, b):  # type: ignore[no-untyped-def]
+    return 0.0
+
+
+@numba.njit
+def gain(y, v, p):  # type: ignore[no-untyped-def]
+    return 1.0 - p * y * y * math.exp(-SHARPNESS * y * y) + 0.1 * math.tanh(v)
+
+
+@numba.njit
+def pendulum(y, k):  # type: ignore[no-untyped-def]
+    return y + k * math.sin(y)
+
+
+@numba.njit
+def pendulum_y(y, k):  # type: ignore[no-untyped-def]
+    return 1.0 + k * math.cos(y)
+
+
+@numba.njit
+def nagumo(y, alpha):  # type: ignore[no-untyped-def]
+    return y * (1.0 - y) * (alpha - y)
+
+
+@numba.njit
+def named_otherwise(x):  # type: ignore[no-untyped-def]
+    return x
+
+
+@numba.njit
+def of_text(y):  # type: ignore[no-untyped-def]
+    return "a" + y
+
+
+@numba.njit
+def shifted(y):  # type: ignore[no-untyped-def]
+    return y + 1.0
+
+
+@numba.njit
+def repelling(y):  # type: ignore[no-untyped-def]
+    return -y
+
+
+@numba.njit
+def softening(y):  # type: ignore[no-untyped-def]
+    return math.sin(y)
+
+
+@numba.njit
+def always_gains(y, v):  # type: ignore[no-untyped-def]
+    return -1.0
+
+
+def not_compiled(y: float) -> float:
+    return y
+
+
+TEXT = {"damping": "1 - a*y**2 + b*y**4", "values": {"a": 2.5, "b": 0.5}, "c": 0.1, "sites": 7}
+PAPER = {**TEXT, "damping": (paper_h, paper_h_y, paper_h_v)}
+
+
+def test_a_polynomial_as_functions_has_the_run_the_cycles_and_the_breather_of_its_text() -> None:
+    ours, theirs = OscillatorChain(**PAPER), OscillatorChain(**TEXT)
+    for one, other in zip(ours.cell.cycles, theirs.cell.cycles, strict=True):
+        assert one == pytest.approx(other, rel=1e-11)  # quadrature of 80 nodes against roots
+    start = excite(theirs, [4])
+    runs = [simulate(each, start, 200.0, samples=3) for each in (ours, theirs)]
+    # The choice of steps magnifies roundings; the orbit below is stepped by equal ones.
+    errors = [each.error for each in runs if each.error is not None]
+    assert np.abs(runs[0].states - runs[1].states).max() <= sum(errors) < 1e-8
+    one, other = breather(ours), breather(theirs)
+    assert one.frequency == pytest.approx(other.frequency, abs=1e-13)
+    moduli = [np.sort(np.abs(each.multipliers)) for each in (one, other)]  # type: ignore[arg-type]
+    np.testing.assert_allclose(*moduli, atol=1e-11)
+
+
+def test_the_error_of_a_run_bounds_its_distance_from_scipy() -> None:
+    chain = OscillatorChain(
+        damping=gain, stiffness=(pendulum, pendulum_y), values={"p": 3.0, "k": 0.4}, c=1.0, eps=0.1,
+        disorder={"p": 0.1}, seed=2, sites=9, velocity_coupling=0.2,
+    )  # fmt: skip
+    p = 3.0 * (1.0 + 0.1 * np.random.default_rng([2, 0]).standard_normal(9))
+    rate = oscillator_rate(
+        lambda y: y + 0.4 * np.sin(y),
+        lambda y, v: 1.0 - p * y**2 * np.exp(-(y**2) / 4.0) + 0.1 * np.tanh(v),
+        pull_matrix(9), c=1.0, eps=0.1, d=0.2,
+    )  # fmt: skip
+    start = excite(chain, [2, 3])
+    run = simulate(chain, start, 60.0, samples=4, tolerance=1e-8)
+    assert run.error is not None
+    exact = states_by_scipy(rate, start.ravel(), run.times)
+    assert 1e-12 < np.abs(run.states.reshape(4, -1) - exact).max() <= run.error < 1e-4
+
+
+def test_an_overdamped_chain_of_a_function_is_that_of_scipy_and_has_its_front() -> None:
+    chain = OscillatorChain(
+        damping=0, stiffness=nagumo, values={"alpha": 0.2}, overdamped=True, c=1.0, sites=31
+    )
+    assert (chain.unstable_amplitude, chain.stable_amplitude) == pytest.approx((0.2, 1.0))
+    start = excite(chain, range(1, 9))
+    run = simulate(chain, start, 20.0, samples=3)
+    rate = overdamped_rate(lambda y: y * (1.0 - y) * (0.2 - y), pull_matrix(31), c=1.0)
+    exact = states_by_scipy(rate, start[0], run.times)
+    assert run.error is not None
+    assert np.abs(run.y - exact).max() <= run.error
+    front = measure_front(chain)
+    # √(c/2)(1 - 2α) in the continuum, which the lattice slows by a few per cent
+    assert front.v == pytest.approx(math.sqrt(0.5) * 0.6, abs=0.03)
+
+
+def test_cycles_of_a_function_are_where_scipy_ends() -> None:
+    """To O(ε²) after a turn, at ε = 1e-3; g is neither a polynomial nor odd."""
+    cell = CompiledCell(stiffness=math.expm1, damping=lambda y, _: y * y - 1.0)
+    (cycle,) = cell.cycles
+    eps = 1e-3
+    rate = oscillator_rate(np.expm1, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=eps)
+    start = np.array([cycle.amplitude, 0.0])
+    after = states_by_scipy(rate, start, np.array([0.0, cycle.period]))[-1]
+    assert abs(after[0] - cycle.amplitude) < 10.0 * eps**2
+
+
+def test_a_chain_of_functions_goes_to_another_process_and_is_known_by_what_they_do() -> None:
+    chain = OscillatorChain(**PAPER)
+    assert chain.cell.cycles
+    assert pickle.loads(pickle.dumps(chain)) == chain
+    assert OscillatorChain(**{**PAPER, "damping": paper_h}) != chain
+
+    def other() -> Any:
+        SHARPNESS = 0.5
+
+        @numba.njit
+        def gain(y, v, p):  # type: ignore[no-untyped-def]
+            return 1.0 - p * y * y * math.exp(-SHARPNESS * y * y) + 0.1 * math.tanh(v)
+
+        return gain
+
+    both = [OscillatorChain(damping=each, values={"p": 9.0}, c=1.0) for each in (gain, other())]
+    assert both[0] != both[1]
+    assert both[0].kernel() is not both[1].kernel()
+
+
+BAD: list[tuple[dict[str, Any], str]] = [
+    ({"stiffness": not_compiled}, "write @numba.njit above the function"),
+    ({"stiffness": named_otherwise}, r"arguments of named_otherwise = x .* must be g\(y\)"),
+    ({"stiffness": gain}, r"must be g\(y\)"),
+    ({"damping": (paper_h, paper_h_y)}, "h = 2 functions"),
+    ({"stiffness": of_text}, "function of_text = TypingError"),
+    ({"stiffness": shifted}, "the chain is at rest there"),
+    ({"stiffness": repelling}, "minimum of the potential"),
+    ({"stiffness": softening}, "motion stays bounded"),
+    ({"damping": always_gains}, "motion stays bounded"),
+    ({"damping": gain}, "complete: p missing"),
+    ({"damping": always_gains, "overdamped": True}, "0 without inertia"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), BAD)
+def test_what_is_wrong_is_refused_in_one_sentence(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(ParameterError, match=words) as refusal:
+        OscillatorChain(**{"damping": 1, "c": 1.0, **changes})
+    assert str(refusal.value).count("\n") == 0
+    assert len(str(refusal.value)) < 400
+
+
+def test_what_needs_polynomials_or_derivatives_says_so() -> None:
+    chain = OscillatorChain(**PAPER)
+    with pytest.raises(ParameterError, match=r"a polynomial in y and v .* averaged exactly"):
+        chain.averaged()
+    with pytest.raises(ParameterError, match="averaged exactly"):
+        averaging_error(chain)
+    with pytest.raises(ParameterError, match="with its derivatives for a breather"):
+        breather(chain.replace(damping=paper_h))

@@ -1,0 +1,186 @@
+"""A force of a cell given as functions that numba compiles, in place of a polynomial.
+
+It has what the right-hand side of a chain needs of a `Polynomial`: names of parameters, and text.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from types import CodeType
+from typing import Any
+
+from theory.cells.polynomial import Polynomial, as_polynomial
+from theory.parameters import ParameterError
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CompiledForce:
+    """A function of y, or of y and v, and of named parameters, with its derivatives if given.
+
+    Attributes
+    ----------
+    symbol : str
+        g or h, as it stands in the equation.
+    functions : tuple of callable
+        Compiled by ``numba.njit``, all of the same arguments: the force, and its derivatives by y
+        and, for h, by v. Arguments after y (and v) are named parameters of the chain.
+
+    Raises
+    ------
+    ParameterError
+        If one is not compiled, its arguments are others, or there are too few or too many.
+    """
+
+    symbol: str
+    functions: tuple[Function, ...]
+
+    def __post_init__(self) -> None:
+        allowed = f"{self._call}, or that and its derivatives by {' and '.join(self.variables)}"
+        if len(self.functions) not in (1, 1 + len(self.variables)):
+            raise ParameterError(
+                self.symbol, f"{len(self.functions)} functions", allowed, "give all, or none"
+            )
+        for each in self.functions:
+            if not hasattr(each, "py_func"):
+                raise ParameterError(
+                    self.symbol, getattr(each, "__name__", type(each).__name__),
+                    "compiled by numba", "write @numba.njit above the function",
+                )  # fmt: skip
+            arguments = _arguments(each)
+            if arguments != (*self.variables, *self.names) or {"y", "v"} & {*self.names}:
+                raise ParameterError(
+                    f"arguments of {each.__name__}", ", ".join(arguments), allowed,
+                    "name the variables so, then the named parameters, alike in all functions",
+                )  # fmt: skip
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Arguments that come first."""
+        return ("y",) if self.symbol == "g" else ("y", "v")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters, in the order of the arguments."""
+        return _arguments(self.functions[0])[len(self.variables) :]
+
+    @property
+    def _call(self) -> str:
+        return f"{self.symbol}({', '.join(self.variables)})"
+
+    @property
+    def has_derivatives(self) -> bool:
+        """Whether the derivatives are given."""
+        return len(self.functions) > 1
+
+    def source(self, variable: str = "") -> str:
+        """Return it, or its derivative, as a call in the text of a right-hand side."""
+        arguments = ", ".join([*self.variables, *self.names])
+        return f"{self._name(variable)}({arguments})"
+
+    @property
+    def namespace(self) -> tuple[tuple[str, Function], ...]:
+        """The functions under the names in :meth:`source`."""
+        variables = ("", *self.variables)
+        return tuple(
+            (self._name(each), function)
+            for each, function in zip(variables, self.functions, strict=False)
+        )
+
+    def _name(self, variable: str) -> str:
+        return "_".join(["", self.symbol, *([variable] if variable else [])])
+
+    def function(self, values: Mapping[str, float], variable: str = "") -> Callable[..., float]:
+        """Return it, or its derivative, as a function of numbers y (and v)."""
+        function = dict(self.namespace)[self._name(variable)]
+        return partial(_value, function, tuple(values[name] for name in self.names))
+
+    def check(self, values: Mapping[str, float]) -> None:
+        """Compile the functions, for values of the parameters.
+
+        Raises
+        ------
+        ParameterError
+            If numba cannot compile one, or it does not return a number.
+        """
+        for each in self.functions:
+            try:
+                float(each(*(0.0 for _ in self.variables), *(values[name] for name in self.names)))
+            except Exception as error:  # of numba's kinds, or of the function's own
+                raise ParameterError(
+                    f"function {each.__name__}", type(error).__name__,
+                    "one of numbers that numba compiles and that returns a number",
+                    "call it by itself to see what fails",
+                ) from error  # fmt: skip
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of what the functions do: of their code, and of the values that it takes in."""
+        content = "\n".join(_content(each.py_func) for each in self.functions)  # type: ignore[attr-defined]
+        return hashlib.sha256(content.encode()).hexdigest()[:12]
+
+    def __str__(self) -> str:
+        """Return how results name it."""
+        arguments = ", ".join([*self.variables, *self.names])
+        return f"compiled {self.functions[0].__name__}({arguments}) {self.digest}"
+
+    __repr__ = __str__
+
+
+def _value(function: Function, parameters: tuple[float, ...], *variables: float) -> float:
+    return float(function(*variables, *parameters))
+
+
+def read_force(given: Any, quantity: str) -> Polynomial | CompiledForce:
+    """Return a damping or a stiffness: a polynomial, or compiled functions.
+
+    Parameters
+    ----------
+    given : str, number, SymPy expression, function or sequence of them
+        A polynomial, or a function compiled by numba, or one and its derivatives.
+    quantity : str
+        ``damping`` or ``stiffness``.
+
+    Raises
+    ------
+    ParameterError
+        If it is none of these.
+    """
+    if isinstance(given, CompiledForce):
+        return given
+    functions = tuple(given) if isinstance(given, (tuple, list)) else (given,)
+    if functions and all(callable(each) and not _symbolic(each) for each in functions):
+        return CompiledForce("g" if quantity == "stiffness" else "h", functions)
+    return as_polynomial(given, quantity)
+
+
+def _symbolic(given: Any) -> bool:
+    return hasattr(given, "free_symbols")
+
+
+def _arguments(function: Function) -> tuple[str, ...]:
+    plain: Any = getattr(function, "py_func", function)
+    return tuple(inspect.signature(plain).parameters)
+
+
+def _content(function: Any) -> str:
+    """Return the code of a function and the values of the names that it takes from outside."""
+    outside = inspect.getclosurevars(function)
+    values = {**outside.globals, **outside.nonlocals}
+    parts = [
+        f"{name}={_content(value.py_func) if hasattr(value, 'py_func') else repr(value)}"
+        for name, value in sorted(values.items())
+        if not inspect.ismodule(value)
+    ]
+    return "\n".join([_code(function.__code__), *parts])
+
+
+def _code(code: CodeType) -> str:
+    constants = [_code(each) if isinstance(each, CodeType) else repr(each)
+                 for each in code.co_consts]  # fmt: skip
+    return f"{code.co_code.hex()} {constants} {code.co_names}"

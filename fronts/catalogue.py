@@ -135,9 +135,15 @@ _OWN_FRONT = Measurement(function=_FRONT, hidden=("point", "method"))
 _VDP_RUN = Run(presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start_point",))
 
 _CELL = "verification.cells.cell:cell"
-_VDP_CELL = Measurement(
-    function=_CELL, fixed={"c": 0.0, "sites": 2, "ends": "free"}, presets=_FIG_7
-)
+_ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
+_VDP_CELL = Measurement(function=_CELL, fixed=_ALONE, presets=_FIG_7)
+_OWN_CELL = Measurement(
+    function=_CELL,
+    fixed={
+        **_ALONE, "coupling": "chain", "velocity_coupling": 0.0, "disorder": {}, "seed": 0,
+        "drive": (), "shape": None, "overdamped": False,
+    },
+)  # fmt: skip
 
 _VDP_MAP = Map(
     presets={"chain.sites": 16},
@@ -272,7 +278,9 @@ COMMANDS: dict[str, Command] = {
   fronts cell friction --v-d 1.25 --xi 0 --json
   fronts cell friction --v-d 0.9:2:200 --out cell.png
   fronts cell vdp --a 2.5 --b 0.5
-  fronts cell averaged --a 2.5 --b 0.4:0.8:9""",
+  fronts cell averaged --a 2.5 --b 0.4:0.8:9
+  fronts cell friction --law stribeck --v-s 0.3
+  fronts cell chain --damping "y**2 - 1" --eps 1""",
         notes="""In JSON null stands for what does not exist or is infinite; "status" says which.
 "basin" is the range of y that goes to rest when started with zero velocity: null if none does,
 [null, null] if all do.""",
@@ -284,6 +292,7 @@ COMMANDS: dict[str, Command] = {
             ),
             "vdp": _VDP_CELL,
             "averaged": _VDP_CELL,
+            "chain": _OWN_CELL,
         },
     ),
     "map": Command(

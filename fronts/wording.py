@@ -228,12 +228,20 @@ def _cell(found: Any) -> Iterator[str]:
             f"{found.effective_damping:.6g}; stable {above or f'above v_d = {hopf:.12g}'}"
         )
         ends = f"at v_d = {end:.12g}" if math.isfinite(end) else "never"
-        yield "  no stick-slip cycle at any v_d" if end == 0.0 else f"  cycles end {ends}"
+        first = found.cycle_begin_velocity
+        begin = f"begin at v_d = {first:.12g} and " if first else ""
+        yield "  no stick-slip cycle at any v_d" if end == 0.0 else f"  cycles {begin}end {ends}"
+    elif found.model == "chain":
+        yield f"  rest at y = 0, effective damping {found.effective_damping:.6g}"
     else:
         eta = found.parameters["b"] / found.parameters["a"] ** 2
         yield f"  eta = b/a^2 = {eta:.12g}; two cycles exist below 1/8"
-    for name in ("stable", "unstable"):
-        cycle = getattr(found, name)
+    named = [(name, getattr(found, name)) for name in ("stable", "unstable")]
+    shown = [each for _, each in named]
+    for other in getattr(found, "cycles", ()):
+        if other not in shown:
+            named.append((f"{'stable' if other.multiplier < 1.0 else 'unstable'} outer", other))
+    for name, cycle in named:
         if cycle is not None:
             stick = f", of that stick {cycle.stick_time:.9g}" if cycle.stick_time else ""
             limit = cycle.averaged

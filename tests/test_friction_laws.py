@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tests.test_friction_integrator import assert_error_bounds, assert_events_of_scipy, random_start
 from theory.cells.friction import (
@@ -18,8 +20,10 @@ from theory.cells.friction import (
 from theory.cells.friction_law import FrictionLaw
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.cells.friction import friction_cell, unstable_cycle
+from verification.cells.friction import cycle_velocities, friction_cell, unstable_cycle
+from verification.cells.result import CellStatus
 from verification.references.equations import dynamic_friction
+from verification.references.friction_events import run_events
 
 LAWS = {
     "exponential": FrictionCell(viscous=0.1),
@@ -151,9 +155,76 @@ def test_what_a_law_does_not_have_is_refused(given: dict[str, object], words: st
             make(**given)
 
 
-def test_the_cycles_of_other_laws_are_refused_in_a_sentence() -> None:
-    with pytest.raises(ParameterError, match="simulate a chain of one site"):
-        friction_cell(LAWS["stribeck"])
+CELLS = {
+    "stribeck": FrictionCell(law="stribeck"),
+    "stribeck viscous": FrictionCell(law="stribeck", v_s=0.3, viscous=0.05, v_d=0.9),
+    "coulomb": FrictionCell(law="coulomb", v_d=0.5),
+    "coulomb viscous": FrictionCell(law="coulomb", mu_d=0.3, viscous=0.1, v_d=0.3),
+}
+
+
+@pytest.mark.parametrize("name", CELLS)
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_basin_of_a_law_ends_where_runs_of_scipy_begin_to_stick(name: str, side: int) -> None:
+    found = friction_cell(CELLS[name])
+    assert found.status is CellStatus.BISTABLE
+    assert found.basin is not None
+    chain = FrictionChain.of(CELLS[name], c=0.0, sites=1)
+    sticks = []
+    for step in (-1e-3, 1e-3):
+        start = np.array([[found.basin[side] + (2 * side - 1) * step], [0.0]])
+        run = run_events(chain, start, 120.0, tolerance=1e-10, longest_step=0.3)
+        sticks.append(run.log.size > 0)
+    assert sticks == [False, True]
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_the_stick_slip_cycle_of_a_law_is_what_a_run_of_scipy_settles_to(name: str) -> None:
+    cell = CELLS[name]
+    found = friction_cell(cell).stable
+    assert found is not None
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
+    start = np.array([[cell.release - 1e-3], [cell.v_d - 1e-6]])  # it sticks at once
+    run = run_events(chain, start, 30.0, tolerance=1e-11, longest_step=0.2)
+    begins, ends = (run.log[run.log[:, 2] == kind, 0] for kind in (0, 1))
+    assert begins[-1] - begins[-2] == pytest.approx(found.period, abs=1e-8)
+    assert ends[-1] - begins[begins < ends[-1]][-1] == pytest.approx(found.stick_time, abs=1e-8)
+
+
+def test_stick_slip_of_a_law_that_does_not_fall_at_small_velocities_begins_at_one() -> None:
+    cell = FrictionCell(law="stribeck")
+    first, end = cycle_velocities(cell)
+    for v_d, sticks in ((0.99 * first, False), (1.01 * first, True), (0.99 * end, True),
+                        (1.01 * end, False)):  # fmt: skip
+        chain = FrictionChain.of(replace(cell, v_d=v_d), c=0.0, sites=1)
+        run = run_events(
+            chain, np.array([[chain.cell.release - 1e-4 * v_d], [v_d * (1.0 - 1e-9)]]), 12.0,
+            tolerance=1e-11, longest_step=0.2,
+        )  # fmt: skip
+        assert (run.log.size > 0) is sticks
+
+
+def test_the_end_of_cycles_under_coulomb_friction_is_that_of_the_linear_equation() -> None:
+    """From release, u = Δ - 2ζv_d, slip returns with ẏ = v_d where ẅ + 2ζẇ + w = 0 has w = v_d."""
+    cell = FrictionCell(law="coulomb", xi=0.05)
+    omega, drop = math.sqrt(1 - 0.05**2), 0.5
+
+    def excess(v_d: float) -> float:
+        t = np.linspace(2.0, 8.0, 200_001)
+        slope = -drop  # ẇ at release: the force falls by Δ
+        w = np.exp(-0.05 * t) * (
+            v_d * np.cos(omega * t) + (slope + 0.05 * v_d) / omega * np.sin(omega * t)
+        )
+        return float(w.max() - v_d)
+
+    assert cycle_velocities(cell)[1] == pytest.approx(brentq(excess, 0.3, 1.0), abs=1e-8)
+
+
+def test_cells_whose_cycles_have_no_meaning_say_so() -> None:
+    with pytest.raises(ParameterError, match="without damping every slip near steady sliding"):
+        friction_cell(FrictionCell(law="coulomb", xi=0.0))
+    with pytest.raises(ParameterError, match="no cycle that slips all the time is stable"):
+        friction_cell(FrictionCell(law="stribeck", xi=0.35, v_d=0.4))
 
 
 def test_a_chain_holds_its_law_as_a_word() -> None:

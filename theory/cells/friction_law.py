@@ -96,6 +96,31 @@ class FrictionCurve:
             rate *= 2.0 * (speed / self.scale)
         return rate + self.viscous
 
+    def curvature(self, speed: float) -> float:
+        """Return d²μ/dv² at a speed, zero or positive."""
+        if self.law is FrictionLaw.STRIBECK:
+            u = speed / self.scale
+            return self.drop * (4.0 * u * u - 2.0) * math.exp(-u * u) / self.scale**2
+        return (self.viscous - self.slope(speed)) / self.scale
+
+    def third_derivative(self, speed: float) -> float:
+        """Return d³μ/dv³ at a speed, zero or positive.
+
+        Examples
+        --------
+        >>> for law in FrictionLaw:
+        ...     curve = FrictionCurve(law=law, mu_st=1.0, mu_d=0.5, scale=0.5)
+        ...     below, above = (curve.curvature(0.7 + h) for h in (-1e-5, 1e-5))
+        ...     print(abs((above - below) / 2e-5 - curve.third_derivative(0.7)) < 1e-8)
+        True
+        True
+        True
+        """
+        if self.law is FrictionLaw.STRIBECK:
+            u = speed / self.scale
+            return self.drop * (12.0 - 8.0 * u * u) * u * math.exp(-u * u) / self.scale**3
+        return -(self.viscous - self.slope(speed)) / self.scale**2
+
     def _falling(self, speed: float) -> float:
         u = speed / self.scale
         if self.law is FrictionLaw.STRIBECK:

@@ -71,6 +71,10 @@ class Oscillator(ABC):
         """Return V(y), V(0) = 0."""
 
     @abstractmethod
+    def stiffness_at(self, y: FloatArray) -> FloatArray:
+        """Return g(y)."""
+
+    @abstractmethod
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
         """Return h(y, v)."""
 
@@ -256,6 +260,10 @@ class OscillatorCell(Oscillator):
         """Return V(y), V(0) = 0."""
         powers = np.polynomial.polynomial.polyint(_ascending(self.stiffness))
         return np.asarray(np.polynomial.polynomial.polyval(y, powers))
+
+    def stiffness_at(self, y: FloatArray) -> FloatArray:
+        """Return g(y)."""
+        return np.asarray(np.polynomial.polynomial.polyval(y, _ascending(self.stiffness)))
 
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
         """Return h(y, v)."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.cells.friction import friction_cell
+from verification.cells.oscillator import oscillator_cell
 from verification.cells.result import Cell
 from verification.cells.vdp import averaged_cell, vdp_cell
 
@@ -17,9 +19,9 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
 
     Parameters
     ----------
-    of : FrictionCell, FrictionChain, VdpChain or AveragedChain
-        The cell of (5) at c = 0, of (8), or of (43), where both cycles are known in closed form.
-        Coupling, sites and ends of a chain play no role.
+    of : FrictionCell, FrictionChain, VdpChain, AveragedChain or OscillatorChain
+        The cell of (5) at c = 0, of (8), of (43), where both cycles are known in closed form, or
+        one of your own. Coupling, sites and ends of a chain play no role.
     tolerance : float, optional
         Local error of the integration, relative to the size of the cycle; from 1e-14 (friction) or
         1e-13 (Van der Pol) to 1e-6. The errors stated are differences from a hundred times this.
@@ -27,14 +29,16 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
     Returns
     -------
     Cell
-        A `BeltCell` for friction, with the belt velocities at which its states begin and end;
-        displacements, velocities and periods are dimensionless.
+        A `BeltCell` for friction, with the belt velocities at which its states begin and end; an
+        `OwnCell` with all its cycles for a cell of your own. Displacements, velocities and periods
+        are dimensionless.
 
     Raises
     ------
     ParameterError
-        If a parameter is out of the range where the cycles stand out of round-off, or the cell
-        slips both ways for ever, or it is too stiff.
+        If a parameter is out of the range where the cycles stand out of round-off, the cell slips
+        both ways for ever or has more cycles that slip than one, it is too stiff, or it has no
+        inertia and so no cycles.
 
     References
     ----------
@@ -57,7 +61,9 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
         return vdp_cell(of.a, of.b, of.eps, tolerance)
     if isinstance(of, AveragedChain):
         return averaged_cell(of.a, of.b, of.eps)
+    if isinstance(of, OscillatorChain):
+        return oscillator_cell(of, tolerance)
     raise ParameterError(
         "cell", type(of).__name__, "a friction cell, or a chain of cells that have cycles",
-        "give a FrictionCell, FrictionChain, VdpChain or AveragedChain",
+        "give a FrictionCell, FrictionChain, VdpChain, AveragedChain or OscillatorChain",
     )  # fmt: skip

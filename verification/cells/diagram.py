@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
+from theory.cells.friction_law import FrictionLaw
 from theory.result import Result
-from verification.cells.friction import cycle_end_velocity
-from verification.cells.friction_cycles import stick_slip_once, unstable_once
+from verification.cells.friction import cycle_velocities
+from verification.cells.friction_cycles import check_slip_cycles, stick_slip_once, unstable_once
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,7 +29,8 @@ class CellDiagram(Result):
     sliding : ndarray, shape (M,)
         y of steady sliding.
     stable, unstable : ndarray, shape (M, 2)
-        Smallest and largest y of the cycles; nan where there is none.
+        Smallest and largest y of the cycles; nan where there is none, as an unstable one under
+        Coulomb's law.
     stick_time : ndarray, shape (M,)
         Of the stable cycle.
     multiplier : ndarray, shape (M,)
@@ -64,15 +66,19 @@ def cell_diagram(
     count = len(velocities)
     stable, unstable = np.full((count, 2), np.nan), np.full((count, 2), np.nan)
     stick, growth, sliding = np.full(count, np.nan), np.full(count, np.nan), np.zeros(count)
-    end = cycle_end_velocity(cell, tolerance)
+    first, end = cycle_velocities(cell, tolerance)
+    smooth = cell.law is not FrictionLaw.COULOMB
     for i, v_d in enumerate(velocities):
         here = replace(cell, v_d=v_d)
         sliding[i] = here.steady_sliding
-        cycle = stick_slip_once(here, tolerance) if v_d < end else None
+        if here.law is FrictionLaw.STRIBECK:
+            check_slip_cycles(here, tolerance)
+        cycle = stick_slip_once(here, tolerance) if first <= v_d < end else None
         if cycle is None:
             continue
         stable[i], stick[i] = (cycle.min, cycle.max), cycle.stick_time
-        other = unstable_once(here, tolerance) if here.effective_damping > 0.0 else None
+        separated = smooth and here.effective_damping > 0.0
+        other = unstable_once(here, tolerance) if separated else None
         if other is not None:
             unstable[i] = other.min, other.max
             growth[i] = np.nan if other.multiplier is None else other.multiplier

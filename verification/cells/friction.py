@@ -20,6 +20,8 @@ from theory.cells.friction_law import FrictionLaw
 from theory.parameters import ParameterError, within
 from verification.cells.friction_cycles import (
     ROUND_OFF,
+    check_slip_cycles,
+    grazing_slip,
     largest_after_release,
     never_sticks,
     stick_slip_once,
@@ -32,6 +34,8 @@ FloatArray = npt.NDArray[np.float64]
 
 _SLOWEST_BELT, _FASTEST_BELT = 1e-9, 1e9
 """Beyond these a cycle and the round-off of y can no longer be distinguished."""
+_FASTEST_STRIBECK, _TRIED = 10.0, 60
+"""v_d over v_s up to which the first cycle is looked for, and at how many velocities."""
 
 
 def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
@@ -53,24 +57,35 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     Raises
     ------
     ParameterError
-        If the tolerance or v_d is out of range, the law is not that of (2), or the cell slips both
-        ways and never sticks.
+        If the tolerance or v_d is out of range, the cell slips both ways and never sticks, another
+        cycle that slips all the time is stable, or Coulomb's law comes without damping.
     """
     begin = perf_counter()
+    coulomb = cell.law is FrictionLaw.COULOMB
+    if coulomb and cell.effective_damping == 0.0:
+        raise ParameterError(
+            "damping ratio xi", 0, "positive under Coulomb's law: without damping every slip near "
+            "steady sliding is a cycle, and none is stable", "add damping or a viscous part",
+        )  # fmt: skip
     within("tolerance", tolerance, 1e-14, 1e-4)
     within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, _FASTEST_BELT)
-    end = cycle_end_velocity(cell, tolerance)
-    coarse_end = cycle_end_velocity(cell, COARSER * tolerance)
-    stable = stick_slip_cycle(cell, tolerance) if cell.v_d < end else None
+    limits = cycle_velocities(cell, tolerance)
+    coarse_limits = cycle_velocities(cell, COARSER * tolerance)
+    first, end = limits
+    stable = stick_slip_cycle(cell, tolerance) if first <= cell.v_d < end else None
     sliding_stable = cell.effective_damping > 0.0
+    if cell.law is FrictionLaw.STRIBECK:
+        check_slip_cycles(cell, tolerance)
     if stable is None and not sliding_stable:
         raise never_sticks(cell)
-    unstable = unstable_cycle(cell, tolerance) if stable and sliding_stable else None
+    separated = stable is not None and sliding_stable
+    unstable = unstable_cycle(cell, tolerance) if separated and not coulomb else None
     if stable is None:
         status = CellStatus.SLIDING
     else:
         status = CellStatus.BISTABLE if sliding_stable else CellStatus.CYCLE
-    end_error = 0.0 if end == coarse_end else abs(end - coarse_end)
+    pairs = zip(limits, coarse_limits, strict=True)
+    end_error = max(0.0 if one == other else abs(one - other) for one, other in pairs)
     return BeltCell(
         model="friction",
         cell=cell,
@@ -80,9 +95,11 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
         effective_damping=cell.effective_damping,
         stable=stable,
         unstable=unstable,
-        hopf_velocity=cell.hopf_velocity,
+        hopf_velocity=0.0 if coulomb else cell.hopf_velocity,
+        cycle_begin_velocity=first,
         cycle_end_velocity=end,
         cycle_end_error=end_error,
+        grazing=grazing_slip(cell) if coulomb and separated else None,
         seconds=perf_counter() - begin,
     )
 
@@ -103,40 +120,46 @@ def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None
 
 
 def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:
-    """Return v_d at which the slip phase from release only touches ẏ = v_d.
+    """Return v_d at which the stick-slip cycle ends; see :func:`cycle_velocities`."""
+    return cycle_velocities(cell, tolerance)[1]
 
-    Infinite for ξ = 0: slow departure from v_rel = 0 gains energy and nothing loses any. 0 if
-    there is no cycle even at small v_d.
 
-    Raises
-    ------
-    ParameterError
-        If the law is not that of (2), with or without a viscous part.
+def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
+    """Return v_d between which there is a stick-slip cycle; both 0 if there is none.
+
+    At the ends the slip phase from release only touches ẏ = v_d. The last is infinite for ξ = 0:
+    slow departure from v_rel = 0 gains energy and nothing loses any. The first is 0 but under
+    Stribeck's law, which does not fall at small velocities, so that nothing is gained there.
 
     Examples
     --------
-    >>> end = cycle_end_velocity(FrictionCell())
-    >>> stick_slip_cycle(FrictionCell(v_d=0.9999 * end)).stick_time < 0.03
-    True
+    >>> first, end = cycle_velocities(FrictionCell())
+    >>> first, stick_slip_cycle(FrictionCell(v_d=0.9999 * end)).stick_time < 0.03
+    (0.0, True)
     """
-    if cell.law is not FrictionLaw.EXPONENTIAL:
-        raise ParameterError(
-            "friction law", cell.law.value, "exponential for both cycles of a cell and their end",
-            "simulate a chain of one site with this law instead",
-        )  # fmt: skip
 
     def excess(v_d: float) -> float:
         return largest_after_release(replace(cell, v_d=v_d), tolerance)
 
-    low = 1e-3 * min(1.0, cell.v0)
-    if excess(low) <= 0.0:
-        return 0.0
+    first, low = 0.0, 1e-3 * min(1.0, cell.curve.scale)
+    if cell.law is FrictionLaw.STRIBECK:
+        hopf = cell.curve.unstable_sliding(2.0 * cell.xi)
+        tried = np.geomspace(min(low, hopf.low or low), _FASTEST_STRIBECK * cell.v_s, _TRIED)
+        above = [float(v_d) for v_d in tried if excess(float(v_d)) > 0.0]
+        if not above:
+            return 0.0, 0.0
+        low = above[0]
+        if low > tried[0]:
+            below = float(tried[np.searchsorted(tried, low) - 1])
+            first = float(brentq(excess, below, low, xtol=1e-15, rtol=9e-16))
+    elif excess(low) <= 0.0:
+        return 0.0, 0.0
     if cell.xi == cell.viscous == 0.0:
-        return math.inf
+        return first, math.inf
     high = low
     while excess(high) > 0.0:
         low, high = high, 1.25 * high
-    return float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
+    return first, float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
 
 
 def _with_error(fine: Cycle | None, coarse: Cycle | None) -> Cycle | None:

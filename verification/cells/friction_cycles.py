@@ -9,10 +9,13 @@ time; its largest y is a fixed point of the map from one maximum to the next.
 from __future__ import annotations
 
 import math
+from functools import partial
+from itertools import pairwise
 
+import numpy as np
 from scipy.optimize import brentq
 
-from theory.cells.friction import FrictionCell, friction_slope, stick_phase
+from theory.cells.friction import FrictionCell, stick_phase
 from theory.parameters import ParameterError
 from verification.cells.result import Cycle
 from verification.steppers import friction_cell_phase as phases
@@ -23,8 +26,10 @@ _LONGEST = 1e4
 _MOST_TURNS = 100
 ROUND_OFF = 1e-14
 _FINEST = 1e-17
+_TRIED = 60
 _SMALL = 1e-3
-"""Relative to v₀: below it the unstable cycle is taken from its expansion at the Hopf velocity."""
+"""Relative to v₀ or v_s: below it the unstable cycle is taken from its expansion at the Hopf
+velocity."""
 
 
 def _phase(
@@ -135,6 +140,67 @@ def never_sticks(cell: FrictionCell) -> ParameterError:
     )  # fmt: skip
 
 
+def _slip_from(
+    cell: FrictionCell, y: float, end: int, tolerance: float
+) -> tuple[float, float, float]:
+    """Return τ, y, w at the end of slip that begins at ẏ = 0."""
+    return _phase(cell, y, -cell.v_d, False, end, tolerance=tolerance)
+
+
+def _growth(cell: FrictionCell, y: float, tolerance: float) -> float:
+    """Return by how much a maximum y exceeds the one before, over its distance from sliding."""
+    t, top, _ = _slip_from(cell, y, phases.HIGHEST, tolerance)
+    # Continued beyond a touch the phase can leave double precision: it is outside then.
+    inside = t >= 0.0 and math.isfinite(top)
+    return float((top - y) / (y - cell.steady_sliding)) if inside else 1.0
+
+
+def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
+    """Refuse a cell that has other cycles that slip all the time than the unstable one.
+
+    Under Stribeck's law there can be: its Hopf bifurcations are supercritical where v_d is below
+    √1.5 v_s (d³μ/dv³ > 0 there), so that cycles without stick are stable, and can meet others.
+
+    Raises
+    ------
+    ParameterError
+        If there are any.
+    """
+    _, outside = cycle_turning_points(cell, tolerance)
+    reach = outside - cell.steady_sliding
+    tried = cell.steady_sliding + np.geomspace(1e-3 * reach, 0.999 * reach, _TRIED)
+    signs = [_growth(cell, float(y), tolerance) > 0.0 for y in tried]
+    found = sum(one is not other for one, other in pairwise(signs))
+    if found > (1 if cell.effective_damping > 0.0 else 0):
+        raise ParameterError(
+            "belt velocity v_d", f"{cell.v_d:g} under {cell.law.value} friction",
+            "one at which no cycle that slips all the time is stable", "take another velocity, or "
+            "run a chain of one site, which is exact for every cycle",
+        )  # fmt: skip
+
+
+def grazing_slip(cell: FrictionCell) -> tuple[float, float] | None:
+    """Return y at rest before slip under Coulomb's law only touches ẏ = v_d; None if it cannot.
+
+    With 2ζ = 2ξ + κ slip is linear about steady sliding, ẅ + 2ζẇ + w = 0 for w = ẏ. Backwards from
+    w = v_d, ẇ = 0 it is zero after θ/ω and (θ + π)/ω, ω² = 1 - ζ², tan θ = ω/ζ, where y is off by
+    -ẇ = ∓v_d e^{ζ(…)}.
+
+    Examples
+    --------
+    >>> low, high = grazing_slip(FrictionCell(law="coulomb", xi=1e-9))
+    >>> round(low, 6), round(high, 6)
+    (-0.75, 1.75)
+    """
+    zeta = cell.xi + 0.5 * cell.viscous
+    if zeta >= 1.0:
+        return None
+    omega = math.sqrt(1.0 - zeta * zeta)
+    first = math.atan2(omega, zeta) / omega
+    low, high = (cell.v_d * math.exp(zeta * t) for t in (first, first + math.pi / omega))
+    return cell.steady_sliding - low, cell.steady_sliding + high
+
+
 def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     """Return the unstable cycle; its error is what round-off alone does.
 
@@ -147,17 +213,13 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
         return None
     centre = cell.steady_sliding
     small = _amplitude_near_hopf(cell)
-    if small < _SMALL * cell.v0:
+    if small < _SMALL * cell.curve.scale:
         return _expanded(cell, small)
     fine = max(_FINEST, tolerance * min(1.0, small * small))
+    growth = partial(_growth, cell, tolerance=fine)
 
     def following(y: float, end: int) -> tuple[float, float, float]:
-        return _phase(cell, y, -cell.v_d, False, end, tolerance=fine)
-
-    def growth(y: float) -> float:
-        t, top, _ = following(y, phases.HIGHEST)
-        # Continued beyond a touch the phase can leave double precision: it is outside then.
-        return float((top - y) / (y - centre)) if t >= 0.0 and math.isfinite(top) else 1.0
+        return _slip_from(cell, y, end, fine)
 
     _, outside = cycle_turning_points(cell, fine)
     inside = centre + min(0.3 * small, 1e-3 * (outside - centre))
@@ -193,7 +255,7 @@ def _amplitude_near_hopf(cell: FrictionCell) -> float:
 
     Averaging ü + u = -δu̇ + F₂u̇²/2 + F₃u̇³/6 over a cycle u̇ = -A sin τ.
     """
-    third = (cell.viscous - friction_slope(cell, cell.v_d)) / cell.v0**2
+    third = -cell.curve.third_derivative(cell.v_d)
     return math.sqrt(8.0 * cell.effective_damping / third) if third > 0.0 else math.inf
 
 
@@ -202,12 +264,12 @@ def _expanded(cell: FrictionCell, amplitude: float) -> Cycle:
 
     The quadratic term shifts both turning points by F₂A²/3 (mean 1/4, second harmonic 1/12).
     """
-    second = (cell.viscous - friction_slope(cell, cell.v_d)) / cell.v0
+    second = cell.curve.curvature(cell.v_d)
     shift = second * amplitude**2 / 3.0
     centre = cell.steady_sliding + shift
     period = 2.0 * math.pi
     growth = math.exp(period * cell.effective_damping)
-    left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.v0**2) + ROUND_OFF
+    left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.curve.scale**2) + ROUND_OFF
     return Cycle(
         max=centre + amplitude,
         min=centre - amplitude,

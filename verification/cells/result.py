@@ -18,6 +18,7 @@ class CellStatus(Status):
     CYCLE = "stick-slip only", "the stick-slip cycle is stable, steady sliding is not."
     SLIDING = "steady sliding only", "steady sliding is stable, and there is no stick-slip cycle."
     REST = "rest only", "rest is stable, and there is no cycle."
+    OSCILLATION = "cycle only", "the cycle is stable, rest is not."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +39,7 @@ class Cycle(Result):
         Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
         None where differences do not resolve it.
     averaged : float or None
-        Amplitude as ε → 0 in closed form, for (8).
+        Largest y as ε → 0: in closed form for (8), else from the energy lost in a turn.
     error : float
         Largest difference of any of these, except speed and multiplier, from a computation at a
         hundred times the tolerance, and no less than round-off.
@@ -69,7 +70,7 @@ class Cell(Result):
     Attributes
     ----------
     model : str
-        "friction", "vdp" or "averaged".
+        "friction", "vdp", "averaged" or "chain".
     parameters : dict of str to float
         Those of the cell.
     status : CellStatus
@@ -97,7 +98,7 @@ class Cell(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON: the same keys for every model."""
-        names = ("hopf_velocity", "cycle_end_velocity", "cycle_end_error")
+        names = ("hopf_velocity", "cycle_begin_velocity", "cycle_end_velocity", "cycle_end_error")
         found = {**dict.fromkeys(names), **super().to_dict()}
         if {"a", "b"} <= {*self.parameters}:
             found["eta"] = self.parameters["b"] / self.parameters["a"] ** 2
@@ -111,14 +112,31 @@ class Cell(Result):
         """
         if self.status in (CellStatus.SLIDING, CellStatus.REST):
             return -math.inf, math.inf
-        if self.unstable is None:
-            return None
-        return self.unstable.min, self.unstable.max
+        return None if self.unstable is None else (self.unstable.min, self.unstable.max)
 
     @property
     def error(self) -> float:
         """Largest of the errors; infinite where one is not known."""
         return max((each.error for each in (self.stable, self.unstable) if each), default=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnCell(Cell):
+    """What one cell of your own can do.
+
+    Attributes
+    ----------
+    cycles : tuple of Cycle
+        All of them, inner to outer. ``unstable`` is the innermost one around a stable rest state,
+        ``stable`` the next stable one outside of it.
+    """
+
+    cycles: tuple[Cycle, ...]
+
+    @property
+    def error(self) -> float:
+        """Largest of the errors."""
+        return max((each.error for each in self.cycles), default=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,18 +149,30 @@ class BeltCell(Cell):
         The same parameters.
     hopf_velocity : float
         Belt velocity above which steady sliding is stable; infinite if it never is (ξ = 0), 0 if
-        it always is.
+        it always is, as under Coulomb's law.
+    cycle_begin_velocity : float
+        Belt velocity at which the stick-slip cycle begins by grazing; 0 but under Stribeck's law.
     cycle_end_velocity : float
         Belt velocity at which both cycles end by grazing; infinite if they never do (ξ = 0), 0 if
         there is no cycle at any.
     cycle_end_error : float
-        Its difference from a computation at a hundred times the tolerance.
+        The larger of their differences from a computation at a hundred times the tolerance.
+    grazing : tuple of float or None
+        Turning points of the slip that only touches the velocity of the belt, under Coulomb's law:
+        no cycle, but what starts inside ends in steady sliding, and what starts outside sticks.
     """
 
     cell: FrictionCell = field(metadata={"json": None})
     hopf_velocity: float
+    cycle_begin_velocity: float
     cycle_end_velocity: float
     cycle_end_error: float
+    grazing: tuple[float, float] | None = field(metadata={"json": None})
+
+    @property
+    def basin(self) -> tuple[float, float] | None:
+        """Range of y that ends in steady sliding when started with ẏ = 0; see `Cell.basin`."""
+        return self.grazing or super().basin
 
     @property
     def error(self) -> float:

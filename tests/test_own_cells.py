@@ -1,0 +1,131 @@
+"""One cell of one's own: published cycles, those of (8), and what scipy says of any other."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from fronts.cli import main
+from theory.chains.oscillator import OscillatorChain
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError
+from verification.cells.cell import cell
+from verification.cells.result import CellStatus, OwnCell
+from verification.references.network import oscillator_rate, states_by_scipy
+
+PERIOD, AMPLITUDE = 6.663286859323130, 2.008619860874843
+"""Of the cycle of Van der Pol at ε = 1: P. Amore, Computing the solutions of the van der Pol
+equation to arbitrary precision, arXiv:2111.12198."""
+
+
+@numba.njit
+def hardening(y, k):  # type: ignore[no-untyped-def]
+    return np.sinh(k * y) / k
+
+
+def own(**changes: Any) -> OwnCell:
+    found = cell(OscillatorChain(**{"c": 0.0, **changes}))
+    assert isinstance(found, OwnCell)
+    return found
+
+
+def test_the_cycle_of_van_der_pol_is_the_published_one() -> None:
+    found = own(damping="y**2 - 1", eps=1.0)
+    assert found.status is CellStatus.OSCILLATION
+    assert found.basin is None
+    assert found.stable is not None
+    assert abs(found.stable.period - PERIOD) <= found.error < 1e-9
+    assert abs(found.stable.max - AMPLITUDE) <= found.error
+    assert abs(found.stable.min + AMPLITUDE) <= found.error
+
+
+def test_the_cycle_of_rayleigh_has_the_published_period_of_van_der_pol() -> None:
+    """The velocity of ẍ + ε(ẋ²/3 - 1)ẋ + x = 0 obeys the equation of Van der Pol."""
+    found = own(damping="v**2/3 - 1", eps=1.0).stable
+    assert found is not None
+    assert abs(found.period - PERIOD) <= found.error
+
+
+def test_the_cell_of_the_paper_as_text_is_the_built_in_one() -> None:
+    ours = own(damping="1 - a*y**2 + b*y**4", values={"a": 4, "b": 0.5})
+    theirs = cell(VdpChain(a=4, b=0.5, c=0.0))
+    assert ours.status is theirs.status is CellStatus.BISTABLE
+    for one, other in ((ours.stable, theirs.stable), (ours.unstable, theirs.unstable)):
+        assert one is not None
+        assert other is not None
+        for name in ("max", "min", "period"):
+            assert abs(getattr(one, name) - getattr(other, name)) <= one.error + other.error
+        assert one.averaged == pytest.approx(other.averaged, rel=1e-14)
+    assert ours.basin == pytest.approx(theirs.basin, abs=1e-9)
+
+
+def test_all_cycles_of_a_cell_with_three_close_in_scipy_and_alternate() -> None:
+    found = own(damping="0.005*y**6 - 0.144*y**4 + y**2 - 1", eps=0.1)
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 0.005 * y**6 - 0.144 * y**4 + y**2 - 1.0, np.zeros((1, 1)), c=0.0,
+        eps=0.1,
+    )  # fmt: skip
+    assert len(found.cycles) == 3
+    assert [each.multiplier < 1.0 for each in found.cycles if each.multiplier] == [
+        True, False, True,
+    ]  # fmt: skip
+    assert found.stable is found.cycles[0]
+    assert found.unstable is None
+    for each in found.cycles:
+        start, times = np.array([each.max, 0.0]), np.array([0.0, each.period])
+        back = states_by_scipy(rate, start, times, 1e-13)[-1]
+        assert np.abs(back - start).max() <= 3.0 * each.error  # what is off grows in the turn
+
+
+def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:
+    """From the largest y through the smallest and back; stiffness of even powers too."""
+    found = own(damping="y**2 - 1", stiffness="y + 0.3*y**2 + 0.2*y**3", eps=0.5).stable
+    assert found is not None
+    rate = oscillator_rate(
+        lambda y: y + 0.3 * y**2 + 0.2 * y**3, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0,
+        eps=0.5,
+    )  # fmt: skip
+    times = np.linspace(0.0, found.period, 20_001)
+    y = states_by_scipy(rate, np.array([found.max, 0.0]), times)[:, 0]
+    assert y[-1] == pytest.approx(found.max, abs=1e-9)
+    assert y.min() == pytest.approx(found.min, abs=1e-6)  # between samples
+    assert found.min < -1.05 * found.max
+
+
+def test_a_compiled_cell_has_its_cycle() -> None:
+    found = own(damping="y**2 - 1", stiffness=hardening, values={"k": 0.8}, eps=0.3).stable
+    assert found is not None
+    rate = oscillator_rate(
+        lambda y: np.sinh(0.8 * y) / 0.8, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=0.3
+    )
+    start, times = np.array([found.max, 0.0]), np.array([0.0, found.period])
+    assert states_by_scipy(rate, start, times)[-1] == pytest.approx(start, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"damping": 0, "overdamped": True, "stiffness": "y"}, "without inertia a cell only has"),
+        ({"damping": "y**2 - 1", "drive": "0.1,1@1"}, "drive"),
+        ({"damping": 0}, "other than zero in a cell without cycles"),
+        ({"damping": "v**2 - 1", "eps": 10.0, "stiffness": "y"}, "take a smaller eps"),
+    ],
+)
+def test_a_cell_without_cycles_or_too_far_from_averaging_is_refused(
+    changes: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(ParameterError, match=words):
+        own(**changes)
+
+
+def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["cell", "chain", "--damping", "y**2 - 1", "--eps", "1"]
+    assert main([*given, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["cycles"] == [found["stable_cycle"]]
+    assert main(given) == 0
+    assert "the cycle is stable, rest is not" in capsys.readouterr().out

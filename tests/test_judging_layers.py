@@ -289,7 +289,7 @@ def test_rest_is_a_fall_in_every_window(heights: list[float], state: State) -> N
 def _memory(*sites: tuple[float, float]) -> np.ndarray:
     memory = np.zeros(state_run._SITES + 2 * len(sites))
     memory[[state_run._LEVEL, state_run._SETTLED, state_run._HOLD]] = 1.0, 1e-3, 5.0
-    memory[state_run._ARRIVED] = -1.0
+    memory[[state_run._FILLED, state_run._LASTING]] = -1.0
     memory[state_run._ABOVE] = sum(high > 1.0 for _, high in sites)
     memory[state_run._SITES :] = np.array(sites).T.ravel()
     return memory
@@ -309,11 +309,33 @@ def test_a_window_is_settled_if_all_its_sites_are() -> None:
     assert not settled(2, _memory(down, down))
 
 
-def test_a_front_has_arrived_when_the_far_end_has_been_above_for_long_enough() -> None:
-    arrived = state_run._arrived.py_func
-    memory = _memory((0.0, 0.0))
-    course = [(0.0, 0.5), (1.0, 2.0), (4.0, 2.0), (5.0, 1.0), (6.0, 2.0), (10.9, 2.0), (11.0, 2.0)]
-    assert [arrived(t, far, memory) for t, far in course] == [False] * 6 + [True]
+@pytest.mark.parametrize(
+    ("course", "filled", "lasting"),
+    [
+        # for as long again, and for five at least
+        ([(3.0, 4), (7.9, 4)], False, 3.0),
+        ([(3.0, 4), (8.0, 4)], True, 3.0),
+        ([(9.0, 4), (17.9, 4)], False, 9.0),
+        ([(9.0, 4), (18.0, 4)], True, 9.0),
+        # a site that falls below begins the time anew, but half of the chain is still there
+        ([(3.0, 4), (6.0, 3), (7.0, 4), (13.9, 4)], False, 3.0),
+        ([(3.0, 4), (6.0, 2), (7.0, 4), (14.0, 4)], True, 3.0),
+        ([(3.0, 4), (6.0, 1), (7.0, 4), (13.9, 4)], False, 7.0),
+        ([(3.0, 4), (9.0, 1)], False, -1.0),
+        ([(3.0, 3), (9.0, 3)], False, -1.0),
+    ],
+)
+def test_a_front_is_a_chain_that_stays_filled_for_as_long_again(
+    course: list[tuple[float, int]], filled: bool, lasting: float
+) -> None:
+    """Not one that has been filled once: at η = 0.09, c = 0.4 one of 16 sites is left after it."""
+    memory = _memory(*[(0.0, 0.0)] * 4)
+    for t, above in course:
+        state = np.zeros(8)
+        state[:above] = 2.0
+        found = state_run._filled.py_func(t, state, memory)
+    assert found is filled
+    assert memory[state_run._LASTING] == lasting
 
 
 @pytest.mark.parametrize(

@@ -490,7 +490,7 @@ def test_a_store_of_other_code_or_damaged_is_begun_anew(tmp_path, monkeypatch, c
 def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
     def draw():
         figure, axes = new_axes("page", xlabel=r"$\hat v$")
-        axes.plot([0, 1], [0, 1], "o-")
+        axes.plot([1, 2], [0.1, 1 / 3], "o-")
         axes.fill_between([0, 1], [0, 1], alpha=0.3)
         return picture("pair", "A pair.", figure, {"n": [1, 2], "x": np.array([0.1, 1 / 3])})
 
@@ -515,6 +515,25 @@ def test_unusable_pictures_are_refused(name, data, message):
     figure, _ = new_axes()
     with pytest.raises(ValueError, match=message):
         picture(name, "c", figure, data)
+
+
+def test_what_is_drawn_is_in_the_data():
+    def drawn(data):
+        figure, axes = new_axes()
+        axes.plot([1.0, np.nan, 2.0], [3.0, 4.0, 5.0], label="curve")
+        axes.bar([0.1, 0.2], [7.0, 8.0], width=0.03, label="bars")
+        axes.axhline(9.0, label="level")
+        axes.plot([], [], label="for the legend")
+        return picture("ok", "", figure, data)
+
+    curve, bars = {"x": [1.0, 2.0], "y": [3.0, 5.0]}, {"x": [0.1, 0.2], "n": [7.0, 8.0]}
+    drawn(long_table({"curve": curve | {"kind": "a"}, "bars": bars}))
+    with pytest.raises(ValueError, match="'curve', which is not in its data"):
+        drawn(long_table({"curve": {"x": [1.0, 2.0], "y": [3.0, 5.1]}, "bars": bars}))
+    with pytest.raises(ValueError, match="'curve', which"):  # each number, and no such pair
+        drawn({"x": [1.0, 2.0, 0.1, 0.2], "y": [5.0, 3.0, 7.0, 8.0]})
+    with pytest.raises(ValueError, match="'bars', which"):
+        drawn(curve)
 
 
 def test_curves_of_one_table_stand_below_each_other():

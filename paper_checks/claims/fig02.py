@@ -154,10 +154,11 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
     right.set(xlabel=r"$\tilde{y}$", ylabel=r"$d\tilde{y}/d\tau$", ylim=(-1.6, 2.9))
     right.legend(loc="upper center")
     runs = {"limit cycle": e.cycle, "to steady sliding": e.rest, "unstable cycle": e.unstable}
-    series = {
+    series: dict[str, dict[str, Any]] = {
         name: {"tau": run.times, "y": run.y[:, 0], "velocity": run.velocity[:, 0]}
         for name, run in runs.items()
     }
+    series["steady sliding"] = {"y": e.sliding, "velocity": 0.0}
     return (picture("fig02-cell", "", figure, long_table(series)),)
 
 

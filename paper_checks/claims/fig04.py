@@ -148,9 +148,8 @@ def draw(e: Thresholds) -> tuple[Picture, ...]:
         axes.plot(*curves.add(place, size=SIZES, c_crit=values, error=ACCURACY), style,
                   color=COLOURS[colour], label=f"“{place}” excitation")  # fmt: skip
     mark = (1.0 - PRINTED / 100.0) * e.edge[0]
-    axes.plot([2.6, 9.4], [mark, mark], lw=4, alpha=0.4, color=COLOURS["blue"],
-              label="paper: about 40 % below edge, size 1")  # fmt: skip
-    curves.add("paper, edge", size=SIZES[1:], c_crit=mark)
+    axes.plot(*curves.add("paper, edge", size=SIZES[1:], c_crit=[mark] * 4), lw=4, alpha=0.4,
+              color=COLOURS["blue"], label="paper: about 40 % below edge, size 1")  # fmt: skip
     axes.set(xticks=SIZES, ylim=(0.0, 0.0145), xlabel=r"nucleus size $N_\mathrm{size}$")
     axes.set(ylabel=r"critical coupling $(c)_\mathrm{crit}$")
     axes.set(title=r"$\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31")

@@ -131,19 +131,14 @@ def draw_map(e: StateMap) -> tuple[Picture, ...]:
     figure, axes = new_axes(
         "column", height=4.0, xlabel="coupling c", ylabel=r"belt velocity $\tilde{v}_d$"
     )
-    draw_states(axes, e.states, "c", "v_d", e.boundary, names={"fixed point": "steady sliding"})
+    drawn = draw_states(axes, e.states, "c", "v_d", e.boundary,
+                        names={"fixed point": "steady sliding"})  # fmt: skip
     axes.set(xlim=(0.0, 0.1), ylim=(1.0, 2.0))
     axes.set(title=rf"$N_\mathrm{{dof}}$ = {SITES}, $N_\mathrm{{size}}$ = 1 (bulk)")
     for value, line, name in ((e.hopf, ":", "Hopf velocity"), (e.cycle_end, "-.", "cycle ends")):
         axes.axhline(value, color="0.4", lw=0.8, ls=line, label=f"{name}, one cell")
     figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
-    table = long_table(
-        {
-            "states": e.states.columns(),
-            "boundary": {name: e.boundary[name] for name in ("c", "v_d", "along", "at")},
-        }
-    )
-    return (picture("fig05-states", "", figure, table),)
+    return (picture("fig05-states", "", figure, long_table(drawn)),)
 
 
 LASTING = (1.1, 1.2, 1.25, 1.35, 1.45, 1.6, 1.9)

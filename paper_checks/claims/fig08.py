@@ -193,18 +193,22 @@ def rule_neglected(e: Assumptions) -> Ruling:
 def draw_assumptions(e: Assumptions) -> tuple[Picture, ...]:
     """Draw both assumptions against ε."""
     figure, (left, right) = new_panels(2, width="page", height=2.2)
-    left.plot(EPSILONS, np.abs(e.detuning) / C, "o-", color=COLOURS["blue"], label="|δ|/c")
-    left.plot(EPSILONS, np.abs(e.detuning) / C / e.ratio, "s--", color=COLOURS["vermilion"],
+    curves, small = Curves(), np.abs(e.detuning) / C
+    left.plot(*curves.add("(27)", eps=EPSILONS, delta_over_c=small), "o-", color=COLOURS["blue"],
+              label="|δ|/c")  # fmt: skip
+    needed = curves.add("(28)", eps=EPSILONS, delta_over_c_exp_k1=small / e.ratio)
+    left.plot(*needed, "s--", color=COLOURS["vermilion"],
               label=r"$|\delta|/(c\,e^{k_1})$, as (28) needs")  # fmt: skip
     left.axhline(SMALL, color="0.4", lw=0.8, ls=":", label="“small”: 0.1")
-    right.plot(EPSILONS, np.abs(e.turns), "o-", color=COLOURS["blue"], label=r"$|k_2+\pi/2|$")
+    right.plot(*curves.add("(37)", eps=EPSILONS, turn=np.abs(e.turns)), "o-",
+               color=COLOURS["blue"], label=r"$|k_2+\pi/2|$")  # fmt: skip
+    limit = curves.add("averaged chain", eps=[0.0], delta_over_c=[0.0], turn=[0.0])
     for axes in (left, right):
         axes.set(xlabel="ε", xlim=(0, 0.042), ylim=(0, None))
-        axes.plot([0], [0], "s", color="black", clip_on=False, label="averaged chain, ε → 0")
+        axes.plot(*limit, "s", color="black", clip_on=False, label="averaged chain, ε → 0")
         axes.legend()
     left.set_title(r"$c$ = 0.1, $a$ = 2.5, $b$ = 0.5")
-    table = long_table({"orbit": {"eps": EPSILONS, "delta": e.detuning, "turn": e.turns}})
-    return (picture("fig08-assumptions", "", figure, table),)
+    return (picture("fig08-assumptions", "", figure, long_table(curves)),)
 
 
 ORBIT = Method("periodic orbits of (8) by shooting", "verification.breathers.orbits:solve_orbit")

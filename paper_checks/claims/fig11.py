@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -174,21 +174,21 @@ def draw_sweeps(e: Sweeps) -> tuple[Picture, ...]:
     figure, axes = new_axes(
         "column", height=2.9, xlabel="(dc/d(εt))$^{2/3}$", ylabel="coupling c at escape"
     )
-    series: dict[str, dict[str, Any]] = {}
+    curves, slow = Curves(), [rate ** (2.0 / 3.0) for rate in e.rates]
     for (n, escapes), colour, mark in zip(
         e.escapes.items(), ("blue", "vermilion"), "os", strict=True
     ):
-        shade, slow = COLOURS[colour], [rate ** (2.0 / 3.0) for rate in e.rates]
-        axes.plot(slow, escapes, mark, color=shade, label=f"size {n}: sweeps")
-        axes.plot([0.0], [e.folds.averaged[n]], mark, mfc="none", ms=6, color=shade, label="fold")
+        shade = COLOURS[colour]
+        sweeps = curves.add(f"sweeps, size {n}", rate_to_2_3=slow, c=escapes, rate=e.rates)
+        axes.plot(*sweeps, mark, color=shade, label=f"size {n}: sweeps")
+        fold = curves.add(f"fold, size {n}", rate_to_2_3=[0.0], c=[e.folds.averaged[n]])
+        axes.plot(*fold, mark, mfc="none", ms=6, color=shade, label="fold")
         axes.axhline(float(PRINTED[n]), color=shade, lw=1.2, ls=":", label=f"paper, {PRINTED[n]}")
-        series[f"sweeps, size {n}"] = {"rate": e.rates, "c": escapes}
-        series[f"fold, size {n}"] = {"rate": 0.0, "c": e.folds.averaged[n]}
-        series[f"paper, size {n}"] = {"c": float(PRINTED[n])}
+        curves[f"paper, size {n}"] = {"c": float(PRINTED[n])}
     axes.set(ylim=(0.1885, 0.2195), xlim=(-0.0002, None))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, averaged chain (43)")
     axes.legend(ncols=2, loc="upper left", columnspacing=1.0)
-    return (picture("fig11-sweeps", "", figure, long_table(series)),)
+    return (picture("fig11-sweeps", "", figure, long_table(curves)),)
 
 
 def draw_values(e: Sweeps) -> tuple[Picture, ...]:
@@ -438,25 +438,23 @@ def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
 def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     """Draw where every breather ends, and over which range some are stable."""
     figure, axes = new_axes("column", height=3.3, xlabel="nucleus size", ylabel="coupling c")
-    ends: dict[str, list[float]] = {"size": [], "c_end": [], "stable": []}
-    for n, found in e.branches.items():
-        for each in found:
-            stable = bool(each.stable)
-            axes.plot(n, each.c_end, "o" if stable else "x", ms=4 if stable else 3,
-                      color=COLOURS["blue"] if stable else "0.55")  # fmt: skip
-            if stable:
-                low, high = each.stable[0]
-                axes.plot([n, n], [max(low, 0.17), high], color=COLOURS["blue"], lw=2)
-            ends["size"].append(n)
-            ends["c_end"].append(each.c_end)
-            ends["stable"].append(max((high for _, high in each.stable), default=0.0))
-    axes.plot([], [], "o-", color=COLOURS["blue"], label="stable up to the end of the bar")
-    axes.plot([], [], "x", color="0.55", label="never stable")
+    every = [(n, each) for n, found in e.branches.items() for each in found]
+    curves, blue = Curves(), COLOURS["blue"]
+    for name, mark, stable in (
+        ("stable up to the end of the bar", "o", True), ("never stable", "x", False),
+    ):  # fmt: skip
+        ends = [(n, each.c_end) for n, each in every if bool(each.stable) is stable]
+        n, c = zip(*ends, strict=True)
+        axes.plot(*curves.add(name, size=n, c=c), mark, ms=4 if stable else 3,
+                  color=blue if stable else "0.55", label=name)  # fmt: skip
+    bars = [(n, c) for n, each in every if each.stable for c in (*each.stable[0], np.nan)]
+    n, c = zip(*bars, strict=True)
+    axes.plot(*curves.add("stable range", size=n, c=c), color=blue, lw=2)
     axes.axhline(LAST, color="black", ls=":", lw=1.0, label="paper: all lost at 0.2011")
     axes.set(xticks=[*RANGE, *FAMILY], ylim=(0.17, 0.203))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, averaged chain (43)")
     figure.legend(loc="outside lower center", ncols=2)
-    return (picture("fig11-nuclei", "", figure, {k: np.array(v) for k, v in ends.items()}),)
+    return (picture("fig11-nuclei", "", figure, long_table(curves)),)
 
 
 ORBIT = Method(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -73,8 +73,7 @@ class Scaling:
     @property
     def exponents(self) -> tuple[np.ndarray, np.ndarray]:
         """Couplings between neighbours and d ln v̂/d ln c there, averaged chain."""
-        c, v = np.array(self.c), np.array(self.v)
-        return np.sqrt(c[1:] * c[:-1]), np.diff(np.log(v)) / np.diff(np.log(c))
+        return local_exponents(self.c, self.v)
 
     @property
     def exponent(self) -> float:
@@ -90,6 +89,13 @@ class Scaling:
     def worst(self) -> float:
         """Largest relative error of the velocities."""
         return max(e / v for e, v in zip(self.full_error, self.full_v, strict=True))
+
+
+def local_exponents(c: Sequence[float], v: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the geometric means of neighbouring couplings, and d ln v/d ln c between them."""
+    couplings = np.array(c)
+    slopes = np.diff(np.log(v)) / np.diff(np.log(couplings))
+    return np.sqrt(couplings[1:] * couplings[:-1]), slopes
 
 
 @lru_cache(maxsize=1)
@@ -138,26 +144,25 @@ def draw(e: Scaling) -> tuple[Picture, ...]:
     c, v = np.array(e.c), np.array(e.v)
     near = c <= 3.0
     fine = np.linspace(0.3, 3.0, 50)
+    curves = Curves({"averaged (43)": {"c": e.c, "v": e.v, "error": e.error}})
     left.plot(c[near], v[near], "-", color=COLOURS["blue"], label="averaged chain (43)")
-    left.plot(e.full_c, e.full_v, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
-    left.plot(fine, e.line[0] + e.line[1] * fine, "--", color="black", lw=0.9,
-              label=f"line fitted to (8): {e.line[0]:.2f} + {e.line[1]:.2f} c")  # fmt: skip
+    full = curves.add("(8)", c=e.full_c, v=e.full_v, error=e.full_error)
+    left.plot(*full, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
+    left.plot(*curves.add("line", c=fine, v=e.line[0] + e.line[1] * fine), "--", color="black",
+              lw=0.9, label=f"line fitted to (8): {e.line[0]:.2f} + {e.line[1]:.2f} c")  # fmt: skip
     left.set(xlabel="coupling c", ylabel=r"$\hat v = v/\varepsilon$", xlim=(0, 3.1), ylim=(0, None))
     left.set(title=r"$a$ = 4, $b$ = 0.5")
-    middle, exponent = e.exponents
-    full = np.diff(np.log(e.full_v)) / np.diff(np.log(e.full_c))
-    between = np.sqrt(np.array(e.full_c[1:]) * np.array(e.full_c[:-1]))
-    right.semilogx(middle, exponent, "o-", color=COLOURS["blue"], label="averaged chain (43)")
-    right.semilogx(between, full, "s", color=COLOURS["vermilion"], label="(8), ε = 0.01")
+    for name, points, mark, colour in (
+        ("averaged chain (43)", e.exponents, "o-", "blue"),
+        ("(8), ε = 0.01", local_exponents(e.full_c, e.full_v), "s", "vermilion"),
+    ):
+        found = curves.add(f"exponent, {name}", c=points[0], exponent=points[1])
+        right.semilogx(*found, mark, color=COLOURS[colour], label=name)
     right.axhline(1.0, color="black", lw=0.9, ls="--", label="paper: linear in the end")
     right.set(xlabel="coupling c", ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0.5, 2.0))
     left.legend()
     right.legend()
-    series: dict[str, dict[str, Any]] = {
-        "averaged (43)": {"c": e.c, "v": e.v, "error": e.error},
-        "(8)": {"c": e.full_c, "v": e.full_v, "error": e.full_error},
-    }
-    return (picture("fig13-velocity", "", figure, long_table(series)),)
+    return (picture("fig13-velocity", "", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,11 +11,18 @@ import numpy as np
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
-from paper_checks.report.velocity_plot import curve_of, draw_curve, draw_runs, draw_thresholds
+from paper_checks.report.velocity_plot import (
+    Curve,
+    curve_of,
+    draw_curve,
+    draw_runs,
+    draw_thresholds,
+)
 from paper_checks.ruling import fails, holds
 
 if TYPE_CHECKING:
     from verification.piecewise.run import FrontRun
+    from verification.piecewise.simulation import Hysteresis
 
 A, B = 4.0, 0.5
 ETA = B / A**2
@@ -41,6 +48,14 @@ class Scaling:
     runs: tuple[FrontRun, ...]
     theory: tuple[float, ...]
     """The fastest admissible solution at the coupling of each run."""
+    solutions: Curve
+    """Every solution of (54) up to c = 3."""
+    near: Curve
+    """Every solution close to the thresholds."""
+    c_fold: float | None
+    c_pin: float | None
+    hysteresis: Hysteresis
+    """The chain with slowly falling coupling, and from rest, close to the thresholds."""
 
     @property
     def last(self) -> float:
@@ -80,7 +95,7 @@ def scaling() -> Scaling:
     """Follow d ln v/d ln c along the fastest branch, and run the chain."""
     from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
     from theory.piecewise.limits import strong_coupling_velocity
-    from verification.piecewise.simulation import simulate_front
+    from verification.piecewise.simulation import hysteresis, simulate_front
 
     # Narrow resonance peaks lie between c = 3 and 100: many points there.
     grid = np.unique(np.concatenate([np.geomspace(0.46, 3.0, 60), np.geomspace(3.0, 100.0, 300),
@@ -91,6 +106,7 @@ def scaling() -> Scaling:
     admissible = [
         [b.v for b in kinetic_relation(x, ETA).branches if b.admissible][-1] for x in RUNS
     ]
+    drawn = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), ETA)
     return Scaling(
         c=tuple(each for each, _ in fastest),
         v=tuple(branch.v for _, branch in fastest),
@@ -99,6 +115,11 @@ def scaling() -> Scaling:
         limit=strong_coupling_velocity(ETA) or 0.0,
         runs=tuple(simulate_front(each, ETA) for each in RUNS),
         theory=tuple(admissible),
+        solutions=curve_of(drawn, "c"),
+        near=curve_of(trace_kinetic_relation(np.linspace(0.4335, 0.499, 250), ETA), "c"),
+        c_fold=drawn[0].c_fold,
+        c_pin=drawn[0].c_pin,
+        hysteresis=hysteresis(ETA, np.arange(0.43, 0.4961, 0.006).tolist()),
     )
 
 
@@ -126,24 +147,22 @@ def rule_scaling(e: Scaling) -> Ruling:
 
 def draw_scaling(e: Scaling) -> tuple[Picture, ...]:
     """Draw Fig. 17 with every solution, its end near the fold, and the exponent."""
-    from theory.piecewise.kinetic_relation import trace_kinetic_relation
-    from verification.piecewise.simulation import hysteresis
+    return draw_velocities(e), draw_exponent(e)
 
-    near = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), ETA)
-    thresholds = {"fold": near[0].c_fold, "pin": near[0].c_pin}
-    fold = curve_of(trace_kinetic_relation(np.linspace(0.4335, 0.499, 250), ETA), "c")
-    both = hysteresis(ETA, np.arange(0.43, 0.4961, 0.006).tolist())
-    whole = curve_of(near, "c")
+
+def draw_velocities(e: Scaling) -> Picture:
+    """Draw Fig. 17, and the hysteresis at its left end."""
     figure, (first, second) = new_panels(2, width="page", height=2.7)
-    draw_curve(first, whole)
-    draw_curve(second, fold)
+    draw_curve(first, e.solutions)
+    draw_curve(second, e.near)
     curves = Curves({
-        "solutions of (54)": whole.columns("c"), "near the thresholds": fold.columns("c"),
+        "solutions of (54)": e.solutions.columns("c"), "near the thresholds": e.near.columns("c"),
     })  # fmt: skip
     settled = curves.add("chain, steady", c=[run.coupling for run in e.runs if run.steady],
                          v=[run.v for run in e.runs if run.steady])  # fmt: skip
     draw_runs(first, *settled, "s", "chain (44), steady")
-    draw_thresholds(second, thresholds, "c")
+    draw_thresholds(second, {"fold": e.c_fold, "pin": e.c_pin}, "c")
+    both = e.hysteresis
     for runs, mark, name in (
         (both.moving, "s", "chain, moving start"), (both.resting, "x", "chain, resting start"),
     ):  # fmt: skip
@@ -152,13 +171,19 @@ def draw_scaling(e: Scaling) -> tuple[Picture, ...]:
     for axes, title in ((first, r"$a$ = 4, $b$ = 0.5"), (second, "near the thresholds")):
         axes.set(title=title, xlabel="coupling c", ylabel=r"$\hat v$")
         axes.legend(loc="lower right")
-    one = picture("fig17-velocity", "", figure, long_table(curves))
-    c, v = np.array(e.c), np.array(e.v)
+    return picture("fig17-velocity", "", figure, long_table(curves))
+
+
+def draw_exponent(e: Scaling) -> Picture:
+    """Draw the fastest solution up to c = 10⁴ beside the two laws, and the local exponent."""
+    c = np.array(e.c)
+    curves = Curves({"fastest solution": {"c": c, "v": e.v, "exponent": e.exponent}})
     figure, (left, right) = new_panels(2, width="page", height=2.5)
-    left.loglog(c, v, color=COLOURS["blue"], label="fastest solution of (54)")
-    left.loglog(c, e.limit * np.sqrt(c), ":", color="black", label=f"V√c, V = {e.limit:.5f}")
-    left.loglog(c, float(np.interp(1.0, c, v)) * c, "--", color="black", lw=0.9,
-                label="paper: linear")  # fmt: skip
+    left.loglog(c, e.v, color=COLOURS["blue"], label="fastest solution of (54)")
+    left.loglog(*curves.add("square-root law", c=c, v=e.limit * np.sqrt(c)), ":", color="black",
+                label=f"V√c, V = {e.limit:.5f}")  # fmt: skip
+    left.loglog(*curves.add("linear law", c=c, v=float(np.interp(1.0, c, e.v)) * c), "--",
+                color="black", lw=0.9, label="paper: linear")  # fmt: skip
     right.semilogx(c, e.exponent, color=COLOURS["blue"], label="fastest solution of (54)")
     right.axhline(1.0, color="black", lw=0.9, ls="--", label="paper: linear")
     right.axhline(0.5, color="black", lw=0.9, ls=":", label="√c")
@@ -166,8 +191,7 @@ def draw_scaling(e: Scaling) -> tuple[Picture, ...]:
     right.set(xlabel="coupling c", ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0, 2))
     left.legend()
     right.legend()
-    table = long_table({"fastest": {"c": c, "v": v, "exponent": e.exponent}})
-    return one, picture("fig17-exponent", "", figure, table)
+    return picture("fig17-exponent", "", figure, long_table(curves))
 
 
 @dataclass(frozen=True, kw_only=True)

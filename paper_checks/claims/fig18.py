@@ -13,7 +13,13 @@ from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._fronts import staggered_velocity, sum_on_the_line
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
-from paper_checks.report.velocity_plot import curve_of, draw_curve, draw_runs, draw_thresholds
+from paper_checks.report.velocity_plot import (
+    Curve,
+    curve_of,
+    draw_curve,
+    draw_runs,
+    draw_thresholds,
+)
 from paper_checks.ruling import fails, holds, partly
 
 if TYPE_CHECKING:
@@ -23,6 +29,8 @@ C = 0.3
 ETAS = (0.002, 0.005, 0.01, 0.015, 0.02)
 """η at which both models have fronts that outrun the waves."""
 AGREE = 1e-8
+CROSSING = (0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221)
+"""η from below η_pin to beyond the fold."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +45,14 @@ class Alike:
     """An η beyond the fold at which (43) still has a front."""
     runs: tuple[tuple[float, FrontRun], ...]
     scipy_gap: float
+    solutions: Curve
+    """Every solution of (54) over η."""
+    near: Curve
+    """Every solution close to the thresholds."""
+    moving: tuple[float | None, ...]
+    """v̂ of the chain at `CROSSING`, started on a moving front."""
+    resting: tuple[float | None, ...]
+    """v̂ of the chain there, started at rest."""
 
     @property
     def gap(self) -> float:
@@ -59,12 +75,13 @@ def alike() -> Alike:
     """Measure and solve for v̂ along η."""
     from theory.chains.vdp import VdpChain
     from theory.piecewise.folds import fold_eta
-    from theory.piecewise.kinetic_relation import kinetic_relation
+    from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
     from theory.piecewise.limits import pinning_eta
     from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
 
-    fold = fold_eta(C).value
+    fold, pin = fold_eta(C).value, pinning_eta(C)
+    etas = np.concatenate([np.geomspace(2e-4, 2e-3, 40), np.linspace(2.2e-3, 1.005 * fold, 160)])
     averaged = [
         measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v or 0.0
         for eta in ETAS
@@ -74,10 +91,14 @@ def alike() -> Alike:
         simplified=tuple(kinetic_relation(C, eta).branches[-1].v for eta in ETAS),
         averaged=tuple(averaged),
         fold=fold,
-        pin=pinning_eta(C),
+        pin=pin,
         averaged_reaches=2.0 * fold if beyond is not None else fold,
         runs=tuple((eta, simulate_front(C, eta)) for eta in ETAS),
         scipy_gap=abs(staggered_velocity(1.0, ETAS[0], C, 40) / averaged[0] - 1.0),
+        solutions=curve_of(trace_kinetic_relation(C, etas), "eta"),
+        near=curve_of(trace_kinetic_relation(C, np.linspace(0.95 * pin, 1.005 * fold, 200)), "eta"),
+        moving=tuple(simulate_front(C, eta, "moving").v for eta in CROSSING),
+        resting=tuple(simulate_front(C, eta, "resting").v for eta in CROSSING),
     )
 
 
@@ -91,32 +112,25 @@ def rule_alike(e: Alike) -> Ruling:
 
 def draw(e: Alike) -> tuple[Picture, ...]:
     """Draw Fig. 18 with every solution, beside the averaged chain, and its end."""
-    from theory.piecewise.kinetic_relation import trace_kinetic_relation
-    from verification.piecewise.simulation import simulate_front
-
-    etas = np.concatenate(
-        [np.geomspace(2e-4, 2e-3, 40), np.linspace(2.2e-3, 1.005 * e.fold, 160)]
-    )  # fmt: skip
-    answers = trace_kinetic_relation(C, etas)
-    whole = curve_of(answers, "eta")
-    near = curve_of(trace_kinetic_relation(C, np.linspace(0.95 * e.pin, 1.005 * e.fold, 200)),
-                    "eta")  # fmt: skip
-    crossing = [0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221]
     figure, (left, right) = new_panels(2, width="page", height=2.7)
-    curves = Curves({
-        "solutions of (54)": whole.columns("eta"), "near the thresholds": near.columns("eta"),
-    })  # fmt: skip
-    draw_curve(left, whole)
+    curves = Curves(
+        {
+            "solutions of (54)": e.solutions.columns("eta"),
+            "near the thresholds": e.near.columns("eta"),
+        }
+    )
+    draw_curve(left, e.solutions)
     chain = curves.add("chain (44)", eta=[x for x, _ in e.runs], v=[run.v for _, run in e.runs])
     draw_runs(left, *chain, "s", "chain (44)")
     left.plot(*curves.add("averaged (43)", eta=ETAS, v=e.averaged), "^", color=COLOURS["green"],
               label="averaged chain (43), Fig. 14")  # fmt: skip
     left.set(xlim=(0, 0.024), ylim=(0, 1.3), title=r"$c$ = 0.3")
-    draw_curve(right, near)
+    draw_curve(right, e.near)
     draw_thresholds(right, {"fold": e.fold, "pin": e.pin}, r"\eta")
-    for start, mark in (("moving", "s"), ("resting", "x")):
-        name, found = f"chain, {start} start", [simulate_front(C, x, start).v for x in crossing]
-        draw_runs(right, *curves.add(name, eta=crossing, v=found), mark, name)
+    for name, found, mark in (
+        ("chain, moving start", e.moving, "s"), ("chain, resting start", e.resting, "x"),
+    ):  # fmt: skip
+        draw_runs(right, *curves.add(name, eta=CROSSING, v=found), mark, name)
     right.set(title="near the thresholds")
     for axes in (left, right):
         axes.set(xlabel="η = b/a²", ylabel=r"$\hat v$")

@@ -10,7 +10,10 @@ import io
 import logging
 import sys
 from collections.abc import Mapping
+from itertools import permutations
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from paper_checks.finding import NAME, Picture
 from paper_checks.report.data_table import columns_as_csv
@@ -182,7 +185,8 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
     Raises
     ------
     ValueError
-        If the name is no file name, or the columns are not a table, as in `columns_as_csv`.
+        If the name is no file name, the columns are not a table, as in `columns_as_csv`, or a line
+        or bar that is drawn is not among them.
     """
     if not NAME.fullmatch(name):
         raise ValueError(
@@ -190,6 +194,8 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
             "underscores: choose another."
         )
     table = columns_as_csv(data)
+    for label in drawn_beyond(figure, data):
+        raise ValueError(f"the picture '{name}' draws '{label}', which is not in its data.")
     svg = _render(name, figure)
     figure.set_layout_engine("none")  # the layout that the first one found holds for the others
     png, pdf = _encoded(figure, "png"), _encoded(figure, "pdf")
@@ -200,6 +206,45 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
         pyplot.close(figure)
     figure.clear()
     return Picture(name, caption, svg, table, png, pdf)
+
+
+def drawn_beyond(figure: Figure, data: Mapping[str, Column]) -> list[str]:
+    """Return the labels of lines and bars whose points are in no two columns of the data.
+
+    Lines across all of the axes, as ``axhline`` draws them, and lines without points, which are
+    there for the legend, have none.
+    """
+    from matplotlib.container import BarContainer
+
+    columns = [column for column in map(_numbers, data.values()) if column is not None]
+    pairs = [set(zip(x, y, strict=True)) for x, y in permutations(columns, 2)]
+    lost = []
+    for axes in figure.axes:
+        drawn = [
+            (line.get_label(), line.get_xydata())
+            for line in axes.get_lines()
+            if line.get_transform() is axes.transData
+        ]
+        for bars in axes.containers:
+            if isinstance(bars, BarContainer):
+                # Its middle is stored as left side and width: rounded, it is the number drawn.
+                middles = [round(bar.get_x() + 0.5 * bar.get_width(), 9) for bar in bars]
+                tops = list(zip(middles, [bar.get_height() for bar in bars], strict=True))
+                drawn.append((bars.get_label(), np.array(tops)))
+        for label, points in drawn:
+            known = np.asarray(points, dtype=float)
+            shown = set(map(tuple, known[np.isfinite(known).all(axis=1)].tolist()))
+            if not any(shown <= pair for pair in pairs):
+                lost.append(str(label))
+    return lost
+
+
+def _numbers(column: Column) -> list[float] | None:
+    """Return a column as floats, NaN for an empty cell; None if it holds words."""
+    try:
+        return [float(value) for value in np.array(column, dtype=float)]
+    except (TypeError, ValueError):
+        return None
 
 
 def save(path: Path, figure: Figure, dpi: int = 200) -> None:

@@ -33,8 +33,8 @@ def draw_states(
     *,
     names: Mapping[str, str] = MappingProxyType({}),
     lines: str = "boundary, bisected",
-) -> None:
-    """Draw a map, and the boundaries between the labels as contours.
+) -> dict[str, Mapping[str, Any]]:
+    """Draw a map, and the boundaries between the labels as contours; return what is drawn.
 
     Parameters
     ----------
@@ -50,6 +50,12 @@ def draw_states(
         Labels that the legend calls otherwise.
     lines : str, optional
         What the legend calls the boundaries.
+
+    Returns
+    -------
+    dict
+        The columns of the states and of the contours, the pieces of which end in an empty row, for
+        `data_table.long_table`.
     """
     labels = states["label"]
     for label, (mark, colour) in MARKS.items():
@@ -66,16 +72,21 @@ def draw_states(
                 clip_on=False,
                 **face,
             )
+    drawn: dict[str, Mapping[str, Any]] = {"states": states.columns()}
     if boundary is not None and len(boundary):
-        _draw_boundary(axes, states, across, up, boundary)
-        axes.plot([], [], color="0.1", lw=0.9, label=lines)
+        contours = _contours(states, across, up, boundary)
+        axes.plot(*contours.T, color="0.1", lw=0.9, label=lines)
+        axes.set_xlim(*_rim(states, across))
+        axes.set_ylim(*_rim(states, up))
+        drawn["boundary"] = dict(zip((across, up), contours.T, strict=True))
+    return drawn
 
 
-def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Table) -> None:
+def _contours(states: Table, across: str, up: str, boundary: Table) -> np.ndarray:
     """Join the places where the label changes, cell by cell of the grid, to contours.
 
     Two changes on the edges of a cell are joined; three or four are joined with their mean, where
-    three regions meet.
+    three regions meet. After each piece comes a row of NaN, at which Matplotlib lifts its pen.
     """
     x, y = np.unique(states[across]), np.unique(states[up])
     cells: dict[tuple[int, int], list[tuple[float, float]]] = {}
@@ -89,16 +100,14 @@ def _draw_boundary(axes: Axes, states: Table, across: str, up: str, boundary: Ta
             point, sides = (at, float(y[j])), [(i, j - 1), (i, j)]
         for side in sides:
             cells.setdefault(side, []).append(point)
+    lifted, rows = (np.nan, np.nan), []
     for points in cells.values():
-        ends = np.array(points)
         if len(points) == 2:
-            axes.plot(ends[:, 0], ends[:, 1], color="0.1", lw=0.9)
+            rows += [*points, lifted]
         elif len(points) > 2:
-            middle = ends.mean(axis=0)
-            for end in ends:
-                axes.plot([end[0], middle[0]], [end[1], middle[1]], color="0.1", lw=0.9)
-    axes.set_xlim(*_rim(states, across))
-    axes.set_ylim(*_rim(states, up))
+            middle = tuple(np.mean(points, axis=0))
+            rows += [row for end in points for row in (end, middle, lifted)]
+    return np.array(rows).reshape(-1, 2)
 
 
 def _before(ticks: np.ndarray, value: float) -> int:

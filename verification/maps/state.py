@@ -11,7 +11,7 @@ from theory.status import Status
 class State(Status):
     """What became of a chain."""
 
-    FRONT = "front", "the disturbance has filled the chain, or reached its far end."
+    FRONT = "front", "the disturbance has filled the chain, which stays filled."
     BREATHER = "breather", "some sites oscillate on, steadily, and no further one joins."
     FIXED_POINT = "fixed point", "the chain is certain to be at rest for ever."
     UNDECIDED = "undecided", "none of the rules applied in time; the reason is beside it."

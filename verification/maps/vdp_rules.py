@@ -4,14 +4,17 @@ Four states, by rules. Times are slow times T = εt; "level" is the amplitude of
 of one cell, √[(8/a)/(1 + √(1 - 8η))].
 
 front
-    The far end, site 1, has been above the level for ``HOLD`` without a break.
+    The chain is filled, and that lasts: all sites have been above the level without a break from
+    some time to twice that time, and for ``HOLD`` at least. Near the boundary to rest sites may
+    fall below it again and again: there the run goes on to half of the end time, and is a front if
+    all sites were above the level at once by half of that, and never fewer than half of them since.
 fixed point
     The chain is certain to go to rest, by a norm or an energy that can only fall from here on:
     see ``verification.runs.state_run.at_rest_for_ever``.
 breather
     From some time to twice that time no site's amplitude varied by more than ``STEADY`` times the
-    level within any window of length ``WINDOW``, none passed the level, and at least one site was
-    above it, not the far end.
+    level within any window of length ``WINDOW``, none passed the level, and some sites, not all,
+    were above it.
 undecided
     None of these by half of the end time: a state found later would be another one, namely none,
     if the end time were halved.
@@ -64,7 +67,7 @@ class VanDerPolRules(StateRules):
     seed: ClassVar[int] = 15
 
     def check(self, chain: Any) -> None:
-        """Refuse chains without a far end, and so small an ε that (8) takes hours."""
+        """Refuse closed chains, and so small an ε that (8) takes hours."""
         super().check(chain)
         _check(chain)
 
@@ -96,8 +99,8 @@ def find_vdp_state(
     chain : VdpChain or AveragedChain
         Parameters, with free ends.
     start : array_like, shape (2, N)
-        (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). The far end is the first site,
-        and the last one is where amplitudes of (8) are sampled.
+        (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). Amplitudes of (8)
+        are sampled where the last site passes y = 0.
     end : float, optional
         End time, slow; states found in its second half do not count.
     tolerance : float, optional
@@ -146,7 +149,7 @@ def find_vdp_state(
 
 def _check(chain: VanDerPolChain) -> None:
     if chain.ends is not Ends.FREE:
-        raise ParameterError("ends", str(chain.ends), "free", "the far end must be an end")
+        raise ParameterError("ends", str(chain.ends), "free", "the rule for rest is for these")
     if isinstance(chain, VdpChain):
         within("small parameter eps", chain.eps, SMALLEST_EPS, 10.0, "take the averaged chain")
 

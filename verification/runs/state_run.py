@@ -48,7 +48,7 @@ LONGEST = 1.5
 """Longest step of an oscillation: less than half a period, so no passage of y = 0 is missed."""
 
 _LEVEL, _QUIET, _STIFFNESS, _HOLD, _WINDOW, _SETTLED, _OSCILLATES = 0, 1, 2, 3, 4, 5, 6
-_ARRIVED, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 11, 12, 13
+_FILLED, _LASTING, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 11, 12, 13, 14
 """Places in the memory of the stop condition; from ``_SITES`` on the lowest, then the highest
 amplitude of each site in the present window."""
 
@@ -69,12 +69,14 @@ class Rules:
     stiffness : float
         κ.
     hold : float
-        FRONT once the far end, the first site, has been above the level for this long.
+        FRONT once all sites have been above the level without a break from some time to twice that
+        time, and for this long. At the end of the run FRONT as well if all have been above it at
+        once by half of that time, and since then never fewer than half of them.
     window, settled : float
         BREATHER once, in every window of this length from some time to twice that time, each
-        site's amplitude varied by at most ``settled``, without meeting the level, and not the far
-        end but some site was above it. Where sites oscillate, amplitudes are taken where the last
-        site has y = 0 and rises, since within a period they ripple.
+        site's amplitude varied by at most ``settled``, without meeting the level, and some sites,
+        not all, were above it. Where sites oscillate, amplitudes are taken where the last site has
+        y = 0 and rises, since within a period they ripple.
     """
 
     level: float
@@ -162,8 +164,8 @@ def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
 
 @inner(cache=True)
 def _settled(sites: int, memory: FloatArray) -> bool:
-    """Return whether no amplitude changed in the window, and some site is above the level."""
-    if memory[_ABOVE] == 0.0 or memory[_ARRIVED] >= 0.0:
+    """Return whether no amplitude changed in the window, and some sites are above the level."""
+    if memory[_ABOVE] == 0.0 or memory[_ABOVE] == sites:
         return False
     for n in range(sites):
         low, high = memory[_SITES + n], memory[_SITES + sites + n]
@@ -173,15 +175,22 @@ def _settled(sites: int, memory: FloatArray) -> bool:
 
 
 @inner(cache=True)
-def _arrived(t: float, far: float, memory: FloatArray) -> bool:
-    """Note since when the far end has been above the level; return whether for long enough."""
-    if far <= memory[_LEVEL]:
-        memory[_ARRIVED] = -1.0
-    elif memory[_ARRIVED] < 0.0:
-        memory[_ARRIVED] = t
-    else:
-        return bool(t - memory[_ARRIVED] >= memory[_HOLD])
-    return False
+def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
+    """Note since when the chain has been filled; return whether it has been for long enough."""
+    sites = state.size // 2
+    above = 0
+    for n in range(sites):
+        above += math.hypot(state[n], state[sites + n]) > memory[_LEVEL]
+    if 2 * above < sites:
+        memory[_LASTING] = -1.0
+    if above < sites:
+        memory[_FILLED] = -1.0
+        return False
+    if memory[_LASTING] < 0.0:
+        memory[_LASTING] = t
+    if memory[_FILLED] < 0.0:
+        memory[_FILLED] = t
+    return bool(t >= max(2.0 * memory[_FILLED], memory[_FILLED] + memory[_HOLD]))
 
 
 @inner(cache=True)
@@ -223,7 +232,7 @@ def named_state(  # noqa: PLR0917  (as a Condition)
             put(before, room)
         _take_sample(room, memory)
     t += h
-    if _arrived(t, math.hypot(after[0], after[sites]), memory):
+    if _filled(t, after, memory):
         return _FRONT
     if _stays(t, sites, memory):
         return _BREATHER
@@ -243,11 +252,11 @@ def run_to_state(
     chain : SmoothChain
         With free ends.
     start : array_like
-        State at time zero; the first site is the far end, the last one is displaced.
+        State at time zero; amplitudes of sites that oscillate are sampled by the last one.
     rules : Rules
         What counts as which state.
     end : float
-        Kernel time at which the run is given up as UNDECIDED.
+        Kernel time at which the run ends.
     tolerance : float
         Local error of a step, relative to the largest value.
 
@@ -262,7 +271,7 @@ def run_to_state(
         rules.level, rules.quiet, rules.stiffness, rules.hold, rules.window, rules.settled,
         chain.oscillates,
     )  # fmt: skip
-    memory[[_ARRIVED, _FIRST]] = -1.0
+    memory[[_FILLED, _LASTING, _FIRST]] = -1.0
     run = SmoothIntegration(
         chain,
         start,
@@ -279,8 +288,11 @@ def run_to_state(
         return StateRun(outcome=Outcome.FIXED_POINT, time=0.0, above=0, steps=0)
     while not run.finished:
         run.advance(_BUDGET)
+    outcome = Outcome(run.outcome)
+    if outcome is Outcome.UNDECIDED and 0.0 <= 2.0 * memory[_LASTING] <= end:
+        outcome = Outcome.FRONT
     return StateRun(
-        outcome=Outcome(run.outcome),
+        outcome=outcome,
         time=run.time * chain.kernel_rate,
         above=int(memory[_ABOVE]),
         steps=run.counts["steps"],

@@ -182,7 +182,7 @@ def test_pictures_data_and_links_load(browser, folder):
         assert picture["label"]
         assert picture["names"] > 5
         assert picture["lost"] == []
-    assert found["data"] == ["t,amplitude", "series,c,v"]
+    assert found["data"] == ["t,amplitude", "series,c,v,exponent"]
     assert found["dead"] == []
     assert found["resources"] == 0
     assert found["unnamed"] == 0

@@ -39,6 +39,8 @@ def _speed():
                     {
                         "closed form": {"c": c, "v": np.sqrt(c)},
                         "simulated": {"c": c[::9], "v": np.sqrt(c[::9])},
+                        "linear": {"c": c, "v": 0.5 * c},
+                        "local exponent": {"c": c, "exponent": 0.5 + 0.1 * np.exp(-c)},
                     }
                 ),
             ),

@@ -135,7 +135,7 @@ class Claim:
             If the ruling names a part that is not in the quote, or the template lacks something.
         """
         ruling = self.rule(evidence)
-        if ruling.part and plain(ruling.part) not in plain(self.quote):
+        if plain(ruling.part) not in plain(self.quote):  # without a part there is nothing to find
             raise ValueError(f"{self.key}: '{ruling.part}' is not a part of the quote.")
         prose = written(self.rule.__module__, self.key, evidence)
         pictures = tuple(

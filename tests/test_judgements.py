@@ -81,7 +81,7 @@ def test_an_outcome_is_changed_if_its_verdict_is_not_the_recorded_one_or_its_jud
 @pytest.mark.parametrize("stale", [True, False])
 def test_only_a_stored_finding_of_other_code_is_stale(stale: bool) -> None:
     judgement = Judgement(FINDING, None, 1.0, "")
-    assert not judgement.stale
+    assert (judgement.stale, judgement.stored, judgement.shared) == (False, False, 0.0)
     assert replace(judgement, provenance=Provenance("", {}, {}, stale)).stale is stale
 
 
@@ -141,6 +141,11 @@ def test_a_finding_has_what_the_claim_draws_typesets_and_corrects() -> None:
     assert plain.erratum.reason == "of the text"
 
 
+def test_a_claim_is_of_ordinary_weight_and_computed_in_every_run_unless_it_says_otherwise() -> None:
+    claim = made_up()
+    assert (claim.weight, claim.expensive, claim.repeats) == (1, False, ())
+
+
 def test_a_method_says_what_it_covers_if_that_is_not_all() -> None:
     method = Method("a run", "verification.runs.simulate:simulate")
     assert (str(method), method.module) == ("a run", "verification.runs.simulate")
@@ -179,6 +184,8 @@ def test_a_judgement_is_read_back_as_it_was_and_marked_as_stored() -> None:
     record = json.loads(json.dumps(plain_judgement(computed)))
     assert record == json.loads(json.dumps(plain_judgement(judged)))
     assert judgement_from(record) == replace(judged, stored=True)
+    said = [record[name] for name in ("stored", "provenance", "evidence")]
+    assert said == [False, None, None]
     del record["shared"]  # as in older records
     assert judgement_from(record).shared == 0.0
 

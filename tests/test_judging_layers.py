@@ -13,6 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from numpy.lib import format as npy
@@ -29,11 +30,11 @@ from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import sweep
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import MARGIN, Watch
+from verification.fronts.watch import MARGIN, Stall, Watch
 from verification.maps import friction_rules, smooth_rules
 from verification.maps.state import Reason, State
 from verification.quantities import robustness
-from verification.quantities.judging import Outcome, judge
+from verification.quantities.judging import Outcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
 from verification.runs import state_run
 from verification.thresholds import spreading as thresholds
@@ -472,3 +473,117 @@ def test_a_store_that_is_begun_anew_forgets_what_it_held(tmp_path: Path) -> None
         with Store(tmp_path / "a", {"c": 1}, resume=resume, replace=True) as store:
             assert store.results == expected
             store.add("1", 2.0)
+
+
+# ------------------------------------------------------------------------- the stability table
+
+
+def _judged(stated: StatedValue, distance: float = 0.0, uncertainty: float = 0.0) -> dict[str, Any]:
+    quantity = Computation(
+        name="made-up", title="for this test", axes=(Axis(name="x", low=1.0, high=2.0),),
+        compute=lambda _: stated,
+        check=lambda *_: ReferenceCheck(distance=distance, uncertainty=uncertainty, method="a, b"),
+        seconds=1.0,
+    )  # fmt: skip
+    return dict(judge(quantity, {"x": 1.0}))
+
+
+def test_a_value_is_right_up_to_its_error_and_the_uncertainty_of_the_reference() -> None:
+    stated = StatedValue(value=1.0, error=0.25)
+    row = _judged(stated, distance=0.75, uncertainty=0.5)
+    assert (row["outcome"], row["stated"], row["distance"], row["uncertainty"]) == (
+        Outcome.RIGHT.value, 0.25, 0.75, 0.5,
+    )  # fmt: skip
+    assert row["by"] == "a; b"  # a comma would end the cell
+    assert 0.0 <= row["seconds"] < 1.0
+    assert row["said"] == "-"
+    for distance, uncertainty in ((0.7500001, 0.5), (0.75, 0.4999999)):
+        assert _judged(stated, distance, uncertainty)["outcome"] == Outcome.EXCEEDED.value
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "right"),
+    [
+        (1.0, 0.0, True),
+        (None, 1e-3, True),  # there is none, and the reference has none either
+        (np.array([1.0, 2.0]), 0.0, True),
+        (np.array([1.0, NAN]), 0.0, False),
+        (mpmath.mpc(1, 2), 0.0, True),
+        (mpmath.mpf("inf"), 0.0, False),
+        (NAN, 0.0, False),
+        (1.0, math.inf, False),
+        (1.0, NAN, False),
+    ],
+)
+def test_a_value_or_an_error_that_is_no_number_is_nan(
+    value: Any, error: float, right: bool
+) -> None:
+    row = _judged(StatedValue(value=value, error=error))
+    assert row["outcome"] == (Outcome.RIGHT if right else Outcome.NAN).value
+    assert row["stated"] == error or math.isnan(error)
+
+
+@pytest.mark.parametrize(
+    ("message", "clear"),
+    [
+        ("x" * 20 + ".", True),
+        ("x" * 19 + ".", False),
+        ("x" * 298 + ".", True),
+        ("x" * 299 + ".", False),
+        ("x" * 50, False),
+        ("x" * 50 + "\nx.", False),
+    ],
+)
+def test_a_refusal_is_one_sentence_that_is_neither_short_nor_long(
+    message: str, clear: bool
+) -> None:
+    assert is_clear(message) is clear
+
+
+# -------------------------------------------------------------------------- a front that stops
+
+
+class _Motion:
+    """A run of which only its time, amplitudes and whether it goes to rest are asked."""
+
+    def __init__(self) -> None:
+        self.time, self.amplitude, self.rests = 0.0, np.array([1.0, 0.5]), False
+
+    def going_to_rest(self) -> bool:
+        return self.rests
+
+
+@pytest.mark.parametrize(
+    ("change", "status"),
+    [(0.0, FrontStatus.PINNED), (-0.2499, FrontStatus.PINNED),
+     (0.25, FrontStatus.CREEPING), (-0.25, FrontStatus.CREEPING)],
+)  # fmt: skip
+def test_what_stands_is_pinned_if_no_amplitude_changes_by_the_settling_tolerance(
+    change: float, status: FrontStatus
+) -> None:
+    """From one stall time after the last arrival to two."""
+    run: Any = _Motion()
+    stall = Stall(run, 10.0, 0.25)
+    run.time = 3.0
+    stall.note(4)
+    for time in (13.0, 13.5, 23.0):
+        run.time = time
+        assert stall.status() is None
+    assert stall.waited == 20.0
+    run.amplitude = run.amplitude + np.array([change, 0.0])
+    run.time = 23.5
+    assert stall.status() is status
+
+
+def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_is() -> None:
+    run: Any = _Motion()
+    stall = Stall(run, 10.0, 0.25)
+    for time, reached in ((1.0, 2), (12.0, 2), (12.0, 3), (22.5, 3)):
+        run.time = time
+        stall.note(reached)
+        assert stall.status() is None
+    assert (stall.reached, stall.since) == (3, 12.0)
+    run.time, run.amplitude = 32.5, run.amplitude + 1.0
+    assert stall.status() is FrontStatus.CREEPING
+    run.rests = True
+    assert stall.status() is FrontStatus.COLLAPSED

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
@@ -137,7 +138,8 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
             ]
             left_out = count - len(mutants)
             print(f"{left_out} changes of what numba compiles are left out", file=sys.stderr)
-        in_children(ran[0].tasks(mutants, until), options.jobs)
+        with suppress(KeyboardInterrupt):  # what was run until then is reported
+            in_children(ran[0].tasks(mutants, until), options.jobs)
 
     code = session.collect(list(imported), modules, work)
     if not ran:

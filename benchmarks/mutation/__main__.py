@@ -82,8 +82,13 @@ def _parser() -> argparse.ArgumentParser:
     add("--open", type=Path, metavar="RECORD", help="only what it left open")
     add("--compiled", action="store_true", help="also what numba compiles")
     add("--tests", nargs="+", default=(), metavar="FILE", help="ask these only (default: all)")
-    add("--seconds", type=float, default=2.0, help="of tests asked about a change (default 2)")
-    add("--longest", type=float, default=1.0, help="seconds of a test that is asked (default 1)")
+    add(
+        "--seconds",
+        type=float,
+        default=2.0,
+        help="processor seconds of tests for a change (default 2)",
+    )
+    add("--longest", type=float, default=1.0, help="of a test that is asked (default 1)")
     add("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
     add("--minutes", type=float, help="begin no further change after so long")
     add("--list", action="store_true", help="list the changes, run nothing")

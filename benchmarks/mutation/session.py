@@ -218,30 +218,35 @@ class _Recorder:
                     if hasattr(value, "cache_clear"):
                         value.cache_clear()
         self._names.clear()
-        self._begin, self._elsewhere = time.perf_counter(), 0.0
+        self._begin, self._elsewhere = _spent(), 0.0
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
-        before, begin = set(self._names), time.perf_counter()
+        before, begin = set(self._names), _spent()
         self._names.clear()
         try:
             return (yield)
         finally:
             if fixturedef.scope != "function":
-                took = time.perf_counter() - begin
+                took = _spent() - begin
                 self._elsewhere += took
                 self._shared[fixturedef.argname] = took, set(self._names)
             self._names |= before
 
     def answer(self, item: pytest.Item) -> Answer:
-        """Return the seconds of the last test and what it entered."""
-        seconds = max(0.0, time.perf_counter() - self._begin - self._elsewhere)
+        """Return the processor seconds of the last test and what it entered."""
+        seconds = max(0.0, _spent() - self._begin - self._elsewhere)
         entered_ = set(self._names)
         for fixture in getattr(item, "fixturenames", ()):
             took, more = self._shared.get(fixture, (0.0, set()))
             seconds += took
             entered_ |= more
         return {"seconds": seconds, "entered": sorted(entered_)}
+
+
+def _spent() -> float:
+    """Return the processor seconds of this process and of the children that have ended."""
+    return sum(os.times()[:4])
 
 
 def _too_long(*_: object) -> None:

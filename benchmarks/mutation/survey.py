@@ -31,7 +31,7 @@ class Survey:
     Attributes
     ----------
     seconds : dict
-        Test to its processor seconds, with that of its fixtures, for those that pass on the unchanged code.
+        Test to its processor seconds, fixtures included, if it passes on the unchanged code.
     breadth : dict
         Test to the number of functions it enters.
     """

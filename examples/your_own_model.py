@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import fronts as fr
 from theory.chains.chain import SmoothChain, parameter
-from theory.chains.ends import Ends
 
 
 def nagumo(site, left, right, p):  # type: ignore[no-untyped-def]
@@ -17,25 +16,14 @@ def nagumo(site, left, right, p):  # type: ignore[no-untyped-def]
 
 
 @dataclass(frozen=True, kw_only=True)
-class NagumoChain(SmoothChain, model="nagumo-example"):
+class NagumoChain(SmoothChain, model="nagumo-example", kernel=nagumo):
     """Its parameters."""
 
     alpha: float = parameter("threshold", "α", 0.2)
     c: float = parameter("coupling", "c", 1.0)
     sites: int = parameter("number of sites", "N", 31)
-    ends: Ends = parameter("ends", "ends", Ends.FREE)
-
     stable_amplitude = 1.0
-
-    @property
-    def unstable_amplitude(self) -> float:  # noqa: D102
-        return self.alpha
-
-    def kernel(self):  # type: ignore[no-untyped-def]  # noqa: D102
-        return nagumo
-
-    def kernel_parameters(self) -> tuple[float, float]:  # noqa: D102
-        return self.alpha, self.c
+    unstable_amplitude = property(lambda chain: chain.alpha)
 
 
 def main(path: str | None = None) -> float:

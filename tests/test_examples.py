@@ -62,6 +62,11 @@ def test_every_example_is_pinned() -> None:
 
 
 @pytest.mark.parametrize("name", EXPECTED)
+def test_an_example_is_under_forty_lines(name: str) -> None:
+    assert len((EXAMPLES / f"{name}.py").read_text("utf-8").splitlines()) < 40
+
+
+@pytest.mark.parametrize("name", EXPECTED)
 def test_the_example_gives_its_number_and_its_picture(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

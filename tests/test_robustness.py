@@ -30,7 +30,7 @@ POINTS = {
 }
 OWN = {
     "k": 0.1, "far": 0.2, "d": 0.3, "spread": 0.1, "c": 2.0, "eps": 0.05, "sites": 20,
-    "displacement": 3.0, "tolerance": 1e-8,
+    "displacement": 3.0, "tolerance": 1e-8, "force": 0.3,
 }  # fmt: skip
 RUN = {
     "a": 4.0, "eta": 0.03, "c": 0.6, "eps": 0.01, "sites": 8, "displacement": 2.0,
@@ -69,7 +69,7 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("run-vdp", {**RUN, "sites": 1e5, "displacement": 1e-8}),
         ("run-chain", OWN),
         ("run-chain", {**OWN, "eps": 0.2, "sites": 5, "tolerance": 1e-4}),
-        ("run-chain", {**OWN, "displacement": 1e-6, "eps": 1e-6, "sites": 60}),
+        ("run-chain", {**OWN, "displacement": 1e-6, "eps": 1e-6, "sites": 60, "force": 1e-6}),
         ("run-envelope", {**RUN, "c": 1e-8}),
         ("run-friction", {**SLIDING, "v_d": 1.1513}),
         ("run-friction", {**SLIDING, "c": 1.0}),

@@ -19,7 +19,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
-from theory.chains.chain import CHAINS, Kernel, SmoothChain, parameter
+from theory.chains.chain import CHAINS, SmoothChain, parameter
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError
@@ -48,7 +48,7 @@ def nagumo(site: Any, left: Any, right: Any, p: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NagumoChain(SmoothChain, model="nagumo"):
+class NagumoChain(SmoothChain, model="nagumo", kernel=nagumo):
     """Parameters of the chain of Nagumo."""
 
     alpha: float = parameter("threshold, from 0 to 1/2", "α", 0.2)
@@ -61,12 +61,6 @@ class NagumoChain(SmoothChain, model="nagumo"):
         self._check_number("c", "coupling c", 0.0, 1e6)
         self._check_count("sites", "number of sites n", 2, 10**6)
         self._check_ends()
-
-    def kernel(self) -> Kernel:
-        return nagumo
-
-    def kernel_parameters(self) -> tuple[float, ...]:
-        return self.alpha, self.c
 
     @property
     def stable_amplitude(self) -> float:

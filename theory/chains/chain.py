@@ -71,7 +71,7 @@ class Chain(ABC):
        :class:`SmoothChain` if its right-hand side is smooth, and name the model in the class line:
        ``class Nagumo(SmoothChain, model="nagumo")``. This enters it into :data:`CHAINS`.
     2. Declare each parameter by :func:`parameter`; the command line makes its options of them.
-       Parameters are dimensionless. A chain of finite length has ``sites`` and ``ends``.
+       Parameters are dimensionless.
     3. Check the parameters in ``__post_init__``: :meth:`_check_number` and :meth:`_check_count`
        refuse text, NaN, truth values and arrays, and store a plain float or int;
        :meth:`_check_ends` compares the ends with ``allowed_ends``.
@@ -183,16 +183,17 @@ class SmoothChain(Chain):
 
     How to write one, after the guidelines of :class:`Chain`:
 
-    1. Give :attr:`sites` and :attr:`ends` as parameters.
-    2. Write the right-hand side of one site as a plain function at the top of a file, and return it
-       from :meth:`kernel`::
+    1. Give :attr:`sites` as a parameter, and :attr:`ends` if they can be other than free.
+    2. Write the right-hand side of one site as a plain function at the top of a file, and name it
+       in the class line, ``class Nagumo(SmoothChain, model="nagumo", kernel=nagumo)``::
 
            def nagumo(site, left, right, p):
                y, _ = site
                return y * (1 - y) * (y - p[0]) + p[1] * (left[0] + right[0] - 2 * y), 0.0
 
        ``site``, ``left`` and ``right`` are pairs (y, w), ``p`` is :meth:`kernel_parameters` as a
-       tuple. It is compiled by numba when it is first integrated, so it may use arithmetic,
+       tuple: the numbers among the parameters in their order, but the sites, unless you give
+       others. It is compiled by numba when it is first integrated, so it may use arithmetic,
        ``math``, and functions of the same kind compiled by ``numba.njit``. Add the two neighbours
        first, so that a mirror-symmetric state stays so to the last bit. At a free end the missing
        neighbour equals the site itself.
@@ -221,19 +222,28 @@ class SmoothChain(Chain):
         Quarter turns from a site to the next one behind a front.
     """
 
+    _right_hand_side: ClassVar[Kernel]
     oscillates: ClassVar[bool] = False
     front_phase_step: ClassVar[int] = 0
 
     sites: int
-    ends: Ends
+    ends: Ends = Ends.FREE
 
-    @abstractmethod
+    def __init_subclass__(cls, kernel: Kernel | None = None, **options: Any) -> None:
+        """Keep the right-hand side of one site, if it is the same for all parameters."""
+        super().__init_subclass__(**options)
+        if kernel is not None:
+            cls._right_hand_side = staticmethod(kernel)
+
     def kernel(self) -> Kernel:
         """Return the right-hand side of one site; see the guidelines of the class."""
+        return self._right_hand_side
 
-    @abstractmethod
     def kernel_parameters(self) -> tuple[float, ...] | FloatArray:
-        """Return the numbers that the kernel takes as ``p``."""
+        """Return the numbers that the kernel takes as ``p``: by default those but the sites."""
+        names = (each.name for each in dataclasses.fields(self))  # type: ignore[arg-type]
+        values = (getattr(self, name) for name in names if name != "sites")
+        return tuple(float(each) for each in values if isinstance(each, (int, float)))
 
     @property
     def kernel_layout(self) -> tuple[int, ...]:

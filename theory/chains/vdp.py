@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from theory.cells.vdp import ETA_END, eta_from_damping
-from theory.chains.chain import MAX_COUPLING, MAX_SITES, Kernel, SmoothChain, parameter
+from theory.chains.chain import MAX_COUPLING, MAX_SITES, SmoothChain, parameter
 from theory.chains.ends import Ends
 from theory.parameters import ParameterError
 
@@ -172,7 +172,7 @@ class VanDerPolChain(SmoothChain):
 
 
 @dataclass(frozen=True, kw_only=True)
-class VdpChain(VanDerPolChain, model="vdp"):
+class VdpChain(VanDerPolChain, model="vdp", kernel=vdp_acceleration):
     """Model II, Eq. (8): generalised Van der Pol oscillators, y and ẏ in time t.
 
     Attributes
@@ -191,17 +191,9 @@ class VdpChain(VanDerPolChain, model="vdp"):
 
     oscillates: ClassVar[bool] = True
 
-    def kernel(self) -> Kernel:
-        """Return the right-hand side of (8)."""
-        return vdp_acceleration
-
-    def kernel_parameters(self) -> tuple[float, ...]:
-        """Return a, b, c, ε."""
-        return self.a, self.b, self.c, self.eps
-
 
 @dataclass(frozen=True, kw_only=True)
-class AveragedChain(VanDerPolChain, model="averaged"):
+class AveragedChain(VanDerPolChain, model="averaged", kernel=envelope_velocity):
     """Model II averaged over a period, Eq. (43): the envelope φ; times are t, slow time is εt.
 
     A state is (Im φ, Re φ), which is (y, ẏ) of Ψ = ẏ + iy in the rotating frame.
@@ -216,10 +208,6 @@ class AveragedChain(VanDerPolChain, model="averaged"):
     >>> AveragedChain(a=4, b=0.5, c=0.6).full()
     VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=31, ends=<Ends.FREE: 'free'>)
     """
-
-    def kernel(self) -> Kernel:
-        """Return the right-hand side of (43)."""
-        return envelope_velocity
 
     def kernel_parameters(self) -> tuple[float, ...]:
         """Return a, b, c."""

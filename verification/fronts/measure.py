@@ -408,7 +408,8 @@ def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary
     waves = chain.trailing_wave_velocity
 
     def sized(sites: int) -> SmoothChain:
-        return chain.replace(sites=excited + sites, ends=Ends.FREE)
+        longer = chain.replace(sites=excited + sites)
+        return longer if longer.ends is Ends.FREE else longer.replace(ends=Ends.FREE)
 
     def begin(longer: SmoothChain, tolerance: float) -> Integration:
         # Long enough for every site to be reached just in time.

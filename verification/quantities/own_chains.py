@@ -1,4 +1,4 @@
-"""A chain of one's own at a time, against scipy: a disordered Duffing-Van der Pol cell.
+"""A chain of one's own at a time, against scipy: disordered Duffing-Van der Pol cells, driven.
 
 The right side is generated from text and stepped by compressed rows, as for any other polynomial
 cell and coupling; the reference has cell and matrix written a second time.
@@ -29,6 +29,8 @@ from verification.references.network import oscillator_rate
 FloatArray = npt.NDArray[np.float64]
 
 _END = 30.0
+_FREQUENCY = 1.1
+"""Of the force, near that of the cells."""
 
 OURS = "Runge-Kutta 8 (default)"
 
@@ -36,7 +38,7 @@ OURS = "Runge-Kutta 8 (default)"
 def chain_of(at: Mapping[str, float]) -> OscillatorChain:
     """Return the chain of a point: stiffness y + ky³, springs to second neighbours, disorder.
 
-    Of more rows than one it is a square lattice.
+    A harmonic force acts on the second site. Of more rows than one it is a square lattice.
     """
     sites, rows = whole(at["sites"]), whole(at.get("rows", 1))
     size: Any = sites if rows == 1 else (rows, sites // rows)
@@ -50,6 +52,7 @@ def chain_of(at: Mapping[str, float]) -> OscillatorChain:
         coupling=f"next-nearest:1,{at['far']!r}" if rows == 1 else "square",
         velocity_coupling=at["d"],
         disorder={"a": at["spread"]} if at["spread"] else {},
+        drive=f"{at['force']!r},{_FREQUENCY}@2" if at.get("force") else (),
     )
 
 
@@ -71,7 +74,11 @@ def rate_of(at: Mapping[str, float]) -> Rate:
         h: FloatArray = 1.0 - a * y**2 + 0.5 * y**4
         return h
 
-    return oscillator_rate(force, damping, matrix, c=at["c"], eps=at["eps"], d=at["d"])
+    driven = np.eye(sites)[1] * at.get("force", 0.0)
+    return oscillator_rate(
+        force, damping, matrix, c=at["c"], eps=at["eps"], d=at["d"],
+        force=lambda t: driven * np.cos(_FREQUENCY * t),
+    )  # fmt: skip
 
 
 def own_run(at: Mapping[str, float]) -> StatedValue:
@@ -105,7 +112,8 @@ _RUN = Computation(
     title="state of a chain of one's own at t = 30 from one displaced site",
     axes=axes(
         k=(1e-6, 1.0), far=(1e-3, 1.0), d=(1e-6, 1.0), spread=(1e-6, 0.3), c=(1e-8, 10.0),
-        eps=(1e-6, 1.0), sites=(5, 60), displacement=(1e-6, 3.0), tolerance=(1e-12, 1e-4),
+        eps=(1e-6, 1.0), force=(1e-6, 1.0), sites=(5, 60), displacement=(1e-6, 3.0),
+        tolerance=(1e-12, 1e-4),
     ),
     compute=own_run, check=own_by_scipy, seconds=60.0, share=0.3,
     limits="one polynomial stands for all; stronger damping takes scipy minutes",

@@ -58,6 +58,21 @@ def inner(**options: Any) -> Callable[[Function], Function]:
     return compiled
 
 
+COUNTED = {"_nrt": True}
+"""Option of a function that makes arrays and is called by one that does not."""
+
+
+def uncounted(function: Function) -> Function:
+    """Compile what makes no arrays, with what it calls: references to arrays are not counted.
+
+    Counting them, at each call and for each array, takes longer than a step of a short chain, and
+    as long to compile as the arithmetic.
+    """
+    options: Any = {"cache": True, "_nrt": False}
+    found: Function = njit(**options)(function)
+    return found
+
+
 def _count_from_random() -> bool:
     """Let numba count functions from a random number; return whether this numba can do so."""
     if not isinstance(getattr(FunctionIdentity, "_unique_ids", None), itertools.count):

@@ -112,36 +112,28 @@ class SmoothIntegration(Integration):
         self._start = state.copy()
         self._size = float(np.hypot(*state).max())
         self._left_boundary_wave = left_boundary_wave
-        self._run = smooth.Run(
-            state,
-            np.zeros(5),
-            np.zeros(7, dtype=np.int64),
-            np.full(chain.sites, np.nan),
-            np.zeros((self.times.size, 2, chain.sites)),
-            np.zeros(1) if memory is None else memory,
-        )
-        self._run.arrivals[np.hypot(*state) >= self.level] = 0.0
+        self._run = _at_start(state, self.times.size, self.level, memory)
         self._margin, self._watch = _margin(chain), watch
         local = first != RING and self._margin < chain.sites
         self._rest = self._close_window() if active_window and local else -1.0
         if self._rest < 0.0:
             self._run.counters[smooth.HI] = chain.sites
         self._task = smooth.Task(
-            np.array(chain.kernel_parameters()),
-            self._drift(drift or {}),
-            first,
-            self.end * self._rate,
-            0.0 if step is not None else tolerance,
-            STIFF_STEP if self._stiff else shortest_step,
-            longest_step if step is None else step,
-            REVIEW if chain.oscillates else 0.0,
-            self._rest,
-            self._margin,
-            self.level,
-            self.trailing_sites,
-            self.times * self._rate,
-            smooth.clock_place(chain),
-            chain.forced_size,
+            parameters=np.array(chain.kernel_parameters()),
+            drift=self._drift(drift or {}),
+            first=first,
+            end=self.end * self._rate,
+            tolerance=0.0 if step is not None else tolerance,
+            shortest=STIFF_STEP if self._stiff else shortest_step,
+            longest=longest_step if step is None else step,
+            review=REVIEW if chain.oscillates else 0.0,
+            rest=self._rest,
+            margin=self._margin,
+            level=self.level,
+            trailing=self.trailing_sites,
+            times=self.times * self._rate,
+            clock_place=smooth.clock_place(chain),
+            least_size=chain.forced_size,
         )
 
     def _drift(self, rates: dict[str, float]) -> FloatArray:
@@ -336,6 +328,21 @@ class SmoothIntegration(Integration):
             counters[smooth.LO] = min(first, max(0, moving[0] - self._margin))
             counters[smooth.HI] = max(last, min(sites, moving[-1] + self._margin + 1))
         counters[smooth.STIFF_STEPS] += piece.times.size - 1
+
+
+def _at_start(
+    state: FloatArray, samples: int, level: float, memory: FloatArray | None
+) -> smooth.Run:
+    """Return the arrays of a run at time 0, where sites above the level have arrived."""
+    sites = state.shape[1]
+    return smooth.Run(
+        state=state,
+        clock=np.zeros(5),
+        counters=np.zeros(7, dtype=np.int64),
+        arrivals=np.where(np.hypot(*state) >= level, 0.0, np.nan),
+        samples=np.zeros((samples, 2, sites)),
+        memory=np.zeros(1) if memory is None else memory,
+    )
 
 
 def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> int:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from numba import types
 
 from theory.chains.chain import SmoothChain
-from verification.execution.compiled import inner, njit
+from verification.execution.compiled import COUNTED, inner, uncounted
 from verification.steppers.active import end_codes
 from verification.steppers.kernel import slope_of
 from verification.steppers.rows import finite, largest, put
@@ -28,12 +28,13 @@ from verification.steppers.stop_code import StopCode
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION = (
+REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION, MOVED = (
     int(StopCode.REACHED),
     int(StopCode.STEP_TOO_SHORT),
     int(StopCode.NOT_FINITE),
     int(StopCode.BUDGET_SPENT),
     int(StopCode.CONDITION),
+    int(StopCode.WINDOW_MOVED),
 )
 
 LO, HI, SAMPLED, STEPS, SITE_STEPS, STIFF_STEPS, OUTCOME = 0, 1, 2, 3, 4, 5, 6
@@ -144,6 +145,8 @@ class Rows(NamedTuple):
         Slopes.
     room : ndarray, shape (2, 2m)
         Of ``step_error``.
+    p : ndarray, shape (P,)
+        Parameters of the kernel in the present step.
     """
 
     x: FloatArray
@@ -151,6 +154,7 @@ class Rows(NamedTuple):
     inside: FloatArray
     K: FloatArray
     room: FloatArray
+    p: FloatArray
 
 
 Ends = tuple[int, int]
@@ -199,14 +203,12 @@ def _widened(
 
 
 @inner(cache=True)
-def _try_steps(
-    take_step: Step, task: Task, clock: FloatArray, p: FloatArray, rows: Rows, ends: Ends
-) -> float:
+def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends: Ends) -> float:
     """Put the state after a step within the tolerance into ``rows.new``; return its length.
 
     What is returned is below ``task.shortest`` if no such step is found.
     """
-    size = max(largest(rows.x), task.least_size)
+    p, size = rows.p, max(largest(rows.x), task.least_size)
     if task.clock_place >= 0:
         p[task.clock_place] = clock[0] + clock[4]
     h = clock[1] if clock[1] > 0.0 else _FIRST * task.tolerance**0.125
@@ -230,16 +232,21 @@ def _try_steps(
 
 
 @inner(cache=True)
-def _take_samples(
-    take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
-) -> None:
+def _sample_is_due(task: Task, run: Run, h: float) -> bool:
+    """Return whether the next sample lies within the step."""
+    place = run.counters[SAMPLED]
+    return bool(place < task.times.size and task.times[place] <= run.clock[0] + h)
+
+
+@inner(cache=True)
+def _take_samples(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> None:
     """Take the samples that lie within the step, by shorter steps from its beginning."""
     clock, counters = run.clock, run.counters
     lo, hi = counters[LO], counters[HI]
     m = hi - lo
-    while counters[SAMPLED] < task.times.size and task.times[counters[SAMPLED]] <= clock[0] + h:
+    while _sample_is_due(task, run, h):
         part = task.times[counters[SAMPLED]] - clock[0] - clock[4]
-        take_step(rows.x, p, ends[0], ends[1], part, rows.K, rows.inside)
+        take_step(rows.x, rows.p, ends[0], ends[1], part, rows.K, rows.inside)
         sample = run.samples[counters[SAMPLED]]
         put(run.state[0], sample[0])
         put(run.state[1], sample[1])
@@ -265,10 +272,8 @@ def _interpolated(values: FloatArray, part: float) -> float:
     return float(above / below)
 
 
-@inner(cache=True)
-def _note_many(
-    take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
-) -> int:
+@inner(cache=True, **COUNTED)
+def _note_many(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> int:
     """Find the arrivals of many sites within the step; return the foremost of them.
 
     They are found by interpolation between the states at a few times of the step.
@@ -279,7 +284,7 @@ def _note_many(
     for j in range(last + 1):
         row = x if j == 0 else new if j == last else rows.inside
         if 0 < j < last:
-            take_step(x, p, ends[0], ends[1], _PARTS[j] * h, rows.K, row)
+            take_step(x, rows.p, ends[0], ends[1], _PARTS[j] * h, rows.K, row)
         for n in range(m):
             values[j, n] = row[n] ** 2 + row[m + n] ** 2 - square
     foremost = -1
@@ -310,16 +315,12 @@ def _crossing(task: Task, run: Run, rows: Rows) -> int:
 
 
 @inner(cache=True)
-def _note_arrivals(
-    take_step: Step, task: Task, run: Run, p: FloatArray, rows: Rows, ends: Ends, h: float
-) -> int:
-    """Find when sites pass the level within the step; return the foremost of them, or -1.
+def _note_arrivals(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> int:
+    """Find when a few sites pass the level within the step; return the foremost of them.
 
     Shorter steps are taken from the beginning of the step, by the Illinois rule: the secant, with
-    the value of an end that stays halved; but not where many sites pass it together.
+    the value of an end that stays halved.
     """
-    if _crossing(task, run, rows) > _FEW:
-        return _note_many(take_step, task, run, p, rows, ends, h)
     x, new, inside, lo = rows.x, rows.new, rows.inside, run.counters[LO]
     m = x.size // 2
     square, met = task.level * task.level, max(1e-15, _MET * task.tolerance)
@@ -332,7 +333,7 @@ def _note_arrivals(
         below = x[n] ** 2 + x[m + n] ** 2 - square
         for _ in range(_MAX_TRIALS):
             part = low + below / (below - above) * (high - low)
-            take_step(x, p, ends[0], ends[1], part, rows.K, inside)
+            take_step(x, rows.p, ends[0], ends[1], part, rows.K, inside)
             value = inside[n] ** 2 + inside[m + n] ** 2 - square
             if abs(value) <= met * square or high - low <= met * h:
                 break
@@ -372,66 +373,63 @@ def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[i
     return wider_lo, wider_hi
 
 
-@inner(cache=True)
-def _unpacked(run: Run) -> Rows:
-    """Return rows for the sites of the window, with their state."""
-    lo, hi = run.counters[LO], run.counters[HI]
-    m = hi - lo
-    x, K, room = np.empty(2 * m), np.empty((STAGES, 2 * m)), np.empty((2, 2 * m))
-    put(run.state[0, lo:hi], x[:m])
-    put(run.state[1, lo:hi], x[m:])
-    return Rows(x, np.empty(2 * m), np.empty(2 * m), K, room)
+def _rows_of(task: Task, run: Run) -> Rows:
+    """Return rows for the sites of the window, with their state, and room."""
+    window = slice(run.counters[LO], run.counters[HI])
+    x = run.state[:, window].ravel()
+    K, room = np.empty((STAGES, x.size)), np.empty((2, x.size))
+    return Rows(x, np.empty(x.size), np.empty(x.size), K, room, task.parameters.copy())
 
 
-@inner(cache=True)
-def _put_back(run: Run, x: FloatArray) -> None:
-    """Put the row of the window into the state."""
-    lo, hi = run.counters[LO], run.counters[HI]
-    put(x[: hi - lo], run.state[0, lo:hi])
-    put(x[hi - lo :], run.state[1, lo:hi])
-
-
-@njit(cache=True)
-def _advance(take_step: Step, stop: Condition, task: Task, run: Run, max_steps: int) -> int:
-    """Step until the first step that reaches the end; return a ``StopCode``."""
+@uncounted
+def _advance(
+    take_step: Step, stop: Condition, task: Task, run: Run, rows: Rows, max_steps: int
+) -> int:
+    """Step until the end, or until the window moves; return a ``StopCode``."""
     clock, counters, sites = run.clock, run.counters, run.state.shape[1]
-    p = task.parameters.copy()
-    rows = _unpacked(run)
-    ended = REACHED
-    steps = 0
-    while clock[0] < task.end:
-        if steps >= max_steps:
-            ended = BUDGET
-            break
+    lo, hi = counters[LO], counters[HI]
+    ends = end_codes(lo, hi, sites, task.first, task.trailing > 0)
+    for _ in range(max_steps):
+        if clock[0] >= task.end:
+            return REACHED
         if not finite(rows.x):
-            ended = NOT_FINITE
-            break
-        lo, hi = counters[LO], counters[HI]
-        ends = end_codes(lo, hi, sites, task.first, task.trailing > 0)
-        h = _try_steps(take_step, task, clock, p, rows, ends)
+            return NOT_FINITE
+        h = _try_steps(take_step, task, clock, rows, ends)
         clock[1] = h
         if h < task.shortest:
             clock[1] = 0.0
-            ended = TOO_SHORT
-            break
-        _take_samples(take_step, task, run, p, rows, ends, h)
-        foremost = _note_arrivals(take_step, task, run, p, rows, ends, h)
-        found = stop(take_step, clock[0], h, rows.x, rows.new, p, rows.K, rows.inside, run.memory)
+            return TOO_SHORT
+        if _sample_is_due(task, run, h):
+            _take_samples(take_step, task, run, rows, ends, h)
+        foremost, arriving = -1, _crossing(task, run, rows)
+        if arriving > _FEW:
+            foremost = _note_many(take_step, task, run, rows, ends, h)
+        elif arriving > 0:
+            foremost = _note_arrivals(take_step, task, run, rows, ends, h)
+        found = stop(
+            take_step, clock[0], h, rows.x, rows.new, rows.p, rows.K, rows.inside, run.memory
+        )
         put(rows.new, rows.x)
         _pass_time(task, clock, h)
-        steps += 1
         counters[STEPS] += 1
         counters[SITE_STEPS] += hi - lo
         if found != 0:
             counters[OUTCOME] = found
-            ended = CONDITION
-            break
-        wider_lo, wider_hi = _moved_window(task, run, rows.x, foremost)
-        if wider_lo != lo or wider_hi != hi:
-            _put_back(run, rows.x)
-            counters[LO], counters[HI] = wider_lo, wider_hi
-            rows = _unpacked(run)
-    _put_back(run, rows.x)
+            return CONDITION
+        counters[LO], counters[HI] = _moved_window(task, run, rows.x, foremost)
+        if counters[LO] != lo or counters[HI] != hi:
+            return MOVED
+    return BUDGET if clock[0] < task.end else REACHED
+
+
+def _run(take_step: Any, stop: Any, task: Task, run: Run, max_steps: int) -> int:
+    """Step until the first step that reaches the end; return a ``StopCode``."""
+    ended, last = MOVED, run.counters[STEPS] + max_steps
+    while ended == MOVED:
+        window = slice(run.counters[LO], run.counters[HI])
+        rows = _rows_of(task, run)
+        ended = _advance(take_step, stop, task, run, rows, last - run.counters[STEPS])
+        run.state[:, window] = rows.x.reshape(2, -1)
     return ended
 
 
@@ -469,7 +467,7 @@ def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
         _STEPS[key] = pointer(step, _STEP, mark)
     if watch not in _STOPS:
         _STOPS[watch] = pointer(watch, _STOP, source_mark(watch))
-    return partial(_advance, _STEPS[key], _STOPS[watch])
+    return partial(_run, _STEPS[key], _STOPS[watch])
 
 
 _STEPS: dict[Any, Any] = {}

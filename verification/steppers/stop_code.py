@@ -23,3 +23,4 @@ class StopCode(IntEnum):
     NOT_FINITE = 2, "The state has left the range of double precision."
     BUDGET_SPENT = 3, "The number of steps allowed is taken; the next call goes on from there."
     CONDITION = 4, "The stop condition is met, or as many sites are reached as were required."
+    WINDOW_MOVED = 5, "Other sites than before are to be stepped; the next call goes on from there."

@@ -30,7 +30,7 @@ from numba.core.bytecode import FunctionIdentity
 
 from verification.execution.digest import digest_of_files
 
-__all__ = ["DISTINCT_NAMES", "UNCOUNTED", "inner", "njit"]
+__all__ = ["COUNTED", "DISTINCT_NAMES", "UNCOUNTED", "inner", "njit", "outer"]
 
 logger = logging.getLogger(__name__)
 
@@ -42,35 +42,25 @@ UNCOUNTED: dict[str, Any] = {"_nrt": False}
 """Options of functions that make no arrays: no references are counted to those that they are given.
 
 numba counts by atomic instructions at every slice and every call; where arrays are short, this
-takes more than half of the time."""
+takes more than half of the time. What they call makes none either, unless it is ``COUNTED``."""
+COUNTED: dict[str, Any] = {"_nrt": True}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def inner(**options: Any) -> Callable[[Function], Function]:
-    """Compile what only compiled functions call: without wrappers, a sixth less to compile."""
-    alone = {**options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+def outer(**options: Any) -> Callable[[Function], Function]:
+    """Compile what Python calls too."""
 
     def compiled(function: Function) -> Function:
-        found: Function = njit(**alone)(function)
+        found: Function = njit(**options)(function)
         return found
 
     return compiled
 
 
-COUNTED = {"_nrt": True}
-"""Option of a function that makes arrays and is called by one that does not."""
-
-
-def uncounted(function: Function) -> Function:
-    """Compile what makes no arrays, with what it calls: references to arrays are not counted.
-
-    Counting them, at each call and for each array, takes longer than a step of a short chain, and
-    as long to compile as the arithmetic.
-    """
-    options: Any = {"cache": True, "_nrt": False}
-    found: Function = njit(**options)(function)
-    return found
+def inner(**options: Any) -> Callable[[Function], Function]:
+    """Compile what only compiled functions call: without wrappers, a sixth less to compile."""
+    return outer(**options, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def _count_from_random() -> bool:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from theory.chains.chain import Kernel, SmoothChain
-from verification.execution.compiled import njit
+from verification.execution.compiled import UNCOUNTED, njit, outer
 from verification.steppers.active import FOLLOWING, FREE, RING
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,14 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 Slope = Callable[[FloatArray, FloatArray, int, int, FloatArray], None]
 """From a state, parameters, and what is beyond the two ends, to its derivative (last argument)."""
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-def fast(function: Function) -> Function:
-    """Compile arithmetic: no exception at a division, products fused with sums."""
-    compiled: Any = njit(error_model="numpy", fastmath={"contract"})(function)
-    found: Function = compiled
-    return found
+fast = outer(error_model="numpy", fastmath={"contract"}, **UNCOUNTED)
+"""Compile arithmetic: no exception at a division, products fused with sums, no new arrays."""
 
 
 def slope_of(chain: SmoothChain) -> Slope:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from numba import types
 
 from theory.chains.chain import SmoothChain
-from verification.execution.compiled import COUNTED, inner, uncounted
+from verification.execution.compiled import COUNTED, UNCOUNTED, inner, outer
 from verification.steppers.active import end_codes
 from verification.steppers.kernel import slope_of
 from verification.steppers.rows import finite, largest, put
@@ -376,12 +376,12 @@ def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[i
 def _rows_of(task: Task, run: Run) -> Rows:
     """Return rows for the sites of the window, with their state, and room."""
     window = slice(run.counters[LO], run.counters[HI])
-    x = run.state[:, window].ravel()
+    x = run.state[:, window].flatten()
     K, room = np.empty((STAGES, x.size)), np.empty((2, x.size))
     return Rows(x, np.empty(x.size), np.empty(x.size), K, room, task.parameters.copy())
 
 
-@uncounted
+@outer(cache=True, **UNCOUNTED)
 def _advance(
     take_step: Step, stop: Condition, task: Task, run: Run, rows: Rows, max_steps: int
 ) -> int:

@@ -41,7 +41,7 @@ from benchmarks.work_precision import (
 from fronts.cli import main
 from fronts.commands import bench
 from theory.chains.vdp import vdp_acceleration
-from theory.piecewise.sums import rules
+from theory.piecewise.sums import axis
 from verification.execution.metadata import staleness
 from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.problems import timed
@@ -600,7 +600,7 @@ def test_operations_are_counted_as_by_hand():
 
 def test_a_sum_costs_in_proportion_to_its_points_and_counting_does_not_change_it():
     v, c = numpy.array([1.0]), numpy.array([0.5])
-    counts, _ = rules.plan(numpy.repeat(v, 2), numpy.array([0.5, 0.9]), 1e-12)
+    counts, _ = axis.plan(numpy.repeat(v, 2), numpy.array([0.5, 0.9]), 1e-12)
     one, two = floor.of_sums(v, c, 1e-12), floor.of_sums(v, numpy.array([0.9]), 1e-12)
     assert one.simple / two.simple == pytest.approx(counts[0] / counts[1])
     assert one.divisions == 2 * 1 * (counts[0] // 4)

@@ -7,15 +7,27 @@ import pytest
 
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise import admissibility
-from theory.piecewise.admissibility import _Shape, _SumShape, check_admissible
+from theory.piecewise.admissibility import _Shape, _SumShape, check_admissible, check_fronts
 from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
-from theory.piecewise.profile import ProfileGrid, front_profile, front_profile_by_roots, tail_bound
+from theory.piecewise.profile import (
+    ProfileGrid,
+    front_profile,
+    front_profile_by_roots,
+    points_of_profile,
+    tail_bound,
+)
 
 V, C = 0.6, 1.5
 
 
-def shape_of(retreating: bool) -> _Shape:
-    return _Shape(ProfileGrid.make(V, C, 8.0, 1e-12), retreating)
+def shape_of(v: float, c: float, extent: float, tolerance: float = 1e-12) -> _Shape:
+    points, error = points_of_profile(abs(v), c, extent, tolerance)
+    column = np.array([[abs(v)]]), np.array([[c]])
+    return _Shape(ProfileGrid.of_points(*column, points, error), v < 0)
+
+
+def values_of(shape: _Shape, zeta: np.ndarray) -> np.ndarray:
+    return shape.with_slope(zeta, np.zeros(zeta.size, dtype=int))[0]
 
 
 def by_roots(zeta: np.ndarray, retreating: bool) -> tuple[np.ndarray, float]:
@@ -26,26 +38,43 @@ def by_roots(zeta: np.ndarray, retreating: bool) -> tuple[np.ndarray, float]:
 
 @pytest.mark.parametrize("retreating", [False, True])
 def test_the_shape_is_that_of_the_series_over_roots(retreating: bool) -> None:
-    shape = shape_of(retreating)
+    shape = shape_of(-V if retreating else V, C, 8.0)
     zeta = np.array([-3.4, -1.0, -0.3, 0.2, 1.0, 2.7])
     exact, error = by_roots(zeta, retreating)
-    np.testing.assert_allclose(shape.at(zeta), exact, atol=2 * error)
-    lattice, phi = shape.sampled(2.0, 3.0)
-    np.testing.assert_allclose(lattice, np.arange(-16, 25) / 8)  # eight points a site
-    away = abs(lattice) > 0.1  # at 0 the series has not converged
+    np.testing.assert_allclose(values_of(shape, zeta), exact, atol=2 * error)
+    lattice, (phi,) = shape.on_lattice()
+    assert (np.diff(lattice) == 0.125).all()  # eight points a site
+    away = (abs(lattice) > 0.1) & (abs(lattice) < 3.0)  # at 0 the series has not converged
+    assert away.sum() == 46
     exact, error = by_roots(lattice[away], retreating)
     np.testing.assert_allclose(phi[away], exact, atol=2 * error)
 
 
 @pytest.mark.parametrize("retreating", [False, True])
 def test_its_slope_is_that_of_central_differences(retreating: bool) -> None:
-    shape = shape_of(retreating)
+    shape = shape_of(-V if retreating else V, C, 8.0)
     zeta, step = np.array([-2.3, -0.6, 0.4, 1.7]), 1e-4
-    neighbours = shape.at(zeta + 1.0) + shape.at(zeta - 1.0)
-    slope = shape.slope(zeta, shape.at(zeta), neighbours)
+    phi, slope = shape.with_slope(zeta, np.zeros(4, dtype=int))
     # third derivatives are of order (c/v)^3 = 16: the differences err by 16 step^2 / 6
-    difference = (shape.at(zeta + step) - shape.at(zeta - step)) / (2 * step)
+    difference = (values_of(shape, zeta + step) - values_of(shape, zeta - step)) / (2 * step)
     np.testing.assert_allclose(slope, difference, atol=1e-7)
+    neighbours = values_of(shape, zeta + 1.0) + values_of(shape, zeta - 1.0)
+    (together,) = shape.slope(zeta, phi[None], neighbours[None])
+    np.testing.assert_allclose(together, slope, atol=1e-12)
+
+
+def test_fronts_together_are_judged_as_each_by_itself() -> None:
+    """Several of one number of points and of others, of either direction, and by roots."""
+    fronts = [
+        (branch.v, c, threshold_ratio(eta))
+        for eta in (0.03125, 0.07, 0.11)
+        for c in (0.4, 0.45, 0.8, 0.81, 0.82, 2.0, 5.0, 300.0)
+        for branch in trace_kinetic_relation([c], [eta], False)[0].branches
+    ]
+    fronts.append((1e14, 1.0, 0.3))
+    together = check_fronts(*np.array(fronts).T)
+    assert together == [check_admissible(*front) for front in fronts]
+    assert {verdict.admissible for verdict in together} == {True, False, None}
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (1.5, 0.05), (2.0, 0.11), (0.1, 1e-3)])
@@ -70,20 +99,20 @@ def test_it_is_proven_from_the_first_site_on_where_the_tail_is_small_enough(
 def test_every_value_of_the_profile_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     v = kinetic_relation(0.5, 0.03125).branches[-1].v
     counted = 0
-    at, on_lattice = ProfileGrid.at, ProfileGrid.on_lattice
+    with_neighbours, on_lattice = ProfileGrid.with_neighbours, ProfileGrid.on_lattice
 
-    def counting_at(self, *arguments):
+    def counting_neighbours(self, *arguments):
         nonlocal counted
-        phi = at(self, *arguments)
-        counted += phi.size
-        return phi
+        phi, both = with_neighbours(self, *arguments)
+        counted += phi.size + 2 * both.size
+        return phi, both
 
     def counting_on_lattice(self, per_site):
         nonlocal counted
         counted += per_site * self.points
         return on_lattice(self, per_site)
 
-    monkeypatch.setattr(ProfileGrid, "at", counting_at)
+    monkeypatch.setattr(ProfileGrid, "with_neighbours", counting_neighbours)
     monkeypatch.setattr(ProfileGrid, "on_lattice", counting_on_lattice)
     verdict = check_admissible(v, 0.5, threshold_ratio(0.03125))
     assert verdict.points == counted > 0
@@ -92,13 +121,13 @@ def test_every_value_of_the_profile_is_counted(monkeypatch: pytest.MonkeyPatch) 
 def test_the_quadrature_reaches_every_point_that_is_looked_at(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    make, reach = ProfileGrid.make.__func__, []
+    reach = []
 
-    def noted(cls, v, c, extent, tolerance):
+    def noted(v, c, extent, tolerance):
         reach.append(extent)
-        return make(cls, v, c, extent, tolerance)
+        return points_of_profile(v, c, extent, tolerance)
 
-    monkeypatch.setattr(ProfileGrid, "make", classmethod(noted))
+    monkeypatch.setattr(admissibility, "points_of_profile", noted)
     for c, eta in ((0.5, 0.03125), (1.5, 0.05)):
         branch = kinetic_relation(c, eta).branches[-1]
         reach.clear()
@@ -151,8 +180,10 @@ def test_at_strong_coupling_the_verdict_is_that_of_eight_points_a_site(
     r = threshold_ratio(eta)
     (answer,) = trace_kinetic_relation([c], [eta], False)
     branch = answer.branches[-1]
-    shape = _Shape(ProfileGrid.make(abs(branch.v), c, 400.0, 1e-11), branch.v < 0)
-    zeta, phi = shape.sampled(300.0, 300.0)
+    shape = shape_of(branch.v, c, 400.0, 1e-11)
+    zeta, (phi,) = shape.on_lattice()
+    near = abs(zeta) <= 300.0
+    zeta, phi = zeta[near], phi[near]
     wrong = zeta[np.where(zeta < 0, abs(phi) < r - 1e-9, abs(phi) > r + 1e-9)]
     verdict = check_admissible(branch.v, c, r)
     assert verdict.admissible is not None
@@ -161,7 +192,7 @@ def test_at_strong_coupling_the_verdict_is_that_of_eight_points_a_site(
     else:
         assert wrong.size
         assert abs(verdict.fails_at) <= abs(wrong).min() + 0.125
-        (phi,) = shape.at(np.array([verdict.fails_at or 0.0]))
+        (phi,) = values_of(shape, np.array([verdict.fails_at or 0.0]))
         assert verdict.fails_at == 0.0 or (abs(phi) - r) * verdict.fails_at > 0
 
 

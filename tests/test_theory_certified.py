@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shlex
 import sys
 from functools import cache
@@ -231,6 +232,19 @@ def test_where_resonances_are_too_many_the_part_without_a_proof_is_named():
     assert not proven.certified
     assert any("the number of velocities is not proven" in each for each in proven.unproven)
     assert proven.c_pin_enclosure is not None
+
+
+def test_where_the_fold_takes_too_long_to_prove_the_part_that_does_is_named():
+    eta = 0.062
+    fold = fr.kinetic_relation(1.0, eta).c_fold
+    with flint.ctx.workprec(BITS):
+        target = 2 * certified_thresholds.ball_ratio(flint, eta)
+        # below c with 8c(1 + 2c) < 2r nothing is left to show
+        halved = (0.99 * fold / 2**k for k in range(1, 20))
+        least = next(c for c in halved if 4 * c * (1 + 2 * c) < threshold_ratio(eta))
+        part = re.escape(f"|Sum| < 2r for c from {least:.3g} to {0.99 * fold:.6g} and v from ")
+        with pytest.raises(certified_velocities.WorkLimitError, match=part):
+            certified_thresholds._never_moves(flint, 0.99 * fold, target, 0.0)
 
 
 def test_two_velocities_that_nearly_meet_are_told_apart_or_left_open():

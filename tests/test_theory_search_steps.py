@@ -169,7 +169,7 @@ R = 0.5
 class Shape(admissibility._Shape):
     """φ² = r² + side h(ζ), h positive where (47) holds; h dips at ζ = 1.3 to ``depth``."""
 
-    velocity = 1.0
+    velocity = np.ones((1, 1))
 
     def __init__(self, depth: float, curvature: float) -> None:
         self.depth, self.curvature = depth, curvature
@@ -192,11 +192,13 @@ class Shape(admissibility._Shape):
         _, slope = self.h(zeta)
         return np.where(zeta > 0, -slope, slope) / (2.0 * phi)
 
+    def with_slope(self, zeta: np.ndarray, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        phi = self.at(zeta)
+        return phi, self.slope(zeta, phi, phi)
+
     def judged(self) -> float | None:
         zeta = np.arange(-16, 25) / 8
-        phi = self.at(zeta)
-        values = phi, self.slope(zeta, phi, phi)
-        return admissibility._first_violation(self, zeta, values, R)[0]
+        return admissibility._first_violation(self, zeta, self.with_slope(zeta, zeta), R)[0]
 
 
 def test_a_curve_that_rests_at_the_threshold_to_within_the_tolerance_is_no_violation() -> None:

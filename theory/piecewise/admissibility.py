@@ -19,10 +19,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from theory.piecewise.dispersion import ComplexArray, FloatArray
-from theory.piecewise.profile import ProfileGrid, profile_slope, tail_bound
-from theory.piecewise.roots import LARGEST, SMALLEST, labelled_roots
+from theory.piecewise.profile import ProfileGrid, points_of_profile, profile_slope, tail_bound
+from theory.piecewise.roots import LARGEST, SMALLEST, IntArray, labelled_roots
 from theory.piecewise.sums.integral import sums
 
 TOLERANCE = 1e-11
@@ -45,6 +46,8 @@ _SLOW = 24
 _MAX_CELLS = 20_000
 _AT_ONCE = 1 << 20
 """Exponentials held in memory."""
+_VALUES_AT_ONCE = 1 << 18
+"""Values of φ held in memory."""
 
 
 @dataclass(frozen=True)
@@ -90,27 +93,66 @@ def check_admissible(v: float, c: float, r: float) -> Admissibility:
     >>> check_admissible(0.3009923508929, 0.5, 0.2679491924311227).admissible
     True
     """
-    speed, retreating = abs(v), v < 0
-    if not SMALLEST <= speed <= LARGEST:
-        reason = f"velocities beyond {LARGEST:g} are not looked at"
-        return Admissibility(None, None, (math.inf, math.inf), 0, reason)
-    rate_behind, size_behind = tail_bound(speed, c, ahead=False)
-    rate_ahead, size_ahead = tail_bound(speed, c, ahead=True)
-    if 30.0 / min(rate_behind, rate_ahead) > _LONGEST_GRID:
-        return _check_by_roots(v, c, r)
-    if retreating:
-        rate_behind, rate_ahead = rate_ahead, rate_behind
-        size_behind, size_ahead = size_ahead, size_behind
-    left = max(1.0, math.ceil(math.log(max(size_behind / (1.0 - r), 1.0)) / rate_behind))
-    right = max(1.0, math.ceil(math.log(max(size_ahead / r, 1.0)) / rate_ahead))
-    grid = ProfileGrid.make(speed, c, max(left, right) + 2.0, TOLERANCE)
-    shape = _Shape(grid, retreating)
-    zeta, phi = shape.sampled(left + 1.0, right + 1.0)
-    outer = slice(_PER_SITE, -_PER_SITE)
-    slope = shape.slope(zeta[outer], phi[outer], phi[2 * _PER_SITE :] + phi[: -2 * _PER_SITE])
-    fails_at, more = _first_violation(shape, zeta[outer], (phi[outer], slope), r)
-    points = grid.points * _PER_SITE + more
-    return Admissibility(fails_at is None, fails_at, (left, right), points)
+    (verdict,) = check_fronts(np.array([v]), np.array([c]), np.array([r]))
+    return verdict
+
+
+def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibility]:
+    """Return :func:`check_admissible` for many fronts.
+
+    Fronts whose quadrature has the same number of points are looked at together.
+
+    Parameters
+    ----------
+    v, c, r : ndarray of float, shape (n,)
+        Front velocities v̂, couplings and thresholds.
+    """
+    verdicts: dict[int, Admissibility] = {}
+    alike: dict[tuple[int, bool], list[tuple[int, float, float]]] = {}
+    for i, (v_, c_, r_) in enumerate(zip(v.tolist(), c.tolist(), r.tolist(), strict=True)):
+        if not SMALLEST <= abs(v_) <= LARGEST:
+            reason = f"velocities beyond {LARGEST:g} are not looked at"
+            verdicts[i] = Admissibility(None, None, (math.inf, math.inf), 0, reason)
+            continue
+        behind, ahead = (tail_bound(abs(v_), c_, ahead=side) for side in (False, True))
+        if 30.0 / min(behind[0], ahead[0]) > _LONGEST_GRID:
+            verdicts[i] = _check_by_roots(v_, c_, r_)
+            continue
+        if v_ < 0:
+            behind, ahead = ahead, behind
+        left = max(1.0, math.ceil(math.log(max(behind[1] / (1.0 - r_), 1.0)) / behind[0]))
+        right = max(1.0, math.ceil(math.log(max(ahead[1] / r_, 1.0)) / ahead[0]))
+        points, _ = points_of_profile(abs(v_), c_, max(left, right) + 2.0, TOLERANCE)
+        alike.setdefault((points, v_ < 0), []).append((i, left, right))
+    for (points, retreating), fronts in alike.items():
+        most = max(1, _VALUES_AT_ONCE // (_PER_SITE * points))
+        for first in range(0, len(fronts), most):
+            table = np.array(fronts[first : first + most])
+            some, reach = table[:, 0].astype(np.int64), table[:, 1:]
+            grid = ProfileGrid.of_points(np.abs(v[some, None]), c[some, None], points, TOLERANCE)
+            found = _check_on_grid(_Shape(grid, retreating), r[some], reach)
+            verdicts |= zip(some.tolist(), found, strict=True)
+    return [verdicts[i] for i in range(v.size)]
+
+
+def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admissibility]:
+    """Decide by quadrature; ``reach`` are the distances (Z₋, Z₊) of each front, shape (n, 2)."""
+    zeta, phi = shape.on_lattice()
+    slope = shape.slope(
+        zeta[_PER_SITE:-_PER_SITE],
+        phi[:, _PER_SITE:-_PER_SITE],
+        phi[:, 2 * _PER_SITE :] + phi[:, : -2 * _PER_SITE],
+    )
+    zeta, phi = zeta[_PER_SITE:-_PER_SITE], phi[:, _PER_SITE:-_PER_SITE]
+    inside = (zeta >= -reach[:, :1]) & (zeta <= reach[:, 1:])
+    fails_at, more = _first_violations(shape, zeta, (phi, slope), r, inside)
+    points = shape.grid.points * _PER_SITE + more
+    return [
+        Admissibility(place == math.inf, None if place == math.inf else place, (left, right), count)
+        for place, (left, right), count in zip(
+            fails_at.tolist(), reach.tolist(), points.tolist(), strict=True
+        )
+    ]
 
 
 def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
@@ -119,7 +161,7 @@ def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
     smallest = 0.02 * min(1.0, abs(v) / c)
     near = np.geomspace(smallest, _NEAR, 2 + math.ceil(3.0 * math.log(_NEAR / smallest)))
     zeta = np.concatenate([-near[::-1], [0.0], near])
-    fails_at, points = _first_violation(shape, zeta, _with_slope(shape, zeta), r)
+    fails_at, points = _first_violation(shape, zeta, shape.with_slope(zeta), r)
     beyond = (shape.behind.reach(r)[1], shape.ahead.reach(r)[1])
     points += 3 * zeta.size
     if fails_at is not None:
@@ -131,11 +173,13 @@ def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
         decided &= side.thin.shape[1] <= _MAX_CELLS
         if side.thin.size and side.thin.shape[1] <= _MAX_CELLS:
             ends = np.sort(sign * side.thin, axis=0)
-            g, d = _margin(ends.ravel(), *_with_slope(shape, ends.ravel()), r)
+            g, d = _margin(ends.ravel(), *shape.with_slope(ends.ravel()), r)
             pairs = np.stack([ends, g.reshape(2, -1), d.reshape(2, -1)])
-            found, more = _divide(shape, np.concatenate([pairs[:, 0], pairs[:, 1]]), r)
-            points += more + 3 * ends.size
-            farther += [found] if found is not None else []
+            cells = np.concatenate([pairs[:, 0], pairs[:, 1]])
+            owner = np.zeros(cells.shape[1], dtype=np.int64)
+            found, more = _divide(shape, cells, owner, np.array([r]))
+            points += int(more[0]) + 3 * ends.size
+            farther += found[found < math.inf].tolist()
     if farther:
         return Admissibility(False, min(farther, key=abs), beyond, points)
     if decided and max(beyond) < math.inf:
@@ -328,7 +372,7 @@ class _SumShape:
         """Length of a cell that is not divided."""
         return _SHORTEST * min(1.0, abs(self.velocity) / self.c)
 
-    def tolerance(self, zeta: FloatArray, r: float) -> FloatArray:
+    def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
         """Bound the error of |φ|² - r² near 0."""
         a = np.abs(zeta)
         error = np.where(zeta < 0, self.behind.error(a), self.ahead.error(a))
@@ -347,28 +391,34 @@ class _SumShape:
             phi[mine] = side.at(np.abs(zeta[mine]))
         return phi
 
-    def slope(self, zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray) -> ComplexArray:
-        """Return dφ/dζ; at ζ = 0 just ahead."""
-        return profile_slope(zeta, phi, neighbours, self.velocity, self.c)
+    def with_slope(
+        self, zeta: FloatArray, front: IntArray | None = None
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Return φ and dφ/dζ at ζ; at ζ = 0 just ahead."""
+        del front
+        near = np.concatenate([zeta, zeta + 1.0, zeta - 1.0])
+        here, after, before = self.at(near).reshape(3, -1)
+        return here, profile_slope(zeta, here, after + before, self.velocity, self.c)
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """The front φ(ζ)/φ_s of either direction, on the quadrature of the advancing one."""
+    """Fronts φ(ζ)/φ_s of either direction, on the quadrature of the advancing ones, a row each."""
 
     grid: ProfileGrid
     retreating: bool
 
     @property
-    def velocity(self) -> float:
-        return -self.grid.v if self.retreating else self.grid.v
+    def velocity(self) -> FloatArray:
+        """Velocities v̂, shape (n, 1)."""
+        return np.asarray(-self.grid.v if self.retreating else self.grid.v)
 
     @property
     def shortest(self) -> float:
         """Length of a cell that is not divided."""
         return _SHORTEST
 
-    def tolerance(self, zeta: FloatArray, r: float) -> FloatArray:
+    def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
         """Bound the error of |φ|² - r² near 0."""
         del r
         return np.full(zeta.shape, TOLERANCE)
@@ -378,33 +428,28 @@ class _Shape:
         del end
         return np.zeros(start.shape)
 
-    def sampled(self, left: float, right: float) -> tuple[FloatArray, ComplexArray]:
-        """Return ζ and φ at eight points a site from -left to right, both included."""
+    def on_lattice(self) -> tuple[FloatArray, ComplexArray]:
+        """Return ζ and φ, shape (n, m), at eight points a site."""
         zeta, phi = self.grid.on_lattice(_PER_SITE)
         if self.retreating:
-            zeta, phi = -zeta[::-1], 1.0 - phi[::-1]
-        kept = (zeta >= -left) & (zeta <= right)
-        return zeta[kept], phi[kept]
-
-    def at(self, zeta: FloatArray) -> ComplexArray:
-        """Return φ at ζ, shape (n,)."""
-        position = -zeta if self.retreating else zeta
-        phi = self.grid.at(position)
-        return 1.0 - phi if self.retreating else phi
+            zeta, phi = -zeta[::-1], 1.0 - phi[..., ::-1]
+        return zeta, phi
 
     def slope(self, zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray) -> ComplexArray:
-        """Return dφ/dζ; at ζ = 0 just ahead."""
+        """Return dφ/dζ of all fronts, shape (n, m); at ζ = 0 just ahead."""
         return profile_slope(zeta, phi, neighbours, self.velocity, self.grid.c)
 
-
-def _with_slope(shape: _Shape | _SumShape, zeta: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return φ and dφ/dζ at ζ."""
-    here, after, before = shape.at(np.concatenate([zeta, zeta + 1.0, zeta - 1.0])).reshape(3, -1)
-    return here, shape.slope(zeta, here, after + before)
+    def with_slope(self, zeta: FloatArray, front: IntArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return φ and dφ/dζ at ζ, shape (m,), of one front each; at ζ = 0 just ahead."""
+        phi, neighbours = self.grid.with_neighbours(-zeta if self.retreating else zeta, front)
+        if self.retreating:
+            phi, neighbours = 1.0 - phi, 2.0 - neighbours
+        v, c = self.velocity[front, 0], self.grid.c[front, 0]
+        return phi, profile_slope(zeta, phi, neighbours, v, c)
 
 
 def _margin(
-    zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float
+    zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float | FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return what (47) asks to be positive, |φ|² - r² behind and its negative ahead, and slope."""
     side = np.where(zeta < 0, 1.0, -1.0)
@@ -412,74 +457,99 @@ def _margin(
 
 
 def _first_violation(
-    shape: _Shape | _SumShape,
-    zeta: FloatArray,
-    values: tuple[ComplexArray, ComplexArray],
-    r: float,
+    shape: _Shape | _SumShape, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray], r: float
 ) -> tuple[float | None, int]:
-    """Return the violation nearest 0, if any, and the further values of φ computed.
+    """Return the violation nearest 0 of one front, if any, and the further values of φ computed."""
+    rows = values[0][None], values[1][None]
+    inside = np.ones((1, zeta.size), dtype=bool)
+    fails_at, more = _first_violations(shape, zeta, rows, np.array([r]), inside)
+    return (None if fails_at[0] == math.inf else float(fails_at[0])), int(more[0])
 
-    ``values`` are φ and its slope at ζ, which ascends through 0.
+
+def _first_violations(
+    shape: _Shape | _SumShape, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray],
+    r: FloatArray, inside: npt.NDArray[np.bool_],
+) -> tuple[FloatArray, IntArray]:  # fmt: skip
+    """Return the violation nearest 0 of each front, or ∞, and the further values of φ computed.
+
+    ``values`` are φ and its slope at ζ, which ascends through 0, shape (n, m); what is not
+    ``inside`` is not looked at.
     """
     phi, slope = values
-    g, d = _margin(zeta, phi, slope, r)
+    g, d = _margin(zeta, phi, slope, r[:, None])
     origin = int(np.searchsorted(zeta, 0.0))
     # At ζ = 0 the threshold is crossed: g = 0, and the slope behind differs from the one ahead by
     # the jump of θ in (48). Where either has the wrong sign (47) fails at once.
-    d_behind = -d[origin] + 2.0 * float(np.real(np.conj(phi[origin]) * (-0.5 / shape.velocity)))
-    if d[origin] < 0 or d_behind > 0:
-        return 0.0, 0
-    g[origin] = 0.0
-    ahead = _cells(zeta[origin:], g[origin:], d[origin:])
-    behind = _cells(zeta[: origin + 1], g[: origin + 1], np.append(d[:origin], d_behind))
-    return _divide(shape, np.concatenate([behind, ahead], axis=1), r)
+    jump = np.real(np.conj(phi[:, origin]) * (-0.5 / np.ravel(shape.velocity)))
+    d_behind = -d[:, origin] + 2.0 * jump
+    wrong = (d[:, origin] < 0) | (d_behind > 0)
+    g[:, origin] = 0.0
+    end = d.copy()  # slopes at the right end of a cell
+    end[:, origin] = d_behind
+    owner, cell = np.nonzero(inside[:, :-1] & inside[:, 1:] & ~wrong[:, None])
+    cells = np.stack(
+        [
+            zeta[cell], g[owner, cell], d[owner, cell],
+            zeta[cell + 1], g[owner, cell + 1], end[owner, cell + 1],
+        ]
+    )  # fmt: skip
+    fails_at, computed = _divide(shape, cells, owner, r)
+    fails_at[wrong] = 0.0
+    return fails_at, computed
 
 
-def _room(zeta: FloatArray, g: FloatArray, r: float) -> FloatArray:
+def _room(zeta: FloatArray, g: FloatArray, r: FloatArray) -> FloatArray:
     """Return ||φ| - r| where (47) holds, less than 0 where it does not."""
     side = np.where(zeta < 0, 1.0, -1.0)
     room: FloatArray = side * (np.sqrt(np.maximum(r * r + side * g, 0.0)) - r)
     return room
 
 
-def _divide(shape: _Shape | _SumShape, cells: FloatArray, r: float) -> tuple[float | None, int]:
+def _divide(
+    shape: _Shape | _SumShape, cells: FloatArray, owner: IntArray, r: FloatArray
+) -> tuple[FloatArray, IntArray]:
     """Divide cells (rows ζ, g, dg/dζ at both ends) until each is safe or a violation is seen.
 
     Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
+    ``owner`` is the front of each cell; returned are the violation nearest 0 of each, or ∞, and the
+    values of φ computed.
     """
-    computed = 0
-    wrong = cells[0::3][cells[1::3] < -shape.tolerance(cells[0::3].ravel(), r).reshape(2, -1)]
-    worst = float(wrong[np.argmin(np.abs(wrong))]) if wrong.size else math.inf
+    computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
+    for zeta, g in (cells[:2], cells[3:5]):
+        _note(zeta, g < -shape.tolerance(zeta, r[owner]), owner, worst)
     while True:
         za, ga, da, zb, gb, db = cells
-        width = zb - za
-        tolerance_a, tolerance_b = shape.tolerance(za, r), shape.tolerance(zb, r)
+        width, r_ = zb - za, r[owner]
+        tolerance_a, tolerance_b = shape.tolerance(za, r_), shape.tolerance(zb, r_)
         least = np.minimum(ga + tolerance_a, gb + tolerance_b)
         safe = least > width * np.maximum(np.abs(da), np.abs(db))
-        safe &= _room(za, ga + tolerance_a, r) + _room(zb, gb + tolerance_b, r) > (
+        safe &= _room(za, ga + tolerance_a, r_) + _room(zb, gb + tolerance_b, r_) > (
             width * shape.steepness(za, zb)
         )
         # The cell that touches ζ = 0 rises from the threshold, monotonically.
         rising = ((za == 0.0) & (da > 0) & (db > 0)) | ((zb == 0.0) & (da < 0) & (db < 0))
         safe |= rising & (np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db)))
         open_ = ~safe & (least >= 0.0) & (width > shape.shortest)
-        open_ &= np.minimum(np.abs(za), np.abs(zb)) < abs(worst)
-        cells = cells[:, open_]
-        if cells.shape[1] == 0:
-            return (None if worst == math.inf else worst), computed
+        open_ &= np.minimum(np.abs(za), np.abs(zb)) < np.abs(worst[owner])
+        cells, owner = cells[:, open_], owner[open_]
+        if owner.size == 0:
+            return worst, computed
         middle = 0.5 * (cells[0] + cells[3])
-        computed += 3 * middle.size
-        g, d = _margin(middle, *_with_slope(shape, middle), r)
-        wrong = middle[g < -shape.tolerance(middle, r)]
-        if wrong.size:
-            nearest = float(wrong[np.argmin(np.abs(wrong))])
-            worst = nearest if abs(nearest) < abs(worst) else worst
+        computed += 3 * np.bincount(owner, minlength=r.size)
+        g, d = _margin(middle, *shape.with_slope(middle, owner), r[owner])
+        _note(middle, g < -shape.tolerance(middle, r[owner]), owner, worst)
         half = np.stack([middle, g, d])
         cells = np.concatenate(
             [np.concatenate([cells[:3], half]), np.concatenate([half, cells[3:]])], axis=1
         )
+        owner = np.concatenate([owner, owner])
 
 
-def _cells(zeta: FloatArray, g: FloatArray, d: FloatArray) -> FloatArray:
-    ends = np.stack([zeta, g, d])
-    return np.concatenate([ends[:, :-1], ends[:, 1:]])
+def _note(
+    zeta: FloatArray, wrong: npt.NDArray[np.bool_], owner: IntArray, worst: FloatArray
+) -> None:
+    """Put the least |ζ| that is wrong, with its sign, where it is less than what is known."""
+    places, owners = zeta[wrong], owner[wrong]
+    order = np.lexsort((-places, -np.abs(places)))  # the nearest last, so that it stays
+    nearer = order[np.abs(places[order]) < np.abs(worst[owners[order]])]
+    worst[owners[nearer]] = places[nearer]

@@ -24,6 +24,7 @@ from theory.piecewise.certified_sum import ball_static_sum
 from theory.piecewise.certified_velocities import (
     Enclosure,
     Relation,
+    WorkLimitError,
     fast_bound,
     highest_velocity,
     lowest_velocity,
@@ -80,7 +81,7 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
     Raises
     ------
     WorkLimitError
-        If the proof takes too long: strong coupling.
+        If the proof takes too long: strong coupling. Says for which couplings and velocities.
     """
     fold = fold_coupling(eta) if eta < ETA_PIN_END else None
     if fold is None:
@@ -115,8 +116,15 @@ def _never_moves(flint: Any, c: float, target: Any, peak: float) -> bool:
         smallest *= 0.5
     if low >= high:
         return True
-    line = _below_on_line(relation, low, high, peak)
-    return line and _below_on_boxes(relation, (low, high), (smallest, c))
+    part = f"at c = {c:.6g}"
+    try:
+        if not _below_on_line(relation, low, high, peak):
+            return False
+        part = f"for c from {smallest:.3g} to {c:.6g}"
+        return _below_on_boxes(relation, (low, high), (smallest, c))
+    except WorkLimitError as limit:
+        reach = f"v from {low:.3g} to {high:.3g}"
+        raise WorkLimitError(f"to show |Sum| < 2r {part} and {reach}, {limit}") from None
 
 
 def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> bool:

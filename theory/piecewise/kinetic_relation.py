@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from itertools import groupby
 from time import perf_counter
 from typing import Any
 
@@ -15,7 +14,7 @@ import numpy.typing as npt
 
 from theory.cells.vdp import ETA_END, checked_eta, threshold_ratio, threshold_ratio_slope
 from theory.parameters import within
-from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.admissibility import check_fronts
 from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import fold_couplings
@@ -265,8 +264,6 @@ def trace_kinetic_relation(
         terms += found.evaluations
         for scene, branch in _branches(found, c_[scenes], eta_[scenes], retreating, admissibility):
             branches[scenes[scene]].append(branch)
-            if progress is not None:
-                progress((done + scene / scenes.size) / len(blocks))
     seconds = (perf_counter() - start) / max(1, c_.size)
     answers = []
     for c_here, eta_here, list_ in zip(c_.tolist(), eta_.tolist(), branches, strict=True):
@@ -317,30 +314,31 @@ def _branches(
 ) -> Iterator[tuple[int, Branch]]:
     """Yield (scene, branch) for each solution."""
     direction = -1.0 if retreating else 1.0
-    scenes = groupby(range(found.v.size), key=lambda i: int(found.scene[i]))
-    for scene, group in scenes:
-        c_, eta_ = float(c[scene]), float(eta[scene])
-        r = threshold_ratio(eta_)
-        by_eta = 2.0 * threshold_ratio_slope(eta_)
-        for i in group:
-            v, slope = direction * float(found.v[i]), float(found.slope[i])
-            verdict = check_admissible(v, c_, r) if admissibility else None
-            inverse = direction / slope if slope else math.inf
-            yield (
-                scene,
-                Branch(
-                    v=v,
-                    error=float(found.error[i]),
-                    slope=int(np.sign(slope)),
-                    by_coupling=-inverse * float(found.by_coupling[i]),
-                    by_eta=inverse * by_eta,
-                    by_coupling_error=float(found.error_along_coupling[i]),
-                    by_eta_error=by_eta
-                    * (float(found.error_along_target[i]) + 1e-15 * abs(inverse)),
-                    admissible=verdict.admissible if verdict else None,
-                    fails_at=verdict.fails_at if verdict else None,
-                ),
-            )
+    scene, v = found.scene, direction * found.v
+    r = np.array([threshold_ratio(value) for value in eta])[scene]
+    by_eta = 2.0 * np.array([threshold_ratio_slope(value) for value in eta])[scene]
+    verdicts = check_fronts(v, c[scene], r) if admissibility else [None] * v.size
+    steep = found.slope != 0.0
+    inverse = np.where(steep, direction / np.where(steep, found.slope, 1.0), math.inf)
+    columns = {
+        "v": v,
+        "error": found.error,
+        "slope": np.sign(found.slope).astype(int),
+        "by_coupling": -inverse * found.by_coupling,
+        "by_eta": inverse * by_eta,
+        "by_coupling_error": found.error_along_coupling,
+        "by_eta_error": by_eta * (found.error_along_target + 1e-15 * np.abs(inverse)),
+    }
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    for scene_, row, verdict in zip(scene.tolist(), rows, verdicts, strict=True):
+        yield (
+            scene_,
+            Branch(
+                **dict(zip(columns, row, strict=True)),
+                admissible=verdict.admissible if verdict else None,
+                fails_at=verdict.fails_at if verdict else None,
+            ),
+        )
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -96,24 +97,24 @@ def front_profile(
 
 @dataclass(frozen=True)
 class ProfileGrid:
-    """The quadrature points for one front, and what of the integrand does not depend on ζ.
+    """The quadrature points for one front or several, and what does not depend on ζ.
 
     Attributes
     ----------
-    v, c : float
+    v, c : float, or ndarray of float, shape (n, 1)
         Front velocity v̂ and coupling.
     k : ndarray of float, shape (N,)
         2π(j + ½)/N, between -π and π.
-    a : ndarray of complex, shape (N,)
+    a : ndarray of complex, shape (N,) or (n, N)
         A/v.
-    still, late : ndarray of complex, shape (N,)
+    still, late : ndarray of complex, shape (N,) or (n, N)
         The factor of e^{ikm} is still + late e^{-a(1 - f)}.
     error : float
         Bound on the error of values with |m| up to the extent asked for.
     """
 
-    v: float
-    c: float
+    v: Any
+    c: Any
     k: FloatArray
     a: ComplexArray
     still: ComplexArray
@@ -123,34 +124,24 @@ class ProfileGrid:
     @property
     def points(self) -> int:
         """Number of points N."""
-        return self.a.size
+        return self.k.size
 
     @classmethod
     def make(cls, v: float, c: float, extent: float, tolerance: float) -> ProfileGrid:
-        """Choose N so that values with |m| ≤ ``extent`` err by at most the tolerance.
+        """Choose N so that values with |m| ≤ ``extent`` err by at most the tolerance."""
+        points, error = points_of_profile(v, c, extent, tolerance)
+        return cls.of_points(v, c, points, error)
 
-        The N-point rule adds to the value at m those at m ± N, m ± 2N, … with alternating sign
-        (less their limits 1 and 0), and |φ - limit| ≤ K e^{-σ|ζ|} (:func:`tail_bound`).
-        """
-        sigma_left, K_left = tail_bound(v, c, ahead=False)
-        sigma_right, K_right = tail_bound(v, c, ahead=True)
-        rate, size = min(sigma_left, sigma_right), max(K_left, K_right)
-        needed = extent + 1.0 + math.log(1.0 + 4.0 * size / tolerance) / rate
-        if needed > MAX_POINTS:
-            raise PrecisionError(
-                f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, "
-                f"more than {MAX_POINTS}."
-            )
-        points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
+    @classmethod
+    def of_points(cls, v: Any, c: Any, points: int, error: float) -> ProfileGrid:
+        """Return the grid of so many points, for numbers or for columns of v and c."""
         # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
         k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
         A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
         a = A / v
         still = (0.5 - 0.5j / np.tan(0.5 * k)) / A  # 1/(1 - e^{-ik}) without cancellation
         late = np.exp(1j * k) / (-np.expm1(1j * k - a) * A)
-        truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
-        rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
-        return cls(v, c, k, a, still, late, truncation + rounding)
+        return cls(v, c, k, a, still, late, error)
 
     def _bracket(self, rest: FloatArray) -> ComplexArray:
         """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
@@ -169,22 +160,76 @@ class ProfileGrid:
 
     def between(self, m: FloatArray, rest: FloatArray) -> ComplexArray:
         """Return φ/φ_s at ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
+        total: ComplexArray = np.sum(self._waves(m) * self._bracket(rest), axis=1)
+        return 0.5 - total / (2.0 * self.points)
+
+    def with_neighbours(
+        self, zeta: FloatArray, front: npt.NDArray[np.int64]
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Return φ/φ_s at ζ, and its sum at ζ + 1 and ζ - 1; of several fronts, of those named."""
+        m = np.floor(zeta)
+        factor = np.exp(-self.a[front] * ((m + 1.0) - zeta)[:, None])
+        factor *= self.late[front]
+        factor += self.still[front]
+        factor *= self._waves(m)
+        phi = 0.5 - np.sum(factor, axis=1) / (2.0 * self.points)
+        return phi, 1.0 - factor @ np.cos(self.k) / self.points
+
+    def _waves(self, m: FloatArray) -> ComplexArray:
+        """Return e^{ikm}, shape (n, N)."""
         # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
         turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points) + 1)
         phase = np.pi * _wrapped(turns, self.points) / self.points
-        total: ComplexArray = np.sum(np.exp(1j * phase) * self._bracket(rest), axis=1)
-        return 0.5 - total / (2.0 * self.points)
+        waves: ComplexArray = np.exp(1j * phase)
+        return waves
 
     def on_lattice(self, per_site: int) -> tuple[FloatArray, ComplexArray]:
-        """Return ζ and φ/φ_s at ``per_site`` points a site, for |m| < N/2, by Fourier transform."""
+        """Return ζ and φ/φ_s at ``per_site`` points a site, for |m| < N/2, by Fourier transform.
+
+        Of several fronts φ/φ_s has shape (n, N per_site).
+        """
         points = self.points
         m = np.arange(points) - points // 2
         f = np.arange(per_site) / per_site
-        spectrum = np.fft.ifft(self._bracket(1.0 - f), axis=1)
+        # e^{-a(1 - f)} by products, from the point before the next site back to this one
+        shorter = np.exp(-self.a / per_site)
+        factor = np.empty((*self.a.shape[:-1], per_site, points), dtype=complex)
+        factor[..., -1, :] = shorter
+        for j in range(per_site - 1, 0, -1):
+            factor[..., j - 1, :] = factor[..., j, :] * shorter
+        factor *= self.late[..., None, :]
+        factor += self.still[..., None, :]
+        spectrum = np.fft.ifft(factor, axis=-1)
         turn = np.exp(1j * np.pi * m / points)
-        phi = 0.5 - 0.5 * turn * spectrum[:, m % points]
-        zeta = m[None, :] + f[:, None]
-        return zeta.T.ravel(), phi.T.ravel()
+        phi = 0.5 - 0.5 * turn * spectrum[..., m % points]
+        zeta = m[:, None] + f
+        return zeta.ravel(), np.swapaxes(phi, -1, -2).reshape(*self.a.shape[:-1], -1)
+
+
+def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tuple[int, float]:
+    """Return N so that values with |m| ≤ ``extent`` err by at most the tolerance, and the bound.
+
+    The N-point rule adds to the value at m those at m ± N, m ± 2N, … with alternating sign
+    (less their limits 1 and 0), and |φ - limit| ≤ K e^{-σ|ζ|} (:func:`tail_bound`).
+
+    Raises
+    ------
+    PrecisionError
+        If more than two million points are needed.
+    """
+    sigma_left, K_left = tail_bound(v, c, ahead=False)
+    sigma_right, K_right = tail_bound(v, c, ahead=True)
+    rate, size = min(sigma_left, sigma_right), max(K_left, K_right)
+    needed = extent + 1.0 + math.log(1.0 + 4.0 * size / tolerance) / rate
+    if needed > MAX_POINTS:
+        raise PrecisionError(
+            f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, "
+            f"more than {MAX_POINTS}."
+        )
+    points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
+    truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
+    rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
+    return points, truncation + rounding
 
 
 def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
@@ -233,7 +278,7 @@ def _smooth_number(least: int) -> int:
 
 
 def profile_slope(
-    zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray, v: float, c: float
+    zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray, v: Any, c: Any
 ) -> ComplexArray:
     """Return dφ/dζ (over φ_s) from the advance–delay equation (48) itself.
 
@@ -241,15 +286,16 @@ def profile_slope(
 
     Parameters
     ----------
-    zeta, phi : ndarray, shape (n,)
+    zeta, phi : ndarray, shapes (n,) and (n,) or (m, n)
         Positions and φ/φ_s there. At ζ = 0 the slope just ahead is returned.
-    neighbours : ndarray of complex, shape (n,)
+    neighbours : ndarray of complex, shape of phi
         φ(ζ+1) + φ(ζ-1).
-    v, c : float
+    v, c : float, or ndarray of float that broadcasts with phi
         Front velocity v̂ and coupling.
     """
     behind = np.where(zeta < 0, 0.5, 0.0)
-    return (0.5 * phi - behind - 0.5j * c * (2.0 * phi - neighbours)) / v
+    slope: ComplexArray = (0.5 * phi - behind - 0.5j * c * (2.0 * phi - neighbours)) / v
+    return slope
 
 
 def front_profile_by_roots(

@@ -210,6 +210,7 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[T
         _one_call(200 if quick else 2_000),
         *ratios,
         _curve(1 if quick else 5),
+        _one_point(20 if quick else 200),
         _command(repeats),
         _timed_target(
             "2000 labelled roots", lambda: labelled_roots(0.3, 0.5, _LABELS, True), repeats, 0.05,
@@ -322,8 +323,17 @@ def _curve(repeats: int) -> Target:
         f"c from 0.3 to 3, eta = {_ETA}; {len(branches)} branches, {judged} judged admissible or "
         f"not; first call {first:.3g} s"
     )
-    return Target("curve of 1000 couplings, all branches, admissibility", seconds, "below", 2.0,
+    return Target("curve of 1000 couplings, all branches, admissibility", seconds, "below", 0.1,
                   "s", detail)  # fmt: skip
+
+
+def _one_point(repeats: int) -> Target:
+    def solve() -> None:
+        trace_kinetic_relation(0.5, _ETA)
+
+    _, seconds = _timed(solve, repeats)
+    return Target("all branches and admissibility at c = 0.5", 1e3 * seconds, "below", 1.0, "ms",
+                  f"eta = {_ETA}, with the thresholds")  # fmt: skip
 
 
 def _command(repeats: int) -> Target:

@@ -33,7 +33,8 @@ def sums_beside_roots(
 
     For values for which the axis alone is not enough; ``fast`` are the compiled rules.
     """
-    values, errors = np.empty((3, v.size), dtype=complex), np.empty((3, v.size))
+    rows = 3 if slopes else 1
+    values, errors = np.empty((rows, v.size), dtype=complex), np.empty((rows, v.size))
     points = np.empty(v.size, dtype=np.int64)
     steep = c > STEEPEST * v
     for rule, mine in ((_arches, np.flatnonzero(steep)), (_axes, np.flatnonzero(~steep))):
@@ -43,17 +44,27 @@ def sums_beside_roots(
             values[:, some], errors[:, some], points[some], unsettled = found
             if unsettled.any():
                 left = some[unsettled]
-                alone = values[:, left], errors[:, left], points[left]
-                fill(v[left], c[left], tolerance, slopes, *alone)
-                values[:, left], errors[:, left], points[left] = alone
+                alone = np.empty((3, left.size), dtype=complex), np.empty((3, left.size))
+                number = np.empty(left.size, dtype=np.int64)
+                fill(v[left], c[left], tolerance, slopes, *alone, number)
+                values[:, left], errors[:, left] = alone[0][:rows], alone[1][:rows]
+                points[left] = number
     return values, errors, points
+
+
+def _bounds(
+    v: FloatArray, c: FloatArray, bound: FloatArray, rough: FloatArray, slopes: bool
+) -> FloatArray:
+    """Return the bounds of Σ, and with slopes of its derivatives, as rows."""
+    return np.stack([bound, rough / v, rough / c] if slopes else [bound])
 
 
 def _arches(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
 ) -> Found:
     """Return what `legs.arch` does."""
-    values, bounds = np.zeros((3, v.size), dtype=complex), np.full((2, v.size), 8.0 * EPS)
+    rows = 3 if slopes else 1
+    values, bounds = np.zeros((rows, v.size), dtype=complex), np.full((2, v.size), 8.0 * EPS)
     number, unsettled = np.zeros(v.size), np.zeros(v.size)
     for second in (False, True):
         plan = np.empty((4, v.size))
@@ -73,11 +84,13 @@ def _arches(
             values[row] += term.real - taken[2 * row] + turn * (term.imag - taken[2 * row + 1])
         size, steep = width * sums[2], width * sums[5] / v
         rounding, rough = leg_errors(v, c, second, truncation, size, steep, taken[6], taken[7])
-        bounds += truncation + rounding, rough
+        bounds[0] += truncation + rounding
+        bounds[1] += rough
         number += count
     values[0] += parts[0] - 1.0 + 1j * parts[1]
-    values[2] += parts[2] + 1j * parts[3]
-    return values, np.stack([bounds[0], bounds[1] / v, bounds[1] / c]), number, unsettled > 0.0
+    if slopes:
+        values[2] += parts[2] + 1j * parts[3]
+    return values, _bounds(v, c, bounds[0], bounds[1], slopes), number, unsettled > 0.0
 
 
 def _nodes_on_legs(
@@ -177,8 +190,8 @@ def _axes(
     values[0] -= 1.0
     values -= effects[0:6:2] + 1j * effects[1:6:2]
     rounding, rough = corrected_errors(truncation, sizes[0], sizes[1], effects[6], effects[7])
-    errors = np.stack([truncation + rounding, rough / v, rough / c])
-    return values, errors, count / 2, unsettled > 0.0
+    errors = _bounds(v, c, truncation + rounding, rough, slopes)
+    return values[: errors.shape[0]], errors, count / 2, unsettled > 0.0
 
 
 def means_of_block(

@@ -144,7 +144,6 @@ def sums(
     if v_.size <= _FEW_VALUES and not fast:
         found = _one_by_one(v_, c_, tolerance, slopes)
         return _as_array(*found, shape, slopes)
-    values, errors = np.empty((3, v_.size), dtype=complex), np.empty((3, v_.size))
     points, truncation = axis.plan(v_, c_, tolerance)
     if v_.size < _FEW_POINTS and not fast:  # more points cost less than more groups
         power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
@@ -153,31 +152,39 @@ def sums(
     # sixteen bits are sorted in linear time, and no plain rule has as many points
     order = np.argsort(points.astype(np.int16), kind="stable")
     counts, first = np.unique(points[order], return_index=True)
-    for count, part in zip(counts.tolist(), np.split(order, first)[1:], strict=True):
+    v_, c_, truncation = v_[order], c_[order], truncation[order]
+    rows = 3 if slopes else 1
+    values, errors = np.empty((rows, v_.size), dtype=complex), np.empty((rows, v_.size))
+    ends = np.append(first, v_.size)[1:]
+    for count, start, end in zip(counts.tolist(), first, ends, strict=True):
+        part = slice(start, end)
         at = v_[part], c_[part]
-        if count and (fast or part.size > _FEW_VALUES):
-            values[:, part], errors[:, part] = _plain(
-                *at, truncation[part], count, slopes=slopes, fast=fast
-            )
-            points[part] = count // 2
+        if count and (fast or end - start > _FEW_VALUES):
+            sums_, bounds = _plain(*at, truncation[part], count, slopes=slopes, fast=fast)
+            points[order[part]] = count // 2
         else:
-            values[:, part], errors[:, part], points[part] = (
+            sums_, bounds, points[order[part]] = (
                 sums_beside_roots(*at, tolerance, slopes, fast)
                 if fast
                 else _one_by_one(*at, tolerance, slopes)
             )
-    return _as_array(values, errors, points, shape, slopes)
+        values[:, part], errors[:, part] = sums_[:rows], bounds[:rows]
+    in_order, errors_in_order = np.empty_like(values), np.empty_like(errors)
+    in_order[:, order], errors_in_order[:, order] = values, errors
+    return _as_array(in_order, errors_in_order, points, shape, slopes)
 
 
 def _as_array(
     values: ComplexArray, errors: FloatArray, points: npt.NDArray[np.int64],
     shape: tuple[int, ...], slopes: bool,
 ) -> SumArray:  # fmt: skip
-    value, by_v, by_c = values.reshape(3, *shape)
-    error, error_by_v, error_by_c = errors.reshape(3, *shape)
+    values_, errors_ = (rows.reshape(len(rows), *shape) for rows in (values, errors))
+    points = points.reshape(shape)
     if not slopes:
-        return SumArray(value, error, None, None, None, None, points.reshape(shape))
-    return SumArray(value, error, by_v, by_c, error_by_v, error_by_c, points.reshape(shape))
+        return SumArray(values_[0], errors_[0], None, None, None, None, points)
+    value, by_v, by_c = values_
+    error, error_by_v, error_by_c = errors_
+    return SumArray(value, error, by_v, by_c, error_by_v, error_by_c, points)
 
 
 def _plain(
@@ -197,7 +204,8 @@ def _plain(
                 row[part] = column
     values[0] -= 1.0
     rounding, rough = axis.plain_errors(v, c, truncation, *sizes)
-    return values, np.stack([truncation + rounding, rough / v, rough / c])
+    bounds = [truncation + rounding, rough / v, rough / c] if slopes else [truncation + rounding]
+    return values, np.stack(bounds)
 
 
 def _one_by_one(

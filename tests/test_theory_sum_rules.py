@@ -12,7 +12,7 @@ import pytest
 
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums import axis, legs, poles
+from theory.piecewise.sums import axis, beside_roots, legs, poles
 from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
@@ -164,7 +164,8 @@ def points_at_which_roots_are_taken_away(seed: int, count: int) -> tuple[FloatAr
     v, c = np.array(points_at_random(seed, count)).T
     strong = 10 ** rng.uniform(1, 8, 4 * count)
     fast = np.sqrt(strong) * 3.0 ** rng.uniform(-1, 1, strong.size)
-    v, c = np.append(v, fast), np.append(c, strong)
+    # and where a root lies beside a node of the second leg, whose nodes then begin at u = 0
+    v, c = np.append(v, [*fast, 828.5864188974699]), np.append(c, [*strong, 11685.06286414494])
     beside = axis.plan(v, c, 1e-12)[0] == 0
     return v[beside], c[beside]
 
@@ -182,6 +183,14 @@ def test_compiled_or_not_the_rules_give_the_same(slopes: bool) -> None:
     if slopes:
         assert (np.abs(plain.by_v - fast.by_v) <= 0.2 * plain.error_by_v).all()
         assert (np.abs(plain.by_c - fast.by_c) <= 0.2 * plain.error_by_c).all()
+
+
+def test_roots_that_do_not_settle_are_computed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    v, c = points_at_which_roots_are_taken_away(39, 10)
+    monkeypatch.setattr(beside_roots, "_MAX_STEPS", 1)
+    plain, fast = (sums(v, c, 1e-12, compiled=compiled) for compiled in (False, True))
+    assert (plain.value == fast.value).sum() > v.size // 2
+    assert (np.abs(plain.value - fast.value) <= 2 * (plain.error - 3e-13).clip(1e-14)).all()
 
 
 def test_what_a_value_becomes_does_not_depend_on_those_beside_it() -> None:

@@ -30,7 +30,7 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
 )
-from verification.execution.table import Point
+from verification.execution.points import Point
 from verification.maps.state import State
 from verification.maps.state_map import StateTask
 from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15

@@ -303,7 +303,8 @@ COMMANDS: dict[str, Command] = {
   fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --refine 0 --out map.csv --resume
   fronts map friction --c 0:0.1:11 --v-d 1:2:11
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
-  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume""",
+  fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume
+  fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --amplitudes --out map.zarr""",
         notes="""The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
 unless --a or another --b is given. Beside a table OUT.csv stand
 OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the boundaries.""",

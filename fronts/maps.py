@@ -59,6 +59,10 @@ class ComparedMap(Result):
         """Return one row a point."""
         return self.found.columns()
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return one row a point, with those columns whose cells are arrays."""
+        return dict(self.found.states.arrays)
+
     def to_xarray(self) -> xr.Dataset:
         """Return the states over the axes."""
         return self.found.to_xarray()
@@ -98,6 +102,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
     out: Path | None = None,
     resume: bool = False,
     held: str = "b",
+    amplitudes: bool = False,
     progress: ProgressCallback | None = None,
 ) -> ComparedMap:
     """Return the state of a chain over a plane of its parameters.
@@ -130,6 +135,9 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
         Go on from OUT.part, which a killed run has left beside --out.
     held : str, optional
         Which of a and b is the same for all η.
+    amplitudes : bool, optional
+        Keep the amplitude of every site at the end of each run, too: an array a point, for a file
+        that ends in .zarr or .npz.
     progress : callable, optional
         Called with the fraction done.
 
@@ -157,7 +165,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
         )
     task = StateTask(
         chain=chain, held=held, nucleus=nucleus, displacement=displacement, point=start_point,
-        end=end,
+        end=end, amplitudes=amplitudes,
     )  # fmt: skip
     if workers is None and chain.model == "averaged":
         workers = 1
@@ -179,7 +187,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
         )
     agreement = None
     if isinstance(chain, VdpChain):
-        average = dataclasses.replace(task, chain=chain.averaged())
+        average = dataclasses.replace(task, chain=chain.averaged(), amplitudes=False)
         agreement = found.agreement(state_map(average, refine=0.0, workers=1, **values))
     named = {held: float(getattr(chain, held))} if "eta" in axes else None
     return ComparedMap(found=found, held=named, agreement=agreement)

@@ -9,8 +9,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from verification.execution.points import Point, grid
 from verification.execution.sweep import sweep
-from verification.execution.table import Point, grid
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,25 @@ class Area:
             file.write(f"{point['x']} {point['y']} {os.getpid()}\n")
         side = "high" if point.number("y") >= 0.5 else "low"
         return {"area": point.number("x") * point.number("y"), "side": side}
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Arrays of two shapes beside a number and a word; a line a call goes into ``log``."""
+
+    log: str
+    ragged: bool = False
+
+    def __call__(self, point: Point) -> dict[str, object]:
+        with Path(self.log).open("a", encoding="ascii") as file:
+            file.write(f"{point['x']} {point['y']} {os.getpid()}\n")
+        x, y = point.number("x"), point.number("y")
+        sites = 4 if self.ragged and (x, y) == (3.0, 2.5) else 3
+        return {
+            "profile": np.sin(x * np.arange(1, sites + 1)) / y,
+            "counts": [[int(x), 1], [2, int(10 * y)]],
+            "label": "large" if x > 5 else "small",
+        }
 
 
 HUNGRY: set[int] = set()

@@ -16,8 +16,8 @@ from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError
+from verification.execution.points import Point
 from verification.execution.sweep import sweep
-from verification.execution.table import Point
 from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.friction_rules import HOLD, WINDOW, find_friction_state
 from verification.maps.state import State

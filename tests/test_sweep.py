@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 import os
 import signal
 import sqlite3
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -20,8 +22,9 @@ import pytest
 
 from theory.parameters import ParameterError
 from verification.execution.files import FileError
+from verification.execution.points import Point, grid
 from verification.execution.sweep import SweepError, part_path, sweep
-from verification.execution.table import Point, Table, grid, record_path, table_of
+from verification.execution.table import Table, record_path, table_of
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
@@ -385,3 +388,135 @@ def test_a_changed_zarr_store_is_computed_again_and_other_folders_are_left(tmp_p
     other.mkdir()
     with pytest.raises(FileError, match="is a folder"):
         sweep(task, axes, out=other, workers=1)
+
+
+def _shapes_by_a_loop() -> dict[str, list[object]]:
+    """Return what `sweep_example.Shapes` gives, by a plain loop over x, then y."""
+    profile, counts, label = [], [], []
+    for x in range(1, 11):
+        for y in (1.5, 2.5):
+            profile.append([math.sin(x * n) / y for n in (1, 2, 3)])
+            counts.append([[x, 1], [2, 15 if y == 1.5 else 25]])
+            label.append("large" if x > 5 else "small")
+    return {"profile": profile, "counts": counts, "label": label}
+
+
+@pytest.mark.parametrize("ending", [".zarr", ".npz"])
+@pytest.mark.parametrize("workers", [1, 2])
+def test_arrays_of_points_are_those_of_a_loop_through_a_stop_and_a_file(
+    ending: str, workers: int, tmp_path: Path
+) -> None:
+    pytest.importorskip("zarr" if ending == ".zarr" else "numpy")
+    xarray = pytest.importorskip("xarray")
+    out, log = tmp_path / f"out{ending}", tmp_path / "log"
+    task, dims = sweep_example.Shapes(str(log)), {"profile": "site", "counts": ("from_", "to")}
+
+    def stop(done: float) -> None:
+        if done == 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(task, POINTS, out=out, workers=workers, dims=dims, progress=stop)
+    table = sweep(task, POINTS, out=out, workers=workers, dims=dims, resume=True)
+    assert table.resumed == 10
+    again = sweep(task, POINTS, out=out, workers=workers, dims={"profile": "n"}, resume=True)
+    for found in (table, again):
+        for name, expected in _shapes_by_a_loop().items():
+            # numpy's sine need not be that of the C library to the last bit
+            assert (
+                np.allclose(found[name], expected, rtol=1e-15, atol=0)
+                if (name == "profile")
+                else found[name].tolist() == expected
+            )
+    assert table["profile"].tobytes() == again["profile"].tobytes()
+    assert table["counts"].dtype == np.int64
+    cube = table.to_xarray()
+    assert cube["profile"].dims == ("x", "y", "site")
+    assert cube["counts"].dims == ("x", "y", "from_", "to")
+    assert cube["profile"].sel(x=4, y=2.5, site=1) == pytest.approx(math.sin(8) / 2.5, rel=1e-15)
+    assert again.to_xarray()["counts"].dims == ("x", "y", "counts_0", "counts_1")
+    if ending == ".zarr":
+        assert (
+            xarray.open_zarr(out)
+            .load()["profile"]
+            .identical(cube["profile"].assign_attrs(xarray.open_zarr(out)["profile"].attrs))
+        )
+    else:
+        with np.load(out) as file:
+            assert (file["profile"] == table["profile"]).all()
+            assert "versions" in json.loads(str(file["provenance"]))
+
+
+def test_arrays_of_several_shapes_are_refused_with_both_shapes(tmp_path: Path) -> None:
+    task = sweep_example.Shapes(str(tmp_path / "log"), ragged=True)
+    with pytest.raises(ParameterError, match=r"shape of profile = \(4,\) .* \(3,\)") as caught:
+        sweep(task, POINTS, out=tmp_path / "out.npz", workers=1)
+    assert "\n" not in str(caught.value)
+    assert _stored(tmp_path / "out.npz") == [str(n) for n in range(5)]  # up to that point
+
+
+def test_arrays_have_no_place_in_csv_nor_in_a_data_frame(tmp_path: Path) -> None:
+    pytest.importorskip("pandas")
+    task = sweep_example.Shapes(str(tmp_path / "log"))
+    with pytest.raises(ParameterError, match=r"column profile .* CSV.*\.zarr or \.npz"):
+        sweep(task, POINTS, out=tmp_path / "out.csv", workers=1)
+    assert [path.name for path in tmp_path.iterdir()] == ["log"]  # nothing to go on from
+    table = sweep(task, POINTS, workers=1)
+    for use in (table.as_csv, table.to_pandas, table.columns):
+        with pytest.raises(ParameterError, match="column profile"):
+            use()
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [([1, [2, 3]], "array of real numbers"), (np.array([1j]), "complex"), ([], "real numbers"),
+     (np.array(["a"]), "real numbers"), (2**63, "64 bits"), (1j, "cannot hold")],
+)  # fmt: skip
+def test_what_no_column_holds_is_one_sentence(value: object, said: str) -> None:
+    with pytest.raises((ParameterError, SweepError), match=said) as caught:
+        sweep(lambda _: {"value": value}, {"x": [1]}, workers=1)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("dims", "said"),
+    [({"profile": ("a", "b")}, "1 different"), ({"label": "site"}, "dims = label"),
+     ({"profile": "x"}, "no column"), ({"profile": "n", "counts": ("n", "m")}, "of one length")],
+)  # fmt: skip
+def test_dimensions_that_do_not_fit_are_refused(
+    dims: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    task = sweep_example.Shapes(str(tmp_path / "log"))
+    with pytest.raises(ParameterError, match=said):
+        sweep(task, POINTS, workers=1, dims=dims)
+    assert len(_computed(tmp_path / "log")) == 1  # before the others are computed
+
+
+@pytest.mark.parametrize("order", [(1, 2.5, True), (2.5, True, 1), (True, 1, 2.5)])
+def test_the_type_of_a_column_does_not_depend_on_the_order(order: tuple[Any, ...]) -> None:
+    table = table_of([{"value": value} for value in order])
+    assert table["value"].dtype == np.float64
+    assert table["value"].tolist() == [float(value) for value in order]
+    ints = table_of([{"value": 2**53 + 1}, {"value": -5}])["value"]
+    assert ints.dtype == np.int64
+    assert ints.tolist() == [2**53 + 1, -5]
+
+
+@pytest.mark.parametrize("file", [None, "out.csv", "out.npz"])
+def test_memory_grows_by_the_columns_and_no_more(file: str | None, tmp_path: Path) -> None:
+    """A row has 62 bytes in its columns: 3 numbers, 8 letters of 4 bytes, and a few to find it."""
+    out = None if file is None else tmp_path / file
+    axes = {"x": list(range(100)), "y": list(range(1, 61))}
+
+    def task(point: Point) -> dict[str, float | str]:
+        return {"value": point.number("x") / point.number("y"), "label": "breather"}
+
+    few = {"x": axes["x"][:10], "y": axes["y"]}
+    peaks = []
+    for points in (few, few, axes):  # the first one loads what is loaded once
+        tracemalloc.start()
+        sweep(task, points, workers=1, out=out)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    growth = (peaks[2] - peaks[1]) / (6000 - 600)
+    assert growth < 2 * 62  # columns, and once more while words are written out

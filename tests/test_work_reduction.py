@@ -20,8 +20,8 @@ from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import SeriesScene, tail_sum
+from verification.execution.points import Point, grid
 from verification.execution.sweep import sweep
-from verification.execution.table import Point, grid
 from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.window import travelling_state, truncation_bound
 from verification.work_reduction import orbits, runs, sums, table

@@ -44,10 +44,28 @@ table = fr.sweep(velocity, points, workers=1)
 table.to_pandas()
 
 # %%
+# Arrays
+# ------
+# A result may be an array of numbers, of one shape at all points. ``dims`` names its dimensions,
+# which stand after those of the points. At the shell, ``fronts map --amplitudes --out map.zarr``
+# keeps the amplitude of every site.
+
+
+def amplitudes(point):
+    """Return the amplitude of every site after a while."""
+    chain = fr.AveragedChain(a=4, b=0.5, c=point["c"], sites=16)
+    run = fr.simulate(chain, fr.excite(chain, [1]), t_end=40)
+    return {"amplitude": np.hypot(*run.states[-1])}
+
+
+fr.sweep(amplitudes, {"c": [0.1, 0.3, 0.6]}, workers=1, dims={"amplitude": "site"}).to_xarray()
+
+# %%
 # Nothing is lost
 # ---------------
 # With ``out`` every finished point is written at once, and ``resume`` goes on from there. The table
-# has a record beside it: parameters, versions, and a digest of the code.
+# has a record beside it: parameters, versions, and a digest of the code. A file that ends in
+# ``.csv`` takes numbers and words, one that ends in ``.zarr`` or ``.npz`` arrays as well.
 
 with tempfile.TemporaryDirectory() as folder:
     out = Path(folder) / "velocities.csv"

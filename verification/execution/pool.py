@@ -15,14 +15,18 @@ import re
 import signal
 import sys
 import threading
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, nullcontext
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from theory.parameters import MissingPackageError, ParameterError, count_within
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -148,6 +152,7 @@ def answers(
     *,
     workers: int | None = None,
     executor: Executor | None = None,
+    only: Sequence[int] | npt.NDArray[np.int64] | None = None,
     begun: Callable[[int], None] | None = None,
 ) -> Generator[tuple[int, Answer | Exception], None, None]:
     """Compute a function of every item; yield what comes as it comes.
@@ -160,13 +165,15 @@ def answers(
     function : callable
         Of one item; importable by name where other processes compute it.
     items : sequence
-        The items.
+        The items; one is asked for when it is begun or handed over.
     workers : int, optional
         Processes, by default one a core that may be used, and never more than there are items;
         1 computes in this process, as does the default where no other process can import the
         function.
     executor : Executor, optional
         Any executor of ``concurrent.futures``, in place of own processes; it is left open.
+    only : sequence of int, optional
+        Indices of the items to compute, in this order; all if not given.
     begun : callable, optional
         Told the index of an item when it is begun or handed over.
 
@@ -185,7 +192,8 @@ def answers(
     >>> dict(answers(abs, [-1, 2], workers=1))
     {0: 1, 1: 2}
     """
-    count = min(worker_count(workers), len(items))
+    chosen = range(len(items)) if only is None else only
+    count = min(worker_count(workers), len(chosen))
     if executor is None and count > 1 and not _sendable(function):
         if workers is not None:
             raise ParameterError(
@@ -194,11 +202,11 @@ def answers(
             )  # fmt: skip
         count = 1
     if executor is None and count <= 1:
-        yield from _here(function, items, begun)
+        yield from _here(function, items, chosen, begun)
         return
     died: list[int] = []
     with worker_pool(count) if executor is None else nullcontext(executor) as pool:
-        for index, answer in _side_by_side(function, items, pool, begun):
+        for index, answer in _side_by_side(function, items, chosen, pool, begun):
             if isinstance(answer, WorkerDiedError) and executor is None:
                 died.append(index)
             else:
@@ -207,20 +215,20 @@ def answers(
     # is at fault.
     for index in sorted(died):
         with worker_pool(1) as pool:
-            for _, answer in _side_by_side(function, [items[index]], pool, None):
-                yield index, answer
+            yield from _side_by_side(function, items, [index], pool, None)
 
 
 def _here(
     function: Callable[[Item], Answer],
     items: Sequence[Item],
+    chosen: Iterable[int],
     begun: Callable[[int], None] | None,
 ) -> Iterator[tuple[int, Answer | Exception]]:
-    for index, item in enumerate(items):
+    for index in map(int, chosen):
         if begun is not None:
             begun(index)
         try:
-            answer: Answer | Exception = function(item)
+            answer: Answer | Exception = function(items[index])
         except Exception as error:
             answer = error
         yield index, answer
@@ -229,6 +237,7 @@ def _here(
 def _side_by_side(
     function: Callable[[Item], Answer],
     items: Sequence[Item],
+    chosen: Iterable[int],
     pool: Executor,
     begun: Callable[[int], None] | None,
 ) -> Iterator[tuple[int, Answer | Exception]]:
@@ -236,14 +245,14 @@ def _side_by_side(
     futures: dict[Future[Answer], int] = {}
     # Each future puts itself here when it is done: asking all of them costs more than an answer.
     done: SimpleQueue[Future[Answer]] = SimpleQueue()
-    left = iter(enumerate(items))
+    left = map(int, chosen)
     try:
         while True:
-            for index, item in left:
+            for index in left:
                 if begun is not None:
                     begun(index)
                 try:
-                    future = pool.submit(function, item)
+                    future = pool.submit(function, items[index])
                 except BrokenProcessPool:
                     yield index, WorkerDiedError()
                     continue

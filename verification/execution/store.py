@@ -16,8 +16,9 @@ import errno
 import json
 import logging
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -44,6 +45,7 @@ _SETTINGS = (
     "PRAGMA journal_mode = WAL",
     "PRAGMA synchronous = NORMAL",
 )
+_READABLE = "SELECT sum(length(key) + length(text) + length(checksum)) FROM results"
 _FULL = ("disk is full", "disk I/O error")
 
 logger = logging.getLogger(__name__)
@@ -63,11 +65,6 @@ class Store:
     replace : bool, optional
         Empty a file that does not fit instead of refusing it: for results that are cheap, or
         where the file is the toolkit's own.
-
-    Attributes
-    ----------
-    results : dict of str to object
-        The results found in the file, by key.
 
     Raises
     ------
@@ -94,7 +91,6 @@ class Store:
         self._path = plain_file(path)
         self._identity = json.loads(json.dumps({"format": FORMAT, **identity}))
         self._mark = digest_of(self._identity)
-        self.results: dict[str, Any] = {}
         check_writable(path)
         try:
             self._open(resume, replace)
@@ -138,6 +134,35 @@ class Store:
         except sqlite3.Error as error:
             raise self._sentence(error) from None
 
+    @cached_property
+    def results(self) -> dict[str, Any]:
+        """The results that the file holds when this is first asked for, by key."""
+        return dict(self.read())
+
+    def read(self) -> Iterator[tuple[str, Any]]:
+        """Yield key and result of each row, one at a time in memory; a damaged one is passed over.
+
+        Raises
+        ------
+        ParameterError
+            If the file is damaged.
+        """
+        try:
+            rows = self._connection.execute("SELECT key, text, checksum FROM results")
+            for key, text, checksum in rows:
+                try:
+                    if checksum != self._checksum(key, text):
+                        raise ValueError("checksum")
+                    result = json.loads(text)
+                except (ValueError, TypeError, RecursionError):
+                    logger.warning(
+                        "the result %r in %s is damaged and is computed again", key, self._path
+                    )
+                    continue
+                yield key, result
+        except sqlite3.Error as error:
+            raise self._sentence(error) from None
+
     def close(self) -> None:
         """Close the file; the lock ends."""
         # What cannot be moved from the journal into the file now is moved when it is next opened.
@@ -172,7 +197,8 @@ class Store:
             self._begin()
         else:
             self._check(tables, resume)
-            self._read()
+            # Every page is seen now, while a file that cannot be read may still be replaced.
+            self._connection.execute(_READABLE).fetchall()
         self._connection.execute("COMMIT")
 
     def _begin(self) -> None:
@@ -209,18 +235,6 @@ class Store:
             raise self._refusal(
                 "of another run", f"of the same function, parameters, code and versions ({said})"
             )
-
-    def _read(self) -> None:
-        rows = self._connection.execute("SELECT key, text, checksum FROM results")
-        for key, text, checksum in rows:
-            try:
-                if checksum != self._checksum(key, text):
-                    raise ValueError("checksum")
-                self.results[key] = json.loads(text)
-            except (ValueError, TypeError, RecursionError):
-                logger.warning(
-                    "the result %r in %s is damaged and is computed again", key, self._path
-                )
 
     def _checksum(self, key: str, text: str) -> str:
         return digest_of([self._mark, key, text])

@@ -1,7 +1,8 @@
 """One sweep engine for every map: a function, points, any executor, a store, a table.
 
 The table depends on the function and the points only: not on the number of workers, the order in
-which they finish, or how often the sweep was killed and resumed.
+which they finish, or how often the sweep was killed and resumed. In memory it is one array a
+column, filled as the points finish; with a file, a finished point is in the store before it counts.
 
 A point whose computation raises does not stop the others: they are finished and put into the store,
 then `SweepError` names the failed ones. These are not in the store, so that a resumed sweep tries
@@ -10,33 +11,45 @@ them, and only them, again.
 
 from __future__ import annotations
 
-import dataclasses
-import functools
-import itertools
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, nullcontext
-from dataclasses import dataclass
-from enum import Enum
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from theory.parameters import ParameterError
-from verification.execution.digest import code_of_objects, digest_of, digest_of_arrays
+from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
+from verification.execution.digest import code_of_objects
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import COMMAND_LINE, Code, Metadata
+from verification.execution.points import (
+    Grid,
+    Point,
+    coordinates,
+    digest_of_points,
+    points_of,
+)
 from verification.execution.pool import answers
 from verification.execution.progress import ProgressCallback
 from verification.execution.store import Store
-from verification.execution.table import Point, Scalar, Table, grid, load_table, plain, table_of
+from verification.execution.table import (
+    ARRAY_FORMATS,
+    Dims,
+    Table,
+    load_table,
+    named_dims,
+)
+from verification.execution.task import code_owners, parameters_of, task_name
 
 Task: TypeAlias = Callable[[Point], Any]
-"""From a point to its results: a mapping of names to numbers or words, one such value, or a result
-with ``to_dict``. Importable by name (a function of a module, or a frozen dataclass with
-``__call__``) where there is more than one worker."""
+"""From a point to its results: a mapping of names to numbers, words or arrays of numbers, one such
+value, or a result with ``to_dict``, of which the numbers and words count. Importable by name (a
+function of a module, or a frozen dataclass with ``__call__``) where there is more than one
+worker."""
 
 
 class SweepError(RuntimeError):
@@ -63,6 +76,7 @@ def sweep(
     resume: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
+    dims: Mapping[str, str | Sequence[str]] | None = None,
     progress: ProgressCallback | None = None,
     command: str = "",
 ) -> Table:
@@ -77,14 +91,18 @@ def sweep(
         Where: all with the same names; or names with values, of which every combination is taken,
         the last one fastest.
     out : Path, optional
-        CSV file for the table, or a zarr store if it ends in ``.zarr``; its record goes beside it
-        into ``<out>.json``, and while the sweep runs the finished points into ``<out>.part``.
+        CSV file for the table, or a zarr store or arrays of numpy if it ends in ``.zarr`` or
+        ``.npz``; its record goes beside it into ``<out>.json``, and while the sweep runs the
+        finished points into ``<out>.part``.
     resume : bool, optional
         Go on from ``<out>.part``, if it is there; take the table if that is there already.
     workers : int, optional
         Processes, by default one a core that may be used; 1 computes in this process.
     executor : concurrent.futures.Executor, optional
         Used in place of own processes, and left open.
+    dims : mapping of str to str or sequence of str, optional
+        Names of the dimensions of results that are arrays, by result: ``{"profile": "site"}``. By
+        default those of ``profile`` are ``profile_0``, ``profile_1`` ….
     progress : callable, optional
         See `verification.execution.progress.ProgressCallback`.
     command : str, optional
@@ -98,7 +116,8 @@ def sweep(
     Raises
     ------
     ParameterError
-        If the points, the file to resume from or the number of workers cannot be used.
+        If the points, the file to resume from or the number of workers cannot be used, results
+        differ in their names or shapes from point to point, or arrays are to go into CSV.
     FileError
         If a file cannot be written, or another sweep writes it.
     SweepError
@@ -109,6 +128,13 @@ def sweep(
     >>> table = sweep(lambda point: {"square": point["x"] ** 2}, {"x": [1, 2]}, workers=1)
     >>> table["square"]
     array([1, 4])
+
+    Arrays, of one shape at all points:
+
+    >>> powers = lambda point: {"powers": point["x"] ** np.arange(3)}
+    >>> table = sweep(powers, {"x": [1, 2]}, workers=1, dims={"powers": "order"})
+    >>> table.to_xarray()["powers"].sel(x=2, order=1).item(), table["powers"].shape
+    (2, (2, 3))
     """
     begin = time.perf_counter()
     asked = points_of(points)
@@ -118,27 +144,36 @@ def sweep(
         table = load_table(out)
         known = None if table is None else table.metadata
         if table is not None and known is not None and _identity(known) == _identity(metadata):
-            return table
+            shapes = {name: column.shape[1:] for name, column in table.arrays.items()}
+            return replace(table, dims=named_dims(shapes, dims or {}))
     store = None if out is None else Store(part_path(out), _identity(metadata), resume=resume)
     with store or nullcontext(), terminated_as_interrupted() if out else nullcontext():
-        found = {} if store is None else _found(store, len(asked))
-        resumed = len(found)
-        failures = _compute(
-            function,
-            asked,
-            found=found,
-            store=store,
-            workers=workers,
-            executor=executor,
-            progress=progress,
-        )
+        flat = out is not None and out.suffix not in ARRAY_FORMATS
+        found = _Found(points=asked, flat=flat, names=dims or {})
+        resumed = found.take_from(store)
+        try:
+            failures = _compute(
+                _Cells(function),
+                found,
+                store=store,
+                workers=workers,
+                executor=executor,
+                progress=progress,
+            )
+        except ParameterError:
+            if store is not None and not found.stored:
+                store.remove()  # there is nothing in it to go on from
+            raise
         if failures:
             raise _failed([(asked[index], failures[index]) for index in sorted(failures)])
-        rows = [{**point, **found[index]} for index, point in enumerate(asked)]
-        axes = (
-            tuple(points) if isinstance(points, Mapping) and not isinstance(points, Point) else ()
+        table = Table(
+            arrays={**found.coordinates, **found.columns.arrays()},
+            metadata=metadata,
+            seconds=time.perf_counter() - begin,
+            resumed=resumed,
+            axes=asked.distinct_axes if isinstance(asked, Grid) else (),
+            dims=found.dims,
         )
-        table = table_of(rows, metadata, time.perf_counter() - begin, resumed, axes)
         if out is not None and store is not None:
             table.save(out)
             store.remove()
@@ -156,67 +191,79 @@ def part_path(out: Path) -> Path:
     return out.with_name(out.name + ".part")
 
 
-def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> tuple[Point, ...]:
-    """Return points, given one by one or as the values on each axis.
+@dataclass(kw_only=True)
+class _Found:
+    """What is known of the table: the coordinates, and the results that have come."""
 
-    Raises
-    ------
-    ParameterError
-        If they differ in their names.
-    """
-    if isinstance(points, Mapping) and not isinstance(points, Point):
-        axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
-        found = grid(**axes) if axes else ()
-    else:
-        given: Any = (points,) if isinstance(points, Point) else points
-        found = tuple(point if isinstance(point, Point) else Point(point) for point in given)
-    for point in found:
-        if list(point) != list(found[0]):
-            raise ParameterError(
-                "points", f"{point} beside {found[0]}", "all of the same names", "name them alike"
-            )
-    return found
+    points: Sequence[Point]
+    flat: bool
+    names: Mapping[str, str | Sequence[str]]
+    dims: Dims = field(default_factory=dict)
+    stored: int = 0
+
+    def __post_init__(self) -> None:
+        self.coordinates = coordinates(self.points)
+        self.columns = Columns(len(self.points), flat=self.flat)
+
+    def put(self, index: int, row: Mapping[str, Cell]) -> None:
+        """Take the results of a point; refuse those that fit no table, from the first one on."""
+        first = not self.columns.shapes
+        self.columns.put(index, row)
+        if first:
+            known = dict.fromkeys(self.coordinates, ()) | self.columns.shapes
+            self.dims = named_dims(known, self.names)
+
+    def take_from(self, store: Store | None) -> int:
+        """Take the results in a store, and return how many; what is none is left out."""
+        for key, stored in () if store is None else store.read():
+            try:
+                index = int(key)
+                if not (0 <= index < len(self.points) and key == str(index)):
+                    continue
+                row = {str(name): from_json(value) for name, value in stored}
+            except (ValueError, TypeError, KeyError):
+                continue
+            self.put(index, row)
+            self.stored += 1
+        return self.stored
 
 
 def _compute(
-    function: Task,
-    points: Sequence[Point],
+    function: _Cells,
+    found: _Found,
     *,
-    found: dict[int, dict[str, Scalar]],
     store: Store | None,
     workers: int | None,
     executor: Executor | None,
     progress: ProgressCallback | None,
 ) -> dict[int, Exception]:
-    """Fill ``found`` by index of the point; return what was raised, likewise."""
+    """Compute what has not been found; return what was raised, by index of the point."""
     failures: dict[int, Exception] = {}
-    left = [index for index in range(len(points)) if index not in found]
+    total = len(found.points)
+    left = np.flatnonzero(~found.columns.filled)
+    done = total - left.size
     if progress:
-        progress(len(found) / max(len(points), 1))
+        progress(done / max(total, 1))
     # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
     with closing(
-        answers(
-            _PlainResult(function),
-            [points[index] for index in left],
-            workers=workers,
-            executor=executor,
-        )
+        answers(function, found.points, workers=workers, executor=executor, only=left)
     ) as coming:
-        for number, answer in coming:
-            index = left[number]
+        for index, answer in coming:
             if isinstance(answer, Exception):
                 failures[index] = answer
                 continue
+            found.put(index, answer)
             if store is not None:
-                store.add(str(index), list(answer.items()))
-            found[index] = answer
+                store.add(str(index), [(name, to_json(cell)) for name, cell in answer.items()])
+                found.stored += 1
+            done += 1
             if progress:
-                progress((len(found) + len(failures)) / len(points))
+                progress((done + len(failures)) / total)
     return failures
 
 
 @dataclass(frozen=True)
-class _PlainResult:
+class _Cells:
     """The function, with its results as cells of a table."""
 
     function: Task
@@ -224,7 +271,7 @@ class _PlainResult:
     def __str__(self) -> str:
         return task_name(self.function)
 
-    def __call__(self, point: Point) -> dict[str, Scalar]:
+    def __call__(self, point: Point) -> dict[str, Cell]:
         result = self.function(point)
         if hasattr(result, "to_dict"):
             result = {
@@ -234,20 +281,7 @@ class _PlainResult:
             }
         elif not isinstance(result, Mapping):
             result = {"value": result}
-        return {str(name): plain(value) for name, value in result.items()}
-
-
-def _found(store: Store, total: int) -> dict[int, dict[str, Scalar]]:
-    """Return the results in a store by index of the point; what is none is left out."""
-    found: dict[int, dict[str, Scalar]] = {}
-    for key, row in store.results.items():
-        try:
-            index = int(key)
-            if 0 <= index < total and key == str(index):
-                found[index] = {str(name): plain(value) for name, value in row}
-        except (ValueError, TypeError):
-            continue
-    return found
+        return {str(name): cell_of(value) for name, value in result.items()}
 
 
 def _metadata(function: Task, points: Sequence[Point], command: str, needed: bool) -> Metadata:
@@ -258,15 +292,14 @@ def _metadata(function: Task, points: Sequence[Point], command: str, needed: boo
     try:
         held = parameters_of(function)
         parameters = held if isinstance(held, dict) else {}
-        modules, digest = code_of_objects(_owners(function))
+        modules, digest = code_of_objects(code_owners(function))
         code = Code(modules=modules, digest=digest)
     except ParameterError:
         if needed:
             raise
-    rows = [list(point.items()) for point in points]
     parameters |= {
         "function": name,
-        "points": {"count": len(points), "digest": digest_of(rows)},
+        "points": {"count": len(points), "digest": digest_of_points(points)},
     }
     return Metadata(
         command=command or COMMAND_LINE.get() or f"sweep({name}, ...)",
@@ -281,89 +314,6 @@ def _identity(metadata: Metadata) -> dict[str, Any]:
         "versions": dict(metadata.versions),
         "code": None if metadata.code is None else metadata.code.digest,
     }
-
-
-def task_name(task: object) -> str:
-    """Return the importable name of a function or class.
-
-    Examples
-    --------
-    >>> task_name(plain)
-    'verification.execution.table.plain'
-    """
-    if isinstance(task, functools.partial):
-        return task_name(task.func)
-    owner: Any = task if hasattr(task, "__qualname__") else type(task)
-    return f"{owner.__module__}.{owner.__qualname__}"
-
-
-def parameters_of(task: object) -> Any:
-    """Return the parameters of a function or object as JSON has them.
-
-    Raises
-    ------
-    ParameterError
-        If it holds something that JSON does not have.
-    """
-    if isinstance(task, functools.partial):
-        named = {str(i): value for i, value in enumerate(task.args)} | task.keywords
-        return {name: parameters_of(value) for name, value in named.items()}
-    if dataclasses.is_dataclass(task) and not isinstance(task, type):
-        fields = {f.name: parameters_of(getattr(task, f.name)) for f in dataclasses.fields(task)}
-        return {"is": task_name(task), **fields}
-    if isinstance(task, Enum):
-        return task.value
-    if isinstance(task, np.ndarray):
-        return {"array": digest_of_arrays({"": task})}
-    if isinstance(task, Mapping):
-        return {str(name): parameters_of(value) for name, value in task.items()}
-    if isinstance(task, tuple | list):
-        return [parameters_of(value) for value in task]
-    if callable(task):
-        inner = _captured(task)
-        return {"is": task_name(task), **parameters_of(inner)} if inner else task_name(task)
-    if isinstance(task, complex):
-        return [task.real, task.imag]
-    try:
-        return task if task is None else plain(task)
-    except TypeError:
-        raise ParameterError(
-            "function", f"one that holds a {type(task).__name__}",
-            "one that holds numbers, words and their collections where its results are stored",
-            "give its parameters as fields of a frozen dataclass",
-        ) from None  # fmt: skip
-
-
-def _captured(task: object) -> dict[str, Any]:
-    """Return the default arguments and the captured variables of a function."""
-    code = getattr(task, "__code__", None)
-    if code is None:
-        return {}
-    cells = zip(code.co_freevars, getattr(task, "__closure__", None) or (), strict=False)
-    defaults = {f"default {i}": v for i, v in enumerate(getattr(task, "__defaults__", None) or ())}
-    return defaults | (getattr(task, "__kwdefaults__", None) or {}) | {
-        name: cell.cell_contents for name, cell in cells
-    }  # fmt: skip
-
-
-def _owners(task: object) -> Iterator[Any]:
-    """Yield whatever has code: functions, and classes of objects."""
-    if isinstance(task, functools.partial):
-        yield from _owners(task.func)
-        for value in (*task.args, *task.keywords.values()):
-            yield from _owners(value)
-    elif dataclasses.is_dataclass(task) and not isinstance(task, type):
-        yield type(task)
-        for each in dataclasses.fields(task):
-            yield from _owners(getattr(task, each.name))
-    elif isinstance(task, tuple | list):
-        yield from itertools.chain.from_iterable(map(_owners, task))
-    elif isinstance(task, Mapping):
-        yield from itertools.chain.from_iterable(map(_owners, task.values()))
-    elif callable(task):
-        yield task
-        for value in _captured(task).values():
-            yield from _owners(value)
 
 
 def _failed(failures: Sequence[tuple[Point, Exception]]) -> SweepError:

@@ -1,101 +1,38 @@
-"""A table of results with named columns: in memory, as CSV that every reader opens, and as zarr."""
+"""A table of results: in memory, as CSV that every reader opens, as zarr, as arrays of numpy."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.parameters import ParameterError
 from theory.result import Result, optional_package
-from verification.execution.digest import digest_of
-from verification.execution.files import write_by, write_text
+from verification.execution.columns import (
+    Array,
+    Columns,
+    Scalar,
+    cell_of,
+    python_rows,
+    read_only,
+)
+from verification.execution.digest import digest_of_arrays, digest_of_text
+from verification.execution.files import write_by
 from verification.execution.metadata import Metadata
 from verification.execution.record import Record
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Scalar: TypeAlias = bool | int | float | str
-"""What a cell of a table may hold."""
+ARRAY_FORMATS = (".zarr", ".npz")
+"""Endings of files that hold arrays as well; a file of any other ending is CSV."""
 
-FORBIDDEN = ',"#\r\n'
-"""Characters that some reader of CSV would take for something else."""
-
-
-class Point(Mapping[str, Scalar]):
-    """A frozen, hashable, picklable mapping of names to numbers (or words).
-
-    Examples
-    --------
-    >>> point = Point(eta=0.03, c=0.6)
-    >>> point["c"], dict(point), point == Point(eta=0.03, c=0.6)
-    (0.6, {'eta': 0.03, 'c': 0.6}, True)
-    """
-
-    __slots__ = ("_items",)
-
-    def __init__(self, items: Mapping[str, Scalar] | None = None, /, **values: Scalar) -> None:
-        merged = {**(items or {}), **values}
-        self._items = {name: plain(value) for name, value in merged.items()}
-
-    def __getitem__(self, name: str) -> Scalar:
-        return self._items[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def __hash__(self) -> int:
-        return hash(tuple(self._items.items()))
-
-    def __reduce__(self) -> tuple[type[Point], tuple[dict[str, Scalar]]]:
-        return Point, (dict(self._items),)
-
-    def __repr__(self) -> str:
-        return f"Point({', '.join(f'{name}={value!r}' for name, value in self._items.items())})"
-
-    def number(self, name: str) -> float:
-        """Return a coordinate as a float."""
-        return float(self._items[name])
-
-
-def plain(value: object) -> Scalar:
-    """Return a Python scalar for a Python or numpy one.
-
-    Raises
-    ------
-    TypeError
-        If it is neither a truth value, a number nor a word.
-    """
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, str):
-        return str(value)
-    if isinstance(value, bool | int | float):
-        return value
-    raise TypeError(f"a cell of a table cannot hold {value!r}: give a number or a word.")
-
-
-def grid(**axes: Iterable[Scalar]) -> tuple[Point, ...]:
-    """Return every combination of some coordinates, the last one fastest.
-
-    Examples
-    --------
-    >>> grid(eta=[0.1, 0.2], c=[1, 2])[1]
-    Point(eta=0.1, c=2)
-    """
-    points = [Point()]
-    for name, values in axes.items():
-        axis = list(values)
-        points = [Point(point, **{name: value}) for point in points for value in axis]
-    return tuple(points)
+Dims = Mapping[str, tuple[str, ...]]
+"""Names of the dimensions of arrays, by column."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +42,8 @@ class Table(Result):
     Attributes
     ----------
     arrays : mapping of str to ndarray
-        The columns by name: the coordinates, then the results; all of one length, read-only.
+        The columns by name: the coordinates, then the results; all of one length, read-only. A
+        column whose cells are arrays has their dimensions after the first.
     metadata : Metadata or None
         Where the table comes from; None if it was put together by hand.
     seconds : float
@@ -115,6 +53,8 @@ class Table(Result):
     axes : tuple of str
         Coordinates of which the rows are every combination, the last one fastest; empty if they are
         none.
+    dims : mapping of str to tuple of str
+        Names of the dimensions of one cell, of columns whose cells are arrays.
 
     Examples
     --------
@@ -123,26 +63,39 @@ class Table(Result):
     (array([1. , 2.5]), {'breather': 1, 'front': 1})
     """
 
-    arrays: Mapping[str, npt.NDArray[Any]]
+    arrays: Mapping[str, Array]
     metadata: Metadata | None = None
     seconds: float = 0.0
     resumed: int = 0
     axes: tuple[str, ...] = ()
+    dims: Dims = field(default_factory=dict)
 
-    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+    def __getitem__(self, name: str) -> Array:
         return self.arrays[name]
 
     def __len__(self) -> int:
         return min((len(column) for column in self.arrays.values()), default=0)
 
-    def columns(self) -> dict[str, npt.NDArray[Any]]:
-        """Return the columns, by name."""
+    def columns(self) -> dict[str, Array]:
+        """Return the columns, by name.
+
+        Raises
+        ------
+        ParameterError
+            If the cells of one are arrays, which have no place in a table of rows and columns.
+        """
+        for name, column in self.arrays.items():
+            if column.ndim > 1:
+                raise ParameterError(
+                    f"column {name}", f"arrays of shape {column.shape[1:]}",
+                    "one number or word a point in CSV or a data frame",
+                    "take to_xarray(), or name a file ending in .zarr or .npz",
+                )  # fmt: skip
         return dict(self.arrays)
 
-    def rows(self) -> Iterator[dict[str, Scalar]]:
-        """Yield each row by name, as Python scalars."""
-        lists = [column.tolist() for column in self.arrays.values()]
-        for cells in zip(*lists, strict=True):
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield each row by name, as Python scalars, and lists for arrays."""
+        for cells in python_rows(self.arrays):
             yield dict(zip(self.arrays, cells, strict=True))
 
     def counts(self, name: str) -> dict[str, int]:
@@ -153,43 +106,53 @@ class Table(Result):
     def to_xarray(self) -> xr.Dataset:
         """Return the table as a dataset of xarray, over its axes if it has them, else its rows.
 
+        Arrays have their own dimensions after these, named as in ``dims``.
+
         Raises
         ------
         MissingPackageError
             If xarray is not installed.
         """
         dataset: type[xr.Dataset] = optional_package("xarray").Dataset
-        if not self.axes:
-            return dataset({name: ("row", each) for name, each in self.arrays.items()})
         ticks = {name: list(dict.fromkeys(self.arrays[name].tolist())) for name in self.axes}
-        shape = tuple(len(values) for values in ticks.values())
-        over = {
-            name: (self.axes, column.reshape(shape))
+        over = self.axes or ("row",)
+        shape = tuple(len(values) for values in ticks.values()) or (len(self),)
+        variables = {
+            name: ((*over, *self.dims.get(name, ())), column.reshape(*shape, *column.shape[1:]))
             for name, column in self.arrays.items()
             if name not in ticks
         }
-        return dataset(over, ticks)
+        return dataset(variables, ticks)
 
     def as_csv(self) -> str:
         r"""Return the table as CSV; floats have the digits that give back the same float.
+
+        Raises
+        ------
+        ParameterError
+            If the cells of a column are arrays.
 
         Examples
         --------
         >>> table_of([{"c": 0.1, "label": "fixed point"}]).as_csv()
         'c,label\n0.1,fixed point\n'
         """
-        lines = [",".join(self.arrays)]
-        lines += [",".join(str(cell) for cell in row.values()) for row in self.rows()]
-        return "\n".join(lines) + "\n"
+        return "".join(self._csv_lines())
+
+    def _csv_lines(self) -> Iterator[str]:
+        columns = self.columns()
+        yield ",".join(columns) + "\n"
+        for cells in python_rows(columns):
+            yield ",".join(map(str, cells)) + "\n"
 
     def save(self, path: Path) -> None:
         """Write the table, whole or not at all, and its record beside it in ``<path>.json``.
 
         It is a zarr store, written by chunks, where the path ends in ``.zarr``
-        (``xarray.open_zarr``); else CSV, of which lines at the end that begin with ``#`` say
-        command, parameters and versions (``pandas.read_csv(path, comment="#")``). The record has
-        them as JSON, with the date, the machine, the digest of the code, and what `load_table`
-        needs.
+        (``xarray.open_zarr``), the columns as arrays where it ends in ``.npz`` (``numpy.load``);
+        else CSV, of which lines at the end that begin with ``#`` say command, parameters and
+        versions (``pandas.read_csv(path, comment="#")``). The record has them as JSON, with the
+        date, the machine, the digest of the code, and what `load_table` needs.
 
         Raises
         ------
@@ -197,21 +160,47 @@ class Table(Result):
             If they cannot be written.
         MissingPackageError
             If a package for zarr is not installed.
+        ParameterError
+            If the cells of a column are arrays, and the file is CSV.
         """
         metadata = self.metadata or Metadata()
-        text = _written(self, metadata)
         about = {
             "columns": {name: column.dtype.kind for name, column in self.arrays.items()},
+            "rows": len(self),
             "axes": list(self.axes),
-            "digest": digest_of(text),
+            "dims": {name: list(names) for name, names in self.dims.items()},
+            "digest": self._digest(path, metadata),
             "seconds": self.seconds,
             "resumed": self.resumed,
         }
         Record(kind="table", content={"table": about}, metadata=metadata).save(record_path(path))
+        write_by(path, self._writer(path, metadata))
+
+    def _writer(self, path: Path, metadata: Metadata) -> Callable[[Path], object]:
         if path.suffix == ".zarr":
-            write_by(path, zarr_writer(self.to_xarray(), metadata.to_dict()))
-        else:
-            write_text(path, text)
+            return zarr_writer(self.to_xarray(), metadata.to_dict())
+        if path.suffix == ".npz":
+            said = np.array(json.dumps(metadata.to_dict()))
+            content: dict[str, Any] = {**self.arrays, "provenance": said}
+            return lambda part: np.savez_compressed(part, **content)
+
+        def write(part: Path) -> None:
+            with part.open("wb") as file:
+                for line in self._written(metadata):
+                    file.write(line.encode())
+
+        return write
+
+    def _written(self, metadata: Metadata) -> Iterator[str]:
+        """Yield the lines of CSV, then where the table comes from."""
+        yield from self._csv_lines()
+        yield commented(metadata.to_dict(), ("command", "parameters", "versions"))
+
+    def _digest(self, path: Path, metadata: Metadata) -> str:
+        """Return the digest of what a file of that ending holds."""
+        if path.suffix in ARRAY_FORMATS:
+            return digest_of_arrays(self.arrays)
+        return digest_of_text(self._written(metadata))
 
 
 def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Path], None]:
@@ -252,44 +241,63 @@ def load_table(path: Path) -> Table | None:
     try:
         record = Record.load(record_path(path), "table")
         about = record.content["table"]
-        if path.suffix == ".zarr":
-            rows = _rows_of_zarr(path, about["columns"])
-        else:
-            text = path.read_bytes().decode()
-            rows = _rows_of_csv(text, about["columns"])
-        axes = tuple(about.get("axes", ()))
-        table = table_of(rows, record.metadata, float(about["seconds"]), len(rows), axes)
-        if path.suffix == ".zarr":
-            text = _written(table, record.metadata)
-        return table if about["digest"] == digest_of(text) else None
+        table = Table(
+            arrays=_read(path, about["columns"], int(about["rows"]), about["axes"]),
+            metadata=record.metadata,
+            seconds=float(about["seconds"]),
+            resumed=int(about["rows"]),
+            axes=tuple(about["axes"]),
+            dims={name: tuple(names) for name, names in about["dims"].items()},
+        )
+        return table if about["digest"] == table._digest(path, record.metadata) else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 
-def _written(table: Table, metadata: Metadata) -> str:
-    """Return the CSV of a table with where it comes from; its digest is that of the table."""
-    said = ("command", "parameters", "versions")
-    return table.as_csv() + commented(metadata.to_dict(), said)
-
-
-def _rows_of_csv(text: str, columns: Mapping[str, str]) -> list[dict[str, Scalar]]:
+def _read(
+    path: Path, columns: Mapping[str, str], count: int, axes: Sequence[str]
+) -> dict[str, Array]:
+    """Return the columns in a file."""
+    if path.suffix == ".zarr":
+        return _columns_of_zarr(path, columns, count, axes)
+    if path.suffix == ".npz":
+        with np.load(path, allow_pickle=False) as file:
+            return {name: read_only(file[name]) for name in columns}
     reads: dict[str, Callable[[str], Scalar]] = {
         "f": float,
         "i": int,
         "U": str,
         "b": lambda word: word == "True",
     }
-    kinds = [reads[kind] for kind in columns.values()]
-    lines = [line.split(",") for line in text.splitlines()[1:] if not line.startswith("#")]
-    rows = [[read(cell) for read, cell in zip(kinds, line, strict=True)] for line in lines]
-    return [dict(zip(columns, row, strict=True)) for row in rows]
+    kinds = {name: reads[kind] for name, kind in columns.items()}
+    filled = Columns(count)
+    with path.open(encoding="utf-8", newline="") as file:
+        next(file)
+        for index, line in zip(range(count), file, strict=False):
+            cells = zip(kinds.items(), line.rstrip("\n").split(","), strict=True)
+            filled.put(index, {name: read(cell) for (name, read), cell in cells})
+        for line in file:
+            if not line.startswith("#"):
+                raise ValueError("more rows than were written.")
+    if not filled.filled.all():
+        raise ValueError("fewer rows than were written.")
+    return filled.arrays()
 
 
-def _rows_of_zarr(path: Path, columns: Iterable[str]) -> list[dict[str, Scalar]]:
-    xarray = optional_package("xarray")
-    with xarray.open_zarr(path) as data:
-        lists = [each.values.ravel().tolist() for each in xarray.broadcast(*map(data.get, columns))]
-    return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
+def _columns_of_zarr(
+    path: Path, columns: Iterable[str], count: int, axes: Sequence[str]
+) -> dict[str, Array]:
+    with optional_package("xarray").open_zarr(path) as data:
+        shape = tuple(data.sizes[name] for name in axes) or (count,)
+        found = {}
+        for name in columns:
+            values = data[name].values
+            if name in axes:
+                place = [-1 if other == name else 1 for other in axes]
+                values = np.broadcast_to(values.reshape(place), shape)
+            values = values.reshape(count, *values.shape[len(shape) :])
+            found[name] = read_only(values.astype(str) if values.dtype.kind == "O" else values)
+    return found
 
 
 def record_path(path: Path) -> Path:
@@ -303,45 +311,74 @@ def record_path(path: Path) -> Path:
     return path.with_name(path.name + ".json")
 
 
-def table_of(
-    rows: Sequence[Mapping[str, Scalar]],
-    metadata: Metadata | None = None,
-    seconds: float = 0.0,
-    resumed: int = 0,
-    axes: tuple[str, ...] = (),
-) -> Table:
+def table_of(rows: Sequence[Mapping[str, object]], dims: Dims | None = None) -> Table:
     """Put rows of the same names into a table.
+
+    Parameters
+    ----------
+    rows : sequence of mappings
+        Names to truth values, numbers, words, or arrays of one shape a name.
+    dims : mapping of str to tuple of str, optional
+        See `named_dims`.
 
     Raises
     ------
-    ValueError
-        If rows differ in their names, or a name or word would be misread in CSV.
+    ParameterError
+        If rows differ in their names or shapes, or a name or word would be misread in CSV.
     """
-    names = list(rows[0]) if rows else []
-    for row in rows:
-        if list(row) != names:
-            raise ValueError(f"a row has the columns {list(row)} and another one {names}.")
-    columns = {}
-    for name in names:
-        if not name.isidentifier():
-            raise ValueError(f"the column name {name!r} must be letters, digits and underscores.")
-        column = _column(name, [row[name] for row in rows])
-        column.flags.writeable = False
-        columns[name] = column
-    return Table(arrays=columns, metadata=metadata, seconds=seconds, resumed=resumed, axes=axes)
+    columns = Columns(len(rows))
+    for index, row in enumerate(rows):
+        columns.put(index, {name: cell_of(value) for name, value in row.items()})
+    return Table(arrays=columns.arrays(), dims=named_dims(columns.shapes, dims or {}))
 
 
-def _column(name: str, cells: list[Scalar]) -> npt.NDArray[Any]:
-    words = [cell for cell in cells if isinstance(cell, str)]
-    if words:
-        for word in words:
-            if not word or word != word.strip() or any(sign in word for sign in FORBIDDEN):
-                raise ValueError(f"the word {word!r} in column {name} would be misread in CSV.")
-        if len(words) < len(cells):
-            raise ValueError(f"the column {name} has numbers beside words.")
-        return np.array(cells, dtype=str)
-    if all(isinstance(cell, bool) for cell in cells):
-        return np.array(cells, dtype=np.bool_)
-    if all(isinstance(cell, int) and not isinstance(cell, bool) for cell in cells):
-        return np.array(cells, dtype=np.int64)
-    return np.array([float(cell) for cell in cells])
+def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -> Dims:
+    """Return the dimensions of columns whose cells are arrays.
+
+    Parameters
+    ----------
+    shapes : mapping of str to tuple of int
+        Shape of a cell, by column.
+    dims : mapping of str to str or sequence of str
+        Names of the dimensions, by column; by default those of ``profile`` are ``profile_0``,
+        ``profile_1`` …. Columns that share a name have the same number of entries there.
+
+    Raises
+    ------
+    ParameterError
+        If names and dimensions do not fit.
+
+    Examples
+    --------
+    >>> named_dims({"c": (), "profile": (7,), "pair": (2,)}, {"profile": "site"})
+    {'profile': ('site',), 'pair': ('pair_0',)}
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    sizes: dict[str, int] = {}
+    for name in dims:
+        if not shapes.get(name):
+            raise ParameterError(
+                "dims", name, "of results that are arrays", "leave it out, or mend the name"
+            )
+    for name, shape in shapes.items():
+        if not shape:
+            continue
+        given = dims.get(name, tuple(f"{name}_{i}" for i in range(len(shape))))
+        names = (given,) if isinstance(given, str) else tuple(map(str, given))
+        if len(set(names)) != len(shape) or len(names) != len(shape):
+            raise ParameterError(
+                f"dims of {name}", names, f"{len(shape)} different names", "name each dimension"
+            )
+        for each, size in zip(names, shape, strict=True):
+            if not each.isidentifier() or each in shapes or each == "row":
+                raise ParameterError(
+                    f"dims of {name}", each, "letters, digits and underscores, and no column",
+                    "rename the dimension",
+                )  # fmt: skip
+            if sizes.setdefault(each, size) != size:
+                raise ParameterError(
+                    f"dimension {each}", f"{size} and {sizes[each]} entries", "of one length",
+                    "give each length a name of its own",
+                )  # fmt: skip
+        found[name] = names
+    return found

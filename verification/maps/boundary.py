@@ -13,8 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from theory.parameters import within
+from verification.execution.columns import Scalar
+from verification.execution.points import Point
 from verification.execution.sweep import Task
-from verification.execution.table import Point, Scalar, Table
+from verification.execution.table import Table
 
 NOTHING = "nothing"
 """What lies between the two labels where they meet."""
@@ -180,8 +182,8 @@ def boundary_lines(table: Table, axes: Sequence[str], label: str = "label") -> t
 
     Examples
     --------
+    >>> from verification.execution.points import grid
     >>> from verification.execution.sweep import sweep
-    >>> from verification.execution.table import grid
     >>> disc = lambda p: {"label": "in" if p["x"] ** 2 + p["y"] ** 2 < 2.5 else "out"}
     >>> table = sweep(disc, grid(x=[0.0, 1.0, 2.0], y=[0.0, 1.0]), workers=1)
     >>> lines = boundary_lines(table, ["x", "y"])
@@ -191,29 +193,32 @@ def boundary_lines(table: Table, axes: Sequence[str], label: str = "label") -> t
     >>> [round(at, 5) for at in edge["at"].tolist()]
     [1.58114, 1.22474]
     """
-    ticks = [np.unique(table[name]) for name in axes]
-    labels = {
-        tuple(place): word
-        for *place, word in zip(*(table[name].tolist() for name in (*axes, label)), strict=True)
-    }
+    found = [np.unique(table[name], return_inverse=True) for name in axes]
+    ticks = [values.tolist() for values, _ in found]
+    rows = np.full([len(values) for values in ticks], -1)
+    rows[tuple(inverse for _, inverse in found)] = np.arange(len(table))
+    if (rows < 0).any():
+        missing = np.argwhere(rows < 0)[0].tolist()
+        here = tuple(values[i] for values, i in zip(ticks, missing, strict=True))
+        raise ValueError(f"the point {here} of the grid is not in the table.")
+    words, numbers = np.unique(table[label], return_inverse=True)
+    labels = numbers[rows]
+    changes = [
+        (*place, -number)  # in this order: along the last axis first
+        for number in range(len(axes))
+        for place in np.argwhere(np.diff(labels, axis=number)).tolist()
+    ]
     lines = []
-    for index in np.ndindex(*(tick.size for tick in ticks)):
-        here = tuple(tick[i].item() for tick, i in zip(ticks, index, strict=True))
-        if here not in labels:
-            raise ValueError(f"the point {here} of the grid is not in the table.")
-        for number in reversed(range(len(axes))):
-            if index[number] + 1 == ticks[number].size:
-                continue
-            until = ticks[number][index[number] + 1].item()
-            there = (*here[:number], until, *here[number + 1 :])
-            if labels.get(there, labels[here]) != labels[here]:
-                lines.append(
-                    Point(
-                        dict(zip(axes, here, strict=True)),
-                        along=axes[number],
-                        until=until,
-                        label_low=labels[here],
-                        label_high=labels[there],
-                    )
-                )
+    for *place, number in sorted(changes):
+        along, next_place = -number, list(place)
+        next_place[along] += 1
+        lines.append(
+            Point(
+                {name: values[i] for name, values, i in zip(axes, ticks, place, strict=True)},
+                along=axes[along],
+                until=ticks[along][next_place[along]],
+                label_low=words[labels[tuple(place)]],
+                label_high=words[labels[tuple(next_place)]],
+            )
+        )
     return tuple(lines)

@@ -141,5 +141,6 @@ def find_friction_state(
         above=active,
         reached=int(np.count_nonzero(ever)),
         steps=run.counts["steps"],
+        amplitude=run.amplitude,
         seconds=perf_counter() - begin,
     )

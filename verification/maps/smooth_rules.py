@@ -137,6 +137,7 @@ def find_smooth_state(
         above=int(np.count_nonzero(windows[-1].high > level)) if windows else 0,
         reached=int(np.count_nonzero(ever)),
         steps=steps,
+        amplitude=np.hypot(*state),
         seconds=perf_counter() - begin,
     )
 

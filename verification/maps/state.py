@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
 
 from theory.result import Result
 from theory.status import Status
@@ -48,6 +51,9 @@ class FoundState(Result):
         Sites that were reached at some time, where that is counted.
     steps : int
         Steps taken.
+    amplitude : float array, shape (N,)
+        Of every site at the end: √(y² + w²), |φ| of (43); of (5) half of the last maximum of y
+        minus the last minimum.
     seconds : float
         Run time.
     """
@@ -58,4 +64,5 @@ class FoundState(Result):
     above: int
     reached: int | None = None
     steps: int
+    amplitude: npt.NDArray[np.float64] = field(metadata={"json": None}, compare=False)
     seconds: float

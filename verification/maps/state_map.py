@@ -30,10 +30,12 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, need_instance, within
 from theory.result import Result
+from verification.execution.columns import Cell, Scalar
+from verification.execution.points import Grid, Point
 from verification.execution.pool import worker_count, worker_pool
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import Task, sweep
-from verification.execution.table import Point, Scalar, Table, grid
+from verification.execution.table import Table
 from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F401  (register)
 from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.rules import rules_of
@@ -72,6 +74,8 @@ class StateTask:
         Size of the perturbation of the second start, relative to the disturbance; 0 for none.
     seed : int or None
         Of the perturbation; None for that of the rules.
+    amplitudes : bool
+        Whether the amplitude of every site at the end is a result too, an array.
 
     Raises
     ------
@@ -97,6 +101,7 @@ class StateTask:
     tolerance: float = 1e-8
     perturbation: float = 1e-6
     seed: int | None = None
+    amplitudes: bool = False
 
     def __post_init__(self) -> None:
         rules = rules_of(self.chain)
@@ -121,8 +126,8 @@ class StateTask:
         return None if self.nucleus is None else self.nucleus.excited(sites)
 
     def alone(self) -> StateTask:
-        """Return the same task without the second, perturbed run, as bisection uses it."""
-        return replace(self, perturbation=0.0)
+        """Return the same task for the state alone, of one run, as bisection uses it."""
+        return replace(self, perturbation=0.0, amplitudes=False)
 
     def average(self) -> StateTask | None:
         """Return the task for the averaged chain, without the perturbed run; None without one."""
@@ -149,8 +154,8 @@ class StateTask:
             return chain.replace(b=eta * chain.a**2)  # type: ignore[attr-defined]
         return chain.replace(a=math.sqrt(chain.b / eta))  # type: ignore[attr-defined]
 
-    def __call__(self, point: Point) -> dict[str, Scalar]:
-        """Return state, reason, time, active sites, sites reached, and steps."""
+    def __call__(self, point: Point) -> dict[str, Cell]:
+        """Return state, reason, time, active sites, sites reached, steps, perhaps amplitudes."""
         chain, rules = self.at(point), rules_of(self.chain)
         options = {"displacement": self.displacement, "point": self.point}
         starts = [rules.start(chain, self.excited(), **options)]
@@ -167,7 +172,7 @@ class StateTask:
         if len(states) > 1:
             reason = Reason.PERTURBATION
         decided = reason is Reason.DECIDED
-        row: dict[str, Scalar] = {
+        row: dict[str, Cell] = {
             "label": str(found[0].state if decided else State.UNDECIDED),
             "why": str(reason),
             "time": max(each.time for each in found),
@@ -175,10 +180,13 @@ class StateTask:
         }
         if found[0].reached is not None:
             row["reached"] = found[0].reached
-        return row | {"steps": sum(each.steps for each in found)}
+        row["steps"] = sum(each.steps for each in found)
+        if self.amplitudes:
+            row["amplitude"] = found[0].amplitude
+        return row
 
 
-def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> tuple[Point, ...]:
+def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
     """Return the points of a map, the first axis slowest, each checked before any is run.
 
     Raises
@@ -193,7 +201,7 @@ def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> tuple[
     >>> state_points(task, {"eta": [0.1], "c": [0.2, 0.3]})[1]
     Point(eta=0.1, c=0.3)
     """
-    points = grid(**{name: [float(value) for value in each] for name, each in axes.items()})
+    points = Grid({name: [float(value) for value in each] for name, each in axes.items()})
     for point in points:
         task.at(point)
     return points
@@ -265,7 +273,8 @@ class StateMap(Result):
         Names of the coordinates, the first one slowest.
     states : Table
         A row a point: the coordinates, ``label`` (a `State`), ``why`` (a `Reason`), ``time``,
-        ``above``, where it is counted ``reached``, ``steps``.
+        ``above``, where it is counted ``reached``, ``steps``, where it is asked for ``amplitude``,
+        an array over ``site``.
     boundary : Table or None
         A row for each line between neighbours whose states differ; see
         ``verification.maps.boundary.Bisection``.
@@ -336,8 +345,8 @@ def state_map(
     executor : concurrent.futures.Executor, optional
         Used in place of own processes, and left open: that of a cluster, for instance.
     out : Path, optional
-        CSV file or zarr store for the map (`sweep`); the boundaries go beside it, see
-        `boundary_path`.
+        File for the map, as of `sweep`: zarr or npz where there are amplitudes; the boundaries go
+        beside it, see `boundary_path`.
     resume : bool, optional
         Go on from what an interrupted map left beside ``out``.
     progress : callable, optional
@@ -371,9 +380,11 @@ def state_map(
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
     points = state_points(task, axes)
-    values = {name: [float(value) for value in each] for name, each in axes.items()}
     with _pool(workers, len(points)) if executor is None else nullcontext(executor) as pool:
-        states = _swept(task, values, out=out, resume=resume, executor=pool, progress=progress)
+        dims = {"amplitude": "site"} if task.amplitudes else {}
+        states = _swept(
+            task, points, dims, out=out, resume=resume, executor=pool, progress=progress
+        )
         map_seconds = perf_counter() - begin
         boundary = None
         if refine > 0.0:
@@ -381,7 +392,7 @@ def state_map(
             edge = None if out is None else boundary_path(out)
             bisection = Bisection(task.alone(), refine, predictor=task.average())
             boundary = _swept(
-                bisection, lines, out=edge, resume=resume, executor=pool, progress=progress
+                bisection, lines, {}, out=edge, resume=resume, executor=pool, progress=progress
             )
     return StateMap(
         task=task,
@@ -412,7 +423,8 @@ def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor |
 
 def _swept(
     task: Task,
-    points: tuple[Point, ...] | Mapping[str, Sequence[float]],
+    points: Sequence[Point],
+    dims: Mapping[str, str],
     *,
     out: Path | None,
     resume: bool,
@@ -420,5 +432,12 @@ def _swept(
     progress: ProgressCallback | None,
 ) -> Table:
     return sweep(
-        task, points, out=out, resume=resume, workers=1, executor=executor, progress=progress
+        task,
+        points,
+        dims=dims,
+        out=out,
+        resume=resume,
+        workers=1,
+        executor=executor,
+        progress=progress,
     )

@@ -143,6 +143,7 @@ def find_vdp_state(
         time=run.time / scale,
         above=run.above,
         steps=run.steps,
+        amplitude=run.amplitude,
         seconds=perf_counter() - begin,
     )
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from theory.parameters import ParameterError, RunError
 from theory.piecewise.sums.result import PrecisionError
-from verification.execution.table import Point, Scalar
+from verification.execution.columns import Scalar
+from verification.execution.points import Point
 from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.quantity import (
     Computation,

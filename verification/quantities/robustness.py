@@ -12,9 +12,10 @@ import numpy as np
 
 from theory.parameters import count_within
 from theory.result import Result
+from verification.execution.points import Point
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
-from verification.execution.table import Point, Table
+from verification.execution.table import Table
 from verification.quantities.judging import BAD, Outcome, RobustnessTask
 from verification.quantities.quantity import Computation
 from verification.quantities.registry import chosen

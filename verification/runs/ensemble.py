@@ -15,9 +15,9 @@ from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, need_instance
 from theory.result import Result
+from verification.execution.points import Point
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
-from verification.execution.table import Point
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -89,12 +89,16 @@ class Rules:
 
 @dataclass(frozen=True, kw_only=True)
 class StateRun:
-    """How a run ended: its outcome, time, sites above the level at the last sample, and steps."""
+    """How a run ended: outcome, time, sites above the level at the last sample, steps, amplitudes.
+
+    ``amplitude`` is √(y² + w²) of every site at the end, shape (N,).
+    """
 
     outcome: Outcome
     time: float
     above: int
     steps: int
+    amplitude: FloatArray
 
 
 @njit(cache=True)
@@ -285,7 +289,9 @@ def run_to_state(
         memory=memory,
     )
     if at_rest_for_ever(np.ravel(run.state), rules.stiffness, rules.quiet):
-        return StateRun(outcome=Outcome.FIXED_POINT, time=0.0, above=0, steps=0)
+        return StateRun(
+            outcome=Outcome.FIXED_POINT, time=0.0, above=0, steps=0, amplitude=run.amplitude
+        )
     while not run.finished:
         run.advance(_BUDGET)
     outcome = Outcome(run.outcome)
@@ -296,4 +302,5 @@ def run_to_state(
         time=run.time * chain.kernel_rate,
         above=int(memory[_ABOVE]),
         steps=run.counts["steps"],
+        amplitude=run.amplitude,
     )

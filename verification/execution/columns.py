@@ -1,0 +1,271 @@
+"""Columns of a table: typed arrays that are filled row by row, in any order.
+
+A cell is a truth value, a number, a word, or an array of numbers, of one shape in the whole column.
+A column has the narrowest type that holds all its cells, whatever their order: truth values,
+integers, or floats. While it is filled, a column of words keeps each of them once.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError
+
+Scalar: TypeAlias = bool | int | float | str
+"""A coordinate of a point, or a cell of CSV."""
+Array: TypeAlias = npt.NDArray[Any]
+Cell: TypeAlias = Scalar | Array
+"""What a table may hold in one place."""
+
+FORBIDDEN = ',"#\r\n'
+"""Characters that some reader of CSV would take for something else."""
+
+_TYPES: dict[str, Any] = {"b": np.bool_, "i": np.int64, "f": np.float64, "U": np.int64}
+_KINDS = {bool: "b", int: "i", float: "f", str: "U"}
+
+
+def plain(value: object) -> Scalar:
+    """Return a Python scalar for a Python or numpy one.
+
+    Raises
+    ------
+    TypeError
+        If it is neither a truth value, a number nor a word.
+    """
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and not value.ndim):
+        value = value.item()
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, bool | int | float):
+        return value
+    raise TypeError(f"a cell of a table cannot hold {value!r}: give a number or a word.")
+
+
+def cell_of(value: object) -> Cell:
+    """Return a value as a cell: a scalar as `plain` does, a sequence as an array.
+
+    Raises
+    ------
+    TypeError
+        If it is no scalar, and no array of real numbers with at least one entry.
+
+    Examples
+    --------
+    >>> cell_of(np.float32(0.5)), cell_of((1, 2))
+    (0.5, array([1, 2]))
+    """
+    if type(value) in _KINDS:
+        return value  # type: ignore[return-value]
+    if not isinstance(value, list | tuple) and not getattr(value, "ndim", 0):
+        return plain(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of several lengths
+        array = np.array(None)
+    kind = "i" if array.dtype.kind == "u" else array.dtype.kind
+    if kind not in "bif" or not array.size:
+        raise TypeError(
+            "a cell of a table cannot hold such a sequence: give an array of real numbers, complex "
+            "ones as two arrays."
+        )
+    if array.dtype == np.uint64 and array.max() > np.iinfo(np.int64).max:
+        kind = "f"
+    return np.array(array, dtype=_TYPES[kind], order="C")
+
+
+def to_json(cell: Cell) -> Any:
+    """Return a cell as JSON has it, an array by its bytes.
+
+    Examples
+    --------
+    >>> from_json(to_json(np.array([0.1, 2.0])))
+    array([0.1, 2. ])
+    """
+    if not isinstance(cell, np.ndarray):
+        return cell
+    content = base64.b64encode(cell.astype(cell.dtype.newbyteorder("<")).tobytes()).decode()
+    return {"kind": cell.dtype.kind, "shape": list(cell.shape), "bytes": content}
+
+
+def from_json(stored: Any) -> Cell:
+    """Return the cell that `to_json` gave.
+
+    Raises
+    ------
+    TypeError, ValueError, KeyError
+        If it did not.
+    """
+    if not isinstance(stored, dict):
+        return plain(stored)
+    little = np.dtype(_TYPES[stored["kind"]]).newbyteorder("<")
+    array = np.frombuffer(base64.b64decode(stored["bytes"]), little).reshape(stored["shape"])
+    return cell_of(array)
+
+
+class Columns:
+    """A table of so many rows that is being filled.
+
+    Parameters
+    ----------
+    count : int
+        Rows.
+    flat : bool, optional
+        Refuse arrays, for which CSV has no place.
+
+    Attributes
+    ----------
+    filled : bool array, shape (count,)
+        The rows that are there.
+
+    Examples
+    --------
+    >>> columns = Columns(2)
+    >>> columns.put(1, {"c": 2.5, "label": "breather"})
+    >>> columns.put(0, {"c": 1, "label": "front"})
+    >>> columns.arrays()
+    {'c': array([1. , 2.5]), 'label': array(['front', 'breather'], dtype='<U8')}
+    """
+
+    def __init__(self, count: int, *, flat: bool = False) -> None:
+        self.filled = np.zeros(count, dtype=np.bool_)
+        self._flat = flat
+        self._columns: dict[str, _Column] = {}
+
+    @property
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shape of one cell of each column; () of a scalar."""
+        return {name: column.shape for name, column in self._columns.items()}
+
+    def put(self, index: int, row: Mapping[str, Cell]) -> None:
+        """Fill a row.
+
+        Raises
+        ------
+        ParameterError
+            If it does not fit the rows that are there, or a name or word would be misread in CSV.
+        """
+        if not self._columns:
+            self._columns = {
+                name: _Column(name, self.filled.size, cell, self._flat)
+                for name, cell in row.items()
+            }
+        elif row.keys() != self._columns.keys():
+            raise ParameterError(
+                "columns of a row", ", ".join(row), f"{', '.join(self._columns)}, as of others",
+                "return the same names at every point",
+            )  # fmt: skip
+        for name, column in self._columns.items():
+            column.put(index, row[name])
+        self.filled[index] = True
+
+    def arrays(self) -> dict[str, Array]:
+        """Return the columns by name, read-only."""
+        return {name: column.array() for name, column in self._columns.items()}
+
+
+def column_of(name: str, cells: Collection[Cell]) -> Array:
+    """Return one column, read-only; raises as `Columns.put` does.
+
+    Examples
+    --------
+    >>> column_of("c", [1, 2.5])
+    array([1. , 2.5])
+    """
+    column = None
+    for index, cell in enumerate(cells):
+        column = column or _Column(name, len(cells), cell, False)
+        column.put(index, cell)
+    return np.empty(0) if column is None else column.array()
+
+
+def read_only(array: Array) -> Array:
+    """Return the array, which can no longer be written to."""
+    array.flags.writeable = False
+    return array
+
+
+def python_rows(arrays: Mapping[str, Array], chunk: int = 1024) -> Iterator[tuple[Any, ...]]:
+    """Yield the rows of columns as Python scalars and lists, a chunk of them at a time in memory.
+
+    Examples
+    --------
+    >>> list(python_rows({"c": np.array([1.0, 2.5]), "odd": np.array([True, False])}))
+    [(1.0, True), (2.5, False)]
+    """
+    count = min((len(column) for column in arrays.values()), default=0)
+    for begin in range(0, count, chunk):
+        lists = [column[begin : begin + chunk].tolist() for column in arrays.values()]
+        yield from zip(*lists, strict=True)
+
+
+class _Column:
+    """One column that is being filled; words are numbered in the order in which they come."""
+
+    def __init__(self, name: str, count: int, first: Cell, flat: bool) -> None:
+        if not name.isidentifier():
+            raise ParameterError(
+                "column name", repr(name), "letters, digits and underscores", "rename the result"
+            )
+        self.name, self.shape, self._kind = name, np.shape(first), _kind(first)
+        if self.shape and flat:
+            raise ParameterError(
+                f"column {name}", f"an array of shape {self.shape}",
+                "one number or word a point where the table is CSV",
+                "name a file ending in .zarr or .npz",
+            )  # fmt: skip
+        self._values = np.zeros((count, *self.shape), dtype=_TYPES[self._kind])
+        self._words: dict[str, int] = {}
+
+    def put(self, index: int, cell: Cell) -> None:
+        kind = _kind(cell)
+        if kind != self._kind:
+            self._widen(kind)
+        if isinstance(cell, str):
+            if cell not in self._words:
+                self._check(cell)
+            self._values[index] = self._words.setdefault(cell, len(self._words))
+            return
+        if (self.shape or isinstance(cell, np.ndarray)) and np.shape(cell) != self.shape:
+            raise ParameterError(
+                f"shape of {self.name}", np.shape(cell), f"{self.shape}, as at other points",
+                "fill the shorter arrays up, or store what has one shape",
+            )  # fmt: skip
+        try:
+            self._values[index] = cell
+        except OverflowError:
+            raise ParameterError(
+                f"column {self.name}", cell, "a whole number of 64 bits", "give a float"
+            ) from None
+
+    def array(self) -> Array:
+        if self._kind != "U":
+            return read_only(self._values)
+        words = np.array(list(self._words), dtype=str)
+        return read_only(words[self._values])
+
+    def _widen(self, kind: str) -> None:
+        if "U" in (kind, self._kind):
+            raise ParameterError(
+                f"column {self.name}", "numbers beside words", "of one kind",
+                "return numbers everywhere, or words",
+            )  # fmt: skip
+        if self._kind != "f":
+            self._kind, self._values = "f", self._values.astype(np.float64)
+
+    def _check(self, word: str) -> None:
+        if not word or word != word.strip() or any(sign in word for sign in FORBIDDEN):
+            raise ParameterError(
+                f"word in column {self.name}", repr(word),
+                "one that no reader of CSV misread: without commas, quotes, #, ends of lines, or "
+                "blanks at its ends",
+                "replace them",
+            )  # fmt: skip
+
+
+def _kind(cell: Cell) -> str:
+    return cell.dtype.kind if isinstance(cell, np.ndarray) else _KINDS[type(cell)]

@@ -1,0 +1,152 @@
+"""Points of a sweep: coordinates by name, one point or every combination on some axes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, overload
+
+import numpy as np
+
+from theory.parameters import ParameterError
+from verification.execution.columns import Array, Scalar, column_of, plain, read_only
+
+
+class Point(Mapping[str, Scalar]):
+    """A frozen, hashable, picklable mapping of names to numbers (or words).
+
+    Examples
+    --------
+    >>> point = Point(eta=0.03, c=0.6)
+    >>> point["c"], dict(point), point == Point(eta=0.03, c=0.6)
+    (0.6, {'eta': 0.03, 'c': 0.6}, True)
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, Scalar] | None = None, /, **values: Scalar) -> None:
+        merged = {**(items or {}), **values}
+        self._items = {name: plain(value) for name, value in merged.items()}
+
+    def __getitem__(self, name: str) -> Scalar:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self._items.items()))
+
+    def __reduce__(self) -> tuple[type[Point], tuple[dict[str, Scalar]]]:
+        return Point, (dict(self._items),)
+
+    def __repr__(self) -> str:
+        return f"Point({', '.join(f'{name}={value!r}' for name, value in self._items.items())})"
+
+    def number(self, name: str) -> float:
+        """Return a coordinate as a float."""
+        return float(self._items[name])
+
+
+class Grid(Sequence[Point]):
+    """Every combination of the values on some axes, the last one fastest; each made when asked for.
+
+    Attributes
+    ----------
+    axes : dict of str to list
+        Values by name.
+    """
+
+    def __init__(self, axes: Mapping[str, Iterable[Scalar]]) -> None:
+        self.axes = {name: [plain(value) for value in values] for name, values in axes.items()}
+        self._shape = tuple(len(values) for values in self.axes.values())
+
+    def __len__(self) -> int:
+        return math.prod(self._shape)
+
+    @overload
+    def __getitem__(self, index: int) -> Point: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Point, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Point | tuple[Point, ...]:
+        if isinstance(index, slice):
+            return tuple(self[i] for i in range(*index.indices(len(self))))
+        left = range(len(self))[index]  # IndexError beyond the last
+        point = {}
+        for name, values in reversed(self.axes.items()):
+            left, place = divmod(left, len(values))
+            point[name] = values[place]
+        return Point({name: point[name] for name in self.axes})
+
+    @property
+    def distinct_axes(self) -> tuple[str, ...]:
+        """Names of the axes; none where a value is twice on one."""
+        distinct = all(len(set(values)) == len(values) for values in self.axes.values())
+        return tuple(self.axes) if distinct else ()
+
+    def columns(self) -> dict[str, Array]:
+        """Return the coordinates of all points by name."""
+        places = np.indices(self._shape, sparse=True)
+        return {
+            name: read_only(np.broadcast_to(column_of(name, values)[at], self._shape).ravel())
+            for (name, values), at in zip(self.axes.items(), places, strict=True)
+        }
+
+
+def grid(**axes: Iterable[Scalar]) -> Grid:
+    """Return every combination of some coordinates, the last one fastest.
+
+    Examples
+    --------
+    >>> grid(eta=[0.1, 0.2], c=[1, 2])[1]
+    Point(eta=0.1, c=2)
+    """
+    return Grid(axes)
+
+
+def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> Sequence[Point]:
+    """Return points, given one by one or as the values on each axis.
+
+    Raises
+    ------
+    ParameterError
+        If they differ in their names.
+    """
+    if isinstance(points, Grid):
+        return points
+    if isinstance(points, Mapping) and not isinstance(points, Point):
+        axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
+        return Grid(axes) if axes else ()
+    given: Any = (points,) if isinstance(points, Point) else points
+    found = tuple(point if isinstance(point, Point) else Point(point) for point in given)
+    for point in found:
+        if list(point) != list(found[0]):
+            raise ParameterError(
+                "points", f"{point} beside {found[0]}", "all of the same names", "name them alike"
+            )
+    return found
+
+
+def coordinates(points: Sequence[Point]) -> dict[str, Array]:
+    """Return the coordinates of all points by name; no column where there is no point."""
+    if isinstance(points, Grid):
+        return points.columns() if len(points) else {}
+    names = list(points[0]) if points else []
+    return {name: column_of(name, [point[name] for point in points]) for name in names}
+
+
+def digest_of_points(points: Iterable[Point]) -> str:
+    """Return the digest of the list of all points, each a list of names and values."""
+    total = hashlib.sha256()
+    total.update(b"[")
+    for number, point in enumerate(points):
+        total.update((", " if number else "").encode())
+        total.update(json.dumps([list(item) for item in point.items()]).encode())
+    total.update(b"]")
+    return total.hexdigest()

@@ -8,6 +8,7 @@ means (Linux), else as soon as it returns to Python.
 from __future__ import annotations
 
 import ctypes
+import itertools
 import multiprocessing
 import os
 import pickle
@@ -15,10 +16,13 @@ import re
 import signal
 import sys
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
+from dataclasses import dataclass
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -32,9 +36,13 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 MAX_WORKERS = 1024
-MAX_PENDING = MAX_WORKERS
-"""Items handed over and not yet answered: one for each worker of the largest pool. A dask scheduler
-keeps 14 kB of each, so memory must not grow with all of them."""
+BATCH_SECONDS = 0.02
+"""Short items are handed over several at a time, so many as take about this long: 0.2 ms of the
+pool's own work for each time would be a quarter of a point of the averaged chain."""
+MAX_BATCH = 16
+MAX_PENDING = 256 * MAX_BATCH
+"""Items handed over and not yet answered, in at most 256 batches. A dask scheduler keeps 14 kB of a
+batch, so memory must not grow with all of them."""
 CLUSTER_TIMEOUT = 5.0
 """Seconds in which a scheduler must answer, and then have a worker."""
 
@@ -158,7 +166,9 @@ def answers(
     """Compute a function of every item; yield what comes as it comes.
 
     An item whose computation raises does not stop the others, nor does one that kills its worker:
-    the items that are left then run again, each in a process of its own.
+    the others go on in a new pool, and the items that were handed over run again, one at a time.
+    Items that take less than `BATCH_SECONDS` are handed over in batches; where one of a batch
+    raises, each of it is computed again by itself.
 
     Parameters
     ----------
@@ -204,18 +214,32 @@ def answers(
     if executor is None and count <= 1:
         yield from _here(function, items, chosen, begun)
         return
+    left = map(int, chosen)
+    if executor is not None:
+        yield from _side_by_side(function, items, left, executor, begun)
+        yield from ((index, WorkerDiedError()) for index in left)  # of an executor that broke
+        return
     died: list[int] = []
-    with worker_pool(count) if executor is None else nullcontext(executor) as pool:
-        for index, answer in _side_by_side(function, items, chosen, pool, begun):
-            if isinstance(answer, WorkerDiedError) and executor is None:
-                died.append(index)
-            else:
-                yield index, answer
-    # One dead worker takes the whole pool with it. Only the item that kills its own process again
-    # is at fault.
-    for index in sorted(died):
+    broken = True
+    while broken:
+        broken = False
+        with worker_pool(count) as pool:
+            for index, answer in _side_by_side(function, items, left, pool, begun):
+                if isinstance(answer, WorkerDiedError):
+                    broken = True
+                    died.append(index)
+                else:
+                    yield index, answer
+    # One dead worker takes the whole pool with it, and what was handed over. Only the item that
+    # kills a process in which it is alone is at fault.
+    again = iter(sorted(died))
+    for index in again:
         with worker_pool(1) as pool:
-            yield from _side_by_side(function, items, [index], pool, None)
+            for each in itertools.chain((index,), again):
+                answer = _answer_of(pool.submit(function, items[each]))
+                yield each, answer
+                if isinstance(answer, WorkerDiedError):
+                    break
 
 
 def _here(
@@ -237,36 +261,88 @@ def _here(
 def _side_by_side(
     function: Callable[[Item], Answer],
     items: Sequence[Item],
-    chosen: Iterable[int],
+    chosen: Iterator[int],
     pool: Executor,
     begun: Callable[[int], None] | None,
 ) -> Iterator[tuple[int, Answer | Exception]]:
-    """Yield answers as they come, with at most `MAX_PENDING` items handed over and not answered."""
-    futures: dict[Future[Answer], int] = {}
+    """Yield answers as they come, with at most `MAX_PENDING` items handed over and not answered.
+
+    Where the pool breaks, what was handed over is answered by `WorkerDiedError`, and no more is
+    taken from ``chosen``.
+    """
+    futures: dict[Future[Any], list[int]] = {}
     # Each future puts itself here when it is done: asking all of them costs more than an answer.
-    done: SimpleQueue[Future[Answer]] = SimpleQueue()
-    left = map(int, chosen)
+    done: SimpleQueue[Future[Any]] = SimpleQueue()
+    alone: deque[int] = deque()
+    size, broken = 1, False
+
+    def hand_over(batch: list[int]) -> None:
+        future = pool.submit(_Batch(function), [items[index] for index in batch])
+        futures[future] = batch
+        future.add_done_callback(done.put)
+
+    def batches() -> Iterator[list[int]]:
+        """Yield what to hand over next, while that may be."""
+        while len(futures) < max(MAX_PENDING // MAX_BATCH, 1):
+            again = [alone.popleft()] if alone else []
+            fresh = [] if again else list(itertools.islice(chosen, min(size, MAX_PENDING)))
+            for index in fresh if begun is not None else ():
+                begun(index)  # type: ignore[misc]
+            if not (again or fresh):
+                return
+            yield again or fresh
+
     try:
         while True:
-            for index in left:
-                if begun is not None:
-                    begun(index)
+            for batch in () if broken else batches():
                 try:
-                    future = pool.submit(function, items[index])
+                    hand_over(batch)
                 except BrokenProcessPool:
-                    yield index, WorkerDiedError()
-                    continue
-                futures[future] = index
-                future.add_done_callback(done.put)
-                if len(futures) >= MAX_PENDING:
+                    broken = True
+                    alone.extend(batch)
                     break
             if not futures:
+                yield from ((index, WorkerDiedError()) for index in alone)
                 return
             finished = done.get()
-            yield futures.pop(finished), _answer_of(finished)
+            batch, answer = futures.pop(finished), _answer_of(finished)
+            if isinstance(answer, WorkerDiedError):
+                broken = True
+                alone.extend(batch)
+            elif not isinstance(answer, Exception):
+                found, seconds = answer
+                size = _batch_size(seconds / len(batch))
+                yield from zip(batch, found, strict=True)
+            elif len(batch) == 1:
+                yield batch[0], answer
+            else:
+                alone.extend(batch)  # which of them raised?
     finally:
         for future in futures:
             future.cancel()
+
+
+@dataclass(frozen=True)
+class _Batch:
+    """The function, of several items; with the seconds that they took."""
+
+    function: Callable[[Any], Any]
+
+    def __call__(self, items: list[Any]) -> tuple[list[Any], float]:
+        begin = time.perf_counter()
+        found = [self.function(item) for item in items]
+        return found, time.perf_counter() - begin
+
+
+def _batch_size(seconds: float) -> int:
+    """Return how many items to hand over at once where one takes so long.
+
+    Examples
+    --------
+    >>> _batch_size(0.0), _batch_size(0.004), _batch_size(1.0)
+    (16, 5, 1)
+    """
+    return int(min(max(BATCH_SECONDS / max(seconds, 1e-9), 1.0), MAX_BATCH))
 
 
 def _answer_of(future: Future[Any]) -> Any:

@@ -39,21 +39,6 @@ class Graph:
     steps: Mapping[str, Step]
     sources: Mapping[str, tuple[str, ...]]
 
-    def rests_on(self, key: str) -> frozenset[str]:
-        """Return the given steps (models, definitions, ansätze) that a step hangs on."""
-        found: set[str] = set()
-        seen: set[str] = set()
-        waiting = [key]
-        while waiting:
-            here = waiting.pop()
-            if here in seen:
-                continue
-            seen.add(here)
-            if not self.sources[here]:
-                found.add(here)
-            waiting += self.sources[here]
-        return frozenset(found)
-
     def numbered(self) -> dict[str, tuple[str, ...]]:
         """Return for each numbered equation the numbered or given steps that it follows from."""
         return {key: tuple(sorted(self._visible(key), key=_order))

@@ -351,7 +351,8 @@ def stability(
     Returns
     -------
     Stability
-        Counts of what is right, refused, unchecked or wrong, by quantity, and each wrong point.
+        Counts by quantity of what is right, refused, undecided, unchecked or wrong, and each wrong
+        point.
 
     Raises
     ------

@@ -7,8 +7,6 @@ what says which problem they solve, not how: parameters and their checks, the mo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from paper_checks.claim import Method
 from verification.execution.imports import closure
 
@@ -48,11 +46,3 @@ def engines(method: Method) -> frozenset[str]:
         if path.name != "__init__.py"
         and not any(name == each or name.startswith(f"{each}.") for each in DEFINITIONS)
     )
-
-
-def shared_engines(methods: Sequence[Method]) -> frozenset[str]:
-    """Return the engines that two methods have in common; empty for a single method."""
-    if len(methods) < 2:
-        return frozenset()
-    first, second = (engines(method) for method in methods)
-    return first & second

@@ -14,7 +14,6 @@ from derivations.algebra.modulation import (
     by_averaging,
     by_multiple_scales,
     fundamental_shift,
-    same_polynomial,
 )
 from derivations.algebra.modulation import in_scales_amplitude as carried
 from derivations.averaging.periodic_orbit import harmonic, orbit
@@ -25,6 +24,11 @@ from tests.second_order_breather import breather
 from verification.references.equations import damping
 
 SYMBOLS = sp.symbols("p q c", positive=True)
+
+
+def same_polynomial(left, right):
+    """Whether two coefficients of rings with matching generators are the same polynomial."""
+    return dict(left.items()) == dict(right.items())
 
 
 def van_der_pol(coupled):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -10,10 +11,18 @@ import pytest
 
 from paper_checks.claim import Method
 from paper_checks.discover import find_entries
-from paper_checks.independence import engines, shared_engines
+from paper_checks.independence import engines
 
 CLAIMS = {entry.claim.key: entry.claim for entry in find_entries()}
 TWO = [key for key, claim in CLAIMS.items() if len(claim.methods) == 2]
+
+
+def shared_engines(methods: Sequence[Method]) -> frozenset[str]:
+    """Return the engines that two methods have in common; empty for a single method."""
+    if len(methods) < 2:
+        return frozenset()
+    first, second = (engines(method) for method in methods)
+    return first & second
 
 
 @pytest.mark.parametrize("key", TWO)

@@ -148,6 +148,73 @@ def _computation(compute: object, off: float = 0.0, seconds: float = 1.0) -> Com
     )
 
 
+def _root_two(noise: float, factor: float) -> Computation:
+    """Return √2 to about 1e-6, with ``factor`` times its true error as the error stated.
+
+    The reference knows √2 to the last bit, and says ``noise`` of itself.
+    """
+    value = 1.414214
+    true = value - math.sqrt(2.0)
+    return Computation(
+        name="made-up",
+        title="for this test",
+        axes=(Axis(name="x", low=1.0, high=2.0),),
+        compute=lambda at: StatedValue(value=value, error=factor * abs(true)),
+        check=lambda at, stated: ReferenceCheck(
+            distance=abs(true), uncertainty=noise * abs(true), method="square root"
+        ),
+        seconds=1.0,
+    )
+
+
+@pytest.mark.parametrize(
+    ("noise", "factor", "outcome"),
+    [
+        (0.0, 1.0, "right"),
+        (0.5, 1.0, "right"),
+        (0.51, 1.0, "undecided"),  # nearly as uncertain as what it is to judge
+        (1e6, 1.0, "undecided"),
+        (0.4, 0.5, "exceeded"),  # too uncertain to confirm, and yet it refutes
+        (0.6, 0.5, "undecided"),
+        (0.1, 0.0, "exceeded"),
+        (1.0, 0.0, "undecided"),
+        (math.nan, 1.0, "exceeded"),
+    ],
+)
+def test_a_reference_confirms_only_what_is_above_its_own_uncertainty(
+    noise: float, factor: float, outcome: str
+) -> None:
+    assert judge(_root_two(noise, factor), {"x": 1.0})["outcome"] == outcome
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.45, 0.5])
+def test_an_error_understated_by_a_factor_of_two_is_never_confirmed(share: float) -> None:
+    """Whatever the reference's own error within its uncertainty: that is what the rule is for."""
+    for understated in (2.001, 2.5, 10.0):
+        stated = 1.0 / understated
+        for own in np.linspace(-1.0, 1.0, 41):
+            uncertainty = share * stated
+            check = ReferenceCheck(
+                distance=abs(1.0 + own * uncertainty), uncertainty=uncertainty, method="another"
+            )
+            assert judging.compared(stated, check) is Outcome.EXCEEDED
+
+
+def test_what_is_undecided_is_counted_and_shown_and_not_passed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = computation_named("c-pin")
+    made = replace(_root_two(0.9, 1.0), name=known.name, axes=known.axes)
+    monkeypatch.setattr(judging, "computation_named", lambda _: made)
+    line = ["stress", "--quantity", "c-pin", "--points", "12", "--workers", "1"]
+    assert main([*line, "--json"]) == 0
+    counts = json.loads(capsys.readouterr().out)["counts"]
+    assert (counts["undecided"], counts["right"]) == (12, 0)
+    assert main(line) == 0
+    head, row, _ = capsys.readouterr().out.splitlines()[:3]
+    assert row.split()[head.split().index("undecided")] == "12"
+
+
 def _raising(error: Exception) -> object:
     def compute(at: Mapping[str, float]) -> StatedValue:
         raise error
@@ -207,7 +274,7 @@ def test_an_understated_error_is_seen_in_every_quick_computation(
 
         wrong = replace(quantity, compute=moved)
         found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(16)]
-        claimed = [word for word in found if word not in ("refused", "unchecked")]
+        claimed = [word for word in found if word not in ("refused", "unchecked", "undecided")]
         right = claimed.count(Outcome.RIGHT.value)
         # zero is right where nothing is claimed: c_pin that does not exist
         assert claimed.count(Outcome.EXCEEDED.value) > right / 2, (name, found)
@@ -223,7 +290,8 @@ def test_points_are_the_same_again_and_others_with_another_seed() -> None:
 
 
 def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
-    assert {*BAD, Outcome.RIGHT, Outcome.REFUSED, Outcome.UNCHECKED} == set(Outcome)
+    neither = {Outcome.REFUSED, Outcome.UNDECIDED, Outcome.UNCHECKED}
+    assert {*BAD, Outcome.RIGHT, *neither} == set(Outcome)
     assert not is_clear("two sentences.\nhere.")
     assert judging.CHECK_SECONDS > 0
 

@@ -18,7 +18,7 @@ from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 from theory.piecewise.sums.series import sum_by_roots
-from verification.quantities.problems import PROBLEMS, Problem, problems_tagged
+from verification.quantities.problems import PROBLEMS, Problem
 
 # Where a method is at its limits: roots that cross or touch a path of integration, the first
 # resonance of c = 100, and the corners of the (v, c) plane.
@@ -184,7 +184,11 @@ def test_both_half_planes_together_give_minus_two(v: float, c: float) -> None:
     assert abs(quick + 2) < 1e-11  # double precision, sums of at most a few hundred terms
 
 
-@pytest.mark.parametrize("problem", problems_tagged("ordinary"), ids=lambda problem: problem.name)
+@pytest.mark.parametrize(
+    "problem",
+    [problem for problem in PROBLEMS["sum"] if "ordinary" in problem.tags],
+    ids=lambda problem: problem.name,
+)
 def test_sixty_roots_are_enough_for_twelve_digits(problem: Problem) -> None:
     found = sum_by_roots(problem.v, problem.c, 12)
     assert found.terms <= 60

@@ -283,11 +283,6 @@ def in_scales_amplitude(
     return _phi_to_amplitude(ring, first), _phi_to_amplitude(ring, moved)
 
 
-def same_polynomial(left: Coefficient, right: Coefficient) -> bool:
-    """Whether two coefficients of rings with matching generators are the same polynomial."""
-    return bool(dict(left.items()) == dict(right.items()))
-
-
 def _mixed_derivative(
     ring: HarmonicRing, value: Any, back: dict[int, Any], forth: dict[int, Any]
 ) -> Any:

@@ -58,11 +58,6 @@ def as_object(number: int, latex: str) -> sp.Basic:
     return written_out(number, found, read(field.latex, notation_of(40)))
 
 
-def read_print(entry: Printed) -> sp.Basic:
-    """Return the printed equation, read from its LaTeX."""
-    return as_object(entry.number, entry.latex)
-
-
 def read_correction(entry: Printed) -> sp.Basic | None:
     """Return the corrected equation, read from its LaTeX; None where no token is on record."""
     corrected = entry.amended_latex

@@ -144,7 +144,7 @@ def _finite(value: Any) -> Any:
 
 
 def _text(found: Stability) -> str:
-    heads = ("right", "refused", "unchecked", "exceeded", "nan", "crash", "slow")
+    heads = tuple(found.counts)
     lines = [
         f"{'quantity':26}{'points':>7}"
         + "".join(f"{head:>10}" for head in heads)

@@ -114,7 +114,7 @@ def _growth(records: Mapping[str, Json], folder: Path) -> Section | None:
     )
 
 
-OUTCOMES = ("right", "refused", "unchecked", "exceeded", "nan", "crash", "slow")
+OUTCOMES = ("right", "refused", "undecided", "unchecked", "exceeded", "nan", "crash", "slow")
 
 
 def _tried_over(line: Json) -> tuple[str, str]:
@@ -132,7 +132,7 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
             line["quantity"],
             *_tried_over(line),
             str(line["points"]),
-            *(str(line["counts"][outcome]) for outcome in OUTCOMES),
+            *(str(line["counts"].get(outcome, "-")) for outcome in OUTCOMES),
             f"{line['slowest']:.2g} s",
         )
         for line in record["quantities"]
@@ -142,7 +142,7 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
         "",
         "",
         str(record["points"]),
-        *(str(record["counts"][one]) for one in OUTCOMES),
+        *(str(record["counts"].get(one, "-")) for one in OUTCOMES),
         "",
     )
     return Section(
@@ -150,8 +150,8 @@ def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
         "Stiff and extreme cases",
         warned(
             "Every quantity over all decades of its parameters, at the test problems, at the "
-            "corners and at random, each value held against another method. Unchecked: no other "
-            "method reaches there. "
+            "corners and at random, each value held against another method. Undecided: that one is "
+            "too uncertain to confirm the error stated. Unchecked: no other method reaches there. "
             "The last four kinds must be zero: a stated error exceeded, not a number, a crash, "
             "slower than its limit. Where a range ends before its parameter does, the reason is "
             "beside it.",

@@ -30,6 +30,15 @@ CHECK_SECONDS = 15.0
 """A reference is given up after so long, of the processor."""
 
 
+MAX_UNCERTAINTY = 0.5
+"""Of a reference that may confirm, over the stated error that it judges.
+
+With a true error t, a stated one e and a reference within u of the truth, the distance is at least
+t - u, and beyond e + u the error is exceeded. So an error that is understated by a factor of two,
+t > 2e, is sure to be seen where 2e - u ≥ e + u: u ≤ e/2. A reference that is less certain may still
+refute, but what it does not refute has not been confirmed."""
+
+
 class Outcome(StrEnum):
     """What became of one point."""
 
@@ -38,6 +47,9 @@ class Outcome(StrEnum):
 
     REFUSED = "refused"
     """One sentence says why and what to do."""
+
+    UNDECIDED = "undecided"
+    """Not refuted, but by a reference too uncertain to confirm; see `MAX_UNCERTAINTY`."""
 
     UNCHECKED = "unchecked"
     """A finite value with an error, and no other method to hold it against."""
@@ -112,9 +124,23 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"
         return _row(Outcome.CRASH, said, stated, seconds=seconds)
-    held = check.distance <= stated.error + check.uncertainty
-    outcome = Outcome.RIGHT if held else Outcome.EXCEEDED
-    return _row(outcome, stated.note, stated, check, seconds)
+    return _row(compared(stated.error, check), stated.note, stated, check, seconds)
+
+
+def compared(error: float, check: ReferenceCheck) -> Outcome:
+    """Return what a reference says of a stated error.
+
+    Examples
+    --------
+    >>> [
+    ...     str(compared(1.0, ReferenceCheck(distance=d, uncertainty=u, method="another")))
+    ...     for d, u in ((1.4, 0.5), (0.1, 0.6), (1.7, 0.6))
+    ... ]
+    ['right', 'undecided', 'exceeded']
+    """
+    if not check.distance <= error + check.uncertainty:
+        return Outcome.EXCEEDED
+    return Outcome.RIGHT if check.uncertainty <= MAX_UNCERTAINTY * error else Outcome.UNDECIDED
 
 
 def is_clear(message: str) -> bool:

@@ -170,11 +170,6 @@ PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
 """Test problems by family; a point of the stability table takes those parameters that it names."""
 
 
-def problems_tagged(tag: Tag, family: str = "sum") -> tuple[Problem, ...]:
-    """Return the problems of a family that carry a tag, in the table's order."""
-    return tuple(problem for problem in PROBLEMS[family] if tag in problem.tags)
-
-
 def problem_named(name: str, family: str = "sum") -> Problem:
     """Return the problem of that name; raise ``KeyError`` when there is none.
 

@@ -329,7 +329,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "Stale: sum; it does not say which code it depends on.",
         "sites, 10 to 100",
         " (faster ones take minutes)10",
-        "all107210000",
+        "all1062110000",
         "15 in place of 2000 roots: 133 times",
         "quad: gave up <here> (narrow: 1e-9)",
         "Measured 2026-01-02 03:04 UTC by fronts bench sum; made up <&>, 2 cores; numpy 2.0.",

@@ -251,12 +251,36 @@ def speed() -> str:
     return "\n".join(parts)
 
 
+def sweeps() -> str:
+    """Return the page of sweeps, with what the stored record of their benchmark says."""
+    import json
+
+    path = HERE.parent / "benchmarks" / "results" / "sweep.json"
+    record = json.loads(path.read_text(encoding="utf-8"))
+    cost, machine = record["sweep"], record["machine"]
+    rows = (
+        ("a point in the map, all processes", f"{cost['map_us']:.0f} µs of processor time"),
+        ("a point in a bare loop, nothing kept", f"{cost['loop_us']:.0f} µs"),
+        ("a point that returns at once, in the same sweep", f"{cost['own_us']:.0f} µs"),
+        ("growth of memory", f"{cost['growth']:.0f} bytes a point"),
+        ("rows other than those of the loop", f"{cost['different']}"),
+    )
+    return (
+        (HERE / "sweeps_head.md").read_text(encoding="utf-8")
+        + f"A map of {cost['points']} points of the averaged chain (43) of 16 sites on "
+        f"{cost['workers']} workers, into a file: `{record['command']}`, {record['date']}, "
+        f"{machine['system']}, {machine['processor']}, {machine['cores']} cores.\n\n"
+        "| | |\n|---|---|\n" + "".join(f"| {what} | {said} |\n" for what, said in rows)
+    )
+
+
 def write_all(app: Any) -> None:
     """Write every page."""
     write("equations.md", equations())
     write("steps.md", steps())
     write("verdicts.md", verdicts())
     write("speed.md", speed())
+    write("sweeps.md", sweeps())
     write("commands.md", commands_index())
     for name, text in commands().items():
         write(f"commands/{name}.md", text)

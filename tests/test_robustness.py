@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -17,7 +18,7 @@ from verification.quantities import judging
 from verification.quantities.judging import BAD, Outcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
 from verification.quantities.registry import computation_named
-from verification.quantities.robustness import stability
+from verification.quantities.robustness import points_of, stability
 
 QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
 POINTS = {
@@ -75,10 +76,6 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("run-friction", {**SLIDING, "c": 1.0}),
         ("run-friction", {**SLIDING, "xi": 1e-6, "sites": 1.0}),
         # steady sliding is unstable: roundings grow a thousandfold and more
-        (
-            "run-friction",
-            {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0},
-        ),
         ("run-friction", {**SLIDING, "v_d": 0.11, "v0": 2.9, "mu_st": 4.4, "displacement": 1e-5}),
         # a run at a hundred times the tolerance is right by accident
         (
@@ -105,8 +102,6 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
                 "tolerance": 1.0586491191425466e-06,
             },
         ),
-        # waves reach farther than a reference of thirty sites
-        ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 64.0}),
     ],
 )
 def test_costly_computations_are_right_at_single_points(
@@ -116,10 +111,34 @@ def test_costly_computations_are_right_at_single_points(
     assert found["outcome"] == Outcome.RIGHT.value, found
 
 
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        # steady sliding is unstable: roundings grow a thousandfold and more
+        (
+            "run-friction",
+            {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0},
+        ),
+        # waves reach farther than a reference of thirty sites
+        ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 64.0}),
+    ],
+)
+def test_what_a_costly_reference_cannot_confirm_it_does_not_refute(
+    name: str, values: Mapping[str, float]
+) -> None:
+    """Errors were exceeded here; scipy at 1e-12 is less certain than half of those stated."""
+    found = judge(computation_named(name), values)
+    assert found["outcome"] == Outcome.UNDECIDED.value, found
+    assert float(found["distance"]) < float(found["uncertainty"])
+
+
 def test_the_reference_of_a_running_front_knows_its_velocity() -> None:
-    """It once stepped another chain, and was uncertain by more than any velocity."""
+    """It once stepped another chain, and was uncertain by more than any velocity.
+
+    It is uncertain by more than half of the error that is stated, and so does not confirm it.
+    """
     found = judge(computation_named("front-vdp"), {"c": 0.6, "eta": 0.03125, "eps": 0.01})
-    assert found["outcome"] == Outcome.RIGHT.value, found
+    assert found["outcome"] == Outcome.UNDECIDED.value, found
     assert float(found["distance"]) < float(found["uncertainty"]) < 1e-3
 
 
@@ -278,6 +297,18 @@ def test_an_understated_error_is_seen_in_every_quick_computation(
         right = claimed.count(Outcome.RIGHT.value)
         # zero is right where nothing is claimed: c_pin that does not exist
         assert claimed.count(Outcome.EXCEEDED.value) > right / 2, (name, found)
+
+
+def test_the_points_of_each_quantity_are_spread_over_the_whole() -> None:
+    """So that a tenth of the points is a tenth of the work, and the time left can be estimated."""
+    found = points_of((), 1000)
+    total = Counter(str(point["quantity"]) for point in found)
+    for part in (0.1, 0.5, 0.9):
+        done = Counter(str(point["quantity"]) for point in found[: round(part * len(found))])
+        assert all(abs(done[name] - part * count) <= 1.5 for name, count in total.items())
+    for name, count in total.items():
+        numbers = [point["number"] for point in found if point["quantity"] == name]
+        assert numbers == list(range(count))
 
 
 def test_points_are_the_same_again_and_others_with_another_seed() -> None:

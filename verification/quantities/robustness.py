@@ -96,6 +96,9 @@ class Stability(Result):
 def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
     """Return points for the quantities named (all if none), divided by their shares.
 
+    Those of each quantity are spread evenly over the whole, so that the pace of the first tenth is
+    that of the others, and with it the estimate of the time left.
+
     Examples
     --------
     >>> len(points_of(["c-pin"], 40))
@@ -104,11 +107,13 @@ def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
     count_within("number of points", points, 1, 1_000_000)
     computations = chosen(names)
     whole = sum(computation.share for computation in computations)
-    return tuple(
-        Point(quantity=computation.name, number=number)
-        for computation in computations
-        for number in range(_share(computation, points, whole))
+    spread = (
+        ((number + 0.5) / count, place, Point(quantity=computation.name, number=number))
+        for place, computation in enumerate(computations)
+        for count in [_share(computation, points, whole)]
+        for number in range(count)
     )
+    return tuple(point for _, _, point in sorted(spread, key=lambda each: each[:2]))
 
 
 def _share(computation: Computation, points: int, whole: float) -> int:

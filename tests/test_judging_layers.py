@@ -489,15 +489,15 @@ def _judged(stated: StatedValue, distance: float = 0.0, uncertainty: float = 0.0
 
 
 def test_a_value_is_right_up_to_its_error_and_the_uncertainty_of_the_reference() -> None:
-    stated = StatedValue(value=1.0, error=0.25)
-    row = _judged(stated, distance=0.75, uncertainty=0.5)
+    stated = StatedValue(value=1.0, error=0.5)
+    row = _judged(stated, distance=0.75, uncertainty=0.25)
     assert (row["outcome"], row["stated"], row["distance"], row["uncertainty"]) == (
-        Outcome.RIGHT.value, 0.25, 0.75, 0.5,
+        Outcome.RIGHT.value, 0.5, 0.75, 0.25,
     )  # fmt: skip
     assert row["by"] == "a; b"  # a comma would end the cell
     assert 0.0 <= row["seconds"] < 1.0
     assert row["said"] == "-"
-    for distance, uncertainty in ((0.7500001, 0.5), (0.75, 0.4999999)):
+    for distance, uncertainty in ((0.7500001, 0.25), (0.75, 0.2499999)):
         assert _judged(stated, distance, uncertainty)["outcome"] == Outcome.EXCEEDED.value
 
 

@@ -182,7 +182,8 @@ class StateTask:
             row["reached"] = found[0].reached
         row["steps"] = sum(each.steps for each in found)
         if self.amplitudes:
-            row["amplitude"] = found[0].amplitude
+            # Of the first start; the perturbed one may have been decided at another time.
+            row["amplitude"], row["amplitude_time"] = found[0].amplitude, found[0].time
         return row
 
 
@@ -274,7 +275,7 @@ class StateMap(Result):
     states : Table
         A row a point: the coordinates, ``label`` (a `State`), ``why`` (a `Reason`), ``time``,
         ``above``, where it is counted ``reached``, ``steps``, where it is asked for ``amplitude``,
-        an array over ``site``.
+        an array over ``site``, and ``amplitude_time``, the end of that run.
     boundary : Table or None
         A row for each line between neighbours whose states differ; see
         ``verification.maps.boundary.Bisection``.

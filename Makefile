@@ -11,7 +11,7 @@
 
 VENV := .venv
 BIN  := $(VENV)/bin
-GALLERY := 1
+GALLERY ?= 1
 READY := $(VENV)/.ready
 
 .PHONY: paper findings test test-versions lock lint bench docs clean

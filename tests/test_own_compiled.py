@@ -146,6 +146,11 @@ def test_an_overdamped_chain_of_a_function_is_that_of_scipy_and_has_its_front() 
     assert front.v == pytest.approx(math.sqrt(0.5) * 0.6, abs=0.03)
 
 
+def test_the_frequency_of_small_motion_follows_from_differences() -> None:
+    cell = CompiledCell(stiffness=lambda y: math.expm1(2.0 * y), damping=lambda y, _: y * y - 1.0)
+    assert cell.frequency == pytest.approx(math.sqrt(2.0), abs=1e-10)  # 4h⁴·2⁵/5!, h = 1e-3
+
+
 def test_cycles_of_a_function_are_where_scipy_ends() -> None:
     """To O(ε²) after a turn, at ε = 1e-3; g is neither a polynomial nor odd."""
     cell = CompiledCell(stiffness=math.expm1, damping=lambda y, _: y * y - 1.0)
@@ -163,16 +168,20 @@ def test_a_chain_of_functions_goes_to_another_process_and_is_known_by_what_they_
     assert pickle.loads(pickle.dumps(chain)) == chain
     assert OscillatorChain(**{**PAPER, "damping": paper_h}) != chain
 
-    def other() -> Any:
-        SHARPNESS = 0.5
+    def gain_of(sharpness: float) -> Any:
+        @numba.njit
+        def inner(y):  # type: ignore[no-untyped-def]
+            return math.exp(-sharpness * y * y)
 
         @numba.njit
         def gain(y, v, p):  # type: ignore[no-untyped-def]
-            return 1.0 - p * y * y * math.exp(-SHARPNESS * y * y) + 0.1 * math.tanh(v)
+            return 1.0 - p * y * y * inner(y) + 0.1 * math.tanh(v)
 
         return gain
 
-    both = [OscillatorChain(damping=each, values={"p": 9.0}, c=1.0) for each in (gain, other())]
+    both = [
+        OscillatorChain(damping=gain_of(each), values={"p": 9.0}, c=1.0) for each in (0.25, 0.5)
+    ]
     assert both[0] != both[1]
     assert both[0].kernel() is not both[1].kernel()
 

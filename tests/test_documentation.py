@@ -116,6 +116,7 @@ def test_a_script_uses_the_public_names_only_and_one_of_the_gallery_is_short(scr
         "numpy",
         "matplotlib",
         "sympy",
+        "numba",  # compiles functions of the reader's own
         "concurrent",
         "tempfile",
         "pathlib",

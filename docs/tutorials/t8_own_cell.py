@@ -6,8 +6,6 @@ Any oscillator with smooth damping and stiffness, on any coupling, is a chain of
 fronts, thresholds, breathers and maps know it at once.
 """
 
-import math
-
 import matplotlib.pyplot as plt
 import numba
 import numpy as np
@@ -101,12 +99,14 @@ for force in (0.005, 0.03):
 @numba.njit
 def gain(y, v, p):
     """Damping at rest and at large y, gain between."""
-    return 1 - p * y * y * math.exp(-y * y / 4)
+    return 1 - p * y * y * np.exp(-y * y / 4)
 
 
-lasing = fr.OscillatorChain(damping=gain, values={"p": 3}, c=0.6)
-print(f"cycles: {lasing.unstable_amplitude:.4f} (unstable), {lasing.stable_amplitude:.4f} (stable)")
-front = fr.measure_front(lasing)
+gaining = fr.OscillatorChain(damping=gain, values={"p": 3}, c=0.6)
+print(
+    f"cycles: {gaining.unstable_amplitude:.4f} (unstable), {gaining.stable_amplitude:.4f} (stable)"
+)
+front = fr.measure_front(gaining)
 print(f"v = {front.v:.4f} ± {front.error:.0e}, {front.status.value}")
 
 # %%

@@ -422,7 +422,7 @@ def _advance(
     return BUDGET if clock[0] < task.end else REACHED
 
 
-def _run(take_step: Any, stop: Any, task: Task, run: Run, max_steps: int) -> int:
+def _advance_windows(take_step: Any, stop: Any, task: Task, run: Run, max_steps: int) -> int:
     """Step until the first step that reaches the end; return a ``StopCode``."""
     ended, last = MOVED, run.counters[STEPS] + max_steps
     while ended == MOVED:
@@ -467,7 +467,7 @@ def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
         _STEPS[key] = pointer(step, _STEP, mark)
     if watch not in _STOPS:
         _STOPS[watch] = pointer(watch, _STOP, source_mark(watch))
-    return partial(_run, _STEPS[key], _STOPS[watch])
+    return partial(_advance_windows, _STEPS[key], _STOPS[watch])
 
 
 _STEPS: dict[Any, Any] = {}

@@ -324,11 +324,14 @@ def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
             low = x
         else:
             high = x
-        following = x - value / slope if slope != 0.0 else low - 1.0
+        step = value / slope if slope != 0.0 else math.inf
+        following = x - step
+        if abs(step) <= 4e-16 * abs(x):  # asked first: round-off may put it beyond the bracket
+            return float(following)
         if not low < following < high:
             following = 0.5 * (low + high)
-        if abs(following - x) <= 4e-16 * abs(x) or following in (low, high):
-            return float(following)
+            if following in (low, high):
+                return float(following)
         x = following
     return float(x)
 

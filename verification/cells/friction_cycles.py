@@ -16,8 +16,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from theory.cells.friction import FrictionCell, stick_phase
+from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.result import Cycle
+from verification.runs.friction_integration import FrictionIntegration
 from verification.steppers import friction_cell_phase as phases
 from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room
 from verification.steppers.taylor import taylor_order
@@ -44,9 +46,7 @@ def _phase(
 ) -> tuple[float, float, float]:
     """Return τ, y, w at the end of a phase of slip; direction 1 is slip forwards."""
     flip = -direction
-    # Small cycles are as wide as v_d, large ones as the larger of v_d and μ_st.
-    local = tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
-    local = max(_FINEST, local)
+    local = _local(cell, tolerance)
     numbers = new_numbers(cell, 0.0, local)
     numbers[V_D] *= flip
     phase = phases.Phase(
@@ -64,7 +64,8 @@ def _phase(
 def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
     """Return the smallest and the largest y of the stick-slip cycle.
 
-    Beyond the end of the cycle they are those of the slip phase that follows a release.
+    Beyond the end of the cycle they are those of the slip phase that follows a release. Every run
+    with excited sites asks for them, so they are found by the stepper that it needs anyhow.
 
     Examples
     --------
@@ -72,11 +73,21 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
     >>> round(low, 6), round(high, 6)
     (-0.76708, 1.995817)
     """
-    low, high = (
-        _phase(cell, cell.release, 0.0, True, end, tolerance=tolerance)[1]
-        for end in (phases.LOWEST, phases.HIGHEST)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
+    start = np.array([[cell.release], [cell.v_d]])
+    run = FrictionIntegration(chain, start, tolerance=_local(cell, tolerance))
+    # A phase of slip lasts some two units at least from a minimum of y to the next maximum.
+    while math.isnan(run.last_extremes[1, 0]) and run.time < _LONGEST:
+        run.advance_to(run.time + 0.5)
+    high, low = np.where(np.isnan(run.last_extremes), run.state[:1], run.last_extremes)[:, 0]
+    return float(low), float(high)
+
+
+def _local(cell: FrictionCell, tolerance: float) -> float:
+    """Return the local error allowed: small cycles are as wide as v_d, large ones as v_d, μ_st."""
+    return max(
+        _FINEST, tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
     )
-    return low, high
 
 
 def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
@@ -221,7 +232,7 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     def following(y: float, end: int) -> tuple[float, float, float]:
         return _slip_from(cell, y, end, fine)
 
-    _, outside = cycle_turning_points(cell, fine)
+    _, outside, _ = _phase(cell, cell.release, 0.0, True, phases.HIGHEST, tolerance=fine)
     inside = centre + min(0.3 * small, 1e-3 * (outside - centre))
     if growth(inside) >= 0.0:
         raise ArithmeticError(f"no unstable cycle found at v_d = {cell.v_d!r}")

@@ -199,9 +199,15 @@ class FrictionIntegration(Integration):
         return stuck
 
     @property
+    def last_extremes(self) -> FloatArray:
+        """Last maximum and last minimum of y in backward slip, shape (2, N); nan before."""
+        return np.array([self._row(HIGHEST), self._row(LOWEST)])
+
+    @property
     def amplitude(self) -> FloatArray:
         """Half of last maximum minus last minimum of y, shape (N,); 0 before there are both."""
-        half = 0.5 * (self._row(HIGHEST) - self._row(LOWEST))
+        highest, lowest = self.last_extremes
+        half = 0.5 * (highest - lowest)
         amplitude: FloatArray = np.nan_to_num(np.abs(half), nan=0.0)
         return amplitude
 

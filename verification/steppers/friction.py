@@ -239,12 +239,9 @@ def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
         if counters[FRAMES] >= last:
             return BUDGET
         longest = stop - numbers[CLOCK]
-        length = _begin(run, longest)
-        if not length > 0.0:
-            return TOO_SHORT if length == 0.0 else NOT_FINITE
-        end = _events(run, length, required)
-        if end < 0.0:
-            return TOO_SHORT if math.isinf(end) else NOT_FINITE
+        end = _frame(run, longest, required)
+        if not end >= 0.0:
+            return TOO_SHORT if end < 0.0 else NOT_FINITE
         _finish(run, end)
         reached = numbers[CLOCK] + end
         numbers[CLOCK] = stop if end == longest or reached > stop else reached
@@ -254,18 +251,46 @@ def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
 
 
 @inlined
-def _begin(run: Run, longest: float) -> float:
-    """Give all sites new series; return the length of the frame.
+def _frame(run: Run, longest: float, required: int) -> float:
+    """Give all sites new series, go through the events; return when the frame ends.
 
-    0 if time would stand still, nan if a series is not finite.
+    -1 if time stands still, nan if a series is not finite.
     """
-    for node in range(run.queue.size):
-        run.queue[node] = math.inf
-    run.counters[SITE_FRAMES] += run.counters[HI] - run.counters[LO]
-    return _renew(run, run.counters[LO], run.counters[HI], 0.0, -longest)
+    numbers, counters, queue, mode = run.numbers, run.counters, run.queue, run.mode
+    queue[:] = math.inf
+    mode[FIRST, 0], mode[BEYOND, 0] = counters[LO], counters[HI]
+    counters[SITE_FRAMES] += counters[HI] - counters[LO]
+    length, now, ranges, due, change = -longest, 0.0, 1, 0, 0.0
+    while True:
+        for i in range(ranges):
+            length = _renew(run, mode[FIRST, i], mode[BEYOND, i], now, length)
+            if not length > 0.0:
+                return -1.0 if length == 0.0 else math.nan
+        needed = change
+        for i in range(due):
+            needed = max(needed, 2.0 * _rate(run.series[W], mode[DUE, i], length - now))
+        if needed > change:  # the new series asks for more neighbours
+            change = 2.0 * needed
+        else:
+            following = queue[1]
+            if not following <= length:
+                if length > now:
+                    counters[STANDING] = 0
+                return length
+            counters[STANDING] = 0 if following > now else counters[STANDING] + 1
+            if counters[STANDING] > 4 * run.site.shape[1] + 16:
+                return -1.0
+            now = following
+            due, change = _switched(run, now, length)
+            if 0 < required <= counters[ARRIVED]:
+                return float(now)
+        radius = _reach(numbers, run.series.shape[1] - 1, change, length - now)
+        if radius < 0:
+            return float(now)
+        ranges = _ranges(run, due, radius)
 
 
-@inlined
+@inner
 def _frame_length(ends: FloatArray, longest: float) -> float:
     """Return a length so that a sixteenth of the series at most expire before it."""
     length = longest
@@ -278,7 +303,7 @@ def _frame_length(ends: FloatArray, longest: float) -> float:
         if _SLOW_SHARE * short > ends.size:
             break
         length = longer
-    return min(length, longest)
+    return float(min(length, longest))
 
 
 @inlined
@@ -327,7 +352,7 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     return goes_on
 
 
-@inlined
+@inner
 def _first_event(run: Run, n: int, h: float) -> float:
     """Return how long after its series begins site n has its first event; inf if not within h.
 
@@ -366,41 +391,6 @@ def _next_due(queue: FloatArray, n: int, until: float) -> int:
     return node - leaves
 
 
-@inlined
-def _events(run: Run, length: float, required: int) -> float:
-    """Go through the events of a frame; return when the frame ends.
-
-    -inf if time stands still, -1 if a series is not finite.
-    """
-    numbers, counters = run.numbers, run.counters
-    passed = 0.0
-    while run.queue[1] <= length:
-        now = run.queue[1]
-        counters[STANDING] = 0 if now > passed else counters[STANDING] + 1
-        if counters[STANDING] > 4 * run.site.shape[1] + 16:
-            return -math.inf
-        passed = now
-        due, change = _switched(run, now, length)
-        if 0 < required <= counters[ARRIVED]:
-            return float(now)
-        while True:
-            radius = _reach(numbers, run.series.shape[1] - 1, change, length - now)
-            if radius < 0:
-                return float(now)
-            goes_on = _renewed(run, due, radius, now, length)
-            if not goes_on > 0.0:
-                return -math.inf if goes_on == 0.0 else -1.0
-            needed = change
-            for i in range(due):
-                needed = max(needed, 2.0 * _rate(run.series[W], run.mode[DUE, i], length - now))
-            if needed == change:
-                break
-            change = 2.0 * needed
-    if length > passed:
-        counters[STANDING] = 0
-    return length
-
-
 @inner
 def _rate(w: FloatArray, n: int, h: float) -> float:
     """Return a bound on |ẇ| of site n up to a time h after its series begins."""
@@ -410,7 +400,7 @@ def _rate(w: FloatArray, n: int, h: float) -> float:
     return rate
 
 
-@inlined
+@inner
 def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
     """Return d of the module's docstring for J = ``change`` and τ = h; -1 if there is none."""
     growth = p[DRAG] + p[STEEPEST]
@@ -452,7 +442,7 @@ def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
     return count, change
 
 
-@inlined
+@inner
 def _switch(run: Run, n: int, time: float) -> None:
     """Give site n its new mode at an event, and count the event; a graze is none."""
     site, mode, p, counters = run.site, run.mode, run.numbers, run.counters
@@ -482,12 +472,12 @@ def _switch(run: Run, n: int, time: float) -> None:
         counters[ARRIVED] += mode[WATCHED, n]
 
 
-@inlined
-def _renewed(run: Run, due: int, radius: int, now: float, length: float) -> float:
-    """Give new series to the sites within a radius of those that are due.
+@inner
+def _ranges(run: Run, due: int, radius: int) -> int:
+    """Put the ranges within a radius of the sites that are due into FIRST and BEYOND; count them.
 
     Ranges of sites that touch are one; between two ranges there is a site that keeps its series,
-    so that their order does not matter. Returns as :func:`_renew`.
+    so that their order does not matter.
     """
     mode, count = run.mode, 0
     for i in range(due):
@@ -499,15 +489,11 @@ def _renewed(run: Run, due: int, radius: int, now: float, length: float) -> floa
         mode[FIRST, count], mode[BEYOND, count] = lo, hi
         count += 1
     for i in range(count):
-        lo, hi = mode[FIRST, i], mode[BEYOND, i]
-        run.counters[LOCAL] += hi - lo
-        length = _renew(run, lo, hi, now, length)
-        if not length > 0.0:
-            break
-    return length
+        run.counters[LOCAL] += mode[BEYOND, i] - mode[FIRST, i]
+    return count
 
 
-@inner
+@inlined
 def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     """Give sites lo … hi - 1 new series now, from the series of the sites beside them.
 
@@ -619,7 +605,7 @@ def _finish(run: Run, end: float) -> None:
         run.counters[SAMPLED] += 1
 
 
-@inlined
+@inner
 def _widen(site: FloatArray, numbers: FloatArray, counters: IntArray) -> None:
     """Widen the window so that MARGIN sites at rest lie inside it on either side."""
     lo, hi = counters[LO], counters[HI]

@@ -92,7 +92,11 @@ def outer(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """Compile what has one caller as a part of it, and not once more beside it."""
+    """Compile what has one caller as a part of it; pays where it calls much that is optimised.
+
+    LLVM optimises a compiled function once more in each that calls it, at every level; numba takes
+    longer to put a function into another the longer both are.
+    """
     options: dict[str, Any] = {"error_model": "numpy", "inline": "always", **compiled.UNCOUNTED}
     found: Function = compiled.njit(**options)(function)
     return found

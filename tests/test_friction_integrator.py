@@ -6,6 +6,7 @@ import warnings
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,12 +16,13 @@ from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError
-from verification.cells.friction import cycle_end_velocity
+from verification.cells.friction import cycle_end_velocity, stick_slip_cycle
 from verification.references.friction_events import run_events
-from verification.runs.excite import excite
+from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
+from verification.steppers.friction_series import _polish
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -411,3 +413,39 @@ def test_more_samples_than_memory_holds_are_refused() -> None:
     chain = FrictionChain(c=0.05, sites=1000)
     with pytest.raises(ParameterError, match="at most 100000 for 1000 sites"):
         simulate(chain, excite(chain, [5]), 9.0, samples=200_000)
+
+
+class CountedPolynomial(list[float]):
+    """Coefficients that count how often one is read."""
+
+    reads = 0
+
+    def __getitem__(self, k: Any) -> Any:
+        self.reads += 1
+        return super().__getitem__(k)
+
+
+def test_the_time_of_an_event_takes_a_dozen_evaluations_at_most() -> None:
+    rng = np.random.default_rng(SEED)
+    for _ in range(200):
+        # One root, where a cubic that falls is known to have it.
+        root = rng.uniform(0.05, 0.95)
+        expanded = np.polynomial.polynomial.polymul([root, -1.0], [rng.uniform(1.0, 3.0), 0.3, 1.0])
+        f = CountedPolynomial(expanded.tolist())
+        found = _polish.py_func(f, 3, 0.0, 1.0)
+        assert found == pytest.approx(root, rel=4e-15)
+        # Newton doubles its digits: five or six steps from the middle, and some for round-off.
+        assert f.reads <= 12 * 4
+
+
+@pytest.mark.parametrize("v_d", [0.01, 0.5, 1.25])
+def test_excited_sites_start_where_the_cycle_turns(v_d: float) -> None:
+    """The run of one site that finds the turning points, against shooting by phases of slip."""
+    cell = replace(CELL, v_d=v_d)
+    cycle = stick_slip_cycle(cell)
+    assert cycle is not None
+    for point, y in ((StartPoint.MAXIMUM, cycle.max), (StartPoint.MINIMUM, cycle.min)):
+        # Both are good to 1e-12 a step, some tens of steps.
+        assert excite(FrictionChain.of(cell, c=0.0, sites=1), [1], point=point)[0, 0] == (
+            pytest.approx(y, abs=1e-11)
+        )

@@ -562,7 +562,7 @@ README_NUMBERS = [
     ("own-chain", "against jitcode dop853, lattice", "; 2.6 times |", 1.0),
     ("own-chain", "against heyoka, next-nearest", "| 0.57 times, not met;", 1.0),
     ("own-chain", "against jitcode dop853, next-nearest", "; 1.05 times |", 1.0),
-    ("friction", "against scipy's best, at equal error", "33 times, 50 not met", 1.0),
+    ("friction", "against scipy's best, at equal error", "104 times", 1.0),
     ("sum", "sum, vectorised, v and c from 0.3 to 3", "2.9e6 a second, 3e6 not met", 1.0),
     ("sum", "curve of 1000 couplings", "| 0.49 s |", 1.0),
     ("sum", "fronts kinetic", "| 0.20 s |", 1.0),

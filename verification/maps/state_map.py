@@ -2,7 +2,7 @@
 
 The rules by which a state is named are in ``vdp_rules``, ``friction_rules`` and ``smooth_rules``.
 Each point is run twice, the second time with the start perturbed on all sites by 1e-6: if the
-states differ the point is undecided. Where the first run is, there is no second one.
+states differ the point is undecided.
 
 The paper gives η but not (a, b) in Fig. 15, and its displacement of 6 is not scaled by a, so that
 the map depends on them (y → y√a turns (a, b) into (1, η) and 6 into 6√a). So an axis η keeps one of
@@ -39,7 +39,7 @@ from verification.execution.table import Table
 from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F401  (register)
 from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.rules import rules_of
-from verification.maps.state import FoundState, Reason, State
+from verification.maps.state import Reason, State
 from verification.runs.excite import StartPoint
 
 if TYPE_CHECKING:
@@ -162,11 +162,10 @@ class StateTask:
         if self.perturbation:
             seed = rules.seed if self.seed is None else self.seed
             starts.append(rules.perturbed(starts[0], self.perturbation, seed))
-        found: list[FoundState] = []
-        for start in starts:
-            found.append(rules.find(chain, start, end=self.end_time, tolerance=self.tolerance))
-            if found[-1].reason is not Reason.DECIDED:  # nor is the point, whatever comes next
-                break
+        found = [
+            rules.find(chain, start, end=self.end_time, tolerance=self.tolerance)
+            for start in starts
+        ]
         states = {each.state for each in found}
         reason = next((r.reason for r in found if r.reason is not Reason.DECIDED), Reason.DECIDED)
         if len(states) > 1:

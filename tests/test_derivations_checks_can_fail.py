@@ -67,6 +67,15 @@ def perturbed(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
         yield from misplaced(expression)
 
 
+def tautology(expression: sp.Basic) -> sp.Basic:
+    """The same with each left side on the right as well: true, and it says nothing."""
+    if isinstance(expression, sp.Equality):
+        return equation(expression.lhs, expression.lhs)
+    if isinstance(expression, sp.Tuple):
+        return sp.Tuple(*map(tautology, expression))
+    return expression
+
+
 def factors_for(expression: sp.Basic, place: int) -> list[tuple[str, int]]:
     """Factors that change the value of ``expression`` when put on its argument."""
     both = [("sign", -1), ("factor", 2)]
@@ -129,6 +138,8 @@ def all_steps() -> Iterator[tuple[str, int]]:
 
 def sampled(step: Step) -> list[tuple[str, sp.Basic]]:
     kinds: dict[str, list[tuple[str, sp.Basic]]] = {}
+    kinds["tautology"] = [("tautology", tautology(step.result))]
+    kinds["tautology"] *= kinds["tautology"][0][1] != step.result
     for name, changed in perturbed(step.result):
         if changed != step.result:
             kinds.setdefault(name.split()[0], []).append((name, changed))

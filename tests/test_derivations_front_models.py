@@ -17,6 +17,7 @@ from derivations.chain import ChainModel
 from derivations.friction.model import PAPER as FRICTION
 from derivations.friction.steps import derive as derive_friction
 from derivations.friction.symbols import d, eta_c, k, m
+from derivations.front.cell import forcing_parameter
 from derivations.symbols import a, b, c
 
 CHAINS = {
@@ -98,3 +99,19 @@ def test_the_scales_of_another_inertia():
     made = derive_friction(replace(FRICTION, inertia=4 * m))
     frequency = made.named("unit coefficients").result.args[0]
     assert sp.simplify(frequency.rhs - sp.sqrt(k / m) / 2) == 0
+
+
+@pytest.mark.parametrize("change", ["sign", "next-nearest"])
+def test_only_nearest_neighbours_that_pull_have_closed_forms(change):
+    closed = {"turning wavenumber", "pinning coupling", "retreat coupling", "fastest wave"}
+    assert closed <= {step.name for step in chain("piecewise-front", None).steps}
+    assert not closed & {step.name for step in chain("piecewise-front", change).steps}
+
+
+@pytest.mark.parametrize(("powers", "found"), [((0, 2, 4), True), ((0, 4, 8), True),
+                                               ((0, 2, 6), False), ((2, 4, 8), False),
+                                               ((0, 2), False), ((0, 2, 4, 6), False)])  # fmt: skip
+def test_one_parameter_is_left_of_a_damping_with_powers_0_p_and_2p(powers, found):
+    model = ChainModel(damping=dict(zip(powers, sp.symbols("h:4", positive=True), strict=False)))
+    low, middle, top = sp.symbols("h:3", positive=True)
+    assert forcing_parameter(model) == (low * top / middle**2 if found else None)

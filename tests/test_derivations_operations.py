@@ -601,6 +601,7 @@ def test_every_operation_is_tested_by_itself():
     ("operation", "sources"),
     [
         (SolveFor(q), (equation(p, 2),)),
+        (Limit(p, 1, 1), (equation(q, sp.Integral(sp.sinh(u / p), (u, 0, 1))),)),
         (Eliminate((p,)), (equation(p), equation(0, p**2 - 3 * p + 2))),
         (Isolate((q,), (q,)), (equation(p),)),
         (RemoveSecularTerms(t, y(t, s)), (equation(y(t, s).diff(t, 2) + 2 * y(t, s), p),)),

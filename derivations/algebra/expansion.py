@@ -162,6 +162,8 @@ class Limit(Operation):
 
     def _limited(self, side: sp.Expr) -> sp.Expr:
         if side.has(sp.Integral):
+            if self.value != 0:
+                raise OperationError("under an integral only the limit to zero is taken")
             (integral,) = side.atoms(sp.Integral)
             return side.xreplace({integral: self._under(integral)})
         plain = side.subs(self.parameter, self.value)

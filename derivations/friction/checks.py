@@ -102,6 +102,9 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
             }
         )
         worst = max(worst, abs(value(inside.lhs, filled) - value(inside.rhs, filled)))
+        weaker = {**filled, force: 0.9 * filled[force]}
+        if abs(value(inside.lhs, weaker) - value(inside.rhs, weaker)) <= 1e-9:
+            return Evidence(False, "it holds for another force as well: it says nothing")
     where = [bool(part.subs(speed, sp.Rational(fast))) for part in (moving, resting)
              for fast in (1, -1, 0)]  # fmt: skip
     if where != [True, True, False, False, False, True]:
@@ -289,21 +292,12 @@ class Checks:
         holds = holds and speed == sp.Eq(s.mu(sp.oo), text["speed"], evaluate=False)
         return Evidence(holds, "mu(0) = mu_st and mu(infinity) = mu_d, as stated below (2)")
 
-    def coefficient(self, candidate: sp.Basic) -> Evidence:
+    @at_points("the decay of the model from mu_st at rest to mu_d at great speed")
+    def coefficient(self) -> Points:
         """Values at rest, at great speed and at one reference velocity."""
-        base = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_0: _SCALE}
-        worst = 0.0
-        for speed in (0.0, 1e6 * _SCALE, _SCALE, -_SCALE, 0.3):
-            expected = _size(self.chain, speed)
-            point = {**base, s.v_rel: speed, s.mu(s.v_rel): expected}
-            left, right = candidate.args
-            worst = max(worst, abs(value(left, point) - value(right, point)))
-        ends = abs(_size(self.chain, 0.0) - _STATIC) + abs(_size(self.chain, 1e6) - _DYNAMIC)
-        return Evidence(
-            worst < 1e-9 and ends < 1e-5,
-            "mu(0) = mu_st, mu(infinity) = mu_d and the decay between them: "
-            f"off by at most {worst:.1e}",
-        )
+        values = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_0: _SCALE}
+        for speed in (0.3, 0.0, 1e6 * _SCALE, _SCALE, -_SCALE):
+            yield {**values, s.v_rel: speed, s.mu(s.v_rel): _size(self.chain, speed)}, [0]
 
     @staticmethod
     def law(candidate: sp.Basic) -> Evidence:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from derivations.algebra.evidence import Points, at_points, slope_of
+from derivations.algebra.evidence import Points, at_points, residual, slope_of
 from derivations.algebra.steps import Evidence
 from derivations.front import symbols as s
 from derivations.front.sampling import (
@@ -99,11 +99,13 @@ class CellChecks(SampledChecks):
             field, rate = sites(self.model, rng), complex_number(rng)
             yield as_point(sample.chain, field, rate), [rate - sample.linear(field)]
 
-    @at_points("nothing, for random states", floor=1.0)
-    def nothing(self) -> Points:
+    def nothing(self, candidate: sp.Basic) -> Evidence:
         """Nothing is left, at numbers."""
+        worst = 0.0
         for sample, rng in self._cells():
-            yield as_point(sample.chain, sites(self.model, rng), complex_number(rng)), [0]
+            point = as_point(sample.chain, sites(self.model, rng), complex_number(rng))
+            worst = max(worst, abs(residual(candidate, point)[0]))
+        return Evidence(worst < 1e-9, f"nothing is left, for random states: {worst:.1e}")
 
     @at_points("a displaced number")
     def shifted(self) -> Points:

@@ -24,14 +24,14 @@ _FACTORS = (0.4, 1.0, 2.3)
 class LimitChecks(SampledChecks):
     """What pinning, retreat and strong coupling are held against."""
 
-    def _standing(self, side: int) -> Iterator[tuple[Sample, complex, dict[Any, Any]]]:
+    def _standing(self, *, ahead: bool = True) -> Iterator[tuple[Sample, complex, dict[Any, Any]]]:
         """Value at the site that is about to switch, with springs of several strengths."""
         for sample in self.samples:
             for factor in _FACTORS:
-                ahead = standing(sample, factor)
+                own = standing(sample, factor)
                 values = {**sample.chain.values}
                 values[c] = values.get(c, 1.0) * factor
-                yield sample, ahead if side > 0 else 1 - ahead, values
+                yield sample, own if ahead else 1 - own, values
 
     @at_points("a quotient of moduli")
     def ratio_named(self) -> Points:
@@ -39,14 +39,14 @@ class LimitChecks(SampledChecks):
         point = {s.phi_us: 0.6j, s.phi_s: 1.2 - 0.5j, s.ratio: 0.6 / 1.3}
         yield point, [0]
 
-    def static(self, side: int) -> Check:
+    def static(self, *, ahead: bool) -> Check:
         """Compare with the last site of a standing chain, and with a front that hardly moves."""
-        name = s.static_sum if side > 0 else s.retreating_sum
+        name = s.static_sum if ahead else s.retreating_sum
 
         def points() -> Points:
-            for sample, own, values in self._standing(side):
+            for sample, own, values in self._standing(ahead=ahead):
                 yield {**values, name: -own / sample.lattice.decay}, [0]
-            if side > 0:
+            if ahead:
                 sample = self.samples[0]
                 # The correction is about e^{-decay/v}, below rounding at v = 0.01.
                 yield {**sample.chain.values, name: kinetic_sum(sample.lattice, 0.01)}, [0]
@@ -64,19 +64,19 @@ class LimitChecks(SampledChecks):
 
         return at_points("the value at the front over its modulus")(points)
 
-    def depinning(self, side: int) -> Check:
+    def depinning(self, *, ahead: bool) -> Check:
         """Both parts, for a standing chain."""
-        name = s.static_sum if side > 0 else s.retreating_sum
+        name = s.static_sum if ahead else s.retreating_sum
 
         def points() -> Points:
-            for sample, own, values in self._standing(side):
+            for sample, own, values in self._standing(ahead=ahead):
                 yield {**values, name: -own / sample.lattice.decay, s.ratio: abs(own)}, [0, 0]
 
         return at_points("a standing chain, solved site by site", floor=1.0)(points)
 
     def _roots(self) -> Iterator[tuple[float, complex, dict[Any, Any]]]:
         """Value ahead, and the square root that belongs to it: 1 - 2 phi/phi_s = 1/w."""
-        for _, ahead, values in self._standing(1):
+        for _, ahead, values in self._standing():
             root = 1 / (1 - 2 * ahead)
             yield abs(ahead), root, {**values, s.p: root.real}
 
@@ -98,22 +98,31 @@ class LimitChecks(SampledChecks):
         for _, _, point in self._roots():
             yield point, [0]
 
-    def _with_ratio(self, side: int) -> Iterator[dict[Any, Any]]:
-        for (_, _, point), (_, own, _) in zip(self._roots(), self._standing(side), strict=True):
+    def _with_ratio(self, *, ahead: bool) -> Iterator[dict[Any, Any]]:
+        for (_, _, point), (_, own, _) in zip(
+            self._roots(), self._standing(ahead=ahead), strict=True
+        ):
             coupling = point.pop(c)  # the threshold has a name of its own
-            yield {**point, s.ratio: abs(own), s.c_pin if side > 0 else s.c_retreat: coupling}
+            yield {**point, s.ratio: abs(own), s.c_pin if ahead else s.c_retreat: coupling}
 
-    def squared(self, side: int) -> Check:
+    def thresholds(self, *, ahead: bool) -> Check:
         """Ratio and root of a standing chain."""
 
         def points() -> Points:
-            for point in self._with_ratio(side):
+            for point in self._with_ratio(ahead=ahead):
                 yield point, [0]
 
         return at_points("standing chains")(points)
 
-    parameter = squared
-    threshold_coupling = squared
+    def coupling(self, *, ahead: bool) -> Check:
+        """Coupling of a standing chain from its ratio alone."""
+
+        def points() -> Points:
+            for point in self._with_ratio(ahead=ahead):
+                del point[s.p]
+                yield point, [0]
+
+        return at_points("standing chains")(points)
 
     def largest_ratio(self, candidate: sp.Basic) -> Evidence:
         """Value ahead of a standing chain at strong coupling, extrapolated."""

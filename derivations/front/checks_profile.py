@@ -254,6 +254,11 @@ class ProfileChecks(SampledChecks):
         holds = worst < 1e-7 and left == s.phi(s.zeta)
         return Evidence(holds, f"the front from its history: off by at most {worst:.1e}")
 
+    @at_points("a value at the front")
+    def meeting(self) -> Points:
+        """Compare with a value at the front."""
+        yield {s.phi(0): 0.4 - 0.3j, s.phi_us: 0.4 - 0.3j}, [0]
+
     def relation_in_eta(self, candidate: sp.Basic) -> Evidence:
         """Compare with the modulus of (53) on the front, and with the two sampled cycles."""
         pieces = parts_of(candidate)

@@ -88,18 +88,19 @@ def _forms(draft: Draft, checks: LimitChecks) -> None:
 def _static(draft: Draft, checks: LimitChecks) -> None:
     draft.derived("static sum",
                   (Limit(v, 0, 1), IntegratePeriod(), Substitute({_TOTAL: static_sum}),
-                   Rewrite(Form.EXPANDED)), "sum over one period", check=checks.static(1))
+                   Rewrite(Form.EXPANDED)), "sum over one period", check=checks.static(ahead=True))
     draft.derived("static sum from behind",
                   (Limit(v, 0, -1), IntegratePeriod(), Substitute({_TOTAL: retreating_sum}),
-                   Rewrite(Form.EXPANDED)), "sum over one period", check=checks.static(-1))
+                   Rewrite(Form.EXPANDED)), "sum over one period", check=checks.static(ahead=False))
     draft.derived("end of pinning", Substitute({_TOTAL: static_sum}), "relation by the ratio",
                   check=checks.named_relation(static_sum))
     draft.derived("end of pinning from behind", Substitute({_TOTAL: retreating_sum}),
                   "relation by the ratio", check=checks.named_relation(retreating_sum))
-    draft.derived("depinning", Join(), "end of pinning", "static sum", check=checks.depinning(1),
+    draft.derived("depinning", Join(), "end of pinning", "static sum",
+                  check=checks.depinning(ahead=True),
                   note="static fronts exist as long as the site ahead stays below threshold")
     draft.derived("retreat", Join(), "end of pinning from behind", "static sum from behind",
-                  check=checks.depinning(-1),
+                  check=checks.depinning(ahead=False),
                   note="and as long as the site behind stays above it")
 
 
@@ -110,17 +111,17 @@ def _pinning(draft: Draft, checks: LimitChecks) -> None:
     draft.derived("coupling by the parameter", Take(1), "radical in one parameter",
                   check=checks.coupling_by_p)
     cases = (
-        ("depinning", "pinning coupling", c_pin, 1, (0.1, 0.3, 0.45)),
-        ("retreat", "retreat coupling", c_retreat, -1, (0.55, 0.7, 0.95)),
+        ("depinning", "pinning coupling", c_pin, True, (0.1, 0.3, 0.45)),
+        ("retreat", "retreat coupling", c_retreat, False, (0.55, 0.7, 0.95)),
     )
-    for source, name, symbol, side, ratios in cases:
+    for source, name, symbol, ahead, ratios in cases:
         draft.derived(f"{source} squared", SquareModulus(p), source,
-                      "radical in one parameter", check=checks.squared(side))
+                      "radical in one parameter", check=checks.thresholds(ahead=ahead))
         rule = SelectRoot("p > 1", lambda q: abs(q.imag) < 1e-12 and q.real > 1, {ratio: ratios})
         draft.derived(f"{source} parameter", (SolveFor(p), rule), f"{source} squared",
-                      check=checks.parameter(side))
+                      check=checks.thresholds(ahead=ahead))
         draft.derived(name, (Substitute(), Substitute({c: symbol})), "coupling by the parameter",
-                      f"{source} parameter", check=checks.threshold_coupling(side))
+                      f"{source} parameter", check=checks.coupling(ahead=ahead))
     infinite = (Apply(Function.RECIPROCAL), Limit(p, sp.oo), SolveFor(ratio),
                 SelectRoot("r > 0", lambda q: q.real > 0, {}))
     draft.derived("largest ratio of pinning", infinite, "depinning parameter",

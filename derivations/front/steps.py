@@ -169,7 +169,7 @@ def _to_kinetic_relation(draft: Draft, checks: ProfileChecks) -> None:
                   check=checks.at_front)
     draft.definition("threshold at the front", equation(phi(0), phi_us),
                      "the front is where the threshold is passed",
-                     check=checks.at_front)
+                     check=checks.meeting)
     draft.derived("threshold", (Substitute(), SolveFor(total)), "front from ahead",
                   "threshold at the front", check=checks.at_front, number=53)
     draft.derived("kinetic relation", Apply(Function.MODULUS), "threshold",

@@ -615,6 +615,7 @@ def test_every_operation_is_tested_by_itself():
         (PrescribeCoefficients((((name,), sp.S.One),), (p,)), (equation(q * name),)),
         (Divide(u), (sp.Lt(p, q, evaluate=False),)),
         (TakeBranch(u < 0), (equation(abs(x)),)),
+        (TakeBranch(x < 1), (equation(abs(x)),)),
         (ParametriseRadical(p, q), (equation(name, q),)),
         (TakeBranch(u > 0), (equation(name, sp.Piecewise((p, u < 0), (q, True))),)),
         (CountAbove(k, 0, name), (equation(L(k), sp.cos(k)), equation(rate, x), equation(rate, 1))),

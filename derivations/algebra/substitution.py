@@ -179,6 +179,8 @@ class TakeBranch(Operation):
         pieces = {q: self._branch(q) for q in source.atoms(sp.Piecewise)}
         found = source.xreplace(pieces)
         if isinstance(self.condition, sp.Lt) and self.condition.lts.is_Symbol:
+            if self.condition.gts != 0:
+                raise OperationError(f"a modulus or sign changes at zero, not at {self.condition}")
             variable, negative = self.condition.lts, sp.Dummy("negative", negative=True)
             found = on_sides(found, lambda side: side.xreplace({variable: negative}).doit())
             found = found.xreplace({negative: variable})

@@ -119,6 +119,11 @@ def test_couplings_by_name_are_what_they_say() -> None:
     ):
         found = network_of(name, shape, ends).matrix.toarray()
         np.testing.assert_allclose(found, expected, atol=1e-14, err_msg=name)
+    rows, columns = np.divmod(np.arange(20), 5)
+    apart = np.hypot(np.subtract.outer(rows, rows), np.subtract.outer(columns, columns))
+    pulls = -1.0 * (apart == 1.0) - 0.2 * (np.abs(apart - np.sqrt(2.0)) < 1e-12)
+    found = network_of("next-nearest:1,0.2", (4, 5), free).matrix.toarray()
+    np.testing.assert_allclose(found, pulls - np.diag(pulls.sum(axis=1)), atol=1e-14)
     small = network_of("small-world:4,0.3,1", (40,), free)
     matrix = small.matrix.toarray()
     assert np.array_equal(matrix, matrix.T)
@@ -294,8 +299,9 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"coupling": "star"}, "coupling = 'star'"),
     ({"coupling": "next-nearest"}, "two weights or more"),
     ({"coupling": "next-nearest:1,nan"}, "finite numbers"),
+    ({"coupling": "next-nearest:1,0.2,0.1", "sites": (5, 6)}, "two weights on a lattice"),
     ({"coupling": "square"}, "rows x columns"),
-    ({"coupling": "chain", "sites": (5, 6)}, "square or hexagonal"),
+    ({"coupling": "chain", "sites": (5, 6)}, "square, next-nearest or hexagonal"),
     ({"coupling": "small-world:3,0.1"}, "even number of neighbours"),
     ({"coupling": np.ones((3, 4))}, r"a matrix of shape \(3, 4\)"),
     ({"coupling": np.ones((3, 3)), "sites": 4}, r"of shape \(4, 4\)"),

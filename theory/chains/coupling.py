@@ -116,7 +116,8 @@ def network_of(coupling: Any, shape: tuple[int, ...], ends: Ends) -> Network:
     Parameters
     ----------
     coupling : str, Path, sparse matrix, array or networkx graph
-        ``chain``; ``next-nearest:1,0.2``, weights by distance; ``ring``; ``small-world:4,0.1,7``
+        ``chain``; ``next-nearest:1,0.2``, weights by distance, on rows and columns those of the
+        four neighbours and of the four diagonal ones; ``ring``; ``small-world:4,0.1,7``
         (neighbours, part of the links moved, seed); ``square``, ``hexagonal`` (six neighbours); a
         file in .npz (of scipy) or .mtx; or the weights themselves. An edge of a directed graph acts
         on its head.
@@ -187,7 +188,9 @@ def _chain(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) 
     """Weights by distance along the chain, 1 for ``chain``."""
     by_distance = numbers or [1.0]
     if len(shape) != 1:
-        raise _refused(repr(text), "square or hexagonal for rows and columns", "name one of them")
+        raise _refused(
+            repr(text), "square, next-nearest or hexagonal for rows and columns", "name one of them"
+        )
     if len(by_distance) >= shape[0] // 2 + 1:
         raise _refused(
             repr(text), f"of fewer weights for {shape[0]} sites", "take more sites or fewer weights"
@@ -199,6 +202,10 @@ def _chain(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) 
 def _next_nearest(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
     if len(numbers) < 2:
         raise _refused(repr(text), "followed by two weights or more", "as in next-nearest:1,0.2")
+    if len(shape) == 2:
+        if len(numbers) > 2:
+            raise _refused(repr(text), "followed by two weights on a lattice", "leave out the rest")
+        return _square(text, numbers, shape, ends)
     return _chain(text, numbers, shape, ends)
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from paper_checks.claim import Claim
 from paper_checks.discover import Entry
 from paper_checks.finding import NAME, Finding, Picture
-from paper_checks.plain_evidence import plain_evidence
+from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.ruling import Verdict
 from verification.execution.metadata import now
@@ -77,7 +77,7 @@ class Judgement:
         Wall-clock time of the shared work; next to nothing where an earlier judge of the same
         process has done it.
     evidence : plain data or None
-        What an expensive claim was judged by, if that was computed in this run.
+        What the claim was judged by, if that was computed in this run.
     """
 
     finding: Finding | None
@@ -164,12 +164,35 @@ def judge(claim: Claim) -> Judgement:
         begin = time.perf_counter()
         evidence = claim.evidence()
         finding = checked_finding(claim.found(evidence))
-        held = plain_evidence(evidence) if claim.expensive else None
+        held = plain_evidence(evidence)
     except (Exception, SystemExit) as error:
         logger.info("the judge of %s failed", claim.key, exc_info=True)
         failure = _sentence(error)
     seconds = time.perf_counter() - begin
     return Judgement(finding, failure, seconds, now(), shared=begin - start, evidence=held)
+
+
+def judged_by(claim: Claim, evidence: Any, packages: Sequence[str], **earlier: Any) -> Judgement:
+    """Judge a claim by evidence of an earlier run: rule, text and figures are those of this one.
+
+    Parameters
+    ----------
+    claim : Claim
+        The claim.
+    evidence : plain data
+        As `plain_evidence` gives it.
+    packages : sequence of str
+        Whose classes it may hold.
+    **earlier
+        Fields of the judgement: ``seconds``, ``judged`` and so on.
+
+    Raises
+    ------
+    TypeError, ValueError, KeyError, AttributeError, ImportError
+        If that is no evidence, or not of this claim.
+    """
+    finding = checked_finding(claim.found(evidence_from(evidence, tuple(packages))))
+    return Judgement(finding, None, stored=True, **earlier)
 
 
 def _sentence(error: BaseException) -> str:

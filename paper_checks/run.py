@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from paper_checks.discover import PACKAGE, Entry, find_entries
-from paper_checks.outcome import Judgement, Outcome, judge
+from paper_checks.outcome import Judgement, Outcome, judge, judged_by
 from paper_checks.shipped import Shipped
-from paper_checks.stored_judgement import judgement_from, plain_judgement
+from verification.execution.imports import SOURCES
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import now
 from verification.execution.pool import answers
 from verification.execution.store import Store
+
+KEPT = ("evidence", "seconds", "judged", "shared")
+"""Of a judgement, for a run that is resumed."""
 
 logger = logging.getLogger(__name__)
 
@@ -46,6 +49,7 @@ def run(
     jobs: int = 1,
     package: str | None = None,
     store: Store | None = None,
+    packages: Sequence[str] = SOURCES,
     shipped: Shipped | None = None,
     progress: Progress | None = None,
 ) -> tuple[Outcome, ...]:
@@ -62,8 +66,10 @@ def run(
     package : str, optional
         Where the claims were found; by default the paper's.
     store : Store, optional
-        Judgements in it are used instead of computed anew; each new one is added as soon as it is
-        made. Those that failed are not, so that a resumed run tries again.
+        Evidence in it is used instead of computed anew; that of each claim is added as soon as it
+        is judged. A claim that failed leaves none, so that a resumed run tries again.
+    packages : sequence of str, optional
+        Packages whose classes stored evidence may hold.
     shipped : Shipped, optional
         Findings of expensive claims that are used instead of computed anew.
     progress : Progress, optional
@@ -80,12 +86,12 @@ def run(
     def note(entry: Entry, judgement: Judgement) -> None:
         key = entry.claim.key
         judged[key] = judgement
-        if store is not None and judgement.finding is not None and not judgement.stored:
-            store.add(key, plain_judgement(judgement))
+        if store is not None and judgement.evidence is not None:
+            store.add(key, {name: getattr(judgement, name) for name in KEPT})
         progress.done(Outcome(entry, judgement))
 
     for entry in entries:
-        found = _stored(store, entry) or (shipped.load(entry) if shipped else None)
+        found = _stored(store, entry, packages) or (shipped.load(entry) if shipped else None)
         if found is not None:
             note(entry, found)
     left = tuple(e for e in entries if e.claim.key not in judged)
@@ -138,15 +144,15 @@ def _computed(
         yield from _computed([(entry,) for entry in failed], judges, jobs, progress)
 
 
-def _stored(store: Store | None, entry: Entry) -> Judgement | None:
-    """Return the judgement of a claim in the store; None if there is none that can be used."""
+def _stored(store: Store | None, entry: Entry, packages: Sequence[str]) -> Judgement | None:
+    """Judge a claim by its evidence in the store; None if there is none that can be used."""
     key = entry.claim.key
     if store is None or key not in store.results:
         return None
     try:
-        return judgement_from(store.results[key])
-    except (KeyError, TypeError, ValueError, AttributeError):
-        logger.info("the stored finding of %s is damaged and is computed again", key)
+        return judged_by(entry.claim, packages=packages, **store.results[key])
+    except (KeyError, TypeError, ValueError, AttributeError, ImportError):
+        logger.info("the stored evidence of %s is damaged and is computed again", key)
         return None
 
 

@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from paper_checks.discover import Entry
-from paper_checks.outcome import Judgement, Provenance, checked_finding
-from paper_checks.plain_evidence import evidence_from
+from paper_checks.outcome import Judgement, Provenance, judged_by
 from theory.parameters import ParameterError
 from verification.execution.digest import digest_of_code
 from verification.execution.metadata import Code, Metadata
@@ -71,18 +70,20 @@ class Shipped:
             metadata, seconds = record.metadata, float(record.content["seconds"])
             if metadata.parameters["evidence"] != root_of(claim.evidence):
                 raise ValueError("evidence")
-            evidence = evidence_from(record.content["evidence"], tuple(self.packages))
-            finding = checked_finding(claim.found(evidence))
+            stale = metadata.code != self._code(claim.evidence)
+            provenance = Provenance(metadata.command, metadata.versions, metadata.machine, stale)
+            judgement = judged_by(
+                claim, record.content["evidence"], tuple(self.packages), seconds=seconds,
+                judged=metadata.date, provenance=provenance,
+            )  # fmt: skip
         except (OSError, ParameterError, ValueError, KeyError, TypeError, AttributeError,
                 ImportError):  # fmt: skip
             logger.info("the shipped evidence of %s is damaged and is ignored", claim.key)
             return None
-        stale = metadata.code != self._code(claim.evidence)
         if stale and (self.renew or seconds < CHEAP):
             logger.info("the shipped evidence of %s is stale and is computed anew", claim.key)
             return None
-        provenance = Provenance(metadata.command, metadata.versions, metadata.machine, stale)
-        return Judgement(finding, None, seconds, metadata.date, stored=True, provenance=provenance)
+        return judgement
 
     def record(
         self, entry: Entry, judgement: Judgement, versions: Mapping[str, str | None]

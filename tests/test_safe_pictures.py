@@ -11,11 +11,10 @@ import matplotlib
 import pytest
 
 from paper_checks.claim import Finding, Picture, Verdict
-from paper_checks.outcome import Judgement
+from paper_checks.outcome import checked_finding
 from paper_checks.report import render
 from paper_checks.report.inline_svg import inline_svg
 from paper_checks.report.safe_svg import ELEMENTS, safe_svg
-from paper_checks.stored_judgement import judgement_from, plain_judgement
 
 HARMLESS = '<path id="a" d="M0 0L1 1" style="fill: none; clip-path: url(#c)"/>'
 FORGED = {
@@ -111,18 +110,17 @@ def test_pictures_of_matplotlib_keep_every_element_and_attribute():
     assert safe_svg(kept) == kept
 
 
-def test_a_stored_finding_names_no_path_and_holds_pictures_only():
+def test_a_finding_names_no_path_and_holds_pictures_only():
     picture = Picture("front", "A front", _document(""), "", "", "")
     finding = Finding(
         verdict=next(iter(Verdict)), value="1", error="0", tolerance="0", explanation="x",
         methods=("one",), pictures=(picture,),
     )  # fmt: skip
-    record = plain_judgement(Judgement(finding, None, 1.0, "2026-01-01T00:00:00Z"))
-    assert judgement_from(record).finding == finding
+    assert checked_finding(finding) is finding
     for change in ({"name": "../front"}, {"svg": "<svg><script>"}):
         forged = replace(finding, pictures=(replace(picture, **change),))
         with pytest.raises(ValueError, match="picture"):
-            judgement_from(plain_judgement(Judgement(forged, None, 1.0, "2026-01-01T00:00:00Z")))
+            checked_finding(forged)
 
 
 def test_policy_allows_the_page_s_own_script_and_no_other():

@@ -78,7 +78,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resume",
         action="store_true",
-        help="use findings that an earlier run of the same code kept in DIR",
+        help="use evidence that an earlier run of the same code kept in DIR",
     )
     parser.add_argument(
         "--full",
@@ -135,6 +135,7 @@ def run(options: argparse.Namespace) -> Answer:
             jobs=options.jobs or 1,
             package=discover.PACKAGE,
             store=store,
+            packages=_sources(),
             shipped=None if options.full else shipped,
             progress=_Reporter(shown),
         )

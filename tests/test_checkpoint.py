@@ -20,7 +20,12 @@ from numpy.lib import format as npy
 
 from theory.parameters import ParameterError, RunError
 from verification.execution import checkpoint
-from verification.execution.checkpoint import load_checkpoint, run_to_end, save_checkpoint
+from verification.execution.checkpoint import (
+    check_samples,
+    load_checkpoint,
+    run_to_end,
+    save_checkpoint,
+)
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import FileError
 
@@ -277,3 +282,55 @@ def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(checkpoint, "code_of_objects", lambda _: ((), "other"))
     with pytest.raises(ParameterError, match=r"same parameters, code and versions .*code"):
         run_to_end([Logistic()], 3.0, 1, path)
+
+
+def test_samples_are_as_many_as_memory_has_room_for() -> None:
+    most = checkpoint.MAX_NUMBERS // 1000
+    check_samples(2, 1)
+    check_samples(most, 1000)
+    for samples, sites, said in (
+        (1, 1, "number of samples"),
+        (1_000_001, 1, "number of samples"),
+        (most + 1, 1000, f"at most {most} for 1000 sites"),
+    ):
+        with pytest.raises(ParameterError, match=said) as refusal:
+            check_samples(samples, sites)
+        assert (refusal.value.quantity, refusal.value.value) == ("number of samples", samples)
+
+
+def test_a_refusal_names_the_file_what_it_must_be_and_what_to_do(path: Path) -> None:
+    path.write_bytes(b"")
+    with pytest.raises(ParameterError) as refusal:
+        load_checkpoint(path, blank(), METADATA)
+    told = refusal.value
+    assert (told.quantity, told.value) == ("checkpoint", path)
+    assert told.allowed == "a checkpoint as this toolkit writes them"
+    assert told.remedy == "remove it, or name another file"
+
+
+def test_seconds_of_earlier_runs_add_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the clock does meanwhile, they are not negative."""
+    path = tmp_path / "run.npz"
+    clock = iter([100.0, 101.0, 100.0])
+    monkeypatch.setattr(checkpoint, "_advance", lambda *_: None)
+    monkeypatch.setattr(checkpoint, "perf_counter", lambda: next(clock))
+    assert run_to_end([Logistic()], 3.0, 1, path) == 0.0
+    monkeypatch.setattr(checkpoint, "perf_counter", lambda: 5.0)
+    assert run_to_end([Logistic()], 3.0, 1, path) == 1.0
+    assert run_to_end([Logistic()], 3.0, 1, path) == 1.0
+    clock = iter([100.0, 98.0])
+    monkeypatch.setattr(checkpoint, "perf_counter", lambda: next(clock))
+    run_to_end([Logistic()], 3.0, 1, path)
+    with zipfile.ZipFile(path) as box:
+        assert json.loads(box.read("header.json"))["seconds"] == 0.0
+
+
+def test_two_runs_do_not_write_one_checkpoint(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+
+    def second(_: float) -> None:
+        with pytest.raises(FileError, match="another"):
+            run_to_end([Logistic()], 3.0, 1, path)
+
+    run_to_end([Logistic()], 3.0, 1, path, second)
+    assert path.exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import random
@@ -141,3 +142,48 @@ def test_the_file_is_ones_own_while_it_is_open(path: Path) -> None:
             with pytest.raises(FileError, match="in use by another run"):
                 found(path, **options)
     assert found(path)["40"] == 1
+
+
+@pytest.mark.parametrize("resume", [True, False])
+def test_a_store_that_may_be_replaced_keeps_what_fits_if_it_is_resumed_and_nothing_else(
+    resume: bool, path: Path
+) -> None:
+    with Store(path, IDENTITY, resume=resume, replace=True) as store:
+        assert store.results == (RESULTS if resume else {})
+        store.add("new", 1)
+    with Store(path, IDENTITY | {"function": "g"}, resume=True, replace=True) as store:
+        assert store.results == {}
+    path.write_bytes(b"no database" * 100)
+    with pytest.raises(ParameterError, match="unreadable"):
+        found(path)
+    with Store(path, IDENTITY, resume=True, replace=True) as store:
+        assert store.results == {}
+        store.add("0", 2)
+    assert found(path) == {"0": 2}
+
+
+def test_a_store_that_is_removed_leaves_no_file(path: Path) -> None:
+    with Store(path, IDENTITY, resume=True) as store:
+        store.add("40", 1)  # which is in the journal beside it
+        store.remove()
+        assert list(path.parent.iterdir()) == []
+    with Store(path, IDENTITY, resume=False) as store:
+        assert store.results == {}
+
+
+def test_refusals_name_the_file_what_is_wrong_and_what_to_do(path: Path) -> None:
+    change(path, "UPDATE identity SET text = '{}'")
+    with pytest.raises(ParameterError) as refusal:
+        found(path)
+    assert (refusal.value.quantity, refusal.value.value) == (f"store {path}", "of another run")
+    assert refusal.value.remedy == "remove it, or name another file"
+    with Store(path, IDENTITY, resume=True, replace=True), pytest.raises(FileError) as busy:
+        found(path)
+    assert busy.value.errno == errno.EBUSY
+    assert str(busy.value).startswith(f"the file {path} is in use by another run: wait")
+
+
+def test_a_damaged_row_is_named(path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    change(path, "UPDATE results SET checksum = 'x' WHERE key = '7'")
+    found(path)
+    assert caplog.messages == [f"the result '7' in {path} is damaged and is computed again"]

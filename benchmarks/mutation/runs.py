@@ -56,7 +56,8 @@ class Runs:
                 continue
             usual = sum(self._survey.seconds[test] for test in tests)
             run = partial(self._session.judge, mutant, tests)
-            yield Task(run=run, seconds=4.0 * usual + COLLECTING, take=take)
+            allowed = 4.0 * usual + (COLLECTING if self._session.made_on_import(mutant) else 2.0)
+            yield Task(run=run, seconds=allowed, take=take)
 
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes here, then more as the time allows."""

@@ -122,7 +122,7 @@ class Session:
         write({"by": self._anew(mutant, tests, compiled)})
 
     def made_on_import(self, mutant: Mutant) -> bool:
-        """Return whether importing the project leaves results of what is changed."""
+        """Return whether importing the project leaves results, or machine code, of it."""
         at = mutant.function_at
         return not mutant.first_line or mutant.of_default or at in self.on_import
 

@@ -10,7 +10,7 @@ from functools import partial
 
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED
-from benchmarks.mutation.session import COLLECTING, Answer, Session, Task
+from benchmarks.mutation.session import Answer, Session, Task
 from benchmarks.mutation.survey import Survey
 
 MAX_KNOWN = 3
@@ -56,8 +56,8 @@ class Runs:
                 continue
             usual = sum(self._survey.seconds[test] for test in tests)
             run = partial(self._session.judge, mutant, tests)
-            allowed = 4.0 * usual + (COLLECTING if self._session.made_on_import(mutant) else 2.0)
-            yield Task(run=run, seconds=allowed, take=take)
+            begins = self._session.seconds_to_begin(mutant)
+            yield Task(run=run, seconds=4.0 * usual + begins, take=take)
 
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes here, then more as the time allows."""

@@ -38,9 +38,6 @@ LIBRARIES = ("hypothesis.strategies", "numba", "scipy.integrate", "scipy.optimiz
 OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--import-mode=importlib",
            "-p", "no:cacheprovider", "-p", "no:faulthandler",
            "-o", "tmp_path_retention_policy=none")  # fmt: skip
-COLLECTING = 15.0
-"""Processor seconds allowed for importing the project anew."""
-
 Answer = dict[str, Any]
 
 
@@ -122,9 +119,15 @@ class Session:
         write({"by": self._anew(mutant, tests, compiled)})
 
     def made_on_import(self, mutant: Mutant) -> bool:
-        """Return whether importing the project leaves results, or machine code, of it."""
+        """Return whether importing the project leaves results of what is changed."""
         at = mutant.function_at
         return not mutant.first_line or mutant.of_default or at in self.on_import
+
+    def seconds_to_begin(self, mutant: Mutant) -> float:
+        """Return the processor seconds allowed for compiling or importing anew, before tests."""
+        if mutant.function_at in entered.compiled:
+            return 120.0
+        return 15.0 if self.made_on_import(mutant) else 2.0
 
     def _first_failing(
         self, tests: Sequence[str], plugin: object = None, limit: float = 0.0

@@ -587,3 +587,23 @@ def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_
     assert stall.status() is FrontStatus.CREEPING
     run.rests = True
     assert stall.status() is FrontStatus.COLLAPSED
+
+
+def test_what_changes_before_the_first_stall_time_is_over_does_not_count() -> None:
+    run: Any = _Motion()
+    stall = Stall(run, 10.0, 0.25)
+    for time, height in ((5.0, 1.0), (10.0, 2.0), (10.5, 3.0), (20.0, 3.0)):
+        run.time, run.amplitude = time, np.full(2, height)
+        assert stall.status() is None
+    run.time = 20.5
+    assert stall.status() is FrontStatus.PINNED
+
+
+@pytest.mark.parametrize("reached", [3, 27])
+def test_progress_is_the_chain_that_is_reached_or_the_time_that_is_waited(reached: int) -> None:
+    """Whichever is more, at most one; the last of the sites is reached at time 1."""
+    seen: list[float] = []
+    watch = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5, progress=seen.append)
+    watch.follow(_Run(1e-8, reached))  # type: ignore[arg-type]
+    waited = [n / 20.0 for n in range(22)]
+    assert seen == [min(1.0, max(part, (reached - 1) / 40)) for part in waited]

@@ -59,7 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     outcome = Outcome(mutants, found, explained)
     print(outcome)
     if options.record:
-        selection = {"where": options.where, "part": options.part}
+        names = ("where", "part", "tests", "seconds", "longest")
+        selection = {name: getattr(options, name) for name in names}
         outcome.write(options.record, ROOT, selection if whole else {**selection, "seed": seed})
     # Of a selection only those explanations can be judged that are about its changes.
     stale = outcome.stale if whole and len(found) == len(mutants) else []

@@ -195,3 +195,10 @@ def test_the_graph_is_an_svg(capsys, tmp_path):
 def test_the_page_of_verdicts_is_what_the_code_finds(capsys):
     written = Path(__file__).parents[1] / "docs" / "derivations.md"
     assert run(capsys, "all", "--format", "markdown")[1] == written.read_text(encoding="utf-8")
+
+
+def test_a_model_whose_cells_never_have_two_cycles_is_refused_for_the_front(capsys):
+    code, shown, said = run(capsys, "piecewise-front", "--damping", "1 + a*y**2 - b*y**4")
+    assert (code, shown) == (2, "")
+    assert said.startswith("fronts: damping = a*y**2 - b*y**4 + 1 is not allowed: it must be")
+    assert said.count("\n") == 1

@@ -114,6 +114,8 @@ class Step(ABC):
         try:
             with np.errstate(all="ignore"):  # a value that is not finite fails the check
                 return self.check(candidate)
+        except DerivationInputError:  # of the model, not of the candidate
+            raise
         except (TypeError, ValueError, ArithmeticError, AttributeError, LookupError) as error:
             return Evidence(False, f"it could not be evaluated ({type(error).__name__}: {error})")
 

@@ -15,6 +15,7 @@ import sympy as sp
 from scipy.optimize import brentq
 
 from derivations.algebra.equations import parts_of
+from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import Points, at_points
 from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
@@ -95,7 +96,11 @@ def _find(model: ChainModel, count: int) -> list[Sample]:
             found.append(Sample(chain, *cycles))
         if len(found) == count:
             return found
-    raise ArithmeticError("no chain of this model was found whose cell has two cycles")
+    raise DerivationInputError(
+        "damping", model.damping_of(sp.Symbol("y")), "that of a cell with two cycles around a "
+        "stable rest state at some positive values of its letters",
+        "give one, as 1 - a*y**2 + b*y**4: other cells have no front of (44)",
+    )  # fmt: skip
 
 
 def _cycles(chain: ChainNumbers) -> list[float]:

@@ -26,6 +26,8 @@ def resumable(said: Callable[[], str]) -> Iterator[None]:
     """
     try:
         yield
+    except Interrupted:  # what was interrupted inside has said it
+        raise
     except KeyboardInterrupt:
         raise Interrupted(said()) from None
 

@@ -75,7 +75,7 @@ def test_what_averaging_neglects_is_not_small_epsilon() -> None:
     share, a, b, eps = said("ε max|1 - a y² + b y⁴|, # at a = #, b = #, ε = #;")
     largest = 2.0 * np.sqrt(2.0 / a) / np.sqrt(1.0 + np.sqrt(1.0 - 8.0 * b / a**2))
     y = np.linspace(0.0, largest / threshold_ratio(b / a**2), 10_001)
-    assert share == pytest.approx(eps * np.abs(1.0 - a * y**2 + b * y**4).max(), abs=0.005)
+    assert share == pytest.approx(eps * np.abs(1.0 - y**2 * (a - b * y**2)).max(), abs=0.005)
 
 
 def test_a_far_start_is_stiff() -> None:

@@ -54,6 +54,9 @@ CLAIMS = tuple(
 )
 """
 
+CHANGED = "N = 2  # longer\n"
+"""Of another length than before: bytecode is kept by time, in seconds, and length."""
+
 TEXT = "# all\nvalue: {{ number }}\nerror: 0\ntolerance: none\n\nIt is.\n"
 
 
@@ -236,7 +239,7 @@ def test_evidence_is_read_back_to_the_last_bit():
 def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, package):
     path = record(capsys, tmp_path)
     change(path, long_ago)
-    (package / "deep.py").write_text("N = 2\n")
+    (package / "deep.py").write_text(CHANGED)
     _, claims, report, ran = run(capsys, tmp_path)
     assert ran == ["fast"]
     assert report["stale"] == ["slow"]
@@ -254,7 +257,7 @@ def test_record_computes_what_is_missing_or_stale_and_nothing_else(capsys, tmp_p
     path = tmp_path / "findings" / "fig1.slow.json"
     change(path, long_ago)
     assert run(capsys, tmp_path, "--record")[3] == ["fast"]
-    (package / "deep.py").write_text("N = 2\n")
+    (package / "deep.py").write_text(CHANGED)
     forget()
     code, claims, _, ran = run(capsys, tmp_path, "--record")
     assert (code, ran) == (0, ["slow", "fast"])

@@ -207,13 +207,6 @@ def test_a_chain_that_was_filled_once_is_no_front_unless_it_stays_so(c: float, l
     assert task(Point(eta=0.09, c=c))["label"] == label
 
 
-def test_a_point_whose_first_run_is_undecided_has_no_second_one() -> None:
-    point, soon = Point(eta=0.05, c=0.15), replace(ENVELOPE, end=60.0)
-    assert soon(point)["why"] == "end time"
-    assert soon(point)["steps"] == soon.alone()(point)["steps"]
-    assert ENVELOPE(point)["steps"] > ENVELOPE.alone()(point)["steps"]
-
-
 def test_a_late_label_does_not_count_and_a_small_perturbation_can_undecide() -> None:
     point = Point(eta=0.05, c=0.15)
     sure = ENVELOPE(point)

@@ -60,17 +60,6 @@ def _above(time: float, path: Any, places: list[int], level: float) -> float:
     return float(np.linalg.norm(path(time)[places]) - level)
 
 
-def outran(v: float, error: float, waves: float) -> bool:
-    """Tell whether a front is faster than waves beyond the error of its velocity.
-
-    Examples
-    --------
-    >>> outran(0.3664, 0.0039, 0.3660), outran(0.3705, 0.0039, 0.3660)
-    (False, True)
-    """
-    return v - error > waves
-
-
 def wave_velocity(c: float, eps: float = EPS) -> float:
     """Return the largest group velocity of waves of (8) about rest, per unit of slow time.
 

@@ -165,7 +165,14 @@ def new_panels(
     return figure, tuple(grid.ravel())
 
 
-def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column]) -> Picture:
+def picture(
+    name: str,
+    caption: str,
+    figure: Figure,
+    data: Mapping[str, Column],
+    *,
+    guides: bool = False,
+) -> Picture:
     """Render a figure and put the numbers behind it into CSV; the figure is emptied.
 
     The same figure gives the same bytes, at any time and in any process.
@@ -181,12 +188,14 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
     data : mapping of str to array_like
         Columns of the CSV file by name; one-dimensional, of one length. What is drawn as several
         curves comes from `data_table.long_table`.
+    guides : bool, optional
+        Whether lines that are not in the data may be drawn: slopes, bounds, a strip for zero.
 
     Raises
     ------
     ValueError
         If the name is no file name, the columns are not a table, as in `columns_as_csv`, or a line
-        or bar that is drawn is not among them.
+        or bar that is drawn is not among them and no guide.
     """
     if not NAME.fullmatch(name):
         raise ValueError(
@@ -194,7 +203,7 @@ def picture(name: str, caption: str, figure: Figure, data: Mapping[str, Column])
             "underscores: choose another."
         )
     table = columns_as_csv(data)
-    for label in drawn_beyond(figure, data):
+    for label in () if guides else drawn_beyond(figure, data):
         raise ValueError(f"the picture '{name}' draws '{label}', which is not in its data.")
     svg = _render(name, figure)
     figure.set_layout_engine("none")  # the layout that the first one found holds for the others

@@ -54,7 +54,7 @@ class CompiledCell(Oscillator):
     --------
     >>> cell = CompiledCell(stiffness=math.sinh, damping=lambda y, v: y * y - 1.0)
     >>> [(round(each.amplitude, 3), each.stable) for each in cell.cycles]
-    [(1.942, True)]
+    [(1.967, True)]
     """
 
     stiffness: Callable[[float], float]

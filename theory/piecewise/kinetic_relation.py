@@ -264,6 +264,8 @@ def trace_kinetic_relation(
         terms += found.evaluations
         for scene, branch in _branches(found, c_[scenes], eta_[scenes], retreating, admissibility):
             branches[scenes[scene]].append(branch)
+    if progress is not None:
+        progress(1.0)
     seconds = (perf_counter() - start) / max(1, c_.size)
     answers = []
     for c_here, eta_here, list_ in zip(c_.tolist(), eta_.tolist(), branches, strict=True):

@@ -24,7 +24,7 @@ CHAINS = {
     "coefficient": ChainModel(damping={0: 2, 2: -3 * a, 4: b}),
     "power": ChainModel(damping={0: 1, 4: -a, 8: b}),
     "sign": ChainModel(damping={0: 1, 2: -a, 4: b}, coupling=-c),
-    "next-nearest": ChainModel(damping={0: 1, 2: -a, 4: b}, weights=(1, sp.Rational(1, 3))),
+    "next-nearest": ChainModel(damping={0: 1, 2: -a, 4: b}, weights=(1, sp.Symbol("w", positive=True))),
 }
 FRICTION_CHAINS = {
     "coefficient": replace(FRICTION, damping=3 * d, stiffness=2 * k),

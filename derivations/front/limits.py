@@ -64,7 +64,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
     _static(draft, checks)
     if _one_radical(chain):
         _pinning(draft, checks)
-    _strong(draft, checks)
+    _strong(draft, chain, checks)
 
 
 def _one_radical(chain: ChainModel) -> bool:
@@ -136,12 +136,14 @@ def _pinning(draft: Draft, checks: LimitChecks) -> None:
                       check=checks.largest_eta)
 
 
-def _strong(draft: Draft, checks: LimitChecks) -> None:
+def _strong(draft: Draft, chain: ChainModel, checks: LimitChecks) -> None:
     """Strong coupling: two roots are left, one on each side."""
     scales = {L(k): long_wave, k: kappa / sp.sqrt(c), v: V * sp.sqrt(c)}
     draft.derived("long waves", (Substitute(scales), Limit(c, sp.oo)), "dispersion",
                   check=checks.long_waves)
-    above = SelectRoot("Im κ > 0", lambda q: q.imag > 0, {V: (0.2, 0.9, 3.0)})
+    tried: dict[sp.Symbol, tuple[float, ...]] = {V: (0.2, 0.9, 3.0)}
+    tried |= {letter: (0.1, 0.6) for weight in chain.weights for letter in weight.free_symbols}
+    above = SelectRoot("Im κ > 0", lambda q: q.imag > 0, tried)
     draft.derived("long-wave root", (Substitute({long_wave: 0}), SolveFor(kappa), above),
                   "long waves", check=checks.long_wave_root)
     draft.derived("strong sum", RootTerm(strong_sum), "long waves", "long-wave root",

@@ -61,6 +61,8 @@ def faults(site: Path) -> list[str]:
             aim = aim / "index.html" if aim.is_dir() else aim
             if not aim.is_file():
                 found.append(f"{where} links to {target}, which is not there.")
+            elif "=" in parts.fragment:  # what a page is to show, and no place
+                continue
             elif aim in pages and unquote(parts.fragment) not in pages[aim].anchors:
                 found.append(f"{where} links to {target}, and there is no such place.")
     return found

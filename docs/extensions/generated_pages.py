@@ -289,7 +289,11 @@ def write_all(app: Any) -> None:
 def copy_report(app: Any, error: Exception | None) -> None:
     """Copy the verdict report, where it has been made, into the site."""
     if error is None and (REPORT / "index.html").is_file():
-        shutil.copytree(REPORT, Path(app.outdir) / "report", dirs_exist_ok=True)
+        copied = Path(app.outdir) / "report"
+        shutil.copytree(REPORT, copied, dirs_exist_ok=True)
+        for page in copied.glob("*.html"):  # the report stands beside the site, its copy inside
+            text = page.read_text(encoding="utf-8")
+            page.write_text(text.replace("../site/index.html", "../index.html"), encoding="utf-8")
 
 
 def setup(app: Any) -> dict[str, Any]:

@@ -20,11 +20,14 @@ from derivations.friction.symbols import d, eta_c, k, m
 from derivations.front.cell import forcing_parameter
 from derivations.symbols import a, b, c
 
+w = sp.Symbol("w", positive=True)
 CHAINS = {
     "coefficient": ChainModel(damping={0: 2, 2: -3 * a, 4: b}),
     "power": ChainModel(damping={0: 1, 4: -a, 8: b}),
     "sign": ChainModel(damping={0: 1, 2: -a, 4: b}, coupling=-c),
-    "next-nearest": ChainModel(damping={0: 1, 2: -a, 4: b}, weights=(1, sp.Symbol("w", positive=True))),
+    "next-nearest": ChainModel(
+        damping={0: 1, 2: -a, 4: b}, weights=(1, sp.Symbol("w", positive=True))
+    ),
 }
 FRICTION_CHAINS = {
     "coefficient": replace(FRICTION, damping=3 * d, stiffness=2 * k),

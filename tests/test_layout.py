@@ -4,6 +4,7 @@ Every import statement counts: those inside functions, and those for types only.
 """
 
 import ast
+import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -84,3 +85,34 @@ def test_imports_run_one_way_between_the_packages(package):
     for path in (ROOT / package).rglob("*.py"):
         ours = {name.partition(".")[0] for name, _ in _imported(path)} & {*ALLOWED}
         assert ours <= ALLOWED[package], path
+
+
+def _named_in(text: str) -> Iterator[str]:
+    """Yield files and modules of ours that a text names in backquotes, as paths."""
+    home = f"(?:{'|'.join([*ALLOWED, 'docs', 'examples', 'tests'])})"
+    yield from re.findall(rf"`({home}/[\w/.]+\.\w+)`", text)
+    yield from (name.replace(".", "/") for name in re.findall(rf"`({home}(?:\.\w+)+)`", text))
+
+
+def _stands(path: str) -> bool:
+    """Return whether a file or folder is there, or what is named in a module or package."""
+    if (ROOT / path).exists() or (ROOT / path).with_suffix(".py").exists():
+        return True
+    for place in (ROOT / path).parents:
+        for home in (place.with_suffix(".py"), place / "__init__.py"):
+            if home.is_file():
+                named = (ROOT / path).relative_to(place).parts
+                text = home.read_text("utf-8")
+                return all(re.search(rf"\b{name}\b", text) for name in named)
+    return False
+
+
+@pytest.mark.parametrize("suffix", ["*.py", "*.md"])
+def test_files_and_modules_named_in_prose_are_there(suffix):
+    folders = [ROOT / name for name in (*ALLOWED, "docs", "examples")]
+    texts = [
+        path for folder in folders for path in folder.rglob(suffix) if "site" not in path.parts
+    ]
+    for path in [*texts, *ROOT.glob(suffix)]:
+        lost = [each for each in _named_in(path.read_text("utf-8")) if not _stands(each)]
+        assert not lost, (path.relative_to(ROOT), lost)

@@ -81,7 +81,7 @@ class Chain(ABC):
     5. Give :attr:`time_unit`, the time t in which amplitudes change by a factor of order one:
        waiting times of fronts and thresholds are counted in it.
     6. If the motion is smooth, :class:`SmoothChain` says the rest. If it is not, register an
-       integration of your own with ``verification.runs.integration.integrate``.
+       integration of your own with ``verification.runs.integration.integration``.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ k = x + iy; then L(k) = 0 is the pair
    |Im k| < s free of roots.
 
 Facts 3 and 4 give every root a label n that never changes. ``theory.piecewise.root_count`` checks
-them by the argument principle, ``derivations.piecewise_front`` in symbols.
+them by the argument principle, ``derivations.front`` in symbols.
 """
 
 from __future__ import annotations

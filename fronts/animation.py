@@ -69,7 +69,7 @@ def animate(
     if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
         raise MissingPackageError("ffmpeg", "films", "a film in .mp4")
     with mpl.rc_context():
-        figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="constrained")
+        figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="compressed")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         show = snapshot(run, axes)

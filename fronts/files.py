@@ -197,6 +197,7 @@ def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], Non
 
     figure, axes = new_axes("page", height=3.6)
     result.plot(axes)
+    figure.set_layout_engine("compressed")  # no empty margin beside a lattice
     said = json.dumps(provenance)
 
     def write(path: Path) -> None:

@@ -47,7 +47,7 @@ def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
     if axes is None:
         import matplotlib.pyplot as plt
 
-        axes = plt.subplots(layout="constrained")[1]
+        axes = plt.subplots(layout="compressed")[1]
     drawing(result, axes, **style)
     return axes
 

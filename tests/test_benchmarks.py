@@ -554,10 +554,10 @@ def test_without_the_source_tree_bench_says_where_the_benchmarks_are(capsys, tmp
 
 
 README_NUMBERS = [
-    ("chain", "against scipy, at equal error", "168 times", 1.0),
-    ("chain", "map of Fig. 15, full", "| 12 s;", 1.0),
-    ("chain", "map of Fig. 15, envelope", "; 1.4 s |", 1.0),
-    ("chain", "all thresholds of Fig. 11", "| 0.22 s |", 1.0),
+    ("chain", "against scipy, at equal error", "114 times", 1.0),
+    ("chain", "map of Fig. 15, full", "| 17 s;", 1.0),
+    ("chain", "map of Fig. 15, envelope", "; 1.7 s |", 1.0),
+    ("chain", "all thresholds of Fig. 11", "| 0.19 s |", 1.0),
     ("own-chain", "against heyoka, lattice", "| 3.9 times;", 1.0),
     ("own-chain", "against jitcode dop853, lattice", "; 1.9 times |", 1.0),
     ("own-chain", "against heyoka, next-nearest", "| 1.13 times;", 1.0),

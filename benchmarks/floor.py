@@ -12,17 +12,15 @@ than arithmetic does.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
-from time import process_time
 from typing import Any
 from unittest import mock
 
 import numpy as np
 from scipy.integrate import DOP853
 
+from benchmarks.growth import least_seconds
 from benchmarks.work_precision import Report
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.sums import arithmetic, axis
@@ -216,19 +214,11 @@ def rates() -> tuple[float, float]:
     x, y = np.full(_LENGTH, 0.5), np.full(_LENGTH, 0.9)
     found = []
     for loop, each in ((multiply_add, 2.0 * _DEPTH), (divide, 1.0)):
-        best = _least_seconds(partial(loop, x, y, _PASSES), 5)
+        call = partial(loop, x, y, _PASSES)
+        call()  # compiled before it is timed
+        best = least_seconds(call, 5)
         found.append(each * _LENGTH * _PASSES / best)
     return found[0], found[1]
-
-
-def _least_seconds(work: Callable[[], object], repeats: int) -> float:
-    work()  # compiled before it is timed
-    best = math.inf
-    for _ in range(repeats):
-        begin = process_time()
-        work()
-        best = min(best, process_time() - begin)
-    return best
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -277,7 +267,8 @@ def measure(quick: bool, report: Report) -> list[Floor]:
     v, c = np.random.default_rng(1).uniform(0.3, 3.0, (2, 30_000))
     plain = axis.plan(v, c, 1e-12)[0] > 0
     v, c = v[plain][:MANY], c[plain][:MANY]
-    seconds = _least_seconds(lambda: sums(v, c, 1e-12), repeats)
+    sums(v, c, 1e-12)
+    seconds = least_seconds(lambda: sums(v, c, 1e-12), repeats)
     found.append(_row(f"Σ at 1e-12, a batch of {v.size}", of_sums(v, c, 1e-12), seconds))
     return found
 
@@ -289,8 +280,8 @@ def _run(name: str, chain: VanDerPolChain, end: float, repeats: int) -> Floor:
     def run() -> Any:
         return simulate(chain, start, end, samples=2, estimate_error=False)
 
-    seconds = _least_seconds(run, repeats)
-    return _row(name, of_site_step(chain) * run().counts["site_steps"], seconds)
+    site_steps = run().counts["site_steps"]  # compiled here, before it is timed
+    return _row(name, of_site_step(chain) * site_steps, least_seconds(run, repeats))
 
 
 def _row(name: str, done: Operations, seconds: float) -> Floor:

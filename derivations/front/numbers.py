@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -194,8 +194,13 @@ def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Ex
         half = (count - 20) * reach
         sums.append(terms[max(middle - half, 0) : middle + half].sum())
     edges = [count - 20 for count in (COUNT // 4, COUNT // 2, COUNT)]
-    fit = np.linalg.solve(np.array([[1, 1 / e, 1 / e**2] for e in edges]), np.array(sums))
-    return sp.sympify(complex(fit[0]))
+    return sp.sympify(_extrapolated(sums, edges))
+
+
+def _extrapolated(sums: Sequence[complex], ends: Sequence[float]) -> complex:
+    """Return I where three sums up to e are I + p/e + q/e²."""
+    rows = [[1.0, 1.0 / end, 1.0 / end**2] for end in ends]
+    return complex(np.linalg.solve(np.array(rows), np.array(sums))[0])
 
 
 def _integral(node: Any, point: Point) -> sp.Expr:
@@ -219,16 +224,15 @@ def _integral(node: Any, point: Point) -> sp.Expr:
 def _to_infinity(function: Callable[[Any], Any]) -> complex:
     """Return the integral from 0 of what falls like 1/k² and turns with cosines of k.
 
-    Up to 2πM it is I - p/M + q/M³, and less: by Gauss's rule on sixteenths of a period for three M.
+    Up to 2πM it is I + p/M + q/M², and less: by Gauss's rule on sixteenths of a period for three M.
     """
     nodes, weights = np.polynomial.legendre.leggauss(16)
     half = math.pi / 16.0
     middles = half * (2.0 * np.arange(16 * _PERIODS[-1]) + 1.0)
     values = function(middles[:, None] + half * nodes) @ weights * half
-    ends = np.array(_PERIODS, dtype=float)
-    sums = np.array([values[: 16 * count].sum() for count in _PERIODS])
-    fit = np.linalg.solve(np.stack([ends**0, 1.0 / ends, 1.0 / ends**3], axis=1), sums)
-    plain = (sums[2] * ends[2] - sums[1] * ends[1]) / (ends[2] - ends[1])
-    if not abs(fit[0] - plain) <= 1e-7 * abs(plain):
+    sums = [values[: 16 * count].sum() for count in _PERIODS]
+    found = _extrapolated(sums, _PERIODS)
+    _, near, far = _PERIODS
+    if not abs(found - (far * sums[2] - near * sums[1]) / (far - near)) <= 1e-7 * abs(found):
         raise ArithmeticError("an integral did not converge")
-    return complex(fit[0])
+    return found

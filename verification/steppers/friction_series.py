@@ -84,22 +84,14 @@ vectorised = compiled.inner(
 """Compile as ``inner`` does, with products and sums contracted."""
 
 
-def outer(function: Function) -> Function:
-    """Compile what Python calls."""
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", **compiled.UNCOUNTED}
-    found: Function = compiled.njit(**options)(function)
-    return found
+outer = compiled.outer(cache=True, error_model="numpy", **compiled.UNCOUNTED)
+"""Compile what Python calls."""
 
+inlined = compiled.outer(error_model="numpy", inline="always", **compiled.UNCOUNTED)
+"""Compile what has one caller as a part of it; pays where it calls much that is optimised.
 
-def inlined(function: Function) -> Function:
-    """Compile what has one caller as a part of it; pays where it calls much that is optimised.
-
-    LLVM optimises a compiled function once more in each that calls it, at every level; numba takes
-    longer to put a function into another the longer both are.
-    """
-    options: dict[str, Any] = {"error_model": "numpy", "inline": "always", **compiled.UNCOUNTED}
-    found: Function = compiled.njit(**options)(function)
-    return found
+LLVM optimises a compiled function once more in each that calls it, at every level; numba takes
+longer to put a function into another the longer both are."""
 
 
 Law = tuple[float, ...]

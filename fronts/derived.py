@@ -140,6 +140,12 @@ def _grid(
     # The first values stand for the others, which are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
     chain = bound.chain(**{**fields, **held})
+    for each in options.out:
+        if getattr(options, "amplitudes", False) and each.suffix == ".csv":
+            raise UsageError(
+                f"CSV has no place for the arrays of --amplitudes: name {each.stem}.zarr or "
+                f"{each.stem}.npz in place of {each}."
+            )
     resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
     return chain, {**chosen, "axes": axes, "out": next(resumable, None)}
 

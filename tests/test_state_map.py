@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shlex
 from dataclasses import replace
 from pathlib import Path
@@ -449,6 +450,27 @@ def test_a_store_of_other_parameters_stops_the_command(
     assert main(shlex.split(line + " --resume --json")) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 2
     assert not part_path(out).exists()
+
+
+@pytest.mark.parametrize("files", ["-o a.csv", "-o a.zarr -o b.csv", "-o b.csv -o a.npz"])
+def test_amplitudes_are_refused_for_csv_before_any_point(
+    files: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def computed(*_: object) -> None:
+        raise AssertionError("a point was computed")
+
+    monkeypatch.setattr(StateTask, "__call__", computed)
+    monkeypatch.chdir(tmp_path)
+    assert main(f"map averaged --c 0.1:0.6:2 --n 16 --amplitudes {files}".split()) == 2
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"fronts: CSV has no place for .* name (\w+)\.zarr .* of \1\.csv\.\n", said)
+    chain = AveragedChain(a=4, b=0.5, c=0, sites=16)
+    with pytest.raises(ParameterError, match=r"a\.csv .* \.zarr or \.npz"):
+        state_map(StateTask(chain=chain, amplitudes=True), c=[0.1], out=Path("a.csv"))
+    assert not [*tmp_path.iterdir()]
 
 
 def test_amplitudes_of_every_site_are_those_of_an_independent_run(tmp_path: Path) -> None:

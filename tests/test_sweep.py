@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import json
 import math
@@ -445,6 +446,49 @@ def test_arrays_of_points_are_those_of_a_loop_through_a_stop_and_a_file(
         with np.load(out) as file:
             assert (file["profile"] == table["profile"]).all()
             assert "versions" in json.loads(str(file["provenance"]))
+
+
+@pytest.mark.parametrize("axes", [{"x": range(64)}, {"x": [1], "y": range(64)}])
+def test_arrays_larger_than_memory_are_written_and_read_by_chunks(
+    axes: dict[str, object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 32 MB an eighth at most is ever in memory: zarr has some ten chunks in hand."""
+    zarr, out = pytest.importorskip("zarr"), tmp_path / "out.zarr"
+    cells, size, chunk = 65_536, 64 * 65_536 * 8, 1 << 17
+    monkeypatch.setattr("verification.execution.table.CHUNK_BYTES", chunk)
+
+    def wave(point: Point) -> dict[str, object]:
+        return {"wave": np.sin(sum(point.values()) + np.arange(cells))}
+
+    sweep(wave, {"x": [0]}, out=tmp_path / "imports.zarr", workers=1)
+    tracemalloc.start()
+    try:
+        first = sweep(wave, axes, out=out, workers=1)
+        again = sweep(wave, axes, out=out, workers=1, resume=True)
+        assert tracemalloc.get_traced_memory()[1] < size / 8
+    finally:
+        tracemalloc.stop()
+    assert again.resumed == 64
+    assert first["wave"].nbytes == size
+    for table in (first, again):
+        for place in (0, 33, 63):
+            row = sum(int(table[name][place]) for name in axes)
+            assert np.array_equal(table["wave"][place], np.sin(row + np.arange(cells)))
+    stored = zarr.open_group(out)["wave"]
+    assert np.prod(stored.chunks) * 8 == chunk
+
+
+def test_a_disk_without_room_for_the_arrays_is_said_before_they_are_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    task = sweep_example.Shapes(str(tmp_path / "log"))
+    with pytest.raises(FileError, match="free some space"):
+        sweep(task, POINTS, out=tmp_path / "out.npz", workers=1)
+    assert len(_computed(tmp_path / "log")) == 1
 
 
 def test_arrays_of_several_shapes_are_refused_with_both_shapes(tmp_path: Path) -> None:

@@ -2,19 +2,24 @@
 
 A cell is a truth value, a number, a word, or an array of numbers, of one shape in the whole column.
 A column has the narrowest type that holds all its cells, whatever their order: truth values,
-integers, or floats. While it is filled, a column of words keeps each of them once.
+integers, or floats. While it is filled, a column of words keeps each of them once. Arrays
+may lie in a file, so that memory does not bound their size.
 """
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Collection, Iterator, Mapping
+import os
+import tempfile
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.parameters import ParameterError
+from verification.execution.files import file_error
 
 Scalar: TypeAlias = bool | int | float | str
 """A coordinate of a point, or a cell of CSV."""
@@ -116,6 +121,8 @@ class Columns:
         Rows.
     flat : bool, optional
         Refuse arrays, for which CSV has no place.
+    folder : Path, optional
+        Where columns of arrays lie in a file, see `on_disk`; by default they lie in memory.
 
     Attributes
     ----------
@@ -131,9 +138,9 @@ class Columns:
     {'c': array([1. , 2.5]), 'label': array(['front', 'breather'], dtype='<U8')}
     """
 
-    def __init__(self, count: int, *, flat: bool = False) -> None:
+    def __init__(self, count: int, *, flat: bool = False, folder: Path | None = None) -> None:
         self.filled = np.zeros(count, dtype=np.bool_)
-        self._flat = flat
+        self._flat, self._folder = flat, folder
         self._columns: dict[str, _Column] = {}
 
     @property
@@ -151,7 +158,7 @@ class Columns:
         """
         if not self._columns:
             self._columns = {
-                name: _Column(name, self.filled.size, cell, self._flat)
+                name: _Column(name, self.filled.size, cell, self._flat, self._folder)
                 for name, cell in row.items()
             }
         elif row.keys() != self._columns.keys():
@@ -178,9 +185,34 @@ def column_of(name: str, cells: Collection[Cell]) -> Array:
     """
     column = None
     for index, cell in enumerate(cells):
-        column = column or _Column(name, len(cells), cell, False)
+        column = column or _Column(name, len(cells), cell)
         column.put(index, cell)
     return np.empty(0) if column is None else column.array()
+
+
+def on_disk(shape: Sequence[int], kind: npt.DTypeLike, folder: Path) -> Array:
+    """Return zeros that lie in a file without a name, which ends with the array.
+
+    Raises
+    ------
+    FileError
+        If the disk has no room for them.
+
+    Examples
+    --------
+    >>> on_disk((2, 3), float, Path(tempfile.gettempdir()))[1]
+    array([0., 0., 0.])
+    """
+    size = int(np.prod(shape)) * np.dtype(kind).itemsize
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            # All of it now: who finds the disk full later, in an assignment, is killed.
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            file.truncate(size)
+            return np.asarray(np.memmap(file, kind, "r+", shape=tuple(shape)))
+    except OSError as error:
+        raise file_error(folder, error) from None
 
 
 def read_only(array: Array) -> Array:
@@ -206,7 +238,9 @@ def python_rows(arrays: Mapping[str, Array], chunk: int = 1024) -> Iterator[tupl
 class _Column:
     """One column that is being filled; words are numbered in the order in which they come."""
 
-    def __init__(self, name: str, count: int, first: Cell, flat: bool) -> None:
+    def __init__(
+        self, name: str, count: int, first: Cell, flat: bool = False, folder: Path | None = None
+    ) -> None:
         if not name.isidentifier():
             raise ParameterError(
                 "column name", repr(name), "letters, digits and underscores", "rename the result"
@@ -218,7 +252,8 @@ class _Column:
                 "one number or word a point where the table is CSV",
                 "name a file ending in .zarr or .npz",
             )  # fmt: skip
-        self._values = np.zeros((count, *self.shape), dtype=_TYPES[self._kind])
+        self._folder = folder if self.shape else None
+        self._values = self._zeros((count, *self.shape), _TYPES[self._kind])
         self._words: dict[str, int] = {}
 
     def put(self, index: int, cell: Cell) -> None:
@@ -255,7 +290,14 @@ class _Column:
                 "return numbers everywhere, or words",
             )  # fmt: skip
         if self._kind != "f":
-            self._kind, self._values = "f", self._values.astype(np.float64)
+            narrow = self._values
+            self._kind, self._values = "f", self._zeros(narrow.shape, np.float64)
+            self._values[...] = narrow
+
+    def _zeros(self, shape: tuple[int, ...], kind: npt.DTypeLike) -> Array:
+        if self._folder is None:
+            return np.zeros(shape, dtype=kind)
+        return on_disk(shape, kind, self._folder)
 
     def _check(self, word: str) -> None:
         if not word or word != word.strip() or any(sign in word for sign in FORBIDDEN):

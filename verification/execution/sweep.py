@@ -148,8 +148,7 @@ def sweep(
             return replace(table, dims=named_dims(shapes, dims or {}))
     store = None if out is None else Store(part_path(out), _identity(metadata), resume=resume)
     with store or nullcontext(), terminated_as_interrupted() if out else nullcontext():
-        flat = out is not None and out.suffix not in ARRAY_FORMATS
-        found = _Found(points=asked, flat=flat, names=dims or {})
+        found = _Found(points=asked, out=out, names=dims or {})
         resumed = found.take_from(store)
         try:
             failures = _compute(
@@ -196,14 +195,19 @@ class _Found:
     """What is known of the table: the coordinates, and the results that have come."""
 
     points: Sequence[Point]
-    flat: bool
+    out: Path | None
     names: Mapping[str, str | Sequence[str]]
     dims: Dims = field(default_factory=dict)
     stored: int = 0
 
     def __post_init__(self) -> None:
         self.coordinates = coordinates(self.points)
-        self.columns = Columns(len(self.points), flat=self.flat)
+        whole = self.out is not None and self.out.suffix in ARRAY_FORMATS
+        self.columns = Columns(
+            len(self.points),
+            flat=self.out is not None and not whole,
+            folder=self.out.parent if self.out is not None and whole else None,
+        )
 
     def put(self, index: int, row: Mapping[str, Cell]) -> None:
         """Take the results of a point; refuse those that fit no table, from the first one on."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from verification.execution.columns import (
     Columns,
     Scalar,
     cell_of,
+    on_disk,
     python_rows,
     read_only,
 )
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
 
 ARRAY_FORMATS = (".zarr", ".npz")
 """Endings of files that hold arrays as well; a file of any other ending is CSV."""
+
+CHUNK_BYTES = 1 << 20
+"""Of a zarr store, before compression: what is in memory when one of its arrays is written."""
 
 Dims = Mapping[str, tuple[str, ...]]
 """Names of the dimensions of arrays, by column."""
@@ -213,12 +218,36 @@ def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Pa
     """
     optional_package("zarr")
     data = data.assign_attrs(provenance=json.dumps(provenance))
+    chunks = {
+        name: {"chunks": chunk_shape(each.shape, each.dtype.itemsize)}
+        for name, each in data.variables.items()
+        if each.ndim
+    }
 
     def write(path: Path) -> None:
         path.unlink(missing_ok=True)
-        data.to_zarr(path, mode="w-", zarr_format=2)  # words are not yet in the standard of 3
+        # words are not yet in the standard of 3
+        data.to_zarr(path, mode="w-", zarr_format=2, encoding=chunks)
 
     return write
+
+
+def chunk_shape(shape: Sequence[int], itemsize: int) -> tuple[int, ...]:
+    """Return the shape of chunks of at most `CHUNK_BYTES`, consecutive in an array.
+
+    Examples
+    --------
+    >>> chunk_shape((14, 20, 100_000), 8)
+    (1, 1, 100000)
+    >>> chunk_shape((14, 2000, 100), 8)
+    (1, 1310, 100)
+    """
+    room = max(CHUNK_BYTES // itemsize, 1)
+    found: list[int] = []
+    for size in reversed(shape):
+        found.append(max(min(size, room), 1))
+        room = max(room // max(size, 1), 1)
+    return tuple(reversed(found))
 
 
 def commented(entries: Mapping[str, Any], names: Iterable[str]) -> str:
@@ -291,13 +320,27 @@ def _columns_of_zarr(
         shape = tuple(data.sizes[name] for name in axes) or (count,)
         found = {}
         for name in columns:
+            if data[name].ndim > len(shape):
+                found[name] = read_only(_from_chunks(data[name], path.parent, len(shape)))
+                continue
             values = data[name].values
             if name in axes:
                 place = [-1 if other == name else 1 for other in axes]
                 values = np.broadcast_to(values.reshape(place), shape)
-            values = values.reshape(count, *values.shape[len(shape) :])
+            values = values.reshape(count)
             found[name] = read_only(values.astype(str) if values.dtype.kind == "O" else values)
     return found
+
+
+def _from_chunks(stored: xr.DataArray, folder: Path, axes: int) -> Array:
+    """Return arrays, one a point, copied from a store to a file of theirs chunk by chunk."""
+    found = on_disk(stored.shape, stored.dtype, folder)
+    steps = list(zip(stored.shape, stored.encoding["chunks"], strict=True))
+    for corner in product(*(range(0, size, step) for size, step in steps)):
+        ends = (begin + step for begin, (_, step) in zip(corner, steps, strict=True))
+        chunk = tuple(map(slice, corner, ends))
+        found[chunk] = stored[chunk].values
+    return found.reshape(-1, *stored.shape[axes:])
 
 
 def record_path(path: Path) -> Path:

@@ -35,7 +35,7 @@ from verification.execution.points import Grid, Point
 from verification.execution.pool import worker_count, worker_pool
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import Task, sweep
-from verification.execution.table import Table
+from verification.execution.table import ARRAY_FORMATS, Table
 from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F401  (register)
 from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.rules import rules_of
@@ -363,7 +363,8 @@ def state_map(
     Raises
     ------
     ParameterError
-        If the chain has no rules, or an axis or a value does not fit it.
+        If the chain has no rules, an axis or a value does not fit it, or amplitudes are to go into
+        a file that has no place for arrays.
 
     Examples
     --------
@@ -379,6 +380,11 @@ def state_map(
     within("part of the spacing, refine,", refine, 0.0, 1.0)
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
+    if task.amplitudes and out is not None and Path(out).suffix not in ARRAY_FORMATS:
+        raise ParameterError(
+            "file of a map with amplitudes", out, "one with a place for arrays",
+            "name a file ending in .zarr or .npz",
+        )  # fmt: skip
     points = state_points(task, axes)
     with _pool(workers, len(points)) if executor is None else nullcontext(executor) as pool:
         dims = {"amplitude": "site"} if task.amplitudes else {}

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
 
         COMMAND_LINE.set(command_line(words))
     saved = resumable_run(getattr(options, "checkpoint", None))
-    with saved, Progress(words[0], quiet=getattr(options, "json", False)) as live:
+    with saved, Progress(words[0], quiet=options.json) as live:
         result, parameters = _computed(options, bound, live.report)
     if options.out:
         write_output(options.out, result, parameters, words)

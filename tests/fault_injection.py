@@ -1,9 +1,10 @@
-"""Faults of the disk, injected at the n-th thing that is done to it: an error, or a kill.
+"""Faults injected at the n-th thing done: an error of the disk, a kill, an array without memory.
 
 What SQLite does is reached by its own means for that purpose, ``xSetSystemCall`` of its file
 system; what Python does, by standing in for the functions that `verification.execution.files` uses.
 A kill is played by copying the folder as it is at that moment, half of a write done; whoever looks
-at the copy sees what the next process would see.
+at the copy sees what the next process would see. Memory runs out by NumPy's own means for that
+purpose, a handler of the data of arrays (NEP 49).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 _WRITE = ctypes.CFUNCTYPE(
@@ -147,3 +149,80 @@ def _sqlite_on(disk: Disk) -> Iterator[None]:
         yield
     finally:
         inner.set(system, None, None)  # all as they were
+
+
+class Memory:
+    """Memory of which the n-th block of an array is refused.
+
+    Parameters
+    ----------
+    fails : int, optional
+        Number of the block, from 0; all later ones are given.
+    least : int, optional
+        Bytes from which on a block counts.
+    """
+
+    def __init__(self, *, fails: int | None = None, least: int = 0) -> None:
+        self.fails, self.least = fails, least
+        self.count = 0
+
+    def refuses(self, size: int) -> bool:
+        """Count a block if it is large; return whether it is the one that is refused."""
+        if size < self.least:
+            return False
+        self.count += 1
+        return self.count - 1 == self.fails
+
+
+_MALLOC = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t)
+_CALLOC = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t)
+_REALLOC = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t)
+
+
+class _Handler(ctypes.Structure):
+    """``PyDataMem_Handler``; what it frees goes where it would without this."""
+
+    _fields_ = (
+        ("name", ctypes.c_char * 127), ("version", ctypes.c_uint8), ("context", ctypes.c_void_p),
+        ("malloc", _MALLOC), ("calloc", _CALLOC), ("realloc", _REALLOC), ("free", ctypes.c_void_p),
+    )  # fmt: skip
+
+
+_HANDLERS: list[object] = []
+"""All that were in use: an array that lives on refers to its own."""
+
+
+@contextmanager
+def limited(memory: Memory) -> Iterator[Memory]:
+    """Let NumPy take the data of its arrays from this memory."""
+    inside = ctypes.pythonapi.PyCapsule_GetPointer
+    inside.restype, inside.argtypes = ctypes.c_void_p, (ctypes.py_object, ctypes.c_char_p)
+    capsule = ctypes.pythonapi.PyCapsule_New
+    capsule.restype = ctypes.py_object
+    capsule.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
+    functions = ctypes.cast(
+        inside(np._core._multiarray_umath._ARRAY_API, None),  # type: ignore[attr-defined]
+        ctypes.POINTER(ctypes.c_void_p),
+    )
+    put = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.py_object)(functions[304] or 0)
+    get = ctypes.PYFUNCTYPE(ctypes.py_object)(functions[305] or 0)
+    usual = ctypes.cast(inside(get(), b"mem_handler"), ctypes.POINTER(_Handler)).contents
+
+    def malloc(context: int, size: int) -> int | None:
+        return None if memory.refuses(size) else usual.malloc(context, size)
+
+    def calloc(context: int, count: int, size: int) -> int | None:
+        return None if memory.refuses(count * size) else usual.calloc(context, count, size)
+
+    def realloc(context: int, block: int, size: int) -> int | None:
+        return None if memory.refuses(size) else usual.realloc(context, block, size)
+
+    standing = _Handler.from_buffer_copy(usual)
+    standing.malloc, standing.calloc = _MALLOC(malloc), _CALLOC(calloc)
+    standing.realloc = _REALLOC(realloc)
+    _HANDLERS.extend((standing, standing.malloc, standing.calloc, standing.realloc))
+    before = put(capsule(ctypes.addressof(standing), b"mem_handler", None))
+    try:
+        yield memory
+    finally:
+        put(before)

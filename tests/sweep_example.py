@@ -94,13 +94,7 @@ class Shapes:
         }
 
 
-HUNGRY: set[int] = set()
-"""Points at which memory runs out."""
-
-
 def value(point: Point) -> dict[str, float | str]:
-    if point["x"] in HUNGRY:
-        raise MemoryError
     return {"value": 1.0 / (0.1 + point.number("x")), "label": "small" * 20}
 
 

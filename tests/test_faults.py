@@ -1,7 +1,7 @@
-"""Faults injected into sweep, check and simulate: after each, resuming gives what was undisturbed.
+"""Faults injected into simulate, sweep, map and check: resuming gives what was undisturbed.
 
 In the manner of SQLite's own tests: not some faults, but one at every place where the disk is
-touched.
+touched, and at every array that memory is asked for.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +29,14 @@ from paper_checks.claim import Claim, Finding, Method, Verdict
 from paper_checks.discover import Entry
 from paper_checks.ruling import holds
 from paper_checks.run import run
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution import checkpoint
 from verification.execution.checkpoint import run_to_end
 from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import SweepError, sweep
+from verification.maps.state_map import StateTask, boundary_path, state_map
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
@@ -41,14 +44,15 @@ FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
 fault_injection = importlib.import_module("fault_injection")
 Disk, injected = fault_injection.Disk, fault_injection.injected
+Memory, limited = fault_injection.Memory, fault_injection.limited
 sweep_example = importlib.import_module("sweep_example")
 Logistic = importlib.import_module("checkpoint_example").Logistic
 
 
 def simulated(folder: Path) -> bytes:
     """Run two integrations, saved after each step; resume where there is a file."""
-    both = [Logistic(), Logistic()]
-    run_to_end(both, 3.0, 1, folder / "run.npz")
+    both = [Logistic(2), Logistic(2)]
+    run_to_end(both, 2.0, 1, folder / "run.npz")
     return b"".join(each.state.tobytes() for each in both)
 
 
@@ -63,6 +67,14 @@ def integrated(folder: Path) -> bytes:
 def swept(folder: Path) -> bytes:
     sweep(sweep_example.value, {"x": range(5)}, out=folder / "out.csv", workers=1, resume=True)
     return (folder / "out.csv").read_bytes()
+
+
+def mapped(folder: Path) -> bytes:
+    """Name the states of a small chain, and bisect their boundary: two tables."""
+    chain = AveragedChain(a=4, b=0.5, c=0.6, sites=5)
+    task, out = StateTask(chain=chain, end=200.0), folder / "map.csv"
+    state_map(task, c=[0.1, 0.6], refine=0.5, out=out, workers=1, resume=True)
+    return b"".join(path.read_bytes() for path in (out, boundary_path(out)))
 
 
 class Ready(Claim):
@@ -89,7 +101,7 @@ def _claim(key: str) -> Entry:
         statement="So.",
         recorded=Verdict.REPRODUCED,
         command="true",
-        evidence=lambda: finding,
+        evidence=lambda: replace(finding, error=str(np.arange(100.0).sum())),
         rule=lambda _: holds(),
         methods=(Method("one", "m:f"),),
     )
@@ -102,10 +114,12 @@ ENTRIES = tuple(map(_claim, ("a", "b", "c", "d")))
 def checked(folder: Path) -> bytes:
     with Store(folder / "found", {"code": "this"}, resume=True, replace=True) as store:
         outcomes = run(ENTRIES, store=store)
+    if any("MemoryError" in (outcome.judgement.failure or "") for outcome in outcomes):
+        raise MemoryError
     return repr([outcome.judgement.finding for outcome in outcomes]).encode()
 
 
-COMPUTATIONS = pytest.mark.parametrize("compute", [simulated, integrated, swept, checked])
+COMPUTATIONS = pytest.mark.parametrize("compute", [simulated, integrated, swept, mapped, checked])
 
 
 @pytest.fixture
@@ -127,17 +141,22 @@ def _saved_at_each_step(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("compute", "number"),
-    [*itertools.product((simulated, swept, checked), (errno.EIO, errno.ENOSPC)),
-     (integrated, errno.EIO)],
-)  # fmt: skip
+    ("compute", "number", "step"),
+    [
+        *itertools.product((simulated, swept, checked), (errno.EIO, errno.ENOSPC), (1,)),
+        # The chain itself writes by the same code as the small run, and a map by that of the sweep:
+        # a part of their places is enough.
+        *itertools.product((integrated,), (errno.EIO, errno.ENOSPC), (11,)),
+        (mapped, errno.EIO, 1),
+        (mapped, errno.ENOSPC, 3),
+    ],
+)
 def test_an_error_at_any_operation_of_the_disk_is_one_sentence_and_loses_nothing(
-    compute: Callable[[Path], bytes], number: int, tmp_path: Path
+    compute: Callable[[Path], bytes], number: int, step: int, tmp_path: Path
 ) -> None:
     whole = compute(_new(tmp_path / "whole"))
     said: list[str] = []
-    # The chain itself writes by the same code as the small run: a part of its places is enough.
-    for n in itertools.count(step=7 if compute is integrated else 1):
+    for n in itertools.count(step=step):
         folder = _new(tmp_path / str(n))
         with injected(Disk(folder, fails=n, number=number)) as disk:
             try:
@@ -190,34 +209,45 @@ def test_a_file_size_limit_is_one_sentence_and_loses_nothing(
     assert not any("\n" in each for each in said)
 
 
-@pytest.mark.parametrize("n", range(4))
-def test_memory_that_runs_out_loses_nothing(
-    n: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("compute", "least"),
+    [(simulated, 0), (integrated, 0), (swept, 0), (checked, 0), (mapped, 100)],
+)
+def test_memory_that_runs_out_at_any_array_loses_nothing(
+    compute: Callable[[Path], bytes], least: int, tmp_path: Path
 ) -> None:
-    """At the n-th array that a resumed run asks for, and at the n-th point of a sweep."""
-    whole = simulated(_new(tmp_path / "whole")), swept(_new(tmp_path / "swept whole"))
+    """In a new run; those of a map are very many, so that only larger ones are refused."""
+    whole = compute(_new(tmp_path / "whole"))
+    failed = 0
+    for n in itertools.count():
+        folder = _new(tmp_path / str(n))
+        with limited(Memory(fails=n, least=least)) as memory:
+            try:
+                assert compute(folder) == whole
+            except MemoryError:
+                failed += 1
+            except SweepError as error:
+                failed += "MemoryError" in f"{error}"
+        assert compute(folder) == whole
+        if memory.count <= n:
+            break
+    assert n > 2, "no array was refused"
+    assert failed > 2
+
+
+@pytest.mark.parametrize("compute", [simulated, integrated])
+def test_memory_that_runs_out_when_a_run_is_resumed_loses_nothing(
+    compute: Callable[[Path], bytes], tmp_path: Path
+) -> None:
     folder = _new(tmp_path / "run")
-    simulated(folder)
-    counter = itertools.count()
-
-    def empty_like(*args: Any, **options: Any) -> Any:
-        if next(counter) == n:
-            raise MemoryError
-        return np.empty(args[0].shape, args[0].dtype)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(checkpoint.np, "empty_like", empty_like)
-        with pytest.raises(MemoryError):
-            simulated(folder)
-    assert simulated(folder) == whole[0]
-
-    sweep_example.HUNGRY.add(n)
-    try:
-        with pytest.raises(SweepError, match="MemoryError"):
-            swept(folder)
-    finally:
-        sweep_example.HUNGRY.clear()
-    assert swept(folder) == whole[1]
+    whole = compute(folder)
+    for n in itertools.count():
+        with limited(Memory(fails=n)) as memory, suppress(MemoryError):
+            assert compute(folder) == whole
+        assert compute(folder) == whole
+        if memory.count <= n:
+            break
+    assert n > 2
 
 
 @COMPUTATIONS
@@ -238,6 +268,7 @@ def test_a_clock_that_jumps_changes_nothing(
         (simulated, "from verification.execution.files import sole_writer as held; "
                     "lock = held(folder / 'run.npz')"),
         (swept, "lock = Store(folder / 'out.csv.part', {}, resume=False)"),
+        (mapped, "lock = Store(folder / 'map.csv.part', {}, resume=False)"),
         (checked, "lock = Store(folder / 'found', {'code': 'this'}, resume=False)"),
     ],
 )  # fmt: skip
@@ -265,7 +296,7 @@ def test_of_two_processes_the_second_is_refused_until_the_first_has_ended(
     finally:
         first.send_signal(signal.SIGKILL)
         first.communicate()
-    if compute is swept:  # the other one had begun another sweep there
+    if compute in (swept, mapped):  # the other one had begun another sweep there
         for path in folder.iterdir():
             path.unlink()
     assert compute(folder) == whole

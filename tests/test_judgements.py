@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from paper_checks import claim as claims
+from paper_checks import outcome as outcomes
 from paper_checks.claim import Claim, Method
 from paper_checks.discover import Entry, UnknownKeyError, select
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
@@ -97,6 +99,24 @@ def test_evidence_is_kept_of_claims_that_were_judged() -> None:
     assert judge(made_up(rule=lambda _: 1 / 0)).evidence is None
 
 
+def test_what_a_claim_shares_is_done_first_and_its_time_stated_apart(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    done: list[str] = []
+
+    def evidence() -> Seen:
+        done.append("evidence")
+        return Seen(2.0)
+
+    times = iter((1.0, 4.0, 11.0))
+    monkeypatch.setattr(outcomes.time, "perf_counter", lambda: next(times))
+    monkeypatch.setattr(outcomes, "now", lambda: "2026-01-01T00:00:00Z")
+    found = judge(made_up(evidence=evidence, shared=lambda: done.append("shared")))
+    assert done == ["shared", "evidence"]
+    assert (found.shared, found.seconds) == (3.0, 7.0)
+    assert (found.judged, found.failure) == ("2026-01-01T00:00:00Z", None)
+
+
 @pytest.mark.parametrize(
     ("error", "said"),
     [
@@ -144,6 +164,21 @@ def test_a_finding_has_what_the_claim_draws_typesets_and_corrects() -> None:
     assert (plain.pictures, plain.formulas) == ((), ())
     assert plain.erratum is not None
     assert plain.erratum.reason == "of the text"
+
+
+def test_the_text_of_a_claim_is_beside_the_module_of_its_rule(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+    prose = claims.written  # the one of these tests
+
+    def written(*arguments: Any) -> Any:
+        asked.extend(arguments)
+        return prose(*arguments)
+
+    monkeypatch.setattr(claims, "written", written)
+    made_up(rule=lambda _: holds()).found(Seen(2.0))
+    assert asked == [__name__, "k", Seen(2.0)]
 
 
 def test_a_claim_is_of_ordinary_weight_and_computed_in_every_run_unless_it_says_otherwise() -> None:
@@ -206,8 +241,16 @@ def test_evidence_that_is_forged_or_is_none_is_refused() -> None:
     ):
         with pytest.raises(ValueError, match="evidence holds a"):
             evidence_from(forged, packages)
-    with pytest.raises(TypeError, match="evidence cannot hold"):
-        plain_evidence(Other)
+    for other in (Other, object()):
+        with pytest.raises(TypeError, match="evidence cannot hold"):
+            plain_evidence(other)
+
+
+def test_complex_numbers_are_kept_also_in_arrays() -> None:
+    held = (1.0 - 2.0j, np.array([[3.0 + 4.0j], [complex(5.0, math.inf)]]))
+    back = evidence_from(json.loads(json.dumps(plain_evidence(held))), ())
+    assert back[0] == held[0]
+    assert np.array_equal(back[1], held[1])
 
 
 def test_evidence_is_the_same_text_whatever_the_order_of_its_sets() -> None:

@@ -7,6 +7,7 @@ case that only this rule decides.
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,19 +24,29 @@ from paper_checks.ruling import agrees
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Place
 from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError, RunError
 from verification.breathers import outcome as nuclei
 from verification.breathers.floquet import Multipliers, floquet_multipliers
 from verification.execution import checkpoint
 from verification.execution.files import FileError
+from verification.execution.points import Point
 from verification.execution.store import Store
 from verification.execution.sweep import sweep
+from verification.execution.time_limit import TimeIsUpError
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Watch
 from verification.maps import friction_rules, smooth_rules
 from verification.maps.state import Reason, State
-from verification.quantities import robustness
-from verification.quantities.judging import Outcome, is_clear, judge
-from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
+from verification.quantities import judging, robustness
+from verification.quantities.judging import BAD, Outcome, RobustnessTask, is_clear, judge
+from verification.quantities.quantity import (
+    Axis,
+    Computation,
+    NoReferenceError,
+    ReferenceCheck,
+    StatedValue,
+)
+from verification.quantities.registry import computation_named
 from verification.runs import state_run
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
@@ -540,6 +551,90 @@ def test_a_refusal_is_one_sentence_that_is_neither_short_nor_long(
     assert is_clear(message) is clear
 
 
+class _Given:
+    """A clock of the processor, and the time limits that were set while it went."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *readings: float) -> None:
+        self.limits: list[tuple[float, bool]] = []
+        monkeypatch.setattr(judging, "time_limit", self.limit)
+        times = iter(readings)
+        monkeypatch.setattr(judging.time, "process_time", lambda: next(times))
+
+    def limit(self, seconds: float, *, of_processor: bool = False) -> AbstractContextManager[None]:
+        self.limits.append((seconds, of_processor))
+        return nullcontext()
+
+
+def _fails(error: Exception) -> Any:
+    def compute(*_: Any) -> Any:
+        raise error
+
+    return compute
+
+
+def _point(compute: Any, check: Any = None, seconds: float = 2.0) -> dict[str, Any]:
+    quantity = Computation(
+        name="made-up", title="for this test", axes=(Axis(name="x", low=1.0, high=2.0),),
+        compute=compute, check=check or _fails(NoReferenceError("there is none")), seconds=seconds,
+    )  # fmt: skip
+    return dict(judge(quantity, {"x": 1.0}))
+
+
+def test_a_value_is_given_up_after_five_times_its_limit_and_a_reference_after_fifteen_seconds(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the processor, both: what else the machine does is no part of the outcome."""
+    given = _Given(monkeypatch, 100.0, 101.0)
+    _point(lambda _: StatedValue(value=1.0, error=0.0))
+    assert given.limits == [(10.0, True), (15.0, True)]
+
+
+@pytest.mark.parametrize(
+    ("error", "outcome", "said"),
+    [
+        (TimeIsUpError(), Outcome.SLOW, "given up"),
+        (ParameterError("c", 3, "below 2", "take less"), Outcome.REFUSED, None),
+        (RunError('the "run", it seems, stands: begin anew.'), Outcome.REFUSED,
+         "the 'run'; it seems; stands: begin anew."),
+        (RunError("No."), Outcome.CRASH, "No."),
+        (ZeroDivisionError("by zero"), Outcome.CRASH, "ZeroDivisionError: by zero"),
+    ],
+)  # fmt: skip
+def test_what_gives_no_value_is_slow_refused_or_a_crash(
+    error: Exception, outcome: Outcome, said: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _Given(monkeypatch, 100.0, 103.0)
+    row = _point(_fails(error))
+    assert (row["outcome"], row["seconds"], row["by"]) == (outcome.value, 3.0, "-")
+    assert row["said"] == (str(error).replace(",", ";") if said is None else said)
+    assert math.isnan(row["stated"])
+
+
+@pytest.mark.parametrize(
+    ("took", "error", "outcome", "said"),
+    [
+        (2.0, NoReferenceError("there is none"), Outcome.UNCHECKED, "there is none"),
+        (2.125, NoReferenceError("there is none"), Outcome.SLOW, "limit 2 s"),
+        (1.0, TimeIsUpError("time is up"), Outcome.UNCHECKED, "time is up"),
+        (1.0, KeyError("v"), Outcome.CRASH, "in the reference: KeyError: 'v'"),
+    ],
+)
+def test_a_value_that_cannot_be_checked_is_unchecked_unless_it_is_slow_or_the_reference_broken(
+    took: float, error: Exception, outcome: Outcome, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _Given(monkeypatch, 100.0, 100.0 + took)
+    row = _point(lambda _: StatedValue(value=1.0, error=0.25), _fails(error))
+    assert (row["outcome"], row["stated"], row["seconds"]) == (outcome.value, 0.25, took)
+    assert row["said"] == said
+
+
+def test_a_point_of_the_stability_table_is_known_by_its_seed_and_number() -> None:
+    found = RobustnessTask()(Point(quantity="c-pin", number=2))
+    again = computation_named("c-pin").point(0, 2)
+    assert found["values"] == " ".join(f"{name}={value!r}" for name, value in again.items())
+    assert found["outcome"] not in {each.value for each in BAD}
+
+
 # -------------------------------------------------------------------------- a front that stops
 
 
@@ -597,6 +692,31 @@ def test_what_changes_before_the_first_stall_time_is_over_does_not_count() -> No
         assert stall.status() is None
     run.time = 20.5
     assert stall.status() is FrontStatus.PINNED
+
+
+def test_the_first_site_that_is_reached_is_an_arrival_too() -> None:
+    run: Any = _Motion()
+    stall = Stall(run, 10.0, 0.25)
+    run.time = 3.0
+    stall.note(0)
+    assert stall.since == 0.0
+    stall.note(1)
+    assert stall.since == 3.0
+
+
+def test_a_front_that_stops_in_the_first_run_is_not_run_again() -> None:
+    """No site is ever reached, so that it is waited from the beginning."""
+    runs: list[_Run] = []
+
+    def begin(tolerance: float) -> _Run:
+        runs.append(_Run(tolerance, reached=0))
+        return runs[-1]
+
+    found = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5).trial(begin, 1e-8)  # type: ignore[arg-type]
+    assert found.stopped is FrontStatus.PINNED
+    assert [run.time for run in runs] == [21.0]
+    assert np.isnan(found.arrivals).all()
+    assert found.arrivals.shape == found.coarser.shape == (40 - 5 - MARGIN,)
 
 
 @pytest.mark.parametrize("reached", [3, 27])

@@ -44,6 +44,12 @@ def test_the_shape_is_that_of_the_series_over_roots(retreating: bool) -> None:
     np.testing.assert_allclose(values_of(shape, zeta), exact, atol=2 * error)
     lattice, (phi,) = shape.on_lattice()
     assert (np.diff(lattice) == 0.125).all()  # eight points a site
+    some, (part,) = shape.on_lattice((3, 2))
+    assert some[0] <= -3.0
+    assert some[-1] >= 2.0
+    held = np.isin(lattice, some)
+    assert held.sum() == some.size < lattice.size
+    np.testing.assert_array_equal(part, phi[held])
     away = (abs(lattice) > 0.1) & (abs(lattice) < 3.0)  # at 0 the series has not converged
     assert away.sum() == 46
     exact, error = by_roots(lattice[away], retreating)
@@ -93,7 +99,7 @@ def test_it_is_proven_from_the_first_site_on_where_the_tail_is_small_enough(
         ):
             assert size * math.exp(-rate * sites) <= room * (1 + 1e-12)
             assert sites == 1.0 or size * math.exp(-rate * (sites - 1)) > room
-        assert verdict.points >= 8 * ProfileGrid.make(abs(branch.v), c, 3.0, 1e-9).points
+        assert verdict.points >= 8 * sum(verdict.proven_beyond)
 
 
 def test_every_value_of_the_profile_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,10 +113,11 @@ def test_every_value_of_the_profile_is_counted(monkeypatch: pytest.MonkeyPatch) 
         counted += phi.size + 2 * both.size
         return phi, both
 
-    def counting_on_lattice(self, per_site):
+    def counting_on_lattice(self, *arguments):
         nonlocal counted
-        counted += per_site * self.points
-        return on_lattice(self, per_site)
+        zeta, phi = on_lattice(self, *arguments)
+        counted += phi.size
+        return zeta, phi
 
     monkeypatch.setattr(ProfileGrid, "with_neighbours", counting_neighbours)
     monkeypatch.setattr(ProfileGrid, "on_lattice", counting_on_lattice)

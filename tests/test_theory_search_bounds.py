@@ -11,36 +11,72 @@ from theory.piecewise.sums.integral import sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 
 
+def first_points(c: float, target: float, shift: float, refine: float) -> np.ndarray:
+    """Return the first points ln v of one coupling."""
+    scene, t = branch_search._first_points(np.array([c]), np.array([target]), shift, refine)
+    assert not scene.any()
+    return t
+
+
 @pytest.mark.parametrize(
-    ("c", "target", "shift"), [(0.5, 0.6, 0.0), (3.0, 0.9, 0.0), (2.0, 0.7, 2.0)]
+    ("c", "least", "bound"),
+    [
+        # |Sum| <= 2c(1 + 2c)/v, from A and L on the real line
+        (0.01, 0.6, lambda v, c: 2 * c * (1 + 2 * c) / v),
+        # |Sum| <= c(1 + 2c)/(2w(v + w)), w^2 = v^2 - c^2
+        *(
+            (c, least, lambda v, c: c * (1 + 2 * c) / (4 * (v * v - c * c)))
+            for c, least in ((0.5, 0.2), (3.0, 0.9), (2.0, 1e-3), (15.0, 0.4))
+        ),
+    ],
 )
-def test_beyond_the_largest_velocity_the_sum_is_too_small(c, target, shift):
-    last = math.exp(branch_search._first_points(c, target, shift, 1.0)[-1])
-    # |Sum| <= 2c(1 + 2c)/v, from A and L on the real line; |Sum| >= |target - shift| is needed.
-    assert last == pytest.approx(2 * c * (1 + 2 * c) / abs(target - shift), rel=1e-12)
-    for v in (last, 3 * last):
-        size = abs(sum_by_quadrature(v, c).value)
-        assert size <= 2 * c * (1 + 2 * c) / v <= abs(target - shift) * (1 + 1e-12)
+def test_beyond_the_largest_velocity_the_sum_is_too_small(c, least, bound):
+    last = float(branch_search._highest_velocities(np.array([c]), np.array([least]))[0])
+    assert bound(last, c) == pytest.approx(least, rel=1e-12)
+    for v in (last, 1.1 * last, 3 * last):
+        assert abs(sum_by_quadrature(v, c).value) <= bound(v, c)
+
+
+@pytest.mark.parametrize("shift", [0.0, 2.0])
+def test_no_first_point_lies_beyond_the_largest_velocity(shift):
+    last = math.exp(first_points(3.0, 0.6, shift, 1.0)[-1])
+    least = np.array([abs(0.6 - shift)])  # |Sum| is at least that
+    assert last == pytest.approx(branch_search._highest_velocities(np.array([3.0]), least)[0])
+
+
+def lowest(c: float, target: float, shift: float) -> float:
+    return float(branch_search._lowest_velocities(np.array([c]), np.array([target]), shift)[0])
+
+
+def on_contour(v: float, c: float) -> float:
+    return float(branch_search._distance_on_contour(np.array([v]), np.array([c]))[0])
 
 
 @pytest.mark.parametrize("shift", [0.0, 2.0])
 @pytest.mark.parametrize("c", [0.3, 2.0])
 def test_below_the_smallest_velocity_the_sum_is_too_near_its_limit(c, shift):
     target = abs(static_sum(c) + shift) + 0.05
-    low = branch_search._lowest_velocity(c, target, shift)
+    low = lowest(c, target, shift)
     assert static_sum_distance(low, c) == pytest.approx(0.05, rel=1e-9)
     assert abs(sum_by_quadrature(low, c).value - static_sum(c)) <= 0.05
 
 
 def test_for_strong_coupling_the_smallest_velocity_is_larger_and_still_below_all_solutions():
     c, gap = 30.0, 0.05
-    low = branch_search._lowest_velocity(c, abs(static_sum(c)) + gap, 0.0)
+    low = lowest(c, abs(static_sum(c)) + gap, 0.0)
     plain = 0.5 / math.log1p(2 / gap)
     assert plain < low < math.sqrt(c)
-    assert 0.3 * gap < branch_search._distance_on_contour(low, c) <= 0.5 * gap
+    assert 0.3 * gap < on_contour(low, c) <= 0.5 * gap
     for v in (low, 0.7 * low):
-        bound = branch_search._distance_on_contour(v, c)
-        assert abs(sum_by_integral(v, c).value - static_sum(c)) <= bound
+        assert abs(sum_by_integral(v, c).value - static_sum(c)) <= on_contour(v, c)
+
+
+def test_each_of_several_couplings_has_the_points_that_it_has_alone():
+    c, target = np.array([0.5, 150.0, 8.0, 2.0]), np.array([0.6, 0.9, 0.6, 0.4])
+    scene, t = branch_search._first_points(c, target, 0.0, 1.0)
+    for i, (c_, target_) in enumerate(zip(c.tolist(), target.tolist(), strict=True)):
+        np.testing.assert_array_equal(t[scene == i], first_points(c_, target_, 0.0, 1.0))
+    assert np.all(np.diff(scene) >= 0)
 
 
 def test_the_contour_is_one_period_of_k_weighted_by_its_length():
@@ -64,7 +100,7 @@ def test_the_contour_is_one_period_of_k_weighted_by_its_length():
 @pytest.mark.parametrize("refine", [1.0, 2.0])
 def test_the_first_points_are_as_near_as_the_waves_of_the_sum_ask_for(refine):
     c = 0.8
-    t = branch_search._first_points(c, 0.6, 0.0, refine)
+    t = first_points(c, 0.6, 0.0, refine)
     wave = math.pi / (4 * c + 1) / refine
     coarse = branch_search._COARSEST / refine
     nearness = np.maximum(np.diff(t) / coarse, -np.diff(np.exp(-t)) / wave)
@@ -74,7 +110,7 @@ def test_the_first_points_are_as_near_as_the_waves_of_the_sum_ask_for(refine):
 
 def test_the_first_points_hold_every_resonance_and_both_its_sides():
     c = 8.0
-    t = branch_search._first_points(c, 0.6, 0.0, 2.0)
+    t = first_points(c, 0.6, 0.0, 2.0)
     velocities, widths = resonant_velocities(c, 4)
     held = 0
     for centre, width in zip(velocities, widths, strict=True):

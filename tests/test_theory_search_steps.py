@@ -67,6 +67,41 @@ def test_a_fold_touched_to_within_rounding_is_found_and_one_missed_by_more_is_no
         assert np.all(np.abs(found[0] - 2.3) < 1e-6)
 
 
+def test_beside_a_solution_a_cell_without_one_is_dropped_at_once() -> None:
+    curve = Curve(lambda t: t * (1.0 + 0.1 * t), lambda t: 1.0 + 0.2 * t)
+    cells = curve.cells([0.001, 1.0])
+    owner, _ = branch_search._brackets(curve, owners(cells), cells)
+    assert owner.size == curve.evaluations == 0
+
+
+def test_slopes_that_agree_hide_no_pair_where_g_does_not_rise_as_they_say() -> None:
+    # the slope is -1.5 at both ends of [0, 1], while g rises by 1; its least value is -0.08
+    turn = 2.0 * math.pi
+    curve = Curve(
+        lambda t: 0.1 + t - 2.5 * np.sin(turn * t) / turn,
+        lambda t: 1.0 - 2.5 * np.cos(turn * t),
+    )
+    cells = curve.cells([0.0, 1.0])
+    _, found = branch_search._brackets(curve, owners(cells), cells)
+    roots = found[[0, 4]].T.tolist()
+    assert len(roots) == 2
+    assert all(curve.g(a) * curve.g(b) < 0 for a, b in roots)
+
+
+def test_the_first_guess_is_exact_for_an_inverse_cubic() -> None:
+    # t = 2 + g/2 + g^3/8, so that t = 2 at g = 0, whatever the ends
+    g = np.array([-0.7, 0.4])
+    t, slope = 2.0 + g / 2 + g**3 / 8, 1.0 / (0.5 + 0.375 * g**2)
+    cell = np.array([[t[0], g[0], slope[0], 0.0, t[1], g[1], slope[1], 0.0]]).T
+    assert branch_search._crossing(cell)[0] == pytest.approx(2.0, rel=4 * EPS)
+
+
+@pytest.mark.parametrize("slopes", [(0.0, 1.0), (1.0, 0.0), (-9.0, 1.0)])
+def test_where_the_cubic_leaves_the_cell_the_first_guess_is_on_the_line(slopes) -> None:
+    cell = np.array([[1.0, -1.0, slopes[0], 0.0, 2.0, 3.0, slopes[1], 0.0]]).T
+    assert branch_search._crossing(cell)[0] == pytest.approx(1.25)
+
+
 @pytest.mark.parametrize("error", [(1e-12, 0.0), (0.0, 1e-12)])
 def test_a_short_cell_is_a_fold_if_either_end_is_zero_to_within_rounding(error) -> None:
     curve = line(0.0)
@@ -102,9 +137,8 @@ def test_a_run_of_changes_of_sign_by_rounding_is_one_solution_or_a_pair(
     run, lone = ([1.0, 1.4, 5.0] if pair else [1.2, 5.0]), [1.6]
     assert kept.tolist() == sorted([first] * len(run) + [1 - first])
     assert found[0].tolist() == (run + lone if first == 0 else lone + run)
-    # g is looked at midway between neighbours; between two scenes that means nothing
-    within = flat.asked[:3] if first == 0 else flat.asked[1:]
-    assert within == pytest.approx([1.15, 1.35, 3.25])
+    # g is looked at midway between neighbours of one scene
+    assert flat.asked == pytest.approx([1.15, 1.35, 3.25])
 
 
 @pytest.mark.parametrize("which", ["before", "after", "between"])

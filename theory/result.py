@@ -207,7 +207,7 @@ class Result:
         return data
 
     def __repr__(self) -> str:
-        shown = (f"{each.name}={_short(getattr(self, each.name))}" for each in _fields(self))
+        shown = (f"{name}={_short(getattr(self, name))}" for name in _shown(self))
         return f"{type(self).__name__}({', '.join(shown)})"
 
     def _repr_html_(self) -> str:
@@ -215,10 +215,10 @@ class Result:
         import html
 
         rows = "".join(
-            f"<tr><th style='text-align:left'>{html.escape(each.name)}</th>"
-            f"<td style='text-align:left'>{html.escape(_in_a_cell(getattr(self, each.name)))}</td>"
+            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+            f"<td style='text-align:left'>{html.escape(_in_a_cell(getattr(self, name)))}</td>"
             "</tr>"
-            for each in _fields(self)
+            for name in _shown(self)
         )
         return f"<table><caption>{html.escape(type(self).__name__)}</caption>{rows}</table>"
 
@@ -276,6 +276,11 @@ def plain(value: object) -> Any:
 
 def _fields(result: Result) -> tuple[Field[Any], ...]:
     return fields(result)  # type: ignore[arg-type]  # every Result is a dataclass
+
+
+def _shown(result: Result) -> list[str]:
+    """Return the names of what is shown: fields, but for those said to be left out, and derived."""
+    return [each.name for each in _fields(result) if each.repr] + list(result.derived)
 
 
 def _dimensions(result: Result) -> dict[str, tuple[str, ...]]:

@@ -137,7 +137,9 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
 
 def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admissibility]:
     """Decide by quadrature; ``reach`` are the distances (Z₋, Z₊) of each front, shape (n, 2)."""
-    zeta, phi = shape.on_lattice()
+    behind, ahead = (int(sites) + 1 for sites in reach.max(axis=0))
+    zeta, phi = shape.on_lattice((behind, ahead))
+    taken = zeta.size
     slope = shape.slope(
         zeta[_PER_SITE:-_PER_SITE],
         phi[:, _PER_SITE:-_PER_SITE],
@@ -146,7 +148,7 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
     zeta, phi = zeta[_PER_SITE:-_PER_SITE], phi[:, _PER_SITE:-_PER_SITE]
     inside = (zeta >= -reach[:, :1]) & (zeta <= reach[:, 1:])
     fails_at, more = _first_violations(shape, zeta, (phi, slope), r, inside)
-    points = shape.grid.points * _PER_SITE + more
+    points = taken + more
     return [
         Admissibility(place == math.inf, None if place == math.inf else place, (left, right), count)
         for place, (left, right), count in zip(
@@ -428,9 +430,11 @@ class _Shape:
         del end
         return np.zeros(start.shape)
 
-    def on_lattice(self) -> tuple[FloatArray, ComplexArray]:
-        """Return ζ and φ, shape (n, m), at eight points a site."""
-        zeta, phi = self.grid.on_lattice(_PER_SITE)
+    def on_lattice(self, sites: tuple[int, int] | None = None) -> tuple[FloatArray, ComplexArray]:
+        """Return ζ and φ, shape (n, m), at eight points a site; see `ProfileGrid.on_lattice`."""
+        if sites is not None and self.retreating:
+            sites = sites[1], sites[0]
+        zeta, phi = self.grid.on_lattice(_PER_SITE, sites)
         if self.retreating:
             zeta, phi = -zeta[::-1], 1.0 - phi[..., ::-1]
         return zeta, phi

@@ -29,6 +29,10 @@ IntArray = npt.NDArray[np.int64]
 _TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _COARSEST = 0.25
+_STRONG = 100.0
+"""Coupling from which the wiggles are searched only where they matter."""
+_RESONANCES = 12
+"""Of one coupling that are looked at, at most."""
 MAX_POINTS = 200_000
 """Points of one coupling from which the search begins, at most: some ten seconds."""
 NEAREST_TO_PINNING = 1e-12
@@ -130,16 +134,14 @@ def all_velocities(
         If a coupling needs more than ``MAX_POINTS`` points: c above some 10⁴ and η near 2/25.
     """
     shift = 2.0 if retreating else 0.0
-    starts = [
-        _first_points(float(c_), float(target_), shift, refine)
-        for c_, target_ in zip(c, target, strict=True)
-    ]
-    sizes = np.array([s.size for s in starts], dtype=np.int64)
-    relation = _Relation(c, target, shift, many=sizes.sum() >= MANY)
+    scene, t = _first_points(c, target, shift, refine)
+    # About as many values again are needed to find the solutions.
+    relation = _Relation(c, target, shift, many=2 * t.size >= MANY)
     # so many scenes at a time that their points are one array of moderate size
-    pieces = np.flatnonzero(np.diff(np.cumsum(sizes) // MAX_POINTS)) + 1
-    scenes = np.split(np.arange(c.size), pieces)
-    found = [_solve(relation, some, [starts[i] for i in some]) for some in scenes]
+    last = np.cumsum(np.bincount(scene, minlength=c.size))
+    pieces = np.searchsorted(scene, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1)
+    parts = zip(np.split(scene, pieces), np.split(t, pieces), strict=True)
+    found = [_solve(relation, *part) for part in parts]
     columns = [each.name for each in fields(Solutions) if each.name != "evaluations"]
     return Solutions(
         **{name: np.concatenate([getattr(some, name) for some in found]) for name in columns},
@@ -147,9 +149,8 @@ def all_velocities(
     )
 
 
-def _solve(relation: _Relation, scenes: IntArray, starts: list[FloatArray]) -> Solutions:
-    """Return the solutions of some scenes, each searched from its own points."""
-    scene, t = np.repeat(scenes, [s.size for s in starts]), np.concatenate(starts)
+def _solve(relation: _Relation, scene: IntArray, t: FloatArray) -> Solutions:
+    """Return the solutions of some scenes, searched from points t that ascend in each."""
     left = np.flatnonzero(scene[1:] == scene[:-1])
     ends = np.stack([t, *relation(scene, t)[:3]])
     cells = np.concatenate([ends[:, left], ends[:, left + 1]])
@@ -157,79 +158,120 @@ def _solve(relation: _Relation, scenes: IntArray, starts: list[FloatArray]) -> S
     return _polish(relation, owner, brackets)
 
 
-def _first_points(c: float, target: float, shift: float, refine: float) -> FloatArray:
-    """Return ascending t = ln v between the bounds, spaced by the scales of g."""
-    low = _lowest_velocity(c, target, shift)
-    # |Σ| ≤ 2c(1 + 2c)/v: |¼ - A²| ≤ c(1 - cos k)(1 + 2c) and |A² + v²k²| ≥ ¼ on the real line.
-    high = max(2.0 * c * (1.0 + 2.0 * c) / abs(target - shift), 2.0 * low)
-    if high > 1e12:
-        # From v = 3c on |A² + v²k²| also exceeds 0.36 v²k², whence |Σ| ≤ 1.1 c(1 + 2c)/v². So far
-        # out the other bound would lead to where c/v is rounding.
-        high = max(3.0 * c, 1.1 * math.sqrt(c * (1.0 + 2.0 * c) / abs(target - shift)), 2.0 * low)
+def _first_points(
+    c: FloatArray, target: FloatArray, shift: float, refine: float
+) -> tuple[IntArray, FloatArray]:
+    """Return scenes and t = ln v, ascending, between the bounds and spaced by the scales of g."""
+    low = _lowest_velocities(c, target, shift)
+    high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
     wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
-    spacing = _COARSEST / refine
-    turn = min(max(spacing / wiggle, low), high)
-    logarithmic = np.linspace(
-        math.log(turn), math.log(high), 2 + math.ceil(math.log(high / turn) / spacing)
-    )
-    points = [_wiggle_points(c, target, shift, low=low, turn=turn, wiggle=wiggle), logarithmic]
-    if c > 100.0:
-        rest = 2 + math.ceil(math.log(turn / low) / spacing)
-        points.append(np.linspace(math.log(low), math.log(turn), rest))
-    if c > 1.0:
-        velocities, widths = resonant_velocities(c, min(12, 2 + int(c / (math.pi * low))))
-        centre, width = np.array(velocities), np.array(widths) / refine
-        near = np.concatenate([centre, centre - width, centre + width])
-        points.append(np.log(near[(near > low) & (near < high)]))
-    t: FloatArray = np.sort(np.concatenate(points))
-    distinct: FloatArray = t[np.append(True, np.diff(t) > 0.0)]
-    return distinct
+    spacing = np.full(c.size, _COARSEST / refine)
+    turn = np.clip(spacing / wiggle, low, high)
+    every, strong = np.arange(c.size), np.flatnonzero(c > _STRONG)
+    owner, begin, end = _where_wiggles_matter(c, target, shift, (low, turn))
+    _refuse_too_many(c, target, owner, (1.0 / begin - 1.0 / end) / wiggle[owner])
+    owner, inverse = _spaced(owner, 1.0 / end, 1.0 / begin, wiggle)
+    points = [
+        (owner, -np.log(inverse)),
+        _spaced(every, np.log(turn), np.log(high), spacing),
+        _spaced(strong, np.log(low[strong]), np.log(turn[strong]), spacing),
+        _resonances(c, low, high, refine),
+    ]
+    scene, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
+    order = np.lexsort((t, scene))
+    scene, t = scene[order], t[order]
+    distinct = np.append(True, (np.diff(t) > 0.0) | (np.diff(scene) > 0))
+    return scene[distinct], t[distinct]
 
 
-def _wiggle_points(
-    c: float, target: float, shift: float, *, low: float, turn: float, wiggle: float
-) -> FloatArray:
-    """Return t from ln low to ln turn, ``wiggle`` apart in 1/v, where wiggles matter.
+def _spaced(
+    owner: IntArray, begin: FloatArray, end: FloatArray, spacing: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Return owners and points of stretches, both ends included, at most ``spacing`` apart."""
+    steps = 1 + np.ceil((end - begin) / spacing[owner]).astype(np.int64)
+    piece = np.repeat(np.arange(owner.size), steps + 1)
+    first = np.cumsum(steps + 1) - (steps + 1)
+    share = (np.arange(piece.size) - first[piece]) / steps[piece]
+    return owner[piece], (1.0 - share) * begin[piece] + share * end[piece]
 
-    At c > 100 they are about v/c^{3/2} high: only where the smooth part, on a grid, is near 2r.
+
+def _resonances(
+    c: FloatArray, low: FloatArray, high: FloatArray, refine: float
+) -> tuple[IntArray, FloatArray]:
+    """Return scenes and ln v of the resonances between the bounds, and of both their sides."""
+    places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
+    centre = c[:, None] * places
+    near = np.concatenate([centre, centre - widths / refine, centre + widths / refine], axis=1)
+    most = np.tile(np.arange(_RESONANCES), 3)
+    taken = (near > low[:, None]) & (near < high[:, None]) & (c[:, None] > 1.0)
+    taken &= most < 2.0 + np.floor(c / (math.pi * low))[:, None]
+    return np.nonzero(taken)[0], np.log(near[taken])
+
+
+def _where_wiggles_matter(
+    c: FloatArray, target: FloatArray, shift: float, bounds: tuple[FloatArray, FloatArray]
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return scenes and ends of the stretches of v, within the bounds, to be searched finely.
+
+    At c > 100 the wiggles are about v/c^{3/2} high: they matter only where the smooth part, on a
+    grid, is near 2r.
     """
-    pieces = [(low, turn)]
-    if c > 100.0:
-        edge = np.geomspace(low, turn, 4000)
-        smooth = np.abs(strong_coupling_sum(edge / math.sqrt(c)) + shift) - target
-        near = np.abs(smooth) < 8.0 * edge / c**1.5 + 4.0 / math.sqrt(c)
+    pieces: list[tuple[IntArray, FloatArray, FloatArray]] = []
+    for i in np.flatnonzero(c > _STRONG):
+        edge = np.geomspace(bounds[0][i], bounds[1][i], 4000)
+        smooth = np.abs(strong_coupling_sum(edge / math.sqrt(c[i])) + shift) - target[i]
+        near = np.abs(smooth) < 8.0 * edge / c[i] ** 1.5 + 4.0 / math.sqrt(c[i])
         near |= np.diff(smooth > 0, append=smooth[-1] > 0)
         near[1:] |= near[:-1].copy()
         near[:-1] |= near[1:].copy()
         begin = np.flatnonzero(near & ~np.append(False, near[:-1]))
         end = np.flatnonzero(near & ~np.append(near[1:], False))
-        pieces = list(zip(edge[begin].tolist(), edge[end].tolist(), strict=True))
-    counts = [2 + math.ceil((1.0 / a - 1.0 / b) / wiggle) for a, b in pieces]
-    if sum(counts) > MAX_POINTS:
+        pieces.append((np.full(begin.size, i), edge[begin], edge[end]))
+    weak = np.flatnonzero(c <= _STRONG)
+    pieces.append((weak, bounds[0][weak], bounds[1][weak]))
+    owners, begins, ends = zip(*pieces, strict=True)
+    return np.concatenate(owners), np.concatenate(begins), np.concatenate(ends)
+
+
+def _refuse_too_many(
+    c: FloatArray, target: FloatArray, owner: IntArray, points: FloatArray
+) -> None:
+    """Refuse a scene that would need more than ``MAX_POINTS`` points."""
+    crowded = np.flatnonzero(np.bincount(owner, points, c.size) > MAX_POINTS)
+    if crowded.size:
         raise PrecisionError(
-            f"the velocities at c = {c:.6g}, |Sum| = {target:.6g} need more than {MAX_POINTS} "
-            "values of the sum to be told apart; simulate the front, or take a smaller c."
+            f"the velocities at c = {c[crowded[0]]:.6g}, |Sum| = {target[crowded[0]]:.6g} need "
+            f"more than {MAX_POINTS} values of the sum to be told apart; simulate the front, or "
+            "take a smaller c."
         )
-    filled = [np.linspace(1.0 / a, 1.0 / b, n) for (a, b), n in zip(pieces, counts, strict=True)]
-    return -np.log(np.concatenate(filled)) if filled else np.empty(0)
 
 
-def _lowest_velocity(c: float, target: float, shift: float) -> float:
+def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
+    """Return v above which |Σ| is below ``least``.
+
+    On the real line, with X = sin²(k/2) ≤ k²/4, |¼ - A²| ≤ 2c(1 + 2c)X, and |A² + v²k²| is at
+    least ¼ and at least ¼ + (v² - c²)k². The first gives |Σ| ≤ 2c(1 + 2c)/v, the second
+    |Σ| ≤ c(1 + 2c)/(2w(v + w)) with w² = v² - c².
+    """
+    size = c * (1.0 + 2.0 * c) / least
+    bound: FloatArray = np.minimum(2.0 * size, np.sqrt(c * c + 0.25 * size))
+    return bound
+
+
+def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> FloatArray:
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
-    gap = max(abs(abs(static_sum(c) + shift) - target), NEAREST_TO_PINNING)
+    still = np.array([static_sum(value) for value in c.tolist()])
+    gap = np.maximum(np.abs(np.abs(still + shift) - target), NEAREST_TO_PINNING)
     # The bound theory.piecewise.limits.static_sum_distance, 2e/(1 - e), equal to the gap.
-    low = 0.5 / math.log1p(2.0 / gap)
-    if c <= 3.0:
-        return low
-    high = math.sqrt(c)
-    if _distance_on_contour(low, c) > 0.5 * gap:
-        return low
-    for _ in range(12):  # a sharper bound for large c, where the plain one costs many points
-        middle = math.sqrt(low * high)
-        if _distance_on_contour(middle, c) > 0.5 * gap:
-            high = middle
-        else:
-            low = middle
+    low = 0.5 / np.log1p(2.0 / gap)
+    # a sharper bound for large c, where the plain one costs many points
+    for some in np.array_split(np.flatnonzero(c > 3.0), 1 + c.size // 256):
+        below, above, half = low[some], np.sqrt(c[some]), 0.5 * gap[some]
+        for _ in range(12 if some.size else 0):
+            middle = np.sqrt(below * above)
+            far = _distance_on_contour(middle, c[some]) > half
+            below, above = np.where(far, below, middle), np.where(far, middle, above)
+        low[some] = below
     return low
 
 
@@ -239,11 +281,13 @@ _X = _SQUARE / (1.0 + _SQUARE)
 _LENGTH = 0.25 / np.abs(np.cosh(_SIGMA + 0.25j * np.pi)) / np.pi
 
 
-def _distance_on_contour(v: float, c: float) -> float:
+def _distance_on_contour(v: FloatArray, c: FloatArray) -> FloatArray:
     """Return the bound of ``static_sum_distance`` pointwise on the path of ``sums.precise``."""
-    A = 0.5 - 2j * c * _X
-    e = np.exp(-A.real / v)
-    return float(np.sum(_LENGTH * e * (np.abs(1.0 - 2.0 * _X) + e) / (np.abs(A) * (1.0 - e) ** 2)))
+    A = 0.5 - 2j * c[:, None] * _X
+    e = np.exp(-A.real / v[:, None])
+    terms = e * (np.abs(1.0 - 2.0 * _X) + e) / (np.abs(A) * (1.0 - e) ** 2)
+    bound: FloatArray = terms @ _LENGTH
+    return bound
 
 
 def _brackets(
@@ -258,11 +302,11 @@ def _brackets(
         differ = (ga > 0) != (gb > 0)
         steepest = np.maximum(np.abs(da), np.abs(db))
         flattest = np.minimum(np.abs(da), np.abs(db))
-        safe = ~differ & (np.minimum(np.abs(ga), np.abs(gb)) > width * steepest)
-        monotone = differ & (np.sign(da) == np.sign(db)) & (np.abs(da - db) < 0.5 * flattest)
-        monotone &= np.sign(da) == np.sign(gb - ga)
+        monotone = np.abs(da - db) < 0.5 * flattest
+        monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.5 * width * flattest
+        safe = ~differ & (monotone | (np.minimum(np.abs(ga), np.abs(gb)) > width * steepest))
         short = width < _SHORTEST
-        found = monotone | (short & differ)
+        found = differ & (monotone | short)
         # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
         touched = short & ~differ & (np.minimum(np.abs(ga) - ea, np.abs(gb) - eb) <= 0)
         # One a scene and round is enough: its neighbours are the same fold.
@@ -294,10 +338,11 @@ def _told_apart(
     owner, cells = owner[order], cells[:, order]
     if owner.size < 2:
         return owner, cells
-    between = 0.5 * (cells[4, :-1] + cells[0, 1:])
-    g, _, e = relation(owner[:-1], between)[:3]
-    flat = np.maximum(np.abs(cells[5, :-1]), np.abs(cells[1, 1:])) <= 2.0 * e
-    joined = (owner[:-1] == owner[1:]) & flat & (np.abs(g) <= 2.0 * e)
+    left = np.flatnonzero(owner[:-1] == owner[1:])
+    g, _, e = relation(owner[left], 0.5 * (cells[4, left] + cells[0, left + 1]))[:3]
+    flat = np.maximum(np.abs(cells[5, left]), np.abs(cells[1, left + 1])) <= 2.0 * e
+    joined = np.zeros(owner.size - 1, dtype=bool)
+    joined[left] = flat & (np.abs(g) <= 2.0 * e)
     kept: list[int] = []
     for run in np.split(np.arange(owner.size), np.flatnonzero(~joined) + 1):
         same = (cells[1, run[0]] > 0) == (cells[5, run[-1]] > 0)
@@ -308,8 +353,8 @@ def _told_apart(
 def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
     """Refine each bracket by Newton kept inside it, then bound the error by a change of sign."""
     owner, cells = _told_apart(relation, owner, cells)
-    ta, ga, _, _, tb, gb, _, _ = (row.copy() for row in cells)
-    t = np.where(ga == gb, ta, ta - ga * (tb - ta) / np.where(ga == gb, 1.0, gb - ga))
+    ta, ga, tb = cells[0], cells[1], cells[4]
+    t = _crossing(cells)
     here = relation(owner, t)
     for _ in range(30):
         left = (here.g > 0) == (ga > 0)
@@ -339,6 +384,21 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     )
 
 
+def _crossing(cells: FloatArray) -> FloatArray:
+    """Return where the cubic t(g) through the ends of each cell, with their slopes, has g = 0.
+
+    Where that leaves the cell, as at an end without slope, the straight line is taken.
+    """
+    ta, ga, da, _, tb, gb, db, _ = cells
+    rise = np.where(ga == gb, 1.0, gb - ga)
+    s = np.where(ga == gb, 0.0, -ga / rise)
+    straight = ta + s * (tb - ta)
+    start, end = (rise / np.where(d == 0.0, 1e-300, d) - (tb - ta) for d in (da, db))
+    cubic = straight + s * (1.0 - s) * ((1.0 - s) * start - s * end)
+    inside: FloatArray = np.where((cubic >= ta) & (cubic <= tb), cubic, straight)
+    return inside
+
+
 def _confirmed_spread(
     relation: _Relation, owner: IntArray, t: FloatArray, here: _Values
 ) -> tuple[FloatArray, tuple[_Values, _Values]]:
@@ -346,7 +406,7 @@ def _confirmed_spread(
     floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
     steep = np.where(here.by_t == 0, 1e-300, np.abs(here.by_t))
     spread = np.minimum(floor + 2.5 * (np.abs(here.g) + here.error) / steep, 1e-3)
-    beside = relation(owner, t - spread), relation(owner, t + spread)
+    beside = _beside(relation, owner, t, spread)
     for _ in range(11):
         below, above = beside
         sure = (np.abs(below.g) > below.error) & (np.abs(above.g) > above.error)
@@ -354,8 +414,16 @@ def _confirmed_spread(
         if np.all(sure):
             break
         spread = np.where(sure, spread, 2.0 * spread)
-        beside = relation(owner, t - spread), relation(owner, t + spread)
+        beside = _beside(relation, owner, t, spread)
     return spread, beside
+
+
+def _beside(
+    relation: _Relation, owner: IntArray, t: FloatArray, spread: FloatArray
+) -> tuple[_Values, _Values]:
+    """Return the values at t - δ and t + δ."""
+    both = relation(np.tile(owner, 2), np.concatenate([t - spread, t + spread]))
+    return _Values(*(row[: t.size] for row in both)), _Values(*(row[t.size :] for row in both))
 
 
 def _errors_along(

@@ -6,8 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import lru_cache
 from time import perf_counter
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,7 @@ from theory.parameters import within
 from theory.piecewise.admissibility import check_fronts
 from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
-from theory.piecewise.folds import fold_couplings
+from theory.piecewise.folds import Fold, fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
 from theory.piecewise.stability import front_stability, stability_limit
 from theory.result import Result
@@ -77,6 +78,26 @@ class Branch(Result):
     multiplier: float | None = None
 
 
+@lru_cache(maxsize=16)
+def _folds(etas: tuple[float, ...]) -> dict[float, Fold | None]:
+    """Return the folds at several η, which cost less together."""
+    return dict(zip(etas, fold_couplings(etas), strict=True))
+
+
+def _status(c: float, eta: float, branches: tuple[Branch, ...]) -> Status:
+    """Return what happens at coupling c, where these branches exist."""
+    if eta >= ETA_END:
+        return Status.NOT_BISTABLE
+    end = pinning_coupling(eta) if eta < ETA_PIN_END else retreat_coupling(eta)
+    if end is not None and (c > end or _any_moving(branches)):
+        return Status.PROPAGATING
+    return Status.PINNED
+
+
+def _any_moving(branches: tuple[Branch, ...]) -> bool:
+    return any(branch.admissible is not False for branch in branches)
+
+
 @dataclass(frozen=True, kw_only=True)
 class KineticRelation(Result):
     """The answer at one (c, η).
@@ -87,16 +108,8 @@ class KineticRelation(Result):
         Coupling and η = b/a², dimensionless.
     status : Status
         What happens.
-    reason : str
-        Why, in one sentence, with the nearest threshold.
     branches : tuple of Branch
         Ascending in v.
-    c_pin, c_fold : float or None
-        Static fronts exist up to c_pin, moving ones from c_fold; None for η ≥ 2/25.
-    c_retreat : float or None
-        For η > 2/25 the excited state retreats above it.
-    c_pin_error, c_fold_error, c_retreat_error : float or None
-        Bounds on their errors, the rounding of η included; large near η = 2/25.
     method : str
         How Σ was evaluated.
     terms : int
@@ -105,23 +118,109 @@ class KineticRelation(Result):
         Wall time.
     limit_shown : bool
         Whether ``c_stable`` and its error are in the JSON object.
+    etas : tuple of float
+        The η below 1/8 of the same question, whose folds are found together.
     """
 
     c: float
     eta: float
     status: Status
-    reason: str
     branches: tuple[Branch, ...]
-    c_pin: float | None
-    c_fold: float | None
-    c_retreat: float | None
-    c_pin_error: float | None
-    c_fold_error: float | None
-    c_retreat_error: float | None
     method: str
     terms: int
     seconds: float
     limit_shown: bool = field(default=False, repr=False, metadata={"json": None})
+    etas: tuple[float, ...] = field(repr=False, compare=False, metadata={"json": None})
+
+    derived: ClassVar[tuple[str, ...]] = (
+        "reason", "c_pin", "c_fold", "c_retreat", "c_pin_error", "c_fold_error", "c_retreat_error",
+    )  # fmt: skip
+
+    @property
+    def reason(self) -> str:
+        """Why it happens, in one sentence, with the nearest threshold."""
+        moving = _any_moving(self.branches)
+        if self.eta >= ETA_END:
+            return (
+                f"eta = {self.eta:g} is not below 1/8, where the two limit cycles meet: there is "
+                "no front."
+            )
+        if self.c_pin is None:
+            return self._reason_of_retreat(moving)
+        if self.c > self.c_pin and moving:
+            return f"c is above c_pin = {self.c_pin:.6g}."
+        if self.c > self.c_pin:
+            return (
+                f"c is above c_pin = {self.c_pin:.6g}, where no static front exists, but no "
+                "travelling wave is admissible: simulate it."
+            )
+        if moving:
+            return (
+                f"c is between c_fold = {self.c_fold:.6g} and c_pin = {self.c_pin:.6g}: a moving "
+                "front keeps moving, a resting one stays."
+            )
+        return (
+            f"the front is pinned: steady motion begins at c_fold = {self.c_fold:.6g} (static "
+            f"fronts end at c_pin = {self.c_pin:.6g})."
+        )
+
+    def _reason_of_retreat(self, moving: bool) -> str:
+        """Return the reason where no front advances, η ≥ 2/25."""
+        end = self.c_retreat
+        if end is None:
+            return "the front is pinned: at eta = 2/25 static fronts always exist."
+        if self.c > end:
+            return f"the excited state retreats (v < 0): c is above c_retreat = {end:.6g}."
+        if moving:
+            return (
+                "a moving front keeps retreating (v < 0), a resting one stays: c is below "
+                f"c_retreat = {end:.6g}."
+            )
+        return (
+            "the front is pinned: for eta > 2/25 no front advances, and it retreats only above "
+            f"c_retreat = {end:.6g}."
+        )
+
+    @property
+    def c_pin(self) -> float | None:
+        """Coupling up to which static fronts exist; None for η ≥ 2/25."""
+        return pinning_coupling(self.eta) if self.eta < ETA_END else None
+
+    @property
+    def c_retreat(self) -> float | None:
+        """For η > 2/25, the coupling above which the excited state retreats."""
+        return retreat_coupling(self.eta) if self.eta < ETA_END else None
+
+    @property
+    def c_fold(self) -> float | None:
+        """Coupling from which moving fronts exist; None for η ≥ 2/25.
+
+        Computed when it is first asked for, since it costs more than a velocity.
+        """
+        fold = self._fold
+        return None if fold is None else fold.value
+
+    @property
+    def c_pin_error(self) -> float | None:
+        """Bound on the error of ``c_pin``, the rounding of η included; large near η = 2/25."""
+        return None if self.c_pin is None else pinning_error(self.eta)
+
+    @property
+    def c_retreat_error(self) -> float | None:
+        """Bound on the error of ``c_retreat``, the rounding of η included."""
+        return None if self.c_retreat is None else pinning_error(self.eta)
+
+    @property
+    def c_fold_error(self) -> float | None:
+        """Bound on the error of ``c_fold``."""
+        fold = self._fold
+        if fold is None:
+            return None
+        return self.c_pin_error if fold.velocity == 0.0 else fold.error
+
+    @property
+    def _fold(self) -> Fold | None:
+        return _folds(self.etas)[self.eta] if self.eta < ETA_END else None
 
     @property
     def c_stable(self) -> float | None:
@@ -247,7 +346,8 @@ def trace_kinetic_relation(
     )
     for value in c_:
         checked_coupling(value)
-    thresholds = _thresholds(sorted({checked_eta(value) for value in eta_}))
+    etas = sorted({checked_eta(value) for value in eta_})
+    bistable = tuple(value for value in etas if value < ETA_END)
     branches: list[list[Branch]] = [[] for _ in c_]
     terms = 0
     blocks = [  # a front retreats only beyond 2/25, advances only before
@@ -269,20 +369,17 @@ def trace_kinetic_relation(
     seconds = (perf_counter() - start) / max(1, c_.size)
     answers = []
     for c_here, eta_here, list_ in zip(c_.tolist(), eta_.tolist(), branches, strict=True):
-        limits = thresholds[eta_here]
         ascending = tuple(sorted(list_, key=lambda branch: branch.v))
-        status, reason = limits.judge(c_here, eta_here, ascending)
         answers.append(
             KineticRelation(
                 c=c_here,
                 eta=eta_here,
-                status=status,
-                reason=reason,
+                status=_status(c_here, eta_here, ascending),
                 branches=ascending,
-                **vars(limits),
                 method="integral",
                 terms=math.ceil(terms / c_.size),
                 seconds=seconds,
+                etas=bistable,
             )
         )
     return answers
@@ -336,86 +433,3 @@ def _branches(
                 fails_at=verdict.fails_at if verdict else None,
             ),
         )
-
-
-@dataclass(frozen=True)
-class _Thresholds:
-    """The couplings that bound the kinds of motion at one η, and their errors."""
-
-    c_pin: float | None = None
-    c_fold: float | None = None
-    c_retreat: float | None = None
-    c_pin_error: float | None = None
-    c_fold_error: float | None = None
-    c_retreat_error: float | None = None
-
-    def judge(self, c: float, eta: float, branches: tuple[Branch, ...]) -> tuple[Status, str]:
-        """Return the status and its reason."""
-        if eta >= ETA_END:
-            return (
-                Status.NOT_BISTABLE,
-                f"eta = {eta:g} is not below 1/8, where the two limit cycles meet: there is no "
-                "front.",
-            )
-        moving = any(branch.admissible is not False for branch in branches)
-        if self.c_pin is None:
-            return self._judge_retreat(c, moving)
-        if c > self.c_pin:
-            if moving:
-                return Status.PROPAGATING, f"c is above c_pin = {self.c_pin:.6g}."
-            return (
-                Status.PROPAGATING,
-                f"c is above c_pin = {self.c_pin:.6g}, where no static front exists, but no "
-                "travelling wave is admissible: simulate it.",
-            )
-        if branches and moving:
-            return (
-                Status.PROPAGATING,
-                f"c is between c_fold = {self.c_fold:.6g} and c_pin = {self.c_pin:.6g}: a moving "
-                "front keeps moving, a resting one stays.",
-            )
-        return (
-            Status.PINNED,
-            f"the front is pinned: steady motion begins at c_fold = {self.c_fold:.6g} (static "
-            f"fronts end at c_pin = {self.c_pin:.6g}).",
-        )
-
-    def _judge_retreat(self, c: float, moving: bool) -> tuple[Status, str]:
-        """Judge η ≥ 2/25, where no front advances."""
-        if self.c_retreat is None:
-            return Status.PINNED, "the front is pinned: at eta = 2/25 static fronts always exist."
-        if c > self.c_retreat:
-            return (
-                Status.PROPAGATING,
-                f"the excited state retreats (v < 0): c is above c_retreat = {self.c_retreat:.6g}.",
-            )
-        if moving:
-            return (
-                Status.PROPAGATING,
-                "a moving front keeps retreating (v < 0), a resting one stays: c is below "
-                f"c_retreat = {self.c_retreat:.6g}.",
-            )
-        return (
-            Status.PINNED,
-            f"the front is pinned: for eta > 2/25 no front advances, and it retreats only above "
-            f"c_retreat = {self.c_retreat:.6g}.",
-        )
-
-
-def _thresholds(etas: list[float]) -> dict[float, _Thresholds]:
-    """Return the thresholds at each η."""
-    bistable = [eta for eta in etas if eta < ETA_END]
-    known = {eta: _Thresholds() for eta in etas}
-    for eta, fold in zip(bistable, fold_couplings(bistable), strict=True):
-        error = pinning_error(eta)
-        if fold is None:
-            known[eta] = _Thresholds(c_retreat=retreat_coupling(eta), c_retreat_error=error)
-            continue
-        at_pinning = fold.velocity == 0.0
-        known[eta] = _Thresholds(
-            c_pin=pinning_coupling(eta),
-            c_fold=fold.value,
-            c_pin_error=error,
-            c_fold_error=error if at_pinning else fold.error,
-        )
-    return known

@@ -179,17 +179,20 @@ class ProfileGrid:
         """Return e^{ikm}, shape (n, N)."""
         # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
         turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points) + 1)
-        phase = np.pi * _wrapped(turns, self.points) / self.points
-        waves: ComplexArray = np.exp(1j * phase)
+        waves: ComplexArray = _roots_of_unity(self.points)[turns % (2 * self.points)]
         return waves
 
-    def on_lattice(self, per_site: int) -> tuple[FloatArray, ComplexArray]:
-        """Return ζ and φ/φ_s at ``per_site`` points a site, for |m| < N/2, by Fourier transform.
+    def on_lattice(
+        self, per_site: int, sites: tuple[int, int] | None = None
+    ) -> tuple[FloatArray, ComplexArray]:
+        """Return ζ and φ/φ_s at ``per_site`` points a site, by Fourier transform.
 
-        Of several fronts φ/φ_s has shape (n, N per_site).
+        ``sites`` are the whole numbers of sites behind and ahead of ζ = 0, fewer than N/2; by
+        default all |m| < N/2 are taken. Of several fronts φ/φ_s has a row each.
         """
         points = self.points
-        m = np.arange(points) - points // 2
+        behind, ahead = sites or (points // 2, (points - 1) // 2)
+        m = np.arange(-behind, ahead + 1)
         f = np.arange(per_site) / per_site
         # e^{-a(1 - f)} by products, from the point before the next site back to this one
         shorter = np.exp(-self.a / per_site)
@@ -230,6 +233,13 @@ def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tu
     truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
     rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
     return points, truncation + rounding
+
+
+@lru_cache(maxsize=64)
+def _roots_of_unity(points: int) -> ComplexArray:
+    """Return e^{iπj/points} for j from 0 to twice the points."""
+    table: ComplexArray = np.exp(1j * np.pi * _wrapped(np.arange(2 * points), points) / points)
+    return table
 
 
 def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:

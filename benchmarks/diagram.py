@@ -75,7 +75,7 @@ def write_picture(
     """Write a figure as ``<name>.svg`` and ``.png``, and its data as ``<name>.csv``."""
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
-    drawn = picture(name, caption, figure, data, guides=True)
+    drawn = picture(name, figure, data, caption=caption, guides=True)
     write_bytes(folder / f"{name}.png", image.getvalue())
     write_bytes(folder / f"{name}.svg", drawn.svg.encode())
     write_bytes(folder / f"{name}.csv", drawn.data.encode())

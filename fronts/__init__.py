@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from fronts.checking import derive_cell as derive_cell
     from fronts.checking import judge as judge
     from fronts.checking import stability as stability
-    from fronts.piecewise import front_profile as front_profile
-    from fronts.piecewise import kinetic_relation as kinetic_relation
-    from fronts.piecewise import roots as roots
-    from fronts.piecewise import sigma as sigma
+    from fronts.piecewise.kinetic_relation import kinetic_relation as kinetic_relation
+    from fronts.piecewise.profile import front_profile as front_profile
+    from fronts.piecewise.roots import roots as roots
+    from fronts.piecewise.sigma import sigma as sigma
     from theory.cells.friction import FrictionCell as FrictionCell
     from theory.chains.friction import FrictionChain as FrictionChain
     from theory.chains.nucleus import Nucleus as Nucleus
@@ -80,11 +80,11 @@ _HOMES = {
     "derive_cell": "fronts.checking",
     "follow_breather": "fronts.branches",
     "follow_front": "fronts.branches",
-    "front_profile": "fronts.piecewise",
+    "front_profile": "fronts.piecewise.profile",
     "judge": "fronts.checking",
-    "kinetic_relation": "fronts.piecewise",
-    "roots": "fronts.piecewise",
-    "sigma": "fronts.piecewise",
+    "kinetic_relation": "fronts.piecewise.kinetic_relation",
+    "roots": "fronts.piecewise.roots",
+    "sigma": "fronts.piecewise.sigma",
     "stability": "fronts.checking",
     "threshold": "verification.thresholds.threshold",
     "excite": "verification.runs.excite",

@@ -167,6 +167,20 @@ def site_list(text: str) -> tuple[int, ...]:
     )
 
 
+def folder(text: str) -> Path:
+    """Read the name of a folder.
+
+    Examples
+    --------
+    >>> folder("report").name
+    'report'
+    """
+    if not text.strip():
+        remedy = "an empty name is no folder: name one, or . for this one"
+        raise BadText(repr(text), "a name", remedy)
+    return Path(text)
+
+
 def decimal(text: str) -> str:
     """Check that the text is a number and keep it as text, so that no digit is lost."""
     real(text)

@@ -106,7 +106,8 @@ class Command:
     default : str
         The model where none is named.
     module : str
-        A command that is not derived: a module of `fronts.commands` with ``configure`` and ``run``.
+        Of a command that computes no single `Result`: a module of `fronts.commands` with a function
+        of its name, whose signature and docstring are the options, and an ``EXAMPLE``.
     """
 
     line: str
@@ -184,14 +185,14 @@ COMMANDS: dict[str, Command] = {
   fronts kinetic --c 0.5 --eta 0.03125 --certify
   fronts kinetic --c 0.3:3:200 --eta 0.03125 --out curve.png
   fronts kinetic --c 0.3 --eta 0.001:0.12:200 --out curve.csv""",
-        calls={"": Call(function="fronts.piecewise:kinetic_relation")},
+        calls={"": Call(function="fronts.piecewise.kinetic_relation:kinetic_relation")},
     ),
     "sum": Command(
         line="the sum of the kinetic relation, by five methods (Eq. 53)",
         examples="""
   fronts sum --v 0.3 --c 0.5
   fronts sum --v 0.3 --c 0.5 --method series --digits 50 --json""",
-        calls={"": Call(function="fronts.piecewise:sigma")},
+        calls={"": Call(function="fronts.piecewise.sigma:sigma")},
     ),
     "roots": Command(
         line="labelled complex roots of the dispersion relation (Eqs. 50-52)",
@@ -199,7 +200,7 @@ COMMANDS: dict[str, Command] = {
   fronts roots --v 0.3 --c 0.5 --count 8
   fronts roots --v 0.3 --c 0.5 --extent 40 --certify --json
   fronts roots --v 0.3 --c 0.5 --count 4 --digits 40""",
-        calls={"": Call(function="fronts.piecewise:roots")},
+        calls={"": Call(function="fronts.piecewise.roots:roots")},
     ),
     "profile": Command(
         line="the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
@@ -207,7 +208,7 @@ COMMANDS: dict[str, Command] = {
   fronts profile --c 0.5 --eta 0.03125
   fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png
   fronts profile --c 0.45 --eta 0.03125 --branch 1 --from -5 --to 5 --out profile.csv""",
-        calls={"": Call(function="fronts.piecewise:front_profile")},
+        calls={"": Call(function="fronts.piecewise.profile:front_profile")},
     ),
     "front": Command(
         line="velocity of a front, by direct simulation or as a wave (Eqs. 5, 8, 43, 44)",

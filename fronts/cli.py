@@ -9,7 +9,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
@@ -108,10 +108,7 @@ def _chosen(
 ) -> tuple[_Parser, Callable[[argparse.Namespace], Answer], list[str]]:
     """Return the parser of a command and model, what carries it out, and the words left to read."""
     if command.module:
-        module = importlib.import_module(f"fronts.commands.{command.module}")
-        parser = new_parser(f"fronts {name}", command.line, module.EXAMPLE)
-        module.configure(parser)
-        return parser, module.run, list(rest)
+        return _of_its_own(name, command, rest)
     from fronts import derived
     from fronts.bound import Bound, configure, models_of
 
@@ -123,6 +120,39 @@ def _chosen(
     configure(parser, bound)
     words = [word for word in (name, model, *rest) if word]
     return parser, lambda options: derived.run(options, bound, words), rest
+
+
+def _of_its_own(
+    name: str, command: Command, rest: Sequence[str]
+) -> tuple[_Parser, Callable[[argparse.Namespace], Answer], list[str]]:
+    """Return the parser of a function in `fronts.commands`, and what calls it."""
+    from functools import partial
+
+    from fronts.options import QUIET, options_of
+
+    module, function = _own(command)
+    parser = new_parser(f"fronts {name}", command.line, module.EXAMPLE)
+    own = options_of(function)
+    own.declare(parser)
+    if any(each.name == QUIET for each in own.every):
+        function = partial(function, quiet="--json" in rest)
+
+    def carry_out(options: argparse.Namespace) -> Answer:
+        if hasattr(options, "out"):
+            from fronts.output import command_line
+            from verification.execution.metadata import COMMAND_LINE
+
+            COMMAND_LINE.set(command_line([name, *rest]))
+        found: Answer = own.call(function, options)
+        return found
+
+    return parser, carry_out, list(rest)
+
+
+def _own(command: Command) -> tuple[Any, Callable[..., Answer]]:
+    """Return the module of a command, and the function of the same name in it."""
+    module = importlib.import_module(f"fronts.commands.{command.module}")
+    return module, getattr(module, command.module)
 
 
 def _examples(command: Command, model: str, required: str = "") -> str:
@@ -226,13 +256,14 @@ def _completion(words: Sequence[str]) -> str:
 def whole_parser() -> argparse.ArgumentParser:
     """Return one parser with every command, model and option, as shell completion needs it."""
     from fronts.bound import Bound, configure, models_of
+    from fronts.options import options_of
 
     whole = argparse.ArgumentParser(prog="fronts", description="Excitation fronts.")
     commands = whole.add_subparsers()
     for name, command in COMMANDS.items():
         parser = commands.add_parser(name, help=command.line)
         if command.module:
-            importlib.import_module(f"fronts.commands.{command.module}").configure(parser)
+            options_of(_own(command)[1]).declare(parser)
             continue
         if "" in command.calls:
             configure(parser, Bound(command.calls[""], ""))

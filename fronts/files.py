@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fronts.answer import UsageError
 from fronts.arguments import check_writable
@@ -23,6 +23,9 @@ from theory.result import Result, optional_package, plain
 from verification.execution.files import write_by
 from verification.execution.metadata import installed_versions
 from verification.execution.table import commented, zarr_writer
+
+if TYPE_CHECKING:
+    import numpy as np
 
 PICTURES = (".png", ".svg", ".pdf")
 FILMS = (".gif", ".mp4")
@@ -54,7 +57,9 @@ class Provenance:
         }
 
 
-def check_files(paths: Sequence[tuple[Path, str]], filmed: bool) -> None:
+def check_files(
+    paths: Sequence[tuple[Path, str]], filmed: bool, formats: Sequence[str] = FORMATS
+) -> None:
     """Refuse, before any work, files that cannot be written or are named twice.
 
     Parameters
@@ -63,6 +68,8 @@ def check_files(paths: Sequence[tuple[Path, str]], filmed: bool) -> None:
         The files, each with the option by which it was named.
     filmed : bool
         Whether there will be a film of the result.
+    formats : sequence of str, optional
+        Endings that are allowed.
 
     Raises
     ------
@@ -73,12 +80,46 @@ def check_files(paths: Sequence[tuple[Path, str]], filmed: bool) -> None:
     """
     seen: dict[Path, Path] = {}
     for path, option in paths:
-        check_writable(path, (*FORMATS, *FILMS) if filmed else FORMATS, option)
+        check_writable(path, (*formats, *FILMS) if filmed else tuple(formats), option)
         if path.suffix.lower() == ".zarr":
             optional_package("zarr")
         if path.resolve() in seen:
             raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
         seen[path.resolve()] = path
+
+
+@dataclass(frozen=True, kw_only=True)
+class Listing(Result):
+    """What a command answers in rows.
+
+    Attributes
+    ----------
+    payload : mapping
+        The answer as JSON has it.
+    rows : sequence of mapping
+        One a row, all with the same names.
+    """
+
+    payload: Mapping[str, Any]
+    rows: Sequence[Mapping[str, Any]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer as the command prints it with ``--json``."""
+        return dict(self.payload)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a row; what is no number or text is written as JSON."""
+        import numpy as np
+
+        names = list(self.rows[0]) if self.rows else []
+        return {
+            name: np.array([_simple(row[name]) for row in self.rows], dtype=object)
+            for name in names
+        }
+
+
+def _simple(value: Any) -> Any:
+    return json.dumps(value) if isinstance(value, (list, tuple, dict)) else value
 
 
 def write_result(path: Path, result: Result, provenance: Provenance) -> None:
@@ -128,7 +169,7 @@ def as_table(result: Result) -> dict[str, list[Any]]:
 
     Examples
     --------
-    >>> from fronts.piecewise import Root
+    >>> from fronts.piecewise.roots import Root
     >>> as_table(Root(label=0, re=0.1, im=0.2, residual=0.0, radius=1e-15))["re"]
     [0.1]
     """

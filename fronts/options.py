@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
-from fronts.arguments import decimal, real, real_or_range, site_list, size_or_shape, whole
-from fronts.signatures import REQUIRED, Described
+from fronts.arguments import decimal, folder, real, real_or_range, site_list, size_or_shape, whole
+from fronts.signatures import REQUIRED, Described, described
 
 FLAGS: Mapping[str, tuple[str, ...]] = {
     "sites": ("--n", "--sites"),
@@ -29,6 +29,8 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
     "end": ("--t-end", "--end"),
     "low": ("--from",),
     "high": ("--to",),
+    "out": ("--out", "-o"),
+    "listing": ("--list",),
 }
 """Options whose names are not their parameter's, and the other names that are understood."""
 
@@ -37,6 +39,12 @@ INTERNAL = frozenset(
 )
 """Parameters that are no options: no shell can give them, or the command line sets them itself."""
 
+QUIET = "quiet"
+"""Parameter of a function of `fronts.commands` that is set by ``--json``."""
+
+Folder: TypeAlias = Path
+"""Annotation of a parameter that is a folder."""
+
 _READERS: Mapping[str, Any] = {
     "float": real,
     "numbers": real_or_range,
@@ -44,6 +52,7 @@ _READERS: Mapping[str, Any] = {
     "int": whole,
     "str": str,
     "path": Path,
+    "folder": folder,
     "sites": site_list,
     "shape": size_or_shape,
 }
@@ -74,12 +83,15 @@ class Group:
         Defaults of this command, for parameters that have none of their own or another one.
     ranged : bool
         Whether a number may also be a range ``low:high:count``.
+    internal : frozenset of str
+        Parameters that are no options.
     """
 
     prefix: str
     every: tuple[Described, ...]
     presets: Mapping[str, Any]
     ranged: bool = False
+    internal: frozenset[str] = INTERNAL
 
     @property
     def parameters(self) -> tuple[Described, ...]:
@@ -87,7 +99,7 @@ class Group:
         return tuple(
             each
             for each in self.every
-            if each.name not in INTERNAL and (each.kind in _READERS or each.kind in _OTHERS)
+            if each.name not in self.internal and (each.kind in _READERS or each.kind in _OTHERS)
         )
 
     def declare(
@@ -113,6 +125,11 @@ class Group:
         for each in self.parameters:
             default = said.get(each.name, self._default(each))
             dest, words = self.prefix + each.name, _help(each, default, self.ranged)
+            if each.positional:
+                parser.add_argument(dest, nargs="*" if each.kind == "strings" else "?",
+                                    default=argparse.SUPPRESS, metavar=each.name.upper(),
+                                    help=words)  # fmt: skip
+                continue
             if each.kind == "bool":
                 kind = argparse.BooleanOptionalAction if default is True else "store_true"
                 parser.add_argument(*_names(self.prefix, each.name), dest=dest, action=kind,
@@ -146,6 +163,16 @@ class Group:
                 found[each.name] = self.presets[self.prefix + each.name]
         return found
 
+    def call(self, function: Callable[..., Any], options: argparse.Namespace) -> Any:
+        """Call the function whose parameters these are with what was given."""
+        given = self.given(options)
+        words: list[Any] = []
+        for each in self.parameters:
+            if each.positional and each.name in given:
+                value = given.pop(each.name)
+                words += value if each.kind == "strings" else [value]
+        return function(*words, **given)
+
     def defaults(self) -> dict[str, Any]:
         """Return the defaults, where there are any."""
         found = {each.name: self._default(each) for each in self.parameters}
@@ -159,6 +186,11 @@ class Group:
         return self.presets.get(self.prefix + each.name, each.default)
 
 
+def options_of(function: Callable[..., Any]) -> Group:
+    """Return every parameter of a function of `fronts.commands` as an option."""
+    return Group("", described(function), {}, internal=frozenset({QUIET}))
+
+
 _OTHERS = {"bool", "choice", "strings"}
 
 
@@ -169,8 +201,8 @@ def _names(prefix: str, name: str) -> tuple[str, ...]:
 def _metavar(prefix: str, each: Described) -> str | None:
     if each.choices:
         return None
-    if each.kind in ("path", "sites") or each.name == "size":
-        return {"path": "FILE", "sites": "SITES"}.get(each.kind, "SIZE")
+    if each.kind in ("path", "folder", "sites") or each.name == "size":
+        return {"path": "FILE", "folder": "DIR", "sites": "SITES"}.get(each.kind, "SIZE")
     return _names(prefix, each.name)[0].strip("-").upper().replace("-", "_")
 
 
@@ -179,7 +211,9 @@ def _help(each: Described, default: Any, ranged: bool) -> str:
     if each.kind == "numbers" or (ranged and each.kind == "float"):
         words += "; a range low:high:count gives a curve"
     value = getattr(default, "value", default)
-    said = isinstance(value, (str, int, float)) and value != "" and not isinstance(value, bool)
+    said = (
+        isinstance(value, (str, int, float, Path)) and value != "" and not isinstance(value, bool)
+    )
     if default is not REQUIRED and said:
         words += f" (default {value:g})" if isinstance(value, float) else f" (default {value})"
     return words.replace("%", "%%")

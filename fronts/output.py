@@ -8,10 +8,11 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fronts.answer import UsageError
+from fronts.answer import Answer, UsageError
 from fronts.arguments import check_writable, same_file
 
 if TYPE_CHECKING:
@@ -85,6 +86,29 @@ def write_output(
     for path in out:
         if path != parameters.get("out"):  # what can be resumed has been written
             write_result(path, result, shown)
+
+
+def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, Any]) -> Answer:
+    """Write an answer to a file, with the command line and the parameters; return what is said.
+
+    Parameters
+    ----------
+    answer : Answer
+        What to write.
+    rows : str
+        Its entry that is a list with one mapping a row.
+    out : Path
+        Ends in .csv, .json or .npz.
+    parameters : mapping
+        What was asked.
+    """
+    from fronts.files import Listing, Provenance, write_result
+    from verification.execution.metadata import COMMAND_LINE
+
+    found: Any = answer.payload[rows]
+    shown = Provenance(command=COMMAND_LINE.get(), parameters=parameters)
+    write_result(out, Listing(payload=answer.payload, rows=found), shown)
+    return replace(answer, text=beside_files(answer.text, [out]))
 
 
 def beside_files(text: str, out: Sequence[Path]) -> str:

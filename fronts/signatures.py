@@ -11,7 +11,7 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -31,8 +31,8 @@ class Described:
         Its name in Python.
     kind : str
         One of ``float``, ``numbers`` (a number or an array), ``decimal`` (a number kept as text),
-        ``int``, ``str``, ``bool``, ``path``, ``sites``, ``choice``, ``strings``, or the name of the
-        class. A field may name it in its metadata (``theory.chains.chain.parameter``).
+        ``int``, ``str``, ``bool``, ``path``, ``folder``, ``sites``, ``choice``, ``strings``, or the
+        name of the class. A field may name it in its metadata (``theory.chains.chain.parameter``).
     default : object
         `REQUIRED` if it has none.
     help : str
@@ -41,6 +41,8 @@ class Described:
         Values of a ``choice``.
     make : callable or None
         From a choice to the value that is passed on.
+    positional : bool
+        Whether it is given without its name: before a ``/`` in the signature, or after a ``*``.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Described:
     help: str
     choices: tuple[str, ...] = ()
     make: Callable[[str], Any] | None = None
+    positional: bool = False
 
 
 def described(what: Callable[..., Any]) -> tuple[Described, ...]:
@@ -86,12 +89,21 @@ def described(what: Callable[..., Any]) -> tuple[Described, ...]:
             if each.init
         )
     return tuple(
-        _described(
-            each.name, str(each.annotation), each.default, words=words, module=module, metadata={}
-        )
+        _of_signature(each, words, module)
         for each in inspect.signature(what).parameters.values()
         if each.kind is not inspect.Parameter.VAR_KEYWORD
     )
+
+
+def _of_signature(
+    each: inspect.Parameter, words: Mapping[str, tuple[str, str]], module: Mapping[str, Any]
+) -> Described:
+    found = _described(
+        each.name, str(each.annotation), each.default, words=words, module=module, metadata={}
+    )
+    if each.kind is inspect.Parameter.VAR_POSITIONAL:
+        return replace(found, kind="strings", default=(), positional=True)
+    return replace(found, positional=each.kind is inspect.Parameter.POSITIONAL_ONLY)
 
 
 def documented(doc: str) -> dict[str, tuple[str, str]]:
@@ -176,6 +188,7 @@ _KINDS = {
     "str": "str",
     "bool": "bool",
     "Path": "path",
+    "Folder": "folder",
     "Sequence[int]": "sites",
     "tuple[int, ...]": "sites",
     "Sequence[str]": "strings",

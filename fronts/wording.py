@@ -14,7 +14,7 @@ def in_words(result: Result) -> str:
 
     Examples
     --------
-    >>> from fronts.piecewise import Root
+    >>> from fronts.piecewise.roots import Root
     >>> print(in_words(Root(label=0, re=0.1, im=0.2, residual=0.0, radius=1e-15)))
     label: 0
     re: 0.1

@@ -188,11 +188,11 @@ def test_claims_that_share_evidence_or_work_go_to_one_process(tmp_path, capsys):
         (["fig61"], "'fig61' is neither a claim nor a group of claims: did you mean fig16"),
         (["--verdict", "wrong"], "'wrong' is not a verdict"),
         (["fig9", "--verdict", "untestable"], "no claim of fig9 has the verdict 'untestable'"),
-        (["--jobs", "0"], "0 processes: it must be from 1"),
-        (["--jobs", "two"], "'two' is not a whole number"),
+        (["--jobs", "0"], "--workers = 0 is not allowed: it must be a whole number from 1 to 256"),
+        (["--jobs", "two"], "--workers = two is not allowed: it must be a whole number"),
         (["--resume"], "--resume needs --out DIR"),
         (["--list", "--out", "x"], "--list judges nothing: leave out --out."),
-        (["--list", "--jobs", "1", "--record"], "leave out --jobs and --record."),
+        (["--list", "--jobs", "1", "--record"], "leave out --workers and --record."),
         (["--out", ""], "an empty name is no folder"),
         (["--out", " "], "an empty name is no folder"),
         (["--out", "a-file"], "--out a-file is a file: name a folder."),
@@ -348,7 +348,7 @@ def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeyp
     from example_claims import fig16
 
     figure, _ = new_axes()
-    other = picture("fig9-decay", "Another one.", figure, {"x": [1.0]})
+    other = picture("fig9-decay", figure, {"x": [1.0]}, caption="Another one.")
     claim = fig16.CLAIMS[1]
     first = claim.found
     monkeypatch.setitem(
@@ -492,7 +492,7 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
         figure, axes = new_axes("page", xlabel=r"$\hat v$")
         axes.plot([1, 2], [0.1, 1 / 3], "o-")
         axes.fill_between([0, 1], [0, 1], alpha=0.3)
-        return picture("pair", "A pair.", figure, {"n": [1, 2], "x": np.array([0.1, 1 / 3])})
+        return picture("pair", figure, {"n": [1, 2], "x": np.array([0.1, 1 / 3])})
 
     first, second = draw(), draw()
     assert first == second
@@ -514,7 +514,7 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
 def test_unusable_pictures_are_refused(name, data, message):
     figure, _ = new_axes()
     with pytest.raises(ValueError, match=message):
-        picture(name, "c", figure, data)
+        picture(name, figure, data)
 
 
 def test_what_is_drawn_is_in_the_data():
@@ -524,7 +524,7 @@ def test_what_is_drawn_is_in_the_data():
         axes.bar([0.1, 0.2], [7.0, 8.0], width=0.03, label="bars")
         axes.axhline(9.0, label="level")
         axes.plot([], [], label="for the legend")
-        return picture("ok", "", figure, data)
+        return picture("ok", figure, data)
 
     curve, bars = {"x": [1.0, 2.0], "y": [3.0, 5.0]}, {"x": [0.1, 0.2], "n": [7.0, 8.0]}
     drawn(long_table({"curve": curve | {"kind": "a"}, "bars": bars}))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from fronts.piecewise import kinetic_relation
+from fronts.piecewise.kinetic_relation import kinetic_relation
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import threshold_ratio
 from theory.chains.piecewise import PiecewiseChain

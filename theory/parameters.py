@@ -95,6 +95,23 @@ def number(
         raise ParameterError(quantity, value, allowed, remedy) from None
 
 
+def decimal(quantity: str, value: object) -> float | str:
+    """Return a decimal as it was written, digit for digit, or a number as a float.
+
+    Raises
+    ------
+    ParameterError
+        If it is no number.
+
+    Examples
+    --------
+    >>> decimal("coupling c", "0.10"), decimal("coupling c", 1)
+    ('0.10', 1.0)
+    """
+    found = number(quantity, value)
+    return value if isinstance(value, str) else found
+
+
 def positive(
     quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
 ) -> float:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from pathlib import Path
 
 from fronts.answer import Answer, UsageError
+from fronts.options import Folder
 
 EXAMPLE = """examples:
   fronts article --report report --out article   metadata.yaml, content.tex and the rest
@@ -16,34 +16,30 @@ The report is that of all claims, as 'fronts check --out report' writes it.
 The files are those of ReScience C; 'pdflatex article.tex' sets them without its template."""
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``fronts article``."""
-    parser.add_argument(
-        "--report", type=Path, default=Path("report"), metavar="DIR",
-        help="folder that 'fronts check --out' has written (default report)",
-    )  # fmt: skip
-    parser.add_argument(
-        "-o", "--out", type=Path, default=Path("article"), metavar="DIR",
-        help="folder of the article (default article)",
-    )  # fmt: skip
+def article(*, report: Folder = Path("report"), out: Folder = Path("article")) -> Answer:
+    """Read the report and write the article.
 
+    Parameters
+    ----------
+    report : folder, optional
+        What 'fronts check --out' has written.
+    out : folder, optional
+        Where the article is written.
+    """
+    from paper_checks.report.article import article as written_from
 
-def run(options: argparse.Namespace) -> Answer:
-    """Read the report and write the article."""
-    from paper_checks.report.article import article
-
-    source = options.report / "report.json"
+    source = report / "report.json"
     if not source.is_file():
         raise UsageError(
-            f"{source} is not there: run 'fronts check --out {options.report}' first.",
+            f"{source} is not there: run 'fronts check --out {report}' first.",
             quantity="--report",
-            value=options.report,
+            value=report,
         )
     try:
-        report = json.loads(source.read_text(encoding="utf-8"))
+        found = json.loads(source.read_text(encoding="utf-8"))
     except ValueError:
         raise UsageError(f"{source} is not JSON: run 'fronts check --out' again.") from None
-    written = article(report, options.out)
+    written = written_from(found, out)
     return Answer(
         payload={"files": [str(path) for path in written]},
         text="\n".join(f"written: {path}" for path in written),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 from collections.abc import Callable
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
+from fronts.options import Folder, option
 
 if TYPE_CHECKING:
     from benchmarks.work_precision import WorkPrecision
@@ -28,60 +28,63 @@ GROWTH = "growth"
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``fronts bench``."""
-    parser.add_argument(
-        "quantities", nargs="*", metavar="QUANTITY", help="only these; growth is one of them"
-    )
-    parser.add_argument(
-        "--quick", action="store_true", help="fewer settings; nothing written unless --out is given"
-    )
-    parser.add_argument("--list", action="store_true", help="list the quantities, measure none")
-    parser.add_argument(
-        "--defaults", action="store_true", help="judge the default methods by the stored records"
-    )
-    parser.add_argument(
-        "-o", "--out", type=Path, metavar="DIR", help="folder of the records (benchmarks/results)"
-    )
+def bench(
+    *quantity: str,
+    quick: bool = False,
+    listing: bool = False,
+    defaults: bool = False,
+    out: Folder | None = None,
+) -> Answer:
+    """List, judge the defaults, or measure.
 
-
-def run(options: argparse.Namespace) -> Answer:
-    """List, judge the defaults, or measure."""
+    Parameters
+    ----------
+    *quantity : str
+        Only these; growth is one of them.
+    quick : bool, optional
+        Fewer settings; nothing written unless --out is given.
+    listing : bool, optional
+        List the quantities, measure none.
+    defaults : bool, optional
+        Judge the default methods by the stored records.
+    out : folder, optional
+        Folder of the records (benchmarks/results).
+    """
     for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
     need_source_tree(ROOT)
     from benchmarks.registry import all_benchmarks, chosen
     from benchmarks.work_precision import RESULTS
 
-    names = [name for name in options.quantities if name != GROWTH]
-    growth = GROWTH in options.quantities or not options.quantities
-    wanted = chosen(names) if names or not options.quantities else ()
-    if options.out is not None and not options.out.is_dir():
-        raise UsageError(f"--out {options.out} is not a folder that exists: make it first.")
-    _refuse_unused(options)
-    if options.list:
+    names = [name for name in quantity if name != GROWTH]
+    growth = GROWTH in quantity or not quantity
+    wanted = chosen(names) if names or not quantity else ()
+    if out is not None and not out.is_dir():
+        raise UsageError(f"--out {out} is not a folder that exists: make it first.")
+    if listing and defaults:
+        raise UsageError("--list and --defaults are two questions: ask one of them.")
+    if listing:
+        _refuse("--list measures nothing", quick=quick)
+        _refuse("--list reads and writes no record", out=out)
         return _list(wanted, growth)
-    if options.defaults:
-        return _defaults(wanted or all_benchmarks(), options.out or RESULTS)
-    folder = options.out or (None if options.quick else RESULTS)
+    if defaults:
+        _refuse("--defaults measures nothing", quick=quick)
+        if GROWTH in quantity:
+            raise UsageError(
+                f"--defaults has no default method of growth to judge: leave out {GROWTH}."
+            )
+        return _defaults(wanted or all_benchmarks(), out or RESULTS)
+    folder = out or (None if quick else RESULTS)
     if folder is not None and not os.access(folder, os.W_OK):
         raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")
-    return _measure(wanted, growth, options.quick, folder)
+    return _measure(wanted, growth, quick, folder)
 
 
-def _refuse_unused(options: argparse.Namespace) -> None:
+def _refuse(why: str, **given: object) -> None:
     """Refuse what the question asked would pass over in silence."""
-    if options.list and options.defaults:
-        raise UsageError("--list and --defaults are two questions: ask one of them.")
-    question = "--list" if options.list else "--defaults" if options.defaults else ""
-    for name, used, why in (
-        ("--quick", not (question and options.quick), "measures nothing"),
-        ("--out", not (options.list and options.out), "reads and writes no record"),
-        (GROWTH, not (options.defaults and GROWTH in options.quantities),
-         "has no default method of growth to judge"),
-    ):  # fmt: skip
-        if not used:
-            raise UsageError(f"{question} {why}: leave out {name}.")
+    for name, value in given.items():
+        if value:
+            raise UsageError(f"{why}: leave out {option(name)}.")
 
 
 def need_source_tree(root: Path) -> None:

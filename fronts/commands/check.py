@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import logging
 import os
@@ -14,7 +13,10 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from fronts.answer import Answer, UsageError
+from fronts.arguments import check_writable
 from fronts.interrupted import resumable
+from fronts.options import Folder, option
+from fronts.output import with_table
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.outcome import Outcome, slug
@@ -32,6 +34,7 @@ from paper_checks.report.table import duration, entries_as_text
 from paper_checks.report.terminal import report_as_text
 from paper_checks.run import run as judge_all
 from paper_checks.shipped import FOLDER, Shipped
+from theory.parameters import count_within
 from verification.execution.digest import digest_of_packages
 from verification.execution.files import write_text
 from verification.execution.imports import SOURCES
@@ -52,66 +55,92 @@ exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusab
 
 STORE = ".evidence.sqlite"
 """What a run into a folder has judged so far."""
-MOST_JOBS = 256
-_OF_A_RUN = ("out", "jobs", "resume", "full", "record")
-"""Options that say how claims are judged, which ``--list`` does not do."""
+MAX_WORKERS = 256
+TABLES = (".csv", ".json", ".npz")
+"""Files of verdicts, where no folder of a report is asked for."""
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("keys", nargs="*", metavar="KEY", help="a claim or a module of claims")
-    parser.add_argument(
-        "--verdict",
-        type=_verdict,
-        metavar="V",
-        help="only claims with this verdict on record: " + ", ".join(map(slug, Verdict)),
-    )
-    parser.add_argument("-o", "--out", type=_folder, metavar="DIR", help="write the report here")
-    parser.add_argument(
-        "--workers",
-        "--jobs",
-        dest="jobs",
-        type=_jobs,
-        metavar="N",
-        help="processes (default 1: claims about run times are judged undisturbed)",
-    )
-    parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="use evidence that an earlier run of the same code kept in DIR",
-    )
-    parser.add_argument(
-        "--full",
-        action="store_true",
-        help="compute everything: use no finding that comes with the toolkit",
-    )
-    parser.add_argument(
-        "--record",
-        action="store_true",
-        help="compute the expensive claims whose stored finding is missing or stale, with --full "
-        "all of them, and store what is found with the toolkit",
-    )
-    parser.add_argument("--list", action="store_true", help="list the claims, judge none")
+def check(
+    *key: str,
+    verdict: str | None = None,
+    out: Folder | None = None,
+    workers: int | None = None,
+    resume: bool = False,
+    full: bool = False,
+    record: bool = False,
+    listing: bool = False,
+    quiet: bool = False,
+) -> Answer:
+    """Judge the chosen claims; write the report if asked to.
 
-
-def run(options: argparse.Namespace) -> Answer:
-    """Judge the chosen claims; write the report if asked to."""
+    Parameters
+    ----------
+    *key : str
+        A claim or a module of claims.
+    verdict : str, optional
+        Only claims with this verdict on record: reproduced, corrected, partial, not-reproduced,
+        untestable.
+    out : folder, optional
+        Write the report here; or the verdicts to a file ending in .csv, .json or .npz.
+    workers : int, optional
+        Processes (default 1: claims about run times are judged undisturbed).
+    resume : bool, optional
+        Use evidence that an earlier run of the same code kept in DIR.
+    full : bool, optional
+        Compute everything: use no finding that comes with the toolkit.
+    record : bool, optional
+        Compute the expensive claims whose stored finding is missing or stale, with --full all of
+        them, and store what is found with the toolkit.
+    listing : bool, optional
+        List the claims, judge none.
+    quiet : bool, optional
+        Show progress in a terminal only.
+    """
     if os.environ.get("FRONTS_TRACEBACK"):
         logging.basicConfig(level=logging.INFO)
         logging.getLogger("matplotlib").setLevel(logging.WARNING)
+    jobs = 1 if workers is None else count_within("--workers", workers, 1, MAX_WORKERS)
     every = discover.find_entries()
     if not every:
         raise UsageError(f"no claims were found in {discover.PACKAGE}: the installation is broken.")
-    entries = _chosen(every, options)
+    entries = _chosen(every, key, verdict)
     width = shutil.get_terminal_size((100, 24)).columns
-    if options.list:
-        return _listing(entries, width, options)
-    folder = _checked_folder(options)
-    versions, source = installed_versions(PACKAGES), digest_of_packages(_sources())
-    shipped = Shipped(FOLDER, _sources(), renew=options.record)
+    if listing:
+        _refuse(out=out, workers=workers, resume=resume, full=full, record=record)
+        return _listing(entries, width)
+    table = out if out is not None and out.suffix.lower() in TABLES else None
+    folder = _checked_folder(None if table else out, resume)
+    if table:
+        check_writable(table, TABLES)
+    shipped = Shipped(FOLDER, _sources(), renew=record)
+    used = None if full else shipped
+    report = _judged(
+        entries, every=every, jobs=jobs, folder=folder, resume=resume, shipped=used, quiet=quiet
+    )
+    payload = to_json(report)
+    text = report_as_text(report, width)
+    if record:
+        text += "\n\n" + _record(shipped, report)
+    if folder:
+        text += _written(folder, _write(folder, report, payload))
+    answer = Answer(payload, text, exit_code=1 if report.changed else 0)
+    return answer if table is None else with_table(answer, "claims", table, {"keys": key})
 
+
+def _judged(
+    entries: Sequence[discover.Entry],
+    *,
+    every: Sequence[discover.Entry],
+    jobs: int,
+    folder: Path | None,
+    resume: bool,
+    shipped: Shipped | None,
+    quiet: bool,
+) -> Report:
+    """Judge claims, keep their evidence in the folder as they end, and return the report."""
+    versions, source = installed_versions(PACKAGES), digest_of_packages(_sources())
     start = time.perf_counter()
-    shown = Progress("claims", steps=len(entries), at_once=options.jobs or 1, quiet=options.json)
+    shown = Progress("claims", steps=len(entries), at_once=jobs, quiet=quiet)
 
     def said() -> str:
         if folder is None:
@@ -125,34 +154,26 @@ def run(options: argparse.Namespace) -> Answer:
     with (
         resumable(said),
         # What another code or version has found is computed anew, and not refused.
-        Store(folder / STORE, identity, resume=options.resume, replace=True)
+        Store(folder / STORE, identity, resume=resume, replace=True)
         if folder
         else nullcontext() as store,
         shown,
     ):
         outcomes = judge_all(
             entries,
-            jobs=options.jobs or 1,
+            jobs=jobs,
             package=discover.PACKAGE,
             store=store,
             packages=_sources(),
-            shipped=None if options.full else shipped,
+            shipped=shipped,
             progress=_Reporter(shown),
         )
     seconds = time.perf_counter() - start
-
     measurements = stored_sections() if len(entries) == len(every) else ()
-    report = make_report(
+    return make_report(
         outcomes, seconds=seconds, available=len(every), versions=versions, source=source,
         measurements=measurements,
     )  # fmt: skip
-    payload = to_json(report)
-    text = report_as_text(report, width)
-    if options.record:
-        text += "\n\n" + _record(shipped, report)
-    if folder:
-        text += _written(folder, _write(folder, report, payload))
-    return Answer(payload, text, exit_code=1 if report.changed else 0)
 
 
 def _written(folder: Path, removed: int) -> str:
@@ -187,26 +208,30 @@ class _Reporter:
 
 
 def _chosen(
-    every: Sequence[discover.Entry], options: argparse.Namespace
+    every: Sequence[discover.Entry], keys: Sequence[str], verdict: str | None
 ) -> tuple[discover.Entry, ...]:
     try:
-        entries = discover.select(every, options.keys)
+        entries = discover.select(every, keys)
     except discover.UnknownKeyError as error:
         raise UsageError(str(error)) from None
-    if options.verdict is None:
+    if verdict is None:
         return entries
-    kept = tuple(entry for entry in entries if entry.claim.recorded is options.verdict)
+    wanted = _verdict(verdict)
+    kept = tuple(entry for entry in entries if entry.claim.recorded is wanted)
     if not kept:
-        where = f"of {', '.join(options.keys)} " if options.keys else ""
-        raise UsageError(f"no claim {where}has the verdict '{slug(options.verdict)}' on record.")
+        where = f"of {', '.join(keys)} " if keys else ""
+        raise UsageError(f"no claim {where}has the verdict '{slug(wanted)}' on record.")
     return kept
 
 
-def _listing(entries: Sequence[discover.Entry], width: int, options: argparse.Namespace) -> Answer:
-    given = [name for name in _OF_A_RUN if getattr(options, name) not in (None, False)]
-    if given:
-        names = " and ".join(f"--{name}" for name in given)
+def _refuse(**given: object) -> None:
+    """Refuse beside ``--list`` what says how claims are judged."""
+    names = " and ".join(option(name) for name, value in given.items() if value)
+    if names:
         raise UsageError(f"--list judges nothing: leave out {names}.")
+
+
+def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:
     claims = [
         {
             "key": entry.claim.key,
@@ -223,11 +248,10 @@ def _listing(entries: Sequence[discover.Entry], width: int, options: argparse.Na
     return Answer({"claims": claims}, entries_as_text(entries, width))
 
 
-def _checked_folder(options: argparse.Namespace) -> Path | None:
+def _checked_folder(folder: Path | None, resume: bool) -> Path | None:
     """Make the folder of the report and make sure, before any work, that it takes files."""
-    folder: Path | None = options.out
     if folder is None:
-        if options.resume:
+        if resume:
             raise UsageError("--resume needs --out DIR, the folder of the interrupted run.")
         return None
     if folder.exists() and not folder.is_dir():
@@ -292,25 +316,9 @@ def _sources() -> tuple[str, ...]:
     return SOURCES if home in SOURCES else (*SOURCES, home)
 
 
-def _folder(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("an empty name is no folder: name one, or . for this one")
-    return Path(text)
-
-
 def _verdict(text: str) -> Verdict:
     for verdict in Verdict:
         if text in (slug(verdict), verdict.value, verdict.value.replace(" ", "-")):
             return verdict
     known = ", ".join(map(slug, Verdict))
-    raise argparse.ArgumentTypeError(f"'{text}' is not a verdict: choose one of {known}")
-
-
-def _jobs(text: str) -> int:
-    try:
-        count = int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number") from None
-    if not 1 <= count <= MOST_JOBS:
-        raise argparse.ArgumentTypeError(f"{count} processes: it must be from 1 to {MOST_JOBS}")
-    return count
+    raise UsageError(f"--verdict '{text}' is not a verdict: choose one of {known}.")

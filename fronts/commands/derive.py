@@ -5,14 +5,16 @@ SymPy is imported only when something is derived; the listing must stay fast.
 
 from __future__ import annotations
 
-import argparse
 import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from derivations import catalogue
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_writable, whole
+from fronts.arguments import check_writable
+from fronts.output import with_table
 from verification.execution.files import write_by
 
 if TYPE_CHECKING:
@@ -32,59 +34,127 @@ EXAMPLE = """examples:
   fronts derive --graph --out equations.svg             which equation follows from which
   fronts derive cell --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=0.5 --order 2"""
 
-FORMATS = ("text", "latex", "mathml", "markdown", "json")
+TABLES = (".csv", ".npz")
+"""Files of rows: steps, equations or derivations; the text goes to any other."""
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument("name", nargs="?", metavar="NAME",
-                        help=f"{', '.join(catalogue.LISTING)}, all, or cell")  # fmt: skip
-    parser.add_argument("--order", type=whole, default=1, help="1 or 2, the power of eps")
-    parser.add_argument("--equation", type=whole, metavar="N", help="only this equation")
-    parser.add_argument("--format", choices=FORMATS, default="text")
-    parser.add_argument("--graph", action="store_true",
-                        help="draw which equation follows from which, as SVG")  # fmt: skip
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write there instead")
-    parser.add_argument("--damping", metavar="POLYNOMIAL", help="h(y) of another cell")
-    parser.add_argument("--stiffness", metavar="POLYNOMIAL", help="g(y) of another cell")
-    parser.add_argument("--coupling", metavar="C", help="coupling of another chain (default c)")
-    parser.add_argument("--weights", metavar="LIST",
-                        help="weights of the springs to nearest, second … neighbours")  # fmt: skip
-    parser.add_argument("--value", action="append", metavar="NAME=NUMBER", default=[],
-                        help="a number for a letter of the chain; repeat for more")  # fmt: skip
-    parser.add_argument("--no-front", action="store_true",
-                        help="of a cell only the averaged equation and its cycles")  # fmt: skip
+def derive(  # noqa: PLR0913  (options of a command, by name)
+    name: str | None = None,
+    /,
+    *,
+    order: int = 1,
+    equation: int | None = None,
+    format: Literal["text", "latex", "mathml", "markdown", "json"] = "text",
+    graph: bool = False,
+    out: Path | None = None,
+    damping: str | None = None,
+    stiffness: str | None = None,
+    coupling: str | None = None,
+    weights: str | None = None,
+    value: Sequence[str] = (),
+    no_front: bool = False,
+    quiet: bool = False,
+) -> Answer:
+    """List the derivations, or derive, check and show what is asked for.
 
-
-def run(args: argparse.Namespace) -> Answer:
-    """Carry out the command."""
-    if args.no_front and args.name != "cell":
+    Parameters
+    ----------
+    name : str, optional
+        Friction, multiple-scales, averaging, linearisation, piecewise-front, second-order, all, or
+        cell.
+    order : int, optional
+        1 or 2, the power of eps.
+    equation : int, optional
+        Only this equation.
+    format : str, optional
+        Of the text.
+    graph : bool, optional
+        Draw which equation follows from which, as SVG.
+    out : Path, optional
+        Write the text to a file; rows to one ending in .csv or .npz, the whole answer with its
+        command and versions to one in .json.
+    damping : str, optional
+        Polynomial h(y) of another cell.
+    stiffness : str, optional
+        Polynomial g(y) of another cell.
+    coupling : str, optional
+        Coupling of another chain (default c).
+    weights : str, optional
+        Weights of the springs to nearest, second … neighbours.
+    value : sequence of str, optional
+        A number for a letter of the chain, as in a=4; repeat for more.
+    no_front : bool, optional
+        Of a cell only the averaged equation and its cycles.
+    quiet : bool, optional
+        The answer is printed as JSON.
+    """
+    if no_front and name != "cell":
         raise UsageError("--no-front belongs to 'cell'.")
-    other = bool(args.damping or args.stiffness or args.coupling or args.weights or args.value)
-    if other and args.name != "cell" and args.name not in catalogue.WITH_MODEL:
+    cell = _Cell(
+        damping=damping, stiffness=stiffness, coupling=coupling, weights=weights, values=value
+    )
+    if cell.given and name != "cell" and name not in catalogue.WITH_MODEL:
         names = ", ".join(("cell", *catalogue.WITH_MODEL))
         raise UsageError(
             f"--damping, --stiffness, --coupling, --weights and --value belong to {names}."
         )
-    if args.out is not None:
-        check_writable(args.out)
-    answer = _answer(args, other)
-    if args.out is None:
+    if out is not None:
+        check_writable(out)
+    if graph:
+        answer = _graph(name, order, equation)
+    elif name is None and equation is None:
+        answer = _listing()
+    elif name == "all":
+        answer = _all(equation, format, quiet)
+    elif name == "cell":
+        answer = _cell(cell, order, equation, format, not no_front)
+    else:
+        name = name or catalogue.owner(equation or 0)
+        answer = _one(name, order, equation, format, cell.model() if cell.given else None)
+    if out is None:
         return answer
-    write_by(args.out, lambda path: _write(path, answer.text))
-    return Answer(answer.payload, f"wrote {args.out}", answer.exit_code)
+    asked = {"name": name, "order": order, "equation": equation, **vars(cell)}
+    return _written(answer, out, asked, format)
 
 
-def _answer(args: argparse.Namespace, other: bool) -> Answer:
-    if args.graph:
-        return _graph(args)
-    if args.name is None and args.equation is None:
-        return _listing()
-    if args.name == "all":
-        return _all(args)
-    if args.name == "cell":
-        return _cell(args)
-    return _one(args, _model(args) if other else None)
+@dataclass(frozen=True, kw_only=True)
+class _Cell:
+    """Another chain, as the options describe it; what is absent is as in Eq. (8)."""
+
+    damping: str | None
+    stiffness: str | None
+    coupling: str | None
+    weights: str | None
+    values: Sequence[str]
+
+    @property
+    def given(self) -> bool:
+        """Whether any of its options was given."""
+        return any(vars(self).values())
+
+    def model(self) -> ChainModel:
+        """Return the chain."""
+        from derivations.cell.polynomial_input import chain_of
+
+        return chain_of(
+            self.damping, self.stiffness, self.coupling, self.weights, _values(self.values)
+        )
+
+
+def _written(answer: Answer, out: Path, asked: Mapping[str, Any], form: str) -> Answer:
+    """Write the text to a file; rows, or the whole answer, where the file's ending asks for it."""
+    ending = out.suffix.lower()
+    if ending in TABLES or (ending == ".json" and form == "text"):
+        rows = next((name for name in _ROWS if name in answer.payload), None)
+        if rows is None:
+            raise UsageError(f"{out} cannot be written: there are no rows of this answer.")
+        return with_table(answer, rows, out, asked)
+    write_by(out, lambda path: _write(path, answer.text))
+    return Answer(answer.payload, f"wrote {out}", answer.exit_code)
+
+
+_ROWS = ("steps", "equations", "derivations")
+"""What is a row of each answer."""
 
 
 def _write(path: Path, words: str) -> None:
@@ -100,46 +170,40 @@ def _listing() -> Answer:
     return Answer({"derivations": rows}, "\n".join(lines))
 
 
-def _graph(args: argparse.Namespace) -> Answer:
-    if args.equation is not None or args.name == "cell":
+def _graph(name: str | None, order: int, equation: int | None) -> Answer:
+    if equation is not None or name == "cell":
         raise UsageError("--graph draws all equations, or those of one derivation.")
     from derivations.graph import graph_of, svg
 
-    whole_paper = args.name in (None, "all")
-    made = catalogue.everything() if whole_paper else (catalogue.load(args.name, args.order),)
+    one = () if name is None or name == "all" else (catalogue.load(name, order),)
+    made = one or catalogue.everything()
     graph = graph_of(made)
     payload = {"sources": {key: list(found) for key, found in graph.sources.items()},
                "kinds": {key: step.kind.value for key, step in graph.steps.items()}}  # fmt: skip
     return Answer(payload, svg(made))
 
 
-def _model(args: argparse.Namespace) -> ChainModel:
-    """Return the chain that the options describe; what is left out is as in Eq. (8)."""
-    from derivations.cell.polynomial_input import chain_of
-
-    return chain_of(args.damping, args.stiffness, args.coupling, args.weights, _values(args.value))
-
-
-def _one(args: argparse.Namespace, model: ChainModel | None) -> Answer:
-    name = args.name or catalogue.owner(args.equation)
+def _one(
+    name: str, order: int, equation: int | None, form: str, model: ChainModel | None
+) -> Answer:
     if name not in catalogue.LISTING:
         names = ", ".join((*catalogue.LISTING, "all", "cell"))
         raise UsageError(f"'{name}' is not a derivation: choose one of {names}.")
-    derivation = catalogue.load(name, args.order, model)
-    if args.equation is None:
-        return _shown(derivation, args.format)
-    single = derivation.only(args.equation)
-    answer = _shown(single, args.format)
+    derivation = catalogue.load(name, order, model)
+    if equation is None:
+        return _shown(derivation, form)
+    single = derivation.only(equation)
+    answer = _shown(single, form)
     if model is not None:  # print says nothing about another chain
         return answer
     from derivations.judgement import judge, printed
 
-    judgement = judge(printed(args.equation), single)
+    judgement = judge(printed(equation), single)
     payload = {**answer.payload, "judgement": judgement.record()}
     text = answer.text
-    if args.format == "text":
+    if form == "text":
         text = f"{text}\n\n{_verdict_lines(judgement)}"
-    elif args.format == "json":
+    elif form == "json":
         text = json.dumps(payload)
     return Answer(payload, text, answer.exit_code or int(not judgement.confirmed))
 
@@ -167,24 +231,24 @@ def _shown(derivation: Derivation, form: str) -> Answer:
     return Answer(payload, text, 0 if payload["complete"] else 1)
 
 
-def _all(args: argparse.Namespace) -> Answer:
+def _all(equation: int | None, form: str, as_json: bool) -> Answer:
     from derivations import judgement
     from derivations.algebra import rendering
 
-    if args.equation is not None:
+    if equation is not None:
         raise UsageError("'all' has no single equation: leave out 'all' or --equation.")
-    if args.format in ("latex", "mathml") and not args.json:
+    if form in ("latex", "mathml") and not as_json:
         made = catalogue.everything()
-        if args.format == "latex":
+        if form == "latex":
             return Answer({}, rendering.document(*made))
         return Answer({}, "\n".join(rendering.mathml(each) for each in made))
     found = judgement.report()
     payload = {"equations": [each.record() for each in found.judgements],
                "failures": list(found.failures), "seconds": round(found.seconds, 3)}  # fmt: skip
     code = int(bool(found.failures))
-    if args.format == "json":
+    if form == "json":
         return Answer(payload, json.dumps(payload), code)
-    if args.format == "markdown":
+    if form == "markdown":
         from derivations.verdict_page import page
 
         return Answer(payload, page(found), code)
@@ -197,22 +261,22 @@ def _all(args: argparse.Namespace) -> Answer:
     return Answer(payload, "\n".join(lines), code)
 
 
-def _cell(args: argparse.Namespace) -> Answer:
-    if args.damping is None:
+def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool) -> Answer:
+    if cell.damping is None:
         raise UsageError('a cell needs its damping, as in --damping "1 - a*y**2 + b*y**4".')
-    if args.equation is not None or args.weights is not None:
+    if equation is not None or cell.weights is not None:
         raise UsageError("'cell' takes neither --equation nor --weights: a cell has no number in "
                          "the paper, and nearest neighbours.")  # fmt: skip
-    if args.order not in (1, 2):
-        raise UsageError(f"--order {args.order} is not allowed: it must be 1 or 2.")
+    if order not in (1, 2):
+        raise UsageError(f"--order {order} is not allowed: it must be 1 or 2.")
     from derivations.algebra.errors import DerivationInputError
     from derivations.cell.envelope import derive_envelope
     from derivations.cell.steps import derive
 
-    envelope = derive_envelope(args.damping, args.stiffness, args.coupling or "c")
-    envelope = envelope.with_values(_values(args.value))
-    derivation = derive(envelope.model, args.order, front=not args.no_front)
-    answer = _shown(derivation, args.format)
+    envelope = derive_envelope(cell.damping, cell.stiffness, cell.coupling or "c")
+    envelope = envelope.with_values(_values(cell.values))
+    derivation = derive(envelope.model, order, front=front)
+    answer = _shown(derivation, form)
     payload = dict(answer.payload)
     payload["averaged"], payload["amplitude"] = _pair(envelope)
     try:
@@ -221,17 +285,17 @@ def _cell(args: argparse.Namespace) -> Answer:
              "stability": cycle.stability, "multiplicity": cycle.multiplicity}
             for cycle in envelope.cycles
         ]  # fmt: skip
-        if not args.no_front:
+        if front:
             relation = envelope.kinetic_relation()
             payload["ratio"] = {"expression": str(relation.ratio), "value": _number(relation.ratio)}
     except DerivationInputError as error:
-        if not args.no_front:
+        if front:
             remedy = f"{error.remedy}; for its averaged equation alone add --no-front"
             raise DerivationInputError(
                 error.quantity, error.value, error.allowed, remedy
             ) from None  # fmt: skip
         payload["cycles"] = None  # no closed form
-    text = json.dumps(payload) if args.format == "json" else answer.text
+    text = json.dumps(payload) if form == "json" else answer.text
     return Answer(payload, text, answer.exit_code)
 
 
@@ -245,7 +309,7 @@ def _number(expression: Any) -> float | None:
     return None if expression.free_symbols else float(expression)
 
 
-def _values(pairs: list[str]) -> dict[str, str]:
+def _values(pairs: Sequence[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for pair in pairs:
         name, equals, number = pair.partition("=")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from contextlib import suppress
 
 from fronts.answer import Answer
-from fronts.arguments import whole
+from theory.parameters import MissingPackageError, count_within
 
 EXAMPLE = """examples:
   fronts explore
@@ -17,17 +16,17 @@ The page is served to this machine only, at 127.0.0.1, until Ctrl-C or until the
 started it. It needs the extra explore: pip install "excitation-fronts[explore]"."""
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``fronts explore``."""
-    parser.add_argument("--port", type=whole, default=0, help="of 127.0.0.1 (default a free one)")
-    parser.add_argument("--no-browser", action="store_true", help="open no browser")
+def explore(*, port: int = 0, no_browser: bool = False) -> Answer:
+    """Serve the page until it is interrupted.
 
-
-def run(options: argparse.Namespace) -> Answer:
-    """Serve the page until it is interrupted."""
-    from theory.parameters import MissingPackageError, count_within
-
-    port = count_within("--port", options.port, 0, 65535)
+    Parameters
+    ----------
+    port : int, optional
+        Of 127.0.0.1; 0 for a free one.
+    no_browser : bool, optional
+        Open no browser.
+    """
+    port = count_within("--port", port, 0, 65535)
     try:
         from fronts.explore.page import serve
     except ModuleNotFoundError as missing:
@@ -41,5 +40,5 @@ def run(options: argparse.Namespace) -> Answer:
         print(f"{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
 
     with suppress(KeyboardInterrupt):
-        serve(port, ready, show=not options.no_browser)
+        serve(port, ready, show=not no_browser)
     return Answer(payload={"address": served[0] if served else None}, text="ended.")

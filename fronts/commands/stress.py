@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_seed, check_writable, given, whole
+from fronts.arguments import check_seed, given
+from fronts.files import Provenance, check_files, write_result
 from fronts.interrupted import resumable_tables
+from fronts.options import option
+from theory.parameters import count_within
+from verification.execution.metadata import COMMAND_LINE, Code, Metadata
 from verification.execution.progress import Progress
+from verification.execution.record import Record
 
 if TYPE_CHECKING:
     from verification.quantities.quantity import Computation
@@ -26,71 +31,114 @@ in twenty with a value that is not allowed. Exit code 1: a stated error was exce
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
+RESUMABLE = (".csv", ".zarr")
+"""Tables with every point, which a killed run leaves to go on from."""
 STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
 REDUCTION_CODE = ("verification.work_reduction.table",)
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``fronts stress``."""
-    parser.add_argument("--quantity", action="append", help="only this one; may be repeated")
-    parser.add_argument("--points", type=whole, help="in all (default 1000)")
-    parser.add_argument("--seed", type=whole, help="of the points at random (default 0)")
-    parser.add_argument("-o", "--out", type=Path, help="write every point to a .csv file")
-    parser.add_argument("--workers", "--jobs", type=whole, help="processes (default: one a core)")
-    parser.add_argument(
-        "--resume", action="store_true", help="go on from OUT.part, which a killed run has left"
-    )
-    parser.add_argument("--list", action="store_true", help="list the quantities, try nothing")
-    parser.add_argument(
-        "--record", action="store_true", help="keep the result for the report (in the source tree)"
-    )
-    parser.add_argument(
-        "--work-reduction",
-        action="store_true",
-        help="what is truncated or not computed, and the gain",
-    )
+def stress(  # noqa: PLR0913  (options of a command, by name)
+    *,
+    quantity: Sequence[str] = (),
+    points: int | None = None,
+    seed: int | None = None,
+    out: Path | None = None,
+    workers: int | None = None,
+    resume: bool = False,
+    listing: bool = False,
+    record: bool = False,
+    work_reduction: bool = False,
+    quiet: bool = False,
+) -> Answer:
+    """Try the points, list the quantities, or measure the work reductions.
 
-
-def run(options: argparse.Namespace) -> Answer:
-    """Try the points, list the quantities, or measure the work reductions."""
-    if options.record:
+    Parameters
+    ----------
+    quantity : sequence of str, optional
+        Only this one; may be repeated.
+    points : int, optional
+        In all (default 1000).
+    seed : int, optional
+        Of the points at random (default 0).
+    out : Path, optional
+        Write every point to a .csv or .zarr file, the counts to one in .json or .npz.
+    workers : int, optional
+        Processes (default: one a core).
+    resume : bool, optional
+        Go on from OUT.part, which a killed run has left.
+    listing : bool, optional
+        List the quantities, try nothing.
+    record : bool, optional
+        Keep the result for the report (in the source tree).
+    work_reduction : bool, optional
+        What is truncated or not computed, and the gain.
+    quiet : bool, optional
+        Show progress in a terminal only.
+    """
+    if record:
         from fronts.commands.bench import ROOT, need_source_tree
 
         need_source_tree(ROOT)
-    if options.work_reduction or options.list:
-        _alone("--work-reduction" if options.work_reduction else "--list", options)
-        return _work_reduction(options.record) if options.work_reduction else _list()
-    if options.record and options.quantity:
+    of_points = {
+        "out": out, "resume": resume, "quantity": quantity, "workers": workers, "points": points,
+        "seed": seed,
+    }  # fmt: skip
+    if work_reduction:
+        _refuse("--work-reduction", **of_points, listing=listing)
+        return _work_reduction(record)
+    if listing:
+        _refuse("--list", **of_points, record=record)
+        return _list()
+    if record and quantity:
         raise UsageError(
             "--record keeps the table of all quantities: leave out --quantity.",
             quantity="--quantity",
-            value=options.quantity[0],
+            value=quantity[0],
             allowed="absent beside --record",
             remedy="leave it out",
         )
-    check_seed(options.seed)
-    points, seed = given(options.points, 1000), given(options.seed, 0)
-    from theory.parameters import count_within
-    from verification.quantities.registry import computation_named
+    check_seed(seed)
+    points, seed = given(points, 1000), given(seed, 0)
+    table = _checked_table(out, resume, workers)
     from verification.quantities.robustness import stability
 
-    if options.out is not None:
-        check_writable(options.out, (".csv",))
-    if options.resume and options.out is None:
-        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
-    if options.workers is not None:
-        count_within("workers", options.workers, 1, 1024)
-    with resumable_tables(options.out), Progress("stress", quiet=options.json) as live:
+    with resumable_tables(table), Progress("stress", quiet=quiet) as live:
         found = stability(
-            tuple(dict.fromkeys(options.quantity or ())),  # named twice is tried once
+            tuple(dict.fromkeys(quantity)),  # named twice is tried once
             points,
             seed,
-            out=options.out,
-            resume=options.resume,
-            workers=options.workers,
+            out=table,
+            resume=resume,
+            workers=workers,
             progress=live.report,
         )
-    payload: dict[str, object] = {
+    if out is not None and table is None:
+        parameters = {"quantities": [*quantity], "points": points, "seed": seed}
+        write_result(out, found, Provenance(command=COMMAND_LINE.get(), parameters=parameters))
+    payload = _payload(found, seed)
+    if record:
+        line = f"fronts stress --points {points} --seed {seed}"
+        _store("stability", payload, line, STABILITY_CODE)
+    where = {"out": None if out is None else str(out)}
+    return Answer(payload | where, _text(found), exit_code=1 if found.bad else 0)
+
+
+def _checked_table(out: Path | None, resume: bool, workers: int | None) -> Path | None:
+    """Refuse, before any work, what cannot be; return the table of points that can be resumed."""
+    if out is not None:
+        check_files([(out, "--out")], filmed=False, formats=(*RESUMABLE, ".json", ".npz"))
+    table = out if out is not None and out.suffix.lower() in RESUMABLE else None
+    if resume and table is None:
+        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
+    if workers is not None:
+        count_within("workers", workers, 1, 1024)
+    return table
+
+
+def _payload(found: Stability, seed: int) -> dict[str, object]:
+    from verification.quantities.registry import computation_named
+
+    return {
         "points": len(found.table),
         "seed": seed,
         "counts": found.counts,
@@ -99,27 +147,16 @@ def run(options: argparse.Namespace) -> Answer:
         ],
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
-        "out": None if options.out is None else str(options.out),
     }
-    if options.record:
-        stored = {name: value for name, value in payload.items() if name != "out"}
-        _store(
-            "stability", stored, f"fronts stress --points {points} --seed {seed}", STABILITY_CODE
-        )
-    return Answer(payload, _text(found), exit_code=1 if found.bad else 0)
 
 
-def _alone(question: str, options: argparse.Namespace) -> None:
+def _refuse(question: str, **others: object) -> None:
     """Refuse beside a question that tries no point what has no meaning for it."""
-    others = ["out", "resume", "quantity", "workers", "points", "seed", "resume", "list"]
-    if question == "--list":
-        others[-1] = "record"
-    for name in others:
-        value = getattr(options, name)
-        if value not in (None, False):
+    for name, value in others.items():
+        if value not in (None, False, ()):
             raise UsageError(
-                f"{question} tries no points: leave out --{name}.",
-                quantity=f"--{name}",
+                f"{question} tries no points: leave out {option(name)}.",
+                quantity=option(name),
                 value=value,
                 allowed=f"absent beside {question}",
                 remedy="leave it out",
@@ -129,8 +166,6 @@ def _alone(question: str, options: argparse.Namespace) -> None:
 def _store(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
     """Store a result where the report finds it, with a digest of the code that it is of."""
     from fronts.commands.bench import ROOT
-    from verification.execution.metadata import Code, Metadata
-    from verification.execution.record import Record
 
     metadata = Metadata(command=command, code=Code.of(modules))
     path = ROOT / "benchmarks" / "results" / f"{name}.json"

@@ -159,7 +159,7 @@ def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
         for name, run in runs.items()
     }
     series["steady sliding"] = {"y": e.sliding, "velocity": 0.0}
-    return (picture("fig02-cell", "", figure, long_table(series)),)
+    return (picture("fig02-cell", figure, long_table(series)),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,7 +238,7 @@ def draw_regions(e: Regions) -> tuple[Picture, ...]:
         "unstable cycle, upper": d.unstable[:, 1],
     }
     table = long_table({name: {"v_d": d.v_d, "y": y} for name, y in columns.items()})
-    return (picture("fig02-bifurcation", "", figure, table),)
+    return (picture("fig02-bifurcation", figure, table),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -154,7 +154,7 @@ def draw(e: Thresholds) -> tuple[Picture, ...]:
     axes.set(ylabel=r"critical coupling $(c)_\mathrm{crit}$")
     axes.set(title=r"$\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31")
     axes.legend(loc="upper right")
-    return (picture("fig04-thresholds", "", figure, long_table(curves)),)
+    return (picture("fig04-thresholds", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

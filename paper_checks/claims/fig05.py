@@ -114,7 +114,7 @@ def draw_map(e: StateMap) -> tuple[Picture, ...]:
     for value, line, name in ((e.hopf, ":", "Hopf velocity"), (e.cycle_end, "-.", "cycle ends")):
         axes.axhline(value, color="0.4", lw=0.8, ls=line, label=f"{name}, one cell")
     figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
-    return (picture("fig05-states", "", figure, long_table(drawn)),)
+    return (picture("fig05-states", figure, long_table(drawn)),)
 
 
 LASTING = (1.1, 1.2, 1.25, 1.35, 1.45, 1.6, 1.9)

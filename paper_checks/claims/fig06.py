@@ -152,7 +152,7 @@ def draw_velocities(e: Velocities) -> tuple[Picture, ...]:
     axes.set(xlim=(0.0, 0.105), ylim=(0.0, None))
     axes.set(title=r"$\tilde{v}_d$ = 1.25, $N_\mathrm{dof}$ = 31, edge")
     axes.legend()
-    return (picture("fig06-velocity", "", figure, long_table(curves)),)
+    return (picture("fig06-velocity", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

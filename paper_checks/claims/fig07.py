@@ -133,7 +133,7 @@ def draw(e: Localised) -> tuple[Picture, ...]:
                    label=rf"paper, (9): one rate, fitted $k_1$ = {e.rate:.3f}")  # fmt: skip
     right.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(1e-6, 1e4))
     right.legend(loc="upper center")
-    return (picture("fig07-breather", "", figure, long_table(curves)),)
+    return (picture("fig07-breather", figure, long_table(curves)),)
 
 
 METHODS = (

@@ -108,7 +108,7 @@ def draw_amplitudes(e: Amplitudes) -> tuple[Picture, ...]:
     axes.set(xlim=(0, 0.2), ylim=(0, 3.05), xticks=(0, 0.05, 0.1, 0.15, 0.2))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
     axes.legend(loc="center left", bbox_to_anchor=(0.0, 0.6))
-    return (picture("fig08-amplitudes", "", figure, long_table(curves)),)
+    return (picture("fig08-amplitudes", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,7 +208,7 @@ def draw_assumptions(e: Assumptions) -> tuple[Picture, ...]:
         axes.plot(*limit, "s", color="black", clip_on=False, label="averaged chain, ε → 0")
         axes.legend()
     left.set_title(r"$c$ = 0.1, $a$ = 2.5, $b$ = 0.5")
-    return (picture("fig08-assumptions", "", figure, long_table(curves)),)
+    return (picture("fig08-assumptions", figure, long_table(curves)),)
 
 
 ORBIT = Method("periodic orbits of (8) by shooting", "verification.breathers.orbits:solve_orbit")

@@ -143,7 +143,7 @@ def draw(e: Multipliers) -> tuple[Picture, ...]:
     )
     right.set(xlim=(0.186, 0.1978), ylim=(0.992, 1.0025), title="near the unit circle")
     left.legend(loc="center left")
-    return (picture("fig09-multipliers", "", figure, long_table(series)),)
+    return (picture("fig09-multipliers", figure, long_table(series)),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -148,7 +148,7 @@ def draw(e: InPhase) -> tuple[Picture, ...]:
         axes.set_yticks((-1, -0.5, 0, 0.5, 1))
     figure.legend(*panels[2].get_legend_handles_labels(), loc="outside lower center", ncols=3,
                   markerscale=4)  # fmt: skip
-    return (picture("fig10-breathers", "", figure, long_table(curves)),)
+    return (picture("fig10-breathers", figure, long_table(curves)),)
 
 
 CLAIMS = (

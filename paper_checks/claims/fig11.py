@@ -188,7 +188,7 @@ def draw_sweeps(e: Sweeps) -> tuple[Picture, ...]:
     axes.set(ylim=(0.1885, 0.2195), xlim=(-0.0002, None))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, averaged chain (43)")
     axes.legend(ncols=2, loc="upper left", columnspacing=1.0)
-    return (picture("fig11-sweeps", "", figure, long_table(curves)),)
+    return (picture("fig11-sweeps", figure, long_table(curves)),)
 
 
 def draw_values(e: Sweeps) -> tuple[Picture, ...]:
@@ -432,7 +432,7 @@ def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
     axes.set(xticks=sizes, ylim=(0.19, 0.2035))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01, bulk, mirror-symmetric")
     axes.legend(loc="lower right")
-    return (picture("fig11-thresholds", "", figure, long_table(curves)),)
+    return (picture("fig11-thresholds", figure, long_table(curves)),)
 
 
 def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
@@ -454,7 +454,7 @@ def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     axes.set(xticks=[*RANGE, *FAMILY], ylim=(0.17, 0.203))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, averaged chain (43)")
     figure.legend(loc="outside lower center", ncols=2)
-    return (picture("fig11-nuclei", "", figure, long_table(curves)),)
+    return (picture("fig11-nuclei", figure, long_table(curves)),)
 
 
 ORBIT = Method(

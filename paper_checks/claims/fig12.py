@@ -100,7 +100,7 @@ def draw(e: Steady) -> tuple[Picture, ...]:
     panels[-1].set_xlabel("site n")
     panels[0].set_title(r"t = 14000; $a$ = 4, $b$ = 0.5, $c$ = 0.6, $\varepsilon$ = 0.01")
     panels[0].legend(loc="upper right")
-    return (picture("fig12-front", "", figure, long_table(series)),)
+    return (picture("fig12-front", figure, long_table(series)),)
 
 
 CLAIMS = (

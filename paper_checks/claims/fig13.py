@@ -162,7 +162,7 @@ def draw(e: Scaling) -> tuple[Picture, ...]:
     right.set(xlabel="coupling c", ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0.5, 2.0))
     left.legend()
     right.legend()
-    return (picture("fig13-velocity", "", figure, long_table(curves)),)
+    return (picture("fig13-velocity", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -295,7 +295,7 @@ def draw_law(e: Law) -> tuple[Picture, ...]:
                       color=COLOURS[colour], lw=0.8)  # fmt: skip
     axes.axhline(1.0, color="0.4", lw=0.8, ls="--")
     axes.legend(title="(8), ε = 0.01; lines: law for large c", title_fontsize=7)
-    return (picture("fig13-law", "", figure, long_table(curves)),)
+    return (picture("fig13-law", figure, long_table(curves)),)
 
 
 CLAIMS = (

@@ -100,7 +100,7 @@ def draw(e: Collapse) -> tuple[Picture, ...]:
                   label=f"(8), $a$ = {a:g}, $b$ = {a * a:g}η".replace(" 1η", " η"))  # fmt: skip
     axes.set(title=r"$c$ = 0.3, $\varepsilon$ = 0.01", xlim=(0, 0.095), ylim=(0, None))
     axes.legend()
-    return (picture("fig14-collapse", "", figure, long_table(curves)),)
+    return (picture("fig14-collapse", figure, long_table(curves)),)
 
 
 CLAIMS = (

@@ -179,7 +179,7 @@ def draw(e: StateMap) -> tuple[Picture, ...]:
     axes.axvline(0.125, color="0.4", lw=0.8, ls=":", label="η = 1/8, the cycle ends")
     axes.set(title=r"16 oscillators, $\varepsilon$ = 0.01, $y_{16}(0)$ = 6, $b$ = 0.5")
     figure.legend(loc="outside lower center", ncols=2, columnspacing=1.0)
-    return (picture("fig15-states", "", figure, long_table(drawn)),)
+    return (picture("fig15-states", figure, long_table(drawn)),)
 
 
 CORE = (("breather", "front"), ("breather", "fixed point"), ("fixed point",))

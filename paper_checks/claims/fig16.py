@@ -137,7 +137,7 @@ def draw(e: Profile) -> tuple[Picture, ...]:
     axes.set_xticks((-10, -5, 0, 5, 10))
     axes.set(title=r"$a$ = 4, $b$ = 0.5, $c$ = 0.5")
     figure.legend(loc="outside lower center", ncols=2)
-    return (picture("fig16-profile", "", figure, long_table(curves)),)
+    return (picture("fig16-profile", figure, long_table(curves)),)
 
 
 METHODS = (

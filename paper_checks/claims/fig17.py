@@ -172,7 +172,7 @@ def draw_velocities(e: Scaling) -> Picture:
     for axes, title in ((first, r"$a$ = 4, $b$ = 0.5"), (second, "near the thresholds")):
         axes.set(title=title, xlabel="coupling c", ylabel=r"$\hat v$")
         axes.legend(loc="lower right")
-    return picture("fig17-velocity", "", figure, long_table(curves))
+    return picture("fig17-velocity", figure, long_table(curves))
 
 
 def draw_exponent(e: Scaling) -> Picture:
@@ -192,7 +192,7 @@ def draw_exponent(e: Scaling) -> Picture:
     right.set(xlabel="coupling c", ylabel=r"$d\ln\hat v\,/\,d\ln c$", ylim=(0, 2))
     left.legend()
     right.legend()
-    return picture("fig17-exponent", "", figure, long_table(curves))
+    return picture("fig17-exponent", figure, long_table(curves))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -137,7 +137,7 @@ def draw(e: Alike) -> tuple[Picture, ...]:
         axes.set(xlabel="η = b/a²", ylabel=r"$\hat v$")
         axes.locator_params(axis="x", nbins=5)
         axes.legend()
-    return (picture("fig18-velocity", "", figure, long_table(curves)),)
+    return (picture("fig18-velocity", figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -145,7 +145,7 @@ def draw_to_larger(e: ToLarger) -> tuple[Picture, ...]:
     axes.plot([], [], ":", color="0.4", label="noise of 1e-3")
     axes.set(ylim=(0, CHAIN_SITES + 1), title=r"$a$ = 2.5, $b$ = 0.5, $\varepsilon$ = 0.01")
     figure.legend(loc="outside lower center", ncols=3)
-    return (picture("text-larger-nuclei", "", figure, data),)
+    return (picture("text-larger-nuclei", figure, data),)
 
 
 CLAIMS = (

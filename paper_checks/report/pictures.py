@@ -127,7 +127,7 @@ def new_axes(
     --------
     >>> figure, axes = new_axes(xlabel="coupling c", ylabel="front velocity")
     >>> line = axes.plot([0, 1], [0, 2])
-    >>> picture("line", "A straight line.", figure, {"c": [0, 1], "v": [0, 2]}).data
+    >>> picture("line", figure, {"c": [0, 1], "v": [0, 2]}).data
     'c,v\n0,0\n1,2\n'
     """
     figure, panels = new_panels(1, width=width, height=height)
@@ -167,10 +167,10 @@ def new_panels(
 
 def picture(
     name: str,
-    caption: str,
     figure: Figure,
     data: Mapping[str, Column],
     *,
+    caption: str = "",
     guides: bool = False,
 ) -> Picture:
     """Render a figure and put the numbers behind it into CSV; the figure is emptied.
@@ -181,13 +181,13 @@ def picture(
     ----------
     name : str
         File name without suffix: lower-case letters, digits, dots, hyphens, underscores.
-    caption : str
-        What is seen, in a sentence or two.
     figure : Figure
         From `new_axes` or `new_panels`; one made by ``pyplot`` is closed as well.
     data : mapping of str to array_like
         Columns of the CSV file by name; one-dimensional, of one length. What is drawn as several
         curves comes from `data_table.long_table`.
+    caption : str, optional
+        What is seen, in a sentence or two; of a claim's picture it comes from the text beside it.
     guides : bool, optional
         Whether lines that are not in the data may be drawn: slopes, bounds, a strip for zero.
 

@@ -161,6 +161,17 @@ class Progress:
             print(line, file=self._stream, flush=True)
 
 
+def of_part(progress: ProgressCallback | None, part: int, parts: int) -> ProgressCallback:
+    """Return the progress of one part of several that take equally long.
+
+    Examples
+    --------
+    >>> of_part(print, 1, 4)(0.5)
+    0.375
+    """
+    return lambda fraction: None if progress is None else progress((part + fraction) / parts)
+
+
 class Remaining:
     """Estimate of the time left, from the reports after the first one.
 

@@ -33,7 +33,6 @@ def _speed():
         pictures=(
             picture(
                 "fig16-speed",
-                "Left: velocity against coupling. Right: the local exponent tends to 1/2.",
                 figure,
                 long_table(
                     {
@@ -43,6 +42,7 @@ def _speed():
                         "local exponent": {"c": c, "exponent": 0.5 + 0.1 * np.exp(-c)},
                     }
                 ),
+                caption="Left: velocity against coupling. Right: the local exponent tends to 1/2.",
             ),
         ),
     )

@@ -31,9 +31,10 @@ def _decay():
         pictures=(
             picture(
                 "fig9-decay",
-                'The amplitude falls along a straight line on a logarithmic axis; rate "0.7".',
                 figure,
                 {"t": time, "amplitude": np.exp(-0.7 * time)},
+                caption="The amplitude falls along a straight line on a logarithmic axis; "
+                'rate "0.7".',
             ),
         ),
     )

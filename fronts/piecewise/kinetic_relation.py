@@ -1,0 +1,155 @@
+"""The kinetic relation of the piecewise-linear chain, at numbers and along curves (Eq. 54)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.parameters import ParameterError
+from theory.piecewise.kinetic_relation import (
+    KineticRelation,
+    trace_kinetic_relation,
+    with_stability,
+)
+from theory.result import Result
+from verification.execution.progress import ProgressCallback, of_part
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+Numbers: TypeAlias = float | Sequence[float] | FloatArray
+"""A number or a one-dimensional array of them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KineticCurve(Result):
+    """Every velocity along a line in the plane of coupling and η.
+
+    Attributes
+    ----------
+    along : str
+        ``c`` or ``eta``: what varies.
+    points : tuple of KineticRelation
+        The answers, in the order of the values.
+    seconds : float
+        Wall time.
+    """
+
+    along: str
+    points: tuple[KineticRelation, ...]
+    seconds: float
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a branch, and one without a velocity where there is none."""
+        tables = [point.columns() for point in self.points]
+        return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def kinetic_relation(
+    c: Numbers,
+    eta: Numbers | None = None,
+    *,
+    a: float | None = None,
+    b: float | None = None,
+    stability: bool = False,
+    certify: bool = False,
+    progress: ProgressCallback | None = None,
+) -> KineticRelation | KineticCurve:
+    """Return every velocity at which the piecewise-linear front can travel (Eq. 54).
+
+    Parameters
+    ----------
+    c : float or array_like of float, shape (n,)
+        Coupling, dimensionless, from 1e-8 to 1e8.
+    eta : float or array_like of float, shape (n,), optional
+        η = b/a², dimensionless, positive; two limit cycles exist below 1/8.
+    a, b : float, optional
+        Damping coefficients of (8), dimensionless; both, in place of eta.
+    stability : bool, optional
+        Also decide the linear stability of each admissible front along a curve, and where the
+        fastest one first loses it (``c_stable``), which takes longer. Of single numbers the
+        stability is always given, without ``c_stable``.
+    certify : bool, optional
+        Prove the velocities, their number and the thresholds in ball arithmetic; needs the extra
+        certify (python-flint). What could not be proven is named in ``unproven``.
+    progress : callable, optional
+        Called with the fraction done, now and then.
+
+    Returns
+    -------
+    KineticRelation or KineticCurve
+        A curve where c or eta is an array: its ``points`` are what single numbers give, with every
+        branch. With ``certify``, a `theory.piecewise.certified_relation.CertifiedRelation`. A
+        pinned front and η ≥ 1/8 are answers, not errors; see ``status``.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range, or η is given twice or not at all.
+    MissingPackageError
+        If certify is asked for and python-flint is not installed.
+    PrecisionError
+        If the velocities are too many to be distinguished (c above some 10⁴ and η near 2/25).
+
+    References
+    ----------
+    Atkinson, W. & Cabrera, N. (1965), Phys. Rev. 138, A763: a chain of two parabolas.
+    Slepyan, L. I. (2002), Models and Phenomena in Fracture Mechanics, Springer.
+
+    Examples
+    --------
+    >>> import fronts as fr
+    >>> round(fr.kinetic_relation(c=0.5, eta=0.03125).branches[0].v, 12)
+    0.300992350759
+    >>> curve = fr.kinetic_relation(c=[0.4, 0.45, 0.5], eta=0.03125)
+    >>> [len(point.branches) for point in curve.points]
+    [0, 2, 1]
+    """
+    eta_ = damping_ratio(eta, a, b)
+    c_ = _numbers("coupling c", c)
+    answers = trace_kinetic_relation(c_, eta_, progress=progress)
+    single = c_.ndim == 0 and np.ndim(eta_) == 0
+    if stability or single:
+        answers = [_with_stability(answer, stability) for answer in answers]
+    if certify:
+        from theory.piecewise.certified_relation import certify_relation
+
+        shares = [of_part(progress, i, len(answers)) for i in range(len(answers))]
+        answers = [certify_relation(*each) for each in zip(answers, shares, strict=True)]
+    if single:
+        return answers[0]
+    return KineticCurve(
+        along="c" if c_.ndim else "eta",
+        points=tuple(answers),
+        seconds=sum(answer.seconds for answer in answers),
+    )
+
+
+def _with_stability(answer: KineticRelation, limit: bool) -> KineticRelation:
+    branches = tuple(with_stability(branch, answer.c) for branch in answer.branches)
+    return replace(answer, branches=branches, limit_shown=limit)
+
+
+def damping_ratio(eta: Any, a: float | None, b: float | None) -> Any:
+    """Return η as it was given, or from a and b."""
+    if eta is not None:
+        if a is not None or b is not None:
+            raise ParameterError("eta", eta, "absent beside a and b", "give one of them")
+        return _numbers("eta", eta)
+    if a is None or b is None:
+        raise ParameterError(
+            "eta", "absent", "given where a and b are not both given", "give eta, or both a and b"
+        )
+    from theory.cells.vdp import eta_from_damping
+
+    return eta_from_damping(a, b)
+
+
+def _numbers(quantity: str, values: Any) -> FloatArray:
+    """Return one number or several as an array, or refuse what is none."""
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(quantity, values, "a number or numbers", "give those") from None

@@ -1,0 +1,223 @@
+"""Labelled complex roots of the dispersion relation (Eqs. 50-52)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from theory.parameters import ParameterError, RunError, count_within, decimal
+from theory.result import Result
+from verification.execution.progress import ProgressCallback, of_part
+
+if TYPE_CHECKING:
+    from theory.piecewise.roots import RootSet
+
+_DOUBLE = 15
+_MAX_DIGITS = 2000
+_MAX_ROOTS = 100_000
+_MAX_DIGITS_OF_ROOTS = 10_000_000
+"""Roots times digits in one half-plane, beyond double precision: some minutes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Root(Result):
+    """One root of the dispersion relation.
+
+    Attributes
+    ----------
+    label : int
+        The strip that holds it and no other.
+    re, im : float or str
+        Its parts, per site; strings of decimals beyond 15 digits.
+    residual : float
+        |L(k)|, dimensionless.
+    radius : float
+        The true root lies within this distance, rounding included.
+    """
+
+    label: int
+    re: float | str
+    im: float | str
+    residual: float
+    radius: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roots(Result):
+    """Roots of L(k) = 0 in both half-planes.
+
+    Attributes
+    ----------
+    upper, lower : tuple of Root
+        Roots above and below the real axis, ascending in |k|.
+    counted : int
+        Their number by the argument principle, which knows nothing of labels.
+    certified : bool
+        Whether every radius and the number are proved in ball arithmetic.
+    """
+
+    upper: tuple[Root, ...]
+    lower: tuple[Root, ...]
+    counted: int
+    certified: bool
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a root, the upper half-plane first."""
+        both = [*self.upper, *self.lower]
+        names = ["upper"] * len(self.upper) + ["lower"] * len(self.lower)
+        return {"half_plane": np.array(names)} | {
+            name: np.array([getattr(root, name) for root in both])
+            for name in ("label", "re", "im", "residual", "radius")
+        }
+
+
+def roots(
+    v: float | str,
+    c: float | str,
+    *,
+    count: int | None = None,
+    extent: float | None = None,
+    digits: int = _DOUBLE,
+    certify: bool = False,
+    progress: ProgressCallback | None = None,
+) -> Roots:
+    """Return labelled complex roots of the dispersion relation (Eqs. 50-52).
+
+    Parameters
+    ----------
+    v : float or str
+        Front velocity v̂ > 0, dimensionless; a string is read as a decimal, digit for digit.
+    c : float or str
+        Coupling c > 0, dimensionless; a string is read as a decimal, digit for digit.
+    count : int, optional
+        The roots nearest 0, so many in each half-plane; 10 where extent is not given either.
+    extent : float, optional
+        Every root with |Re k| up to this, in place of count.
+    digits : int, optional
+        Digits that are wanted, from 1 to 2000.
+    certify : bool, optional
+        Enclose and count the roots in ball arithmetic; needs the extra certify (python-flint).
+    progress : callable, optional
+        Called with the fraction done, where digits are many.
+
+    Returns
+    -------
+    Roots
+        Both half-planes, with labels that never change and a radius about each root.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range, or count and extent are both given.
+    MissingPackageError
+        If certify is asked for and python-flint is not installed.
+    RunError
+        If a root could not be enclosed.
+
+    References
+    ----------
+    Krawczyk, R. (1969), Computing 4, 187, and Moore, R. E. (1977), SIAM J. Numer. Anal. 14, 611:
+    the interval Newton test.
+
+    Examples
+    --------
+    >>> import fronts as fr
+    >>> found = fr.roots(0.3, 0.5, count=3)
+    >>> found.counted, [root.label for root in found.upper]
+    (6, [0, 1, -1])
+    """
+    from theory.piecewise.roots import nearest_roots, roots_within
+
+    v, c = decimal("velocity v", v), decimal("coupling c", c)
+    v_, c_ = float(v), float(c)
+    digits = count_within("digits", digits, 1, _MAX_DIGITS)
+    if count is not None and extent is not None:
+        raise ParameterError("extent |Re k|", extent, "absent beside a count", "give one of them")
+    number = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
+    halves = [
+        nearest_roots(v_, c_, number, upper)
+        if extent is None
+        else roots_within(v_, c_, extent, upper)
+        for upper in (True, False)
+    ]
+    if digits > _DOUBLE:
+        most = max(half.labels.size for half in halves)
+        remedy = "ask for fewer roots or digits"
+        count_within("roots times digits", most * digits, 0, _MAX_DIGITS_OF_ROOTS, remedy)
+    counted = sum(_counted(v_, c_, half, upper=not i) for i, half in enumerate(halves))
+    if certify:
+        halves = [_certified(v_, c_, half, upper=not i) for i, half in enumerate(halves)]
+    rows = []
+    for i, half in enumerate(halves):
+        if digits <= _DOUBLE:
+            rows.append(_in_double(half))
+        else:
+            shown = of_part(progress, i, len(halves))
+            rows.append(
+                _in_decimals(str(v), str(c), half, upper=not i, digits=digits, progress=shown)
+            )
+    return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=certify)
+
+
+def _counted(v: float, c: float, found: RootSet, upper: bool) -> int:
+    """Count the roots by the argument principle, in a box about exactly these strips."""
+    from theory.piecewise.root_count import count_in_strips
+
+    if found.labels.size == 0:
+        return 0
+    labels = np.arange(found.labels.min(), found.labels.max() + 1)
+    return count_in_strips(v, c, labels, upper) - (labels.size - found.labels.size)
+
+
+def _certified(v: float, c: float, found: RootSet, upper: bool) -> RootSet:
+    """Return the same roots with certified radii."""
+    from theory.piecewise.certified_roots import CertificationError, certify_roots
+
+    if found.labels.size == 0:
+        return found
+    labels = np.arange(found.labels.min(), found.labels.max() + 1)
+    try:
+        certified = certify_roots(v, c, labels, upper).roots
+    except CertificationError as error:
+        raise RunError(f"not certified: {error}") from None
+    return certified.take(found.labels - labels[0])
+
+
+def _in_double(found: RootSet) -> tuple[Root, ...]:
+    columns = (found.labels, found.k.real, found.k.imag, found.residual, found.radius)
+    return tuple(
+        Root(label=label, re=re, im=im, residual=residual, radius=radius)
+        for label, re, im, residual, radius in zip(
+            *(column.tolist() for column in columns), strict=True
+        )
+    )
+
+
+def _in_decimals(
+    v: str, c: str, found: RootSet, *, upper: bool, digits: int, progress: ProgressCallback
+) -> tuple[Root, ...]:
+    import mpmath as mp
+
+    from theory.piecewise.precise_roots import exact, precise_roots
+
+    rows = []
+    with mp.workdps(digits + 10):
+        v_, c_ = exact(v), exact(c)
+        for done, label in enumerate(found.labels.tolist()):
+            progress(done / found.labels.size)
+            (k,) = precise_roots(v, c, found.labels[done : done + 1], upper, digits)
+            residual = abs(mp.mpf(0.5) - 2j * c_ * mp.sin(k / 2) ** 2 - 1j * v_ * k)
+            printed = abs(k) * mp.mpf(10) ** (1 - digits)  # what printing so many digits costs
+            radius = 2 * residual / abs(v_ + c_ * mp.sin(k)) + printed
+            rows.append(
+                Root(
+                    label=label,
+                    re=mp.nstr(k.real, digits),
+                    im=mp.nstr(k.imag, digits),
+                    residual=float(residual),
+                    radius=float(radius),
+                )
+            )
+    return tuple(rows)

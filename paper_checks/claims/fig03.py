@@ -122,7 +122,7 @@ def _draw(
         axes.plot(sites, row, line, color=COLOURS[colour], label=rf"$\tau$ = {time:g}")
     axes.set(title=rf"$c$ = {c}, $\tilde{{v}}_d$ = 1.25, $N_\mathrm{{dof}}$ = 31")
     axes.legend()
-    return (picture(name, "", figure, long_table(curves)),)
+    return (picture(name, figure, long_table(curves)),)
 
 
 @dataclass(frozen=True, kw_only=True)

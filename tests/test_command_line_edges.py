@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
+import csv
 import json
 import math
 import shlex
 
 import mpmath as mp
+import numpy as np
 import pytest
 
+from derivations.catalogue import LISTING
 from fronts.arguments import with_values_joined
 from fronts.cli import main
+from fronts.options import options_of
+from fronts.signatures import described
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
@@ -312,3 +318,67 @@ def test_the_quick_benchmark_says_when_it_writes(capsys):
         main(["bench", "--help"])
     shown = " ".join(capsys.readouterr().out.split())
     assert "nothing written unless --out is given" in shown
+
+
+@pytest.mark.parametrize(
+    ("line", "column", "rows"),
+    [
+        ("derive averaging --equation 34", "name", 1),
+        ("derive", "name", len(LISTING)),
+        ("check fig16-limits fig16-admissible", "key", 2),
+        ("stress --quantity c-pin --points 12 --workers 1", "quantity", None),
+    ],
+)
+def test_rows_of_every_command_go_to_files_that_say_where_they_come_from(
+    line, column, rows, tmp_path, capsys
+):
+    for ending in ("csv", "json", "npz"):
+        path = tmp_path / f"rows.{ending}"
+        assert main([*shlex.split(line), "-o", str(path)]) == 0
+        if ending == "csv":
+            text = path.read_text(encoding="utf-8")
+            head, *body = [each for each in csv.reader(text.splitlines()) if each[0][:1] != "#"]
+            assert column in head
+            assert rows is None or len(body) == rows
+            assert f"fronts {line}" in text
+        elif ending == "json":
+            said = json.loads(path.read_text(encoding="utf-8"))["provenance"]
+            assert said["command"] == f"fronts {line}"
+            assert "numpy" in said["versions"]
+        else:
+            with np.load(path, allow_pickle=False) as held:
+                assert column in held.files
+                assert json.loads(str(held["provenance"]))["command"] == f"fronts {line}"
+    capsys.readouterr()
+
+
+def test_words_without_a_name_and_those_after_it_are_read_from_the_signature():
+    def judged(first: str | None = None, /, *, folder: str = "x") -> None:
+        """Judge.
+
+        Parameters
+        ----------
+        first : str, optional
+            What.
+        folder : str, optional
+            Where.
+        """
+
+    def many(*key: str) -> None:
+        """Judge.
+
+        Parameters
+        ----------
+        *key : str
+            What.
+        """
+
+    assert [each.positional for each in described(judged)] == [True, False]
+    parser = argparse.ArgumentParser()
+    options_of(many).declare(parser)
+    assert parser.parse_args([]) == argparse.Namespace()
+    assert parser.parse_args(["a", "b"]).key == ["a", "b"]
+    seen = []
+    group = options_of(many)
+    group.call(lambda *words, **rest: seen.append((words, rest)), argparse.Namespace(key=["a"]))
+    assert seen == [(("a",), {})]

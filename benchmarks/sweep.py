@@ -33,7 +33,7 @@ from verification.maps.vdp_rules import FIGURE_15
 
 POINTS = 100_000
 WORKERS = 2
-EVERY = 20
+LOOP_STRIDE = 20
 """The bare loop goes through one point in so many."""
 RECORD = Path(__file__).parent / "results" / "sweep.json"
 TASK = StateTask(chain=FIGURE_15.averaged(), perturbation=0.0)
@@ -74,18 +74,18 @@ class SweepCost:
     different: int
 
 
-def at_once(point: Point) -> dict[str, Cell]:
+def row_without_work(point: Point) -> dict[str, Cell]:
     """Return a row like that of a map, of no work."""
     label = "front" if point["c"] > point["eta"] else "breather"  # type: ignore[operator]
     return {"label": label, "why": "decided", "time": point["c"], "above": 3, "steps": 7}
 
 
-def plane(points: int) -> Grid:
+def grid_of_figure_15(points: int) -> Grid:
     """Return so many points, nearly, of the plane of Fig. 15.
 
     Examples
     --------
-    >>> len(plane(100_000))
+    >>> len(grid_of_figure_15(100_000))
     100000
     """
     etas = max(math.isqrt(round(0.4 * points)), 1)
@@ -101,14 +101,16 @@ def measure(points: int = POINTS, workers: int = WORKERS) -> SweepCost:
     >>> measure(40, workers=1).different
     0
     """
-    grid = plane(points)
+    grid = grid_of_figure_15(points)
     TASK(grid[0])  # compiled
-    _swept(TASK, plane(min(points, 500)), workers)  # whatever is loaded once is there
-    before, begin = _largest(), perf_counter()
-    table, seconds = _swept(TASK, grid, workers)
-    wall, growth = perf_counter() - begin, _largest() - before
-    _, own = _swept(at_once, grid, workers)
-    looped, rows = _looped(grid)
+    _timed_sweep(
+        TASK, grid_of_figure_15(min(points, 500)), workers
+    )  # whatever is loaded once is there
+    before, begin = _peak_memory(), perf_counter()
+    table, seconds = _timed_sweep(TASK, grid, workers)
+    wall, growth = perf_counter() - begin, _peak_memory() - before
+    _, own = _timed_sweep(row_without_work, grid, workers)
+    looped, rows = _bare_loop(grid)
     return SweepCost(
         points=len(grid),
         workers=workers,
@@ -117,41 +119,41 @@ def measure(points: int = POINTS, workers: int = WORKERS) -> SweepCost:
         own_us=1e6 * own / len(grid),
         growth=growth / len(grid),
         wall_seconds=wall,
-        different=_different(table, rows),
+        different=_rows_that_differ(table, rows),
     )
 
 
-def _swept(task: object, grid: Grid, workers: int) -> tuple[Table, float]:
+def _timed_sweep(task: object, grid: Grid, workers: int) -> tuple[Table, float]:
     """Return the table and the seconds of all processes; the workers have ended by then."""
     with tempfile.TemporaryDirectory() as folder:
-        begin = _seconds()
+        begin = _processor_seconds()
         table = sweep(task, grid, workers=workers, out=Path(folder, "map.csv"))  # type: ignore[arg-type]
-        return table, _seconds() - begin
+        return table, _processor_seconds() - begin
 
 
-def _looped(grid: Grid) -> tuple[float, dict[int, dict[str, Cell]]]:
-    indices = range(0, len(grid), EVERY)
+def _bare_loop(grid: Grid) -> tuple[float, dict[int, dict[str, Cell]]]:
+    indices = range(0, len(grid), LOOP_STRIDE)
     begin = process_time()
     rows = {index: TASK(grid[index]) for index in indices}
     return process_time() - begin, rows
 
 
-def _different(table: Table, rows: dict[int, dict[str, Cell]]) -> int:
+def _rows_that_differ(table: Table, rows: dict[int, dict[str, Cell]]) -> int:
     return sum(
         any(table[name][index] != cell for name, cell in row.items()) for index, row in rows.items()
     )
 
 
-def _seconds() -> float:
+def _processor_seconds() -> float:
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
 
 
-def _largest() -> int:
+def _peak_memory() -> int:
     return _UNIT * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def text_of(cost: SweepCost) -> str:
+def in_words(cost: SweepCost) -> str:
     """Return the measurement in words."""
     return (
         f"{cost.points} points on {cost.workers} workers: {cost.map_us:.0f} µs a point, "
@@ -169,7 +171,7 @@ def main() -> None:
     parser.add_argument("--record", action="store_true", help=f"into {RECORD.name}")
     options = parser.parse_args()
     cost = measure(options.points, options.workers)
-    print(text_of(cost))
+    print(in_words(cost))
     if options.record:
         metadata = Metadata(
             command="python -m benchmarks.sweep", code=Code.of(("verification.execution.sweep",))

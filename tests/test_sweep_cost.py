@@ -18,7 +18,7 @@ def test_the_map_is_that_of_the_loop() -> None:
     cost = benchmark.measure(60, workers=1)
     assert (cost.points, cost.different) == (60, 0)
     assert min(cost.loop_us, cost.map_us, cost.own_us) > 0.0
-    assert f"{cost.points} points on 1 workers" in benchmark.text_of(cost)
+    assert f"{cost.points} points on 1 workers" in benchmark.in_words(cost)
 
 
 def test_the_stored_record_is_of_the_whole_map_without_an_error_and_in_flat_memory() -> None:

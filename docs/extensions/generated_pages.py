@@ -105,9 +105,9 @@ def _row(printed: Any, step: Any, functions: list[str], figures: list[str]) -> s
     if figures:
         links = (f'<a href="gallery/{figure(n)}">Fig. {n}</a>' for n in figures)
         lines.append(f"Seen in {', '.join(links)}")
-    told = "".join(f"<p>{line}</p>" for line in lines)
+    remarks = "".join(f"<p>{line}</p>" for line in lines)
     number = printed.number
-    return f'<tr id="eq-{number}"><td>({number})</td><td>{shown}{told}</td></tr>'
+    return f'<tr id="eq-{number}"><td>({number})</td><td>{shown}{remarks}</td></tr>'
 
 
 def figure(number: int) -> str:
@@ -203,7 +203,7 @@ def verdicts() -> str:
 
     entries = [each for each in find_entries() if each.group != "equations"]
     counts = Counter(each.claim.recorded.value for each in entries)
-    told = ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+    summary = ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
     rows = "".join(
         f'<tr id="{each.claim.key}"><td>{escape(each.claim.place)}</td>'
         f"<td>{typeset(each.claim.quote)}</td><td>{escape(each.claim.recorded.value)}</td>"
@@ -222,7 +222,7 @@ def verdicts() -> str:
     return (
         (HERE / "verdicts_head.md").read_text(encoding="utf-8")
         + raw(f"<p>{report}</p>")
-        + f"\nOf the {len(entries)} claims beside the equations: {told}.\n\n"
+        + f"\nOf the {len(entries)} claims beside the equations: {summary}.\n\n"
         + raw(f'<table class="equations"><thead>{head}</thead><tbody>{rows}</tbody></table>')
     )
 

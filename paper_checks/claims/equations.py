@@ -90,12 +90,12 @@ class Printed:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What else there is to say: its way of writing, other readings."""
-        told = [self.style] if self.style else []
-        told += [
+        remarks = [self.style] if self.style else []
+        remarks += [
             readable(f"Read as “{meaning}” it {'holds' if good else 'fails'}: {implies}.")
             for meaning, good, implies in self.readings
         ]
-        return tuple(told)
+        return tuple(remarks)
 
     @property
     def outcome(self) -> str:

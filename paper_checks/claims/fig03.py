@@ -86,7 +86,7 @@ def rule_superimposed(e: Breather) -> Ruling:
     """Rule: the three curves must lie within the thickness of a line, the core alone sticking."""
     if e.stuck == CORE and e.apart < LINE and e.gap < AGREE:
         return holds()
-    return fails("the three envelopes can be told apart, or other sites stick as well.")
+    return fails("the three envelopes can be distinguished, or other sites stick as well.")
 
 
 def rule_vanishing(e: Breather) -> Ruling:

@@ -176,7 +176,7 @@ def patterns() -> Patterns:
 
 
 def rule_patterns(e: Patterns) -> Ruling:
-    """Rule: all must persist where the cell is bistable, and none be told apart where it is not."""
+    """Rule: all must persist where the cell is bistable, and must agree where it is not."""
     one = e.ends[SLOW] == e.ends[FAST] == 1
     if e.kept == len(PATTERNS) and one and e.gap < APART:
         return holds()
@@ -278,7 +278,7 @@ def rule_nucleation(e: Nucleation) -> Ruling:
 
 
 EVENTS = "verification.references.friction_events:run_events"
-LANE = Method(
+EVENT_RUNS = Method(
     "runs from event to event", "verification.runs.friction_integration:FrictionIntegration"
 )
 
@@ -293,7 +293,7 @@ CLAIMS = (
         command="fronts simulate friction --n 31 --c 0.004 --excite 5,11,12,28 --t-end 1000 --json",
         evidence=patterns,
         rule=rule_patterns,
-        methods=(LANE, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
+        methods=(EVENT_RUNS, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
                               "the arrivals from one pattern")),
     ),
     Claim(
@@ -306,7 +306,7 @@ CLAIMS = (
         command="fronts simulate friction --c 0.0095 --excite 16 --t-end 4000",
         evidence=nucleation,
         rule=rule_nucleation,
-        methods=(LANE, Method("DOP853 with located events on 5 sites to τ = 300", EVENTS,
+        methods=(EVENT_RUNS, Method("DOP853 with located events on 5 sites to τ = 300", EVENTS,
                               "the arrivals at one coupling")),
         repeats=(
             Repeat("Abstract", "In both models the transition from discrete breathers to "

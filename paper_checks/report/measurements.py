@@ -77,7 +77,7 @@ def _speed(records: Mapping[str, Json], folder: Path) -> Section | None:
             "marks are settings that another one of the same method beats.",
             measured,
         ),
-        ("Quantity", "What is compared", "Wanted", "Measured", "Verdict"),
+        ("Quantity", "What is compared", "Required", "Measured", "Verdict"),
         tuple(rows),
         tuple(origin_of(record) for record in measured.values()),
         tuple(diagram for diagram in diagrams if diagram),

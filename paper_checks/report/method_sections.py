@@ -107,7 +107,7 @@ def defaults(records: Mapping[str, Json]) -> Section | None:
         ),
         (
             "Quantity",
-            "Scene",
+            "Test problem",
             "Default",
             "Fastest at errors",
             "Another one is faster at",

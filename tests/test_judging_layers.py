@@ -15,6 +15,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import mpmath
+import numba
 import numpy as np
 import pytest
 from numpy.lib import format as npy
@@ -319,6 +320,22 @@ def test_a_window_is_settled_if_all_its_sites_are() -> None:
             memory[state_run._ABOVE] = 1.0
             assert not settled(3, memory)
     assert not settled(2, _memory(down, down))
+
+
+def test_sites_above_a_level_are_those_whose_root_is_above_it() -> None:
+    """Squares decide, but where the two could differ by rounding, the root does.
+
+    The root of compiled code: Python's own differs from it in the last bit.
+    """
+    is_above = numba.njit(lambda y, w, level: math.hypot(y, w) > level)
+    rng = np.random.default_rng(3)
+    for level in (1.035276, 3e-7, 2.5e8):
+        phase = rng.uniform(0.0, 2.0 * np.pi, (2000, 6))
+        size = level * (1.0 + rng.choice([0.0, 1e-16, -1e-16, 1e-13, -1e-13, 0.5], (2000, 6)))
+        for state in np.hstack([size * np.cos(phase), size * np.sin(phase)]):
+            above = [is_above(y, w, level) for y, w in state.reshape(2, 6).T]
+            assert state_run.sites_above(state, level) == sum(above)
+    assert state_run.sites_above(np.full(4, 1e150), np.inf) == 0
 
 
 @pytest.mark.parametrize(

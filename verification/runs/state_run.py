@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.chain import SmoothChain
-from verification.execution.compiled import inner, njit
+from verification.execution.compiled import UNCOUNTED, inner, outer
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE
 from verification.steppers.rows import put
@@ -53,6 +53,8 @@ _FILLED, _LASTING, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 
 amplitude of each site in the present window."""
 
 _BUDGET = 10**9
+_ROUNDING = 1e-14
+"""More than rounding changes a square, relative to it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +103,7 @@ class StateRun:
     amplitude: FloatArray
 
 
-@njit(cache=True)
+@outer(cache=True, **UNCOUNTED)
 def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     """Return whether the chain is certain to go to rest: its norm or energy is below ``quiet``.
 
@@ -117,22 +119,24 @@ def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     total = 0.0
     for value in state:
         total += value * value
+        if total >= quiet:  # no term is negative: a few sites decide for a chain in motion
+            return False
     for n in range(1, state.size // 2):
         total += stiffness * (state[n] - state[n - 1]) ** 2
     return total < quiet
 
 
-@inner(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy", **UNCOUNTED)
 def _to_section(  # noqa: PLR0917  (one kind each)
     take_step: Step, p: FloatArray, state: FloatArray, h: float, K: FloatArray, out: FloatArray
 ) -> None:
     """Put into ``out`` the state where the last site has y = 0, within h after ``state``.
 
-    Shorter steps are taken from the same point (Hénon), by the Illinois rule; y has opposite
-    signs at 0 and h.
+    Shorter steps are taken from the same point (Hénon), by the Illinois rule: the secant, with the
+    value of an end that stays a second time halved; y has opposite signs at 0 and h.
     """
     last = state.size // 2 - 1
-    low, high = 0.0, h
+    low, high, moved = 0.0, h, 0
     at_low = state[last]
     take_step(state, p, FREE, FREE, h, K, out)
     at_high = out[last]
@@ -143,12 +147,16 @@ def _to_section(  # noqa: PLR0917  (one kind each)
         if abs(value) <= 1e-12 or high - low < 1e-14:
             return
         if (value < 0.0) == (at_low < 0.0):
-            low, at_low, at_high = middle, value, 0.5 * at_high
+            low, at_low = middle, value
+            at_high *= 0.5 if moved < 0 else 1.0
+            moved = -1
         else:
-            high, at_high, at_low = middle, value, 0.5 * at_low
+            high, at_high = middle, value
+            at_low *= 0.5 if moved > 0 else 1.0
+            moved = 1
 
 
-@inner(cache=True)
+@inner(cache=True, **UNCOUNTED)
 def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
     """Note the amplitudes of a sample."""
     sites = sample.size // 2
@@ -166,7 +174,7 @@ def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
     memory[_NEXT] += memory[_WINDOW] / SAMPLES
 
 
-@inner(cache=True)
+@inner(cache=True, **UNCOUNTED)
 def _settled(sites: int, memory: FloatArray) -> bool:
     """Return whether no amplitude changed in the window, and some sites are above the level."""
     if memory[_ABOVE] == 0.0 or memory[_ABOVE] == sites:
@@ -178,13 +186,38 @@ def _settled(sites: int, memory: FloatArray) -> bool:
     return True
 
 
-@inner(cache=True)
-def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
-    """Note since when the chain has been filled; return whether it has been for long enough."""
+@outer(cache=True, **UNCOUNTED)
+def sites_above(state: FloatArray, level: float) -> int:
+    """Return at how many sites √(y² + w²) is above a level.
+
+    Squares decide, for several sites at once; where rounding could make a difference, the root.
+
+    Examples
+    --------
+    >>> sites_above(np.array([3.0, 0.0, 4.0, 5.0]), math.nextafter(5.0, 0.0))
+    2
+    >>> sites_above(np.array([3.0, 0.0, 4.0, 5.0]), 5.0)
+    0
+    """
     sites = state.size // 2
+    least, most = (1.0 - _ROUNDING) * level * level, (1.0 + _ROUNDING) * level * level
+    certain = possible = 0
+    for n in range(sites):
+        square = state[n] * state[n] + state[sites + n] * state[sites + n]
+        certain += square > most
+        possible += square >= least
+    if certain == possible:
+        return certain
     above = 0
     for n in range(sites):
-        above += math.hypot(state[n], state[sites + n]) > memory[_LEVEL]
+        above += math.hypot(state[n], state[sites + n]) > level
+    return above
+
+
+@inner(cache=True, **UNCOUNTED)
+def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
+    """Note since when the chain has been filled; return whether it has been for long enough."""
+    sites, above = state.size // 2, sites_above(state, memory[_LEVEL])
     if 2 * above < sites:
         memory[_LASTING] = -1.0
     if above < sites:
@@ -197,7 +230,7 @@ def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
     return bool(t >= max(2.0 * memory[_FILLED], memory[_FILLED] + memory[_HOLD]))
 
 
-@inner(cache=True)
+@inner(cache=True, **UNCOUNTED)
 def _stays(t: float, sites: int, memory: FloatArray) -> bool:
     """At the end of a window, begin another; return whether windows were settled long enough."""
     if t - memory[_BEGIN] < memory[_WINDOW] or memory[_COUNT] < SAMPLES // 2:
@@ -213,7 +246,7 @@ def _stays(t: float, sites: int, memory: FloatArray) -> bool:
     return False
 
 
-@njit(error_model="numpy")
+@outer(error_model="numpy", **UNCOUNTED)
 def named_state(  # noqa: PLR0917  (as a Condition)
     take_step: Step,
     t: float,

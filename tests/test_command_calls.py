@@ -1,6 +1,7 @@
 """Which call of the library a command line becomes; nothing is computed here."""
 
 import argparse
+import dataclasses
 import functools
 import json
 import shlex
@@ -17,6 +18,7 @@ from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
 from fronts.wording import in_words_also
+from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain
@@ -341,6 +343,26 @@ def test_of_many_sizes_of_a_nucleus_the_first_and_last_are_named():
     assert said(8).count(" from ") == 8
     assert said(9).endswith("5 from 5, 6 from 6, …, 8 from 8, 9 from 9")
     assert in_words_also({}) == ""
+
+
+def test_a_run_says_in_words_too_what_became_of_its_nucleus(capsys):
+    """The words are those of the same entry that the JSON has."""
+    line = shlex.split("simulate averaged --a 4 --b 0.5 --c 0.6 --n 9 --excite 4:6 --t-end 200")
+    said = []
+    for more in ([], ["--json"]):
+        main([*line, *more])
+        said.append(capsys.readouterr().out)
+    words = in_words_also(json.loads(said[1]))
+    assert words.strip()
+    assert said[0].rstrip("\n").endswith(words)
+
+
+def test_the_parameters_beside_a_result_are_those_of_its_chain_or_the_fields_of_its_cell():
+    chain = AveragedChain(a=4.0, b=0.5, c=0.6, ends=Ends.FREE)
+    found = derived._parameters_of(chain)
+    assert (found["model"], found["ends"]) == ("averaged", "free")
+    cell = FrictionCell(v_d=0.3)
+    assert derived._parameters_of(cell) == dataclasses.asdict(cell)
 
 
 def test_a_range_is_a_low_a_high_and_a_count_and_no_list_of_sites():

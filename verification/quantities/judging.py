@@ -124,7 +124,7 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"
         return _row(Outcome.CRASH, said, stated, seconds=seconds)
-    return _row(compared(stated.error, check), stated.note, stated, check, seconds)
+    return _row(compared(stated.error, check), stated.note, stated, check, seconds=seconds)
 
 
 def compared(error: float, check: ReferenceCheck) -> Outcome:
@@ -169,7 +169,8 @@ def _row(
     said: str,
     stated: StatedValue | None = None,
     check: ReferenceCheck | None = None,
-    seconds: float = 0.0,
+    *,
+    seconds: float,
 ) -> dict[str, Scalar]:
     return {
         "outcome": str(outcome),

@@ -38,6 +38,10 @@ LIBRARIES = ("hypothesis.strategies", "numba", "scipy.integrate", "scipy.optimiz
 OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--import-mode=importlib",
            "-p", "no:cacheprovider", "-p", "no:faulthandler",
            "-o", "tmp_path_retention_policy=none")  # fmt: skip
+KEPT_WARM = frozenset({"verification.execution.reach", "verification.execution.imports"})
+"""What these keep is read from the files of the project, which no change touches: seconds of
+reading that would be charged to each test which stores a result with the digest of its code."""
+
 Answer = dict[str, Any]
 
 
@@ -88,6 +92,9 @@ class Session:
             if isinstance(each, FunctionType):
                 path = os.path.relpath(each.__code__.co_filename, self.root)
                 self._living[f"{path}:{each.__code__.co_firstlineno}"].append(each)
+        from verification.execution.digest import digest_of_code
+
+        digest_of_code(["fronts"])
         gc.freeze()
         self._work()
         return True
@@ -215,7 +222,7 @@ class _Recorder:
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self) -> None:
         for name, module in list(sys.modules.items()):
-            if name.split(".")[0] in entered.PACKAGES:
+            if name.split(".")[0] in entered.PACKAGES and name not in KEPT_WARM:
                 for value in list(vars(module).values()):
                     # What one test leaves in a cache another would not enter.
                     if hasattr(value, "cache_clear"):

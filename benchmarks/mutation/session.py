@@ -94,7 +94,7 @@ class Session:
                 self._living[f"{path}:{each.__code__.co_firstlineno}"].append(each)
         from verification.execution.digest import digest_of_code
 
-        digest_of_code(["fronts"])
+        digest_of_code(["paper_checks.discover", "verification.maps.state_map"])
         gc.freeze()
         self._work()
         return True

@@ -166,6 +166,8 @@ EDGES = [edge for edge in edges() if str(edge) not in ELSEWHERE]
 def test_a_rule_changes_its_verdict_at_its_edge_and_nowhere_else(edge: Edge) -> None:
     good, changes = edge.case[1], edge.case[3]
     every = [{**good, **change} for change in ({}, *(change for change, _ in changes))]
+    if edge.each_counts:  # where the other places are on their side
+        every = [each for each in every if _value(edge.case[0], edge.test, each)]
     decided = 0
     for place in edge.places:
         tried = (each for evidence in every for each in edge.tried(place, evidence))

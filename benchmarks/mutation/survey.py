@@ -127,8 +127,8 @@ def survey(
         print(f"recorded {file}: {len(passed)} tests, {took:.1f} s", file=sys.stderr, flush=True)
 
     def tasks() -> Iterator[Task]:
-        here = Path(__file__).parent.glob("*.py")  # how it is recorded decides what is found
-        runner = digest_of_files(root, here)
+        here = Path(__file__).parent  # how it is recorded decides what is found
+        runner = digest_of_files(here, here.glob("*.py"))
         for file, files in imported.items():
             read = digest_of_files(root, [root / each for each in files])
             key = digest_of([read, runner, limit])

@@ -208,6 +208,9 @@ class Shape(admissibility._Shape):
     def __init__(self, depth: float, curvature: float) -> None:
         self.depth, self.curvature = depth, curvature
 
+    def shorter_than_waves(self, owner: np.ndarray) -> np.ndarray:
+        return np.zeros(owner.shape)
+
     def h(self, zeta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         far = np.abs(zeta - 1.3)
         ahead = self.depth + self.curvature * far**2
@@ -285,3 +288,42 @@ def test_rising_at_both_ends_of_the_first_cell_does_not_hide_a_dip_between() -> 
     low, high = ((3.35 - s * math.sqrt(3.35**2 - 10.0)) / 5.0 * FirstCell.width for s in (1, -1))
     assert fails_at is not None
     assert low < fails_at < high
+
+
+class Wave(Shape):
+    """h falls as steeply at both ends of the cell from 1.25, rises over it, and is below 0 within.
+
+    With x = (ζ - 1.25)/w it is 0.1 + x - 2.5 sin(2πx)/2π there, and positive elsewhere.
+    """
+
+    width = 0.125
+
+    def __init__(self, longest: float) -> None:
+        super().__init__(0.0, 0.0)
+        self.longest = longest
+
+    def shorter_than_waves(self, owner: np.ndarray) -> np.ndarray:
+        return np.full(owner.shape, self.longest)
+
+    def h(self, zeta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x, turn = (zeta - 1.25) / self.width, 2.0 * math.pi
+        within, beyond = np.clip(x, 0.0, 1.0), np.clip(x - 1.0, 0.0, None)
+        value = 0.1 + within - 2.5 * np.sin(turn * within) / turn
+        value += 1.5 * (-np.minimum(x, 0.0) - beyond + beyond**2)
+        slope = 1.0 - 2.5 * np.cos(turn * within) + 3.0 * beyond
+        rise = 1.0 - np.exp(-zeta / 0.02)
+        ahead = (value * rise, slope / self.width * rise + value * (1.0 - rise) / 0.02)
+        return np.where(zeta > 0, 1e-3 * ahead[0], -0.1 * zeta), np.where(
+            zeta >= 0, 1e-3 * ahead[1], -0.1
+        )
+
+    def slope(self, zeta: np.ndarray, phi: np.ndarray, _: np.ndarray) -> np.ndarray:
+        _, slope = self.h(zeta)
+        return np.where(zeta >= 0, -slope, slope) / (2.0 * phi)
+
+
+@pytest.mark.parametrize("longest", [0.0, 1.0])
+def test_slopes_that_agree_hide_no_violation_where_the_margin_does_not_follow_them(longest) -> None:
+    fails_at = Wave(longest).judged()
+    assert fails_at is not None
+    assert 1.25 < fails_at < 1.375

@@ -94,6 +94,20 @@ def test_the_running_chain_keeps_stable_fronts_and_leaves_unstable_ones(c, eta, 
         assert run.status is FrontStatus.UNSTEADY
 
 
+@pytest.mark.parametrize("eta", [0.01, 0.02, 0.04, 0.05, 0.06])
+@pytest.mark.parametrize("share", [0.97, 1.03])
+def test_the_running_chain_loses_the_fastest_front_where_c_stable_says(eta, share):
+    """Three per cent on both sides of c_stable, at other η than the paper's."""
+    c = share * stability_limit(eta).c
+    branch = kinetic_relation(c, eta).branches[-1]
+    assert branch.admissible
+    assert branch.stable is (share < 1.0)
+    run = simulate_front(c, eta, start_velocity=branch.v * (1.0 + 1e-6), tolerance=1e-9)
+    if branch.stable:
+        assert run.v == pytest.approx(branch.v, rel=1e-8)
+    assert run.status is (FrontStatus.STEADY if branch.stable else FrontStatus.UNSTEADY)
+
+
 @pytest.mark.parametrize("c", [2.3, 2.45, 30.0])
 def test_the_error_of_a_multiplier_bounds_it(c):
     v = fastest(c).v

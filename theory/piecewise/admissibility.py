@@ -374,6 +374,10 @@ class _SumShape:
         """Length of a cell that is not divided."""
         return _SHORTEST * min(1.0, abs(self.velocity) / self.c)
 
+    def shorter_than_waves(self, owner: IntArray) -> FloatArray:
+        """Return 0: terms of any wavelength are added up here."""
+        return np.zeros(owner.shape)
+
     def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
         """Bound the error of |φ|² - r² near 0."""
         a = np.abs(zeta)
@@ -419,6 +423,11 @@ class _Shape:
     def shortest(self) -> float:
         """Length of a cell that is not divided."""
         return _SHORTEST
+
+    def shorter_than_waves(self, owner: IntArray) -> FloatArray:
+        """Return a sixth of the shortest wave of φ, e^{-ia f}: a turns by at most 2c/v a site."""
+        length: FloatArray = np.abs(self.velocity[owner, 0]) / (2.0 * self.grid.c[owner, 0])
+        return length
 
     def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
         """Bound the error of |φ|² - r² near 0."""
@@ -530,9 +539,12 @@ def _divide(
         safe &= _room(za, ga + tolerance_a, r_) + _room(zb, gb + tolerance_b, r_) > (
             width * shape.steepness(za, zb)
         )
-        # The cell that touches ζ = 0 rises from the threshold, monotonically.
-        rising = ((za == 0.0) & (da > 0) & (db > 0)) | ((zb == 0.0) & (da < 0) & (db < 0))
-        safe |= rising & (np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db)))
+        # Slopes that agree with each other and with the rise of g leave it between its ends: in the
+        # cell that touches ζ = 0, where it rises from the threshold, and in one shorter than waves.
+        monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
+        monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.25 * width * np.abs(da + db)
+        rising = ((za == 0.0) & (da > 0)) | ((zb == 0.0) & (da < 0))
+        safe |= monotone & (rising | ((width < shape.shorter_than_waves(owner)) & (least > 0.0)))
         open_ = ~safe & (least >= 0.0) & (width > shape.shortest)
         open_ &= np.minimum(np.abs(za), np.abs(zb)) < np.abs(worst[owner])
         cells, owner = cells[:, open_], owner[open_]

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -139,9 +140,9 @@ def all_velocities(
     relation = _Relation(c, target, shift, many=2 * t.size >= MANY)
     # so many scenes at a time that their points are one array of moderate size
     last = np.cumsum(np.bincount(scene, minlength=c.size))
-    pieces = np.searchsorted(scene, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1)
-    parts = zip(np.split(scene, pieces), np.split(t, pieces), strict=True)
-    found = [_solve(relation, *part) for part in parts]
+    cuts = np.searchsorted(scene, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1).tolist()
+    parts = pairwise([0, *cuts, t.size])
+    found = [_solve(relation, scene[begin:end], t[begin:end]) for begin, end in parts]
     columns = [each.name for each in fields(Solutions) if each.name != "evaluations"]
     return Solutions(
         **{name: np.concatenate([getattr(some, name) for some in found]) for name in columns},
@@ -175,7 +176,7 @@ def _first_points(
         (owner, -np.log(inverse)),
         _spaced(every, np.log(turn), np.log(high), spacing),
         _spaced(strong, np.log(low[strong]), np.log(turn[strong]), spacing),
-        _resonances(c, low, high, refine),
+        _resonances(c, (low, high), wiggle, refine),
     ]
     scene, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
     order = np.lexsort((t, scene))
@@ -196,15 +197,17 @@ def _spaced(
 
 
 def _resonances(
-    c: FloatArray, low: FloatArray, high: FloatArray, refine: float
+    c: FloatArray, bounds: tuple[FloatArray, FloatArray], wiggle: FloatArray, refine: float
 ) -> tuple[IntArray, FloatArray]:
-    """Return scenes and ln v of the resonances between the bounds, and of both their sides."""
+    """Return scenes and ln v of resonances narrower than the spacing, and of both their sides."""
     places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
-    centre = c[:, None] * places
-    near = np.concatenate([centre, centre - widths / refine, centre + widths / refine], axis=1)
-    most = np.tile(np.arange(_RESONANCES), 3)
-    taken = (near > low[:, None]) & (near < high[:, None]) & (c[:, None] > 1.0)
-    taken &= most < 2.0 + np.floor(c / (math.pi * low))[:, None]
+    centre, width = c[:, None] * places, widths / refine
+    spacing = np.full(centre.shape, _COARSEST / refine)
+    weak = c <= _STRONG
+    spacing[weak] = np.minimum(spacing[weak], centre[weak] * wiggle[weak, None])
+    narrow = np.tile(width < centre * spacing, 3) & (c[:, None] > 1.0)
+    near = np.concatenate([centre, centre - width, centre + width], axis=1)
+    taken = narrow & (near > bounds[0][:, None]) & (near < bounds[1][:, None])
     return np.nonzero(taken)[0], np.log(near[taken])
 
 
@@ -262,8 +265,9 @@ def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> Float
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
     still = np.array([static_sum(value) for value in c.tolist()])
     gap = np.maximum(np.abs(np.abs(still + shift) - target), NEAREST_TO_PINNING)
-    # The bound theory.piecewise.limits.static_sum_distance, 2e/(1 - e), equal to the gap.
-    low = 0.5 / np.log1p(2.0 / gap)
+    # theory.piecewise.limits.static_sum_distance, 2e/(1 - e), takes |1/2A| ≤ 1. Its mean is at most
+    # the root of that of |1/2A|² = Re 1/2A, whose mean is 1 + Σ(0⁺). The bound is equal to the gap.
+    low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + still.real) / gap)
     # a sharper bound for large c, where the plain one costs many points
     for some in np.array_split(np.flatnonzero(c > 3.0), 1 + c.size // 256):
         below, above, half = low[some], np.sqrt(c[some]), 0.5 * gap[some]
@@ -307,13 +311,16 @@ def _brackets(
         safe = ~differ & (monotone | (np.minimum(np.abs(ga), np.abs(gb)) > width * steepest))
         short = width < _SHORTEST
         found = differ & (monotone | short)
+        done_owner.append(owner[found])
+        done_cells.append(cells[:, found])
         # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
-        touched = short & ~differ & (np.minimum(np.abs(ga) - ea, np.abs(gb) - eb) <= 0)
-        # One a scene and round is enough: its neighbours are the same fold.
-        touches = np.flatnonzero(touched)
-        touches = touches[np.unique(owner[touches], return_index=True)[1]]
-        done_owner += [owner[found], owner[touches]]
-        done_cells += [cells[:, found], cells[:, touches]]
+        touches = np.flatnonzero(short & ~differ)
+        if touches.size:
+            touches = touches[(np.minimum(np.abs(ga) - ea, np.abs(gb) - eb) <= 0)[touches]]
+            # One a scene and round is enough: its neighbours are the same fold.
+            touches = touches[np.unique(owner[touches], return_index=True)[1]]
+            done_owner.append(owner[touches])
+            done_cells.append(cells[:, touches])
         rest = ~(safe | found | short)
         owner, cells = owner[rest], cells[:, rest]
         if owner.size:

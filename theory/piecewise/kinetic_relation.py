@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import lru_cache
@@ -84,12 +84,17 @@ def _folds(etas: tuple[float, ...]) -> dict[float, Fold | None]:
     return dict(zip(etas, fold_couplings(etas), strict=True))
 
 
-def _status(c: float, eta: float, branches: tuple[Branch, ...]) -> Status:
-    """Return what happens at coupling c, where these branches exist."""
-    if eta >= ETA_END:
-        return Status.NOT_BISTABLE
+def _end_of_rest(eta: float) -> float:
+    """Return the coupling up to which fronts can be at rest; infinite at η = 2/25."""
     end = pinning_coupling(eta) if eta < ETA_PIN_END else retreat_coupling(eta)
-    if end is not None and (c > end or _any_moving(branches)):
+    return math.inf if end is None else end
+
+
+def _status(c: float, end_of_rest: float | None, branches: tuple[Branch, ...]) -> Status:
+    """Return what happens at coupling c, where these branches exist; None for η ≥ 1/8."""
+    if end_of_rest is None:
+        return Status.NOT_BISTABLE
+    if c > end_of_rest or (end_of_rest < math.inf and _any_moving(branches)):
         return Status.PROPAGATING
     return Status.PINNED
 
@@ -344,10 +349,12 @@ def trace_kinetic_relation(
     c_, eta_ = (
         array.ravel() for array in np.broadcast_arrays(np.asarray(c, float), np.asarray(eta, float))
     )
-    for value in c_:
-        checked_coupling(value)
-    etas = sorted({checked_eta(value) for value in eta_})
+    for extreme in (c_.min(), c_.max()) if c_.size else ():
+        checked_coupling(extreme)
+    etas = sorted(checked_eta(value) for value in set(eta_.tolist()))
     bistable = tuple(value for value in etas if value < ETA_END)
+    ends = {value: _end_of_rest(value) for value in bistable}
+    ratio = {value: threshold_ratio(value) for value in bistable}
     branches: list[list[Branch]] = [[] for _ in c_]
     terms = 0
     blocks = [  # a front retreats only beyond 2/25, advances only before
@@ -359,11 +366,15 @@ def trace_kinetic_relation(
     for done, (retreating, scenes) in enumerate(blocks):
         if progress is not None:
             progress(done / len(blocks))
-        r = np.array([threshold_ratio(value) for value in eta_[scenes]])
+        r = np.array([ratio[value] for value in eta_[scenes].tolist()])
         found = all_velocities(c_[scenes], 2.0 * r, retreating)
         terms += found.evaluations
-        for scene, branch in _branches(found, c_[scenes], eta_[scenes], retreating, admissibility):
-            branches[scenes[scene]].append(branch)
+        mine = scenes[found.scene]
+        listed = _branches(
+            found, c_[mine], eta_[mine], r[found.scene], retreating, admissibility=admissibility
+        )
+        for scene, branch in zip(mine.tolist(), listed, strict=True):
+            branches[scene].append(branch)
     if progress is not None:
         progress(1.0)
     seconds = (perf_counter() - start) / max(1, c_.size)
@@ -374,7 +385,7 @@ def trace_kinetic_relation(
             KineticRelation(
                 c=c_here,
                 eta=eta_here,
-                status=_status(c_here, eta_here, ascending),
+                status=_status(c_here, ends.get(eta_here), ascending),
                 branches=ascending,
                 method="integral",
                 terms=math.ceil(terms / c_.size),
@@ -404,14 +415,14 @@ def _can_move(eta: FloatArray, retreating: bool) -> npt.NDArray[np.bool_]:
 
 
 def _branches(
-    found: Solutions, c: FloatArray, eta: FloatArray, retreating: bool, admissibility: bool
-) -> Iterator[tuple[int, Branch]]:
-    """Yield (scene, branch) for each solution."""
+    found: Solutions, c: FloatArray, eta: FloatArray, r: FloatArray, retreating: bool, *,
+    admissibility: bool,
+) -> list[Branch]:  # fmt: skip
+    """Return the branch of each solution, at these couplings, η and thresholds."""
     direction = -1.0 if retreating else 1.0
-    scene, v = found.scene, direction * found.v
-    r = np.array([threshold_ratio(value) for value in eta])[scene]
-    by_eta = 2.0 * np.array([threshold_ratio_slope(value) for value in eta])[scene]
-    verdicts = check_fronts(v, c[scene], r) if admissibility else [None] * v.size
+    v = direction * found.v
+    by_eta = 2.0 * np.array([threshold_ratio_slope(value) for value in eta.tolist()])
+    verdicts = check_fronts(v, c, r) if admissibility else [None] * v.size
     steep = found.slope != 0.0
     inverse = np.where(steep, direction / np.where(steep, found.slope, 1.0), math.inf)
     columns = {
@@ -424,12 +435,11 @@ def _branches(
         "by_eta_error": by_eta * (found.error_along_target + 1e-15 * np.abs(inverse)),
     }
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    for scene_, row, verdict in zip(scene.tolist(), rows, verdicts, strict=True):
-        yield (
-            scene_,
-            Branch(
-                **dict(zip(columns, row, strict=True)),
-                admissible=verdict.admissible if verdict else None,
-                fails_at=verdict.fails_at if verdict else None,
-            ),
+    return [
+        Branch(
+            **dict(zip(columns, row, strict=True)),
+            admissible=verdict.admissible if verdict else None,
+            fails_at=verdict.fails_at if verdict else None,
         )
+        for row, verdict in zip(rows, verdicts, strict=True)
+    ]

@@ -33,7 +33,8 @@ myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 
 html_theme = "pydata_sphinx_theme"
-html_title = f"{project} {release}"
+html_title = project  # with the version it would not fit beside the search on a phone
+html_sidebars = {"start": [], "explore": []}  # pages without others below them
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False

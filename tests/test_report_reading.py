@@ -23,7 +23,7 @@ from paper_checks.report import measurements, terminal
 from paper_checks.report.document import make_report, pictures_listed
 from paper_checks.report.figure_links import modules_named
 from paper_checks.report.inline_math import typeset
-from paper_checks.report.mathml import formula
+from paper_checks.report.mathml import formula, mathml
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "report_example"))
@@ -203,3 +203,18 @@ def test_a_long_equation_may_break_where_no_bracket_is_open() -> None:
     assert formula(rf"x = \left({terms}").startswith("<code>")
     for part in re.findall(r"<math>.*?</math>", cut):
         ElementTree.fromstring(part)
+
+
+def test_a_prime_is_no_exponent_and_a_name_stands_apart_from_factor_and_argument() -> None:
+    tight, apart = {"lspace": "0", "rspace": "0"}, {"lspace": "0", "rspace": "0.17em"}
+    primed = ElementTree.fromstring(mathml(r"\varphi_n' + r''"))
+    assert not primed.findall(".//msup") + primed.findall(".//msubsup")
+    assert [(each.text, each.attrib) for each in primed.findall("mrow/mrow/mo")] == [
+        ("′", tight), ("″", tight),
+    ]  # fmt: skip
+    (row,) = ElementTree.fromstring(mathml(r"2 \cos k \sinh^2 a / \sin(k)"))
+    assert ["".join(each.itertext()) for each in row] == [
+        "2", "\u2062", "cos", "\u2061", "k", "\u2062", "sinh2", "\u2061", "a",
+        "/", "sin", "(", "k", ")",
+    ]  # fmt: skip
+    assert [each.attrib for each in row if each.text in ("\u2061", "\u2062")] == [apart] * 4

@@ -14,6 +14,13 @@ _REFUSED: tuple[type[Exception], ...] = (
     IndexError, KeyError, AttributeError, StopIteration,
 )  # fmt: skip
 _PARTS = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2, "munder": 2, "munderover": 3}
+_PRIMES = frozenset("′″‴⁗")
+"""Signs that are raised by themselves: as an exponent they would be smaller and higher still."""
+_FUNCTIONS = frozenset(
+    ["sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "exp", "ln", "log", "arg", "det", "max",
+     "min", "Re", "Im", "Res", "tr", "sgn", "sign"]
+)  # fmt: skip
+"""Names that stand a little apart from what follows and precedes them, as in 2 cos k."""
 _OPENS = frozenset("([=,;→≈<>≤≥≪≡∈⇔|")
 """A minus after one of these is a sign and stands close to what follows."""
 
@@ -56,12 +63,15 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
             raise LatexError(f"{latex!r} has a command that is not known, or lacks an argument.")
         if node.tag == "mo" and (node.text or "").isascii() and (node.text or "").isalpha():
             node.tag = "mi"  # the name of a function
-        if node.tag == "mo" and node.text == "|":  # a modulus, not a relation
+        if node.tag == "mo" and node.text in ("|", "/"):  # a modulus, a quotient: no relations
             node.set("lspace", "0")
             node.set("rspace", "0")
     for node in root.iter():
         _join_word(node)
         _mark_signs(node)
+        _lower_primes(node)
+    for node in list(root.iter()):
+        _space_functions(node)
     return root
 
 
@@ -96,3 +106,45 @@ def _mark_signs(row: Element) -> None:
         if node.tag == "mo" and node.text == "−" and (before in _OPENS or not before):
             node.set("form", "prefix")
         before = (node.text or "x") if node.tag == "mo" else "x"
+
+
+def _lower_primes(node: Element) -> None:
+    """Write a prime after what it belongs to, in place of an exponent that is one."""
+    if node.tag not in ("msup", "msubsup") or node[-1].text not in _PRIMES:
+        return
+    prime = Element("mo", {"lspace": "0", "rspace": "0"})
+    prime.text = node[-1].text
+    base = node[0]
+    if node.tag == "msubsup":
+        base = Element("msub")
+        base.extend(node[:2])
+    node.tag, node[:] = "mrow", [base, prime]
+
+
+def _space_functions(row: Element) -> None:
+    """Part the name of a function from its argument and its factor, but for a bracket."""
+    if row.tag not in ("math", "mrow", "mtd"):
+        return
+    spaced: list[Element] = []
+    for node in row:
+        last = spaced[-1] if spaced else None
+        if last is not None and node.tag != "mspace" and last.tag != "mspace":
+            if _is_function(last) and (node.tag != "mo" or node.text == "|"):
+                spaced.append(_thin_space("\u2061"))  # function application
+            elif _is_function(node) and (last.tag != "mo" or last.text in ")]"):
+                spaced.append(_thin_space("\u2062"))  # invisible times
+        spaced.append(node)
+    row[:] = spaced
+
+
+def _is_function(node: Element) -> bool:
+    """Whether a node is the name of a function, perhaps with an exponent."""
+    name = node[0] if node.tag in ("msup", "msub", "munder") else node
+    return name.tag == "mi" and name.text in _FUNCTIONS
+
+
+def _thin_space(sign: str) -> Element:
+    """Return an invisible operator with a thin space after it."""
+    found = Element("mo", {"lspace": "0", "rspace": "0.17em"})
+    found.text = sign
+    return found

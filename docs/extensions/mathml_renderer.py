@@ -4,10 +4,8 @@ import re
 from typing import Any
 
 from docutils import nodes
-from latex2mathml.converter import convert
 
-FUNCTION = re.compile(r"(<mi>(?:sin|cos|sinh|cosh|ln|exp)</mi>)")
-"""Names after which a browser leaves a space only if they are applied to something."""
+from derivations.algebra.mathml import mathml
 
 ALIGNED = re.compile(r"\\\\|(?<!\\)&")
 
@@ -17,8 +15,7 @@ def written(latex: str, *, block: bool) -> str:
     text = latex.strip()
     if block and ALIGNED.search(text) and r"\begin" not in text:
         text = rf"\begin{{aligned}}{text}\end{{aligned}}"
-    found = convert(text, display="block" if block else "inline")
-    return FUNCTION.sub(r"\1<mo>&#x2061;</mo>", found)
+    return mathml(text, block=block)
 
 
 def inline(translator: Any, node: nodes.math) -> None:

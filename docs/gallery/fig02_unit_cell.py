@@ -18,5 +18,5 @@ for name, y in (("stick–slip cycle", 2.0), ("steady sliding", 1.0)):
     series.plot(run.times, run.y[:, 0], lw=0.8, label=name)
     plane.plot(run.y[:, 0], run.velocity[:, 0], lw=0.8)
 series.set(xlabel="time τ", ylabel="displacement y")
-series.legend()
+series.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
 plane.set(xlabel="displacement y", ylabel="velocity dy/dτ")

@@ -21,4 +21,4 @@ for n in (16, 17, 18):
     time.plot(run.times, run.y[:, n - 1], label=f"site {n}")
 time.set(xlabel="time t", ylabel="y")
 time.locator_params("x", nbins=5)
-time.legend(loc="upper right")
+time.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)

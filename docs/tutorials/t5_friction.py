@@ -37,7 +37,7 @@ figure, axes = plt.subplots(figsize=(8, 3.4), layout="constrained")
 axes.plot(run.times, run.velocity[:, 0], lw=0.9, label="site 1")
 axes.plot(run.times, run.velocity[:, 1], lw=0.9, label="site 2")
 axes.set(xlabel="time τ", ylabel="velocity dy/dτ")
-axes.legend(loc="lower left")
+axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
 
 # %%
 # A front

@@ -292,3 +292,16 @@ def test_the_humps_of_the_exponent_are_where_the_gallery_says() -> None:
     for hump, values in zip(near, exponent.reshape(len(near), -1), strict=True):
         assert 0 < values.argmax() < values.size - 1, hump
         assert values.max() > 0.6
+
+
+def test_an_update_of_the_explorer_takes_what_the_record_says() -> None:
+    stored = json.loads((ROOT / "benchmarks" / "results" / "explorer.json").read_text("utf-8"))
+    updates = [stored["updates"][model] for model in ("averaged", "vdp")]
+    shown = said(
+        "takes # ms of processor time with the averaged chain and # ms with the full chain (8), "
+        "in the median over couplings, and at most # ms and # ms;",
+        page("docs/explore.md"),
+    )
+    assert shown[:2] == tuple(round(each["median_ms"]) for each in updates)
+    assert shown[2:] == tuple(round(each["largest_ms"]) for each in updates)
+    assert max(shown) < 100.0

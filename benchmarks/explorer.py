@@ -1,0 +1,91 @@
+"""How long the explorer takes for an update: ``python -m benchmarks.explorer``.
+
+An update computes what the page shows anew when the coupling has moved: the point on the curve, the
+shape of the front, the run of the chain and the breather with its multipliers. The curve and the
+map are left out, which are computed once for each η, and once. Seconds are those of the processor.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from statistics import median
+from time import process_time
+
+from fronts.explore.calls import MODELS, SLOW, Settings, calls, outcome
+from verification.execution.imports import SOURCES
+from verification.execution.metadata import Code, Metadata
+from verification.execution.record import Record
+
+COUPLINGS = tuple(round(0.01 * n, 2) for n in (*range(1, 26), *range(30, 101, 5)))
+"""Dense where there is a breather, and beside its fold."""
+PACKAGES = (*SOURCES, "fronts")
+RECORD = Path(__file__).parent / "results" / "explorer.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UpdateTime:
+    """Processor time of an update, over couplings that the page has not shown yet.
+
+    Attributes
+    ----------
+    median_ms, largest_ms : float
+        Milliseconds.
+    slowest_c : float
+        The coupling that took longest.
+    """
+
+    median_ms: float
+    largest_ms: float
+    slowest_c: float
+
+
+def measure(model: str, couplings: tuple[float, ...] = COUPLINGS) -> UpdateTime:
+    """Measure the updates of one model of the chain, after two that compile.
+
+    Examples
+    --------
+    >>> found = measure("averaged", (0.3, 0.4))
+    >>> 0.0 < found.median_ms <= found.largest_ms, found.slowest_c in (0.3, 0.4)
+    (True, True)
+    """
+    for c in (0.12, 0.52):  # with a breather, and beyond its fold
+        _seconds_of_update(Settings(c=c, model=model))
+    taken = {c: 1e3 * _seconds_of_update(Settings(c=c, model=model)) for c in couplings}
+    slowest = max(taken, key=lambda c: taken[c])
+    return UpdateTime(
+        median_ms=median(taken.values()), largest_ms=taken[slowest], slowest_c=slowest
+    )
+
+
+def _seconds_of_update(settings: Settings) -> float:
+    begun = process_time()
+    for name, call in calls(settings).items():
+        if name not in SLOW:
+            outcome(call)
+    return process_time() - begun
+
+
+def main() -> None:
+    """Measure, say it, and store it if asked to."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--record", action="store_true", help=f"into {RECORD.name}")
+    options = parser.parse_args()
+    found = {model: measure(model) for model in MODELS}
+    for model, taken in found.items():
+        print(
+            f"{model}: {taken.median_ms:.0f} ms, at most {taken.largest_ms:.0f} ms "
+            f"at c = {taken.slowest_c:g}"
+        )
+    if options.record:
+        metadata = Metadata(
+            command="python -m benchmarks.explorer",
+            code=Code.of(("fronts.explore.calls",), PACKAGES),
+        )
+        content = {"updates": {model: asdict(taken) for model, taken in found.items()}}
+        Record(kind="explorer", content=content, metadata=metadata).save(RECORD)
+
+
+if __name__ == "__main__":
+    main()

@@ -131,7 +131,7 @@ def _space_functions(row: Element) -> None:
         if last is not None and node.tag != "mspace" and last.tag != "mspace":
             if _is_function(last) and (node.tag != "mo" or node.text == "|"):
                 spaced.append(_thin_space("\u2061"))  # function application
-            elif _is_function(node) and (last.tag != "mo" or last.text in ")]"):
+            elif _is_function(node) and (last.tag != "mo" or last.text in (")", "]")):
                 spaced.append(_thin_space("\u2062"))  # invisible times
         spaced.append(node)
     row[:] = spaced

@@ -106,7 +106,8 @@ def is_shown(shown: str, printed: str) -> bool:
     """Whether a block is what was printed; a line of three dots stands for any lines.
 
     Words and numbers are the same, but for seconds, for the size of a rounding within a factor of
-    five, and for a value with its uncertainty beside it, which is the same within that.
+    five, and for a value with its uncertainty beside it, in words or in the next column, which is
+    the same within that.
     """
     pattern = "".join(
         "(?:.*\n)*" if line.strip() == "..." else _pattern_of(line) for line in shown.splitlines()
@@ -132,7 +133,7 @@ def _numbers(line: str) -> list[tuple[str, float | None]]:
     found: list[tuple[str, float | None]] = []
     for number in NUMBER.finditer(line):
         value, rest = float(number[0]), line[number.end() :]
-        uncertain = re.match(r", uncertain by (\S+)", rest)
+        uncertain = re.match(r"(?:, uncertain by| {2,}(?=\S+e-1\d )) *(\S+)", rest)
         slack: float | None = 0.0
         if rest == " s":
             slack = None
@@ -152,6 +153,8 @@ def _numbers(line: str) -> list[tuple[str, float | None]]:
         ("v = 0.2501, uncertain by 1e-4", "v = 0.2502, uncertain by 1e-4", True),
         ("v = 0.2501, uncertain by 1e-4", "v = 0.2503, uncertain by 1e-4", False),
         ("v = 0.2501, uncertain by 1e-4", "v = 0.2501, uncertain by 2e-4", False),
+        ("0.2500000000000002  3e-15 1", "0.2500000000000001  3e-15 1", True),
+        ("0.2500000000000002  3e-15 1", "0.2500000000000102  3e-15 1", False),
         ("a     2.0e-14  yes", "a   5.0e-14   yes", True),
         ("a     2.0e-14  yes", "a   5.0e-13   yes", False),
         ("a     2.0e-14  yes", "a   2.0e-14   no", False),

@@ -1,4 +1,4 @@
-"""How long the explorer takes for an update: ``python -m benchmarks.explorer``.
+"""How long the explorer takes for an update: ``python -m fronts.explore.update_time``.
 
 An update computes what the page shows anew when the coupling has moved: the point on the curve, the
 shape of the front, the run of the chain and the breather with its multipliers. The curve and the
@@ -21,7 +21,8 @@ from verification.execution.record import Record
 COUPLINGS = tuple(round(0.01 * n, 2) for n in (*range(1, 26), *range(30, 101, 5)))
 """Dense where there is a breather, and beside its fold."""
 PACKAGES = (*SOURCES, "fronts")
-RECORD = Path(__file__).parent / "results" / "explorer.json"
+RECORD = Path(__file__).parents[2] / "benchmarks" / "results" / "explorer.json"
+"""In the source tree."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +81,7 @@ def main() -> None:
         )
     if options.record:
         metadata = Metadata(
-            command="python -m benchmarks.explorer",
+            command="python -m fronts.explore.update_time",
             code=Code.of(("fronts.explore.calls",), PACKAGES),
         )
         content = {"updates": {model: asdict(taken) for model, taken in found.items()}}

@@ -1,6 +1,6 @@
 # make paper : every check of the paper, with pictures, into report/index.html
 # make findings : stored evidence of the claims that take long, renewed where its code changed
-# make test  : the tests, one process a core
+# make test  : the tests, one process a core; bytecode is kept, which hundreds of processes import
 # make test-versions : some of the tests with the lowest versions declared in pyproject.toml;
 #              WITH=3.13 RESOLUTION=highest is for another Python, and the newest versions
 # make lint  : linter, formatter and type checker
@@ -23,7 +23,8 @@ findings: $(READY)
 	$(BIN)/fronts check --record --jobs 2
 
 test: $(READY)
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+		$(BIN)/python -m pytest -n auto --dist loadfile
 
 WITH       := $(BIN)/python
 RESOLUTION := lowest-direct

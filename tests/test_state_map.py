@@ -231,6 +231,18 @@ def test_a_late_label_does_not_count_and_a_small_perturbation_can_undecide() -> 
     assert "perturbation" in reasons
 
 
+@pytest.mark.parametrize(
+    ("eta", "c"),
+    # on either side of the boundaries of the map of Fig. 15, and an undecided point between
+    [(0.01, 0.1), (0.01, 0.15), (0.06, 0.15), (0.06, 0.2), (0.08, 0.2), (0.11, 0.35), (0.11, 0.4)],
+)
+def test_the_chain_needs_no_more_digits_for_a_label(eta: float, c: float) -> None:
+    """No label of the 280 points of that map differs, either."""
+    point = Point(eta=eta, c=c)
+    assert FULL.local_error == 1e-6
+    assert FULL(point)["label"] == replace(FULL, tolerance=1e-8)(point)["label"]
+
+
 def test_bisection_finds_both_sides_of_a_third_label() -> None:
     def task(point: Point) -> dict[str, str]:
         x = point.number("x")

@@ -42,6 +42,8 @@ class StateRules(ABC):
         End time if none is given, in the unit of `FoundState.time`.
     shortest_end, longest_end : float
         Range of end times.
+    tolerance : float
+        Local error of the runs if none is given.
     seed : int
         Of the noise on the second start.
     """
@@ -49,6 +51,7 @@ class StateRules(ABC):
     default_end: ClassVar[float]
     shortest_end: ClassVar[float]
     longest_end: ClassVar[float]
+    tolerance: ClassVar[float] = 1e-8
     seed: ClassVar[int] = 5
 
     def check(self, chain: Chain) -> None:

@@ -68,8 +68,8 @@ class StateTask:
         Point of the cycle of (5) from which the excited sites start.
     end : float or None
         End time, in the unit of `FoundState.time`; states found in its second half do not count.
-    tolerance : float
-        Local error of the runs.
+    tolerance : float or None
+        Local error of the runs; None for that of the rules.
     perturbation : float
         Size of the perturbation of the second start, relative to the disturbance; 0 for none.
     seed : int or None
@@ -98,7 +98,7 @@ class StateTask:
     displacement: float | None = None
     point: StartPoint = StartPoint.MAXIMUM
     end: float | None = None
-    tolerance: float = 1e-8
+    tolerance: float | None = None
     perturbation: float = 1e-6
     seed: int | None = None
     amplitudes: bool = False
@@ -109,7 +109,7 @@ class StateTask:
         if self.held not in HELD:
             raise ParameterError("coefficient held", self.held, "a or b", "name one of them")
         within("end time", self.end_time, rules.shortest_end, rules.longest_end)
-        within("tolerance", self.tolerance, 1e-13, 1e-3)
+        within("tolerance", self.local_error, 1e-13, 1e-3)
         within("perturbation", self.perturbation, 0.0, 1e-2)
         if self.displacement is not None:
             within("displacement", self.displacement, 0.0, 100.0)
@@ -119,6 +119,11 @@ class StateTask:
     def end_time(self) -> float:
         """End time, as given or that of the rules."""
         return rules_of(self.chain).default_end if self.end is None else self.end
+
+    @property
+    def local_error(self) -> float:
+        """Local error of the runs, as given or that of the rules."""
+        return rules_of(self.chain).tolerance if self.tolerance is None else self.tolerance
 
     def excited(self) -> tuple[int, ...] | None:
         """Return the excited sites, from 1; None for those of the rules."""
@@ -158,14 +163,12 @@ class StateTask:
         """Return state, reason, time, active sites, sites reached, steps, perhaps amplitudes."""
         chain, rules = self.at(point), rules_of(self.chain)
         options = {"displacement": self.displacement, "point": self.point}
+        until = {"end": self.end_time, "tolerance": self.local_error}
         starts = [rules.start(chain, self.excited(), **options)]
         if self.perturbation:
             seed = rules.seed if self.seed is None else self.seed
             starts.append(rules.perturbed(starts[0], self.perturbation, seed))
-        found = [
-            rules.find(chain, start, end=self.end_time, tolerance=self.tolerance)
-            for start in starts
-        ]
+        found = [rules.find(chain, start, **until) for start in starts]
         states = {each.state for each in found}
         reason = next((r.reason for r in found if r.reason is not Reason.DECIDED), Reason.DECIDED)
         if len(states) > 1:

@@ -71,31 +71,43 @@ def _computed(
         arguments["nucleus"] = parameters["nucleus"] = nucleus_of(nucleus)
     takes = {each.name for each in described(function)}
     further = {"progress": progress} if "progress" in takes else {}
-    if bound.chain is None:
+    new_chain = bound.chain
+    if new_chain is None:
         return function(**_arrays(arguments), **further), parameters
     match bound.call:
         case Run(start=start):
-            chain = bound.chain(**_with_eta(bound, _fields(bound, options), options))
+            chain = new_chain(**_with_eta(bound, _fields(bound, options), options))
             started = bound.start.given(options)
             further["start"] = located(start)(chain, **started)
             parameters["start"] = {**bound.start.defaults(), **started}
         case Map():
-            chain, chosen = _grid(options, bound, _fields(bound, options))
+            chain, chosen = _grid(options, bound, new_chain, _fields(bound, options))
             arguments |= chosen
             parameters |= arguments
-        case Measurement(only=only, sites=sites):
+        case Measurement(only=only, sites=sites, curve=traced):
             _refuse_other_methods(only, parameters, options)
             fields = _with_eta(bound, _fields(bound, options), options)
             if sites and "sites" not in fields:
                 fields["sites"] = located(sites)(nucleus["size"])
             along = _range_of(fields)
             if along is not None:
-                curve = _curve(
-                    options, bound, fields=fields, along=along, arguments=arguments,
-                    progress=progress,
-                )  # fmt: skip
-                return curve, {"model": bound.model, **fields, **parameters}
-            chain = bound.chain(**fields)
+                values = values_of(fields[along])
+                chains = _along(new_chain, fields, along, values)
+                found = located(traced)(chains, along, values, **arguments) if traced else None
+                if found is None:
+                    from fronts.curves import curve
+
+                    found = curve(
+                        function,
+                        chains,
+                        along,
+                        values,
+                        arguments,
+                        workers=getattr(options, "curve.workers", 1),
+                        progress=progress,
+                    )
+                return found, {"model": bound.model, **fields, **parameters}
+            chain = new_chain(**fields)
     return function(chain, **arguments, **further), {**_parameters_of(chain), **parameters}
 
 
@@ -116,10 +128,12 @@ def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _grid(
-    options: argparse.Namespace, bound: Bound, fields: dict[str, Any]
+    options: argparse.Namespace,
+    bound: Bound,
+    new_chain: type[Chain],
+    fields: dict[str, Any],
 ) -> tuple[Chain, dict[str, Any]]:
     """Return the chain of a map, its axes (what is a range, or one by default), and its table."""
-    assert bound.chain is not None
     chosen: dict[str, Any] = {}
     axes: dict[str, list[float]] = {}
     if "eta" in bound.axes:
@@ -139,7 +153,7 @@ def _grid(
         raise UsageError("a map needs a range, as in --c 0.1:1:10.")
     # The first values stand for the others, which are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
-    chain = bound.chain(**{**fields, **held})
+    chain = new_chain(**{**fields, **held})
     for each in options.out:
         if getattr(options, "amplitudes", False) and each.suffix == ".csv":
             raise UsageError(
@@ -150,37 +164,13 @@ def _grid(
     return chain, {**chosen, "axes": axes, "out": next(resumable, None)}
 
 
-def _curve(
-    options: argparse.Namespace,
-    bound: Bound,
-    *,
-    fields: Mapping[str, Any],
-    along: str,
-    arguments: Mapping[str, Any],
-    progress: Callable[[float], None],
-) -> Result:
-    from fronts.curves import curve
-
-    assert bound.chain is not None
-    assert isinstance(bound.call, Measurement)
-    values = values_of(fields[along])
-    # Both ends are checked before any work.
-    first, last = (bound.chain(**{**fields, along: value}) for value in (values[0], values[-1]))
-    between = [bound.chain(**{**fields, along: value}) for value in values[1:-1]]
-    chains = [first, *between, last]
-    if bound.call.curve:
-        found: Result | None = located(bound.call.curve)(chains, along, values, **arguments)
-        if found is not None:
-            return found
-    return curve(
-        bound.function,
-        chains,
-        along,
-        values,
-        arguments,
-        workers=getattr(options, "curve.workers", 1),
-        progress=progress,
-    )
+def _along(
+    new_chain: type[Chain], fields: Mapping[str, Any], along: str, values: Sequence[float]
+) -> list[Chain]:
+    """Return the chains along one parameter; both ends are checked before any work."""
+    first, last = (new_chain(**{**fields, along: value}) for value in (values[0], values[-1]))
+    between = [new_chain(**{**fields, along: value}) for value in values[1:-1]]
+    return [first, *between, last]
 
 
 def _refuse_other_methods(

@@ -60,7 +60,7 @@ _LENGTHS, _TOLERANCES = (96, 160), (1e-6, 1e-10)
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     """Return the velocity of reference, how well it is known, and all methods."""
     if isinstance(chain_of(problem), AveragedChain):
-        coarse, fine = (front_velocity(problem.c, problem["eta"], m) for m in (80, 112))
+        coarse, fine = (float(front_velocity(problem.c, problem["eta"], m)) for m in (80, 112))
         settings = [*_ours(problem, fine), *_peers(problem, fine)]
         return Prepared(agreement=abs(fine - coarse), settings=settings)
     sites = _LENGTHS[not quick]

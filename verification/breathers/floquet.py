@@ -44,7 +44,9 @@ class Multipliers:
         The same for modes of the breather's own parity under reflection, and of the other one;
         None if the breather is not mirror-symmetric.
     error : float
-        Largest change of the monodromy matrix when the step is halved.
+        Bound on the distance of each from a true one, by Bauer and Fike, or by Elsner where the
+        vectors are nearly dependent: from the error of the monodromy matrix, which is estimated,
+        and the roundings of its eigenvalues.
     """
 
     values: Complex
@@ -83,7 +85,7 @@ def floquet_multipliers(
     parity : int, optional
         Parity of the breather under reflection; 0 if it has none.
     error : float, optional
-        Error of the matrix, passed on.
+        Of the entries of the matrix.
     direction : float array, shape (2N,), optional
         Rate of the orbit at its start. If given, the trivial multiplier is the one whose vector
         is most nearly along it; otherwise the one nearest to 1, as fits a true orbit.
@@ -108,9 +110,12 @@ def floquet_multipliers(
         place = int(np.abs((basis @ direction) @ vectors).argmax())
     trivial = float(abs(own[place] - 1.0))
     rest = np.delete(own, place)
-    values = own
+    values, bound = own, _eigenvalue_bound(basis @ monodromy @ basis.T, vectors, error)
     symmetric = antisymmetric = None
     if parity:
+        odd = parity_basis(sites, -parity)
+        block = odd @ monodromy @ odd.T
+        bound = max(bound, _eigenvalue_bound(block, np.linalg.eig(block)[1], error))
         other = split_eigenvalues(monodromy, -parity)
         symmetric, antisymmetric = rate(rest), rate(other)
         values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
@@ -123,8 +128,23 @@ def floquet_multipliers(
         growth=rate(rest),
         symmetric=symmetric,
         antisymmetric=antisymmetric,
-        error=error,
+        error=bound,
     )
+
+
+def _eigenvalue_bound(matrix: Real, vectors: Complex, error: float) -> float:
+    """Return how far eigenvalues of a matrix, of size n, are from those of the true one, at most.
+
+    With δ the error of the matrix in the spectral norm and V the vectors, cond(V) δ (Bauer and Fike
+    1960) and (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). The roundings of LAPACK are those of a
+    matrix that is n units in the last place away.
+    """
+    size = len(matrix)
+    norm = float(np.linalg.norm(matrix))
+    off = size * (error + float(np.finfo(float).eps) * norm)
+    elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
+    with np.errstate(over="ignore"):  # vectors that are dependent to the last bit
+        return float(min(float(np.linalg.cond(vectors)) * off, elsner))
 
 
 def approximate_multipliers(

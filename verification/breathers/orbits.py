@@ -367,8 +367,11 @@ def measured_orbit(
     state, period = point.u[:-1], float(point.u[-1])
     coarse = integrate(state, period, count)
     fine = integrate(state, period, max(SAMPLES, 2 * count))
-    change = float(np.abs(fine.monodromy - coarse.monodromy).max())
     value, slope, _ = finer(point.u, point.c)
+    step = np.linalg.solve(slope, value)
+    nearer = integrate(state - step[:-1], period - float(step[-1]), count)
+    # Of the matrix: what a halved step changes, and what the error of the orbit does.
+    change = float(sum(np.abs(each.monodromy - coarse.monodromy).max() for each in (fine, nearer)))
     return Orbit(
         status=BreatherStatus.EXISTS,
         state=state,
@@ -377,7 +380,7 @@ def measured_orbit(
         harmonics=first_harmonics(fine.samples),
         multipliers=floquet_multipliers(fine.monodromy, period, eps, parity=parity, error=change),
         residual=float(np.abs(coarse.state - state).max()),
-        error=float(np.abs(np.linalg.solve(slope, value)).max()) + point.correction,
+        error=float(np.abs(step).max()) + point.correction,
         fold=fold,
         seconds=time.perf_counter() - started,
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import mpmath as mp
@@ -27,7 +26,9 @@ from verification.quantities.quantity import (
     StatedValue,
     axes,
 )
-from verification.references.equations import averaged_damping, pull, variational_rate
+from verification.references.equations import full_rate, variational_rate
+from verification.references.extrapolation import PreciseState, integrate, precise_state
+from verification.references.phase_locked import locked_fold, locked_state
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.result import ThresholdMethod
 
@@ -35,6 +36,11 @@ ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END,))
 A, C, READING = axes(a=(1e-6, 1e6), c=(1e-8, 1e6), reading=(1, 2))
 WEAK, EPSILON = axes(c=(1e-8, 1e2), eps=(1e-6, 1.0))
 _SITES = 9
+
+_DIGITS = 26
+_TOLERANCES = (1e-19, 1e-21)
+"""Of the flow in Newton's steps, where digits are many; the last residual sees that of the others
+and so is the measure of what is left."""
 
 
 def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:
@@ -170,34 +176,24 @@ def _envelope(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Newton in 30 digits on (34) in the rotating frame, its real and imaginary parts."""
+    """Newton on (34) in the rotating frame, its residual in extended precision."""
     if stated.value is None:
         fold = staggered_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
         if fold is None:
             raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
         return ReferenceCheck.exact(at["c"] > 0.98 * fold.c, "quarter-turn reduction")
-    phi = np.asarray(stated.value[:-1])
-    start = [float(x) for x in (*phi.real, *phi.imag, complex(stated.value[-1]).real)]
-    defect = partial(_envelope_defect, at, int(np.argmax(np.abs(phi))))
-    with mp.workdps(30):
-        try:
-            x = mp.findroot(defect, start, tol=1e-36)
-        except (ValueError, ZeroDivisionError):
-            raise NoReferenceError("Newton in 30 digits does not converge.") from None
-        off = max(abs(true - value) for true, value in zip(x, start, strict=True))
-    return ReferenceCheck(distance=float(off), method="Newton in 30 digits")
-
-
-def _envelope_defect(at: Mapping[str, float], centre: int, *x: Any) -> list[Any]:
-    a, b, c = mp.mpf(1), mp.mpf(at["eta"]), mp.mpf(at["c"])
-    n, omega = len(x) // 2, x[-1]
-    p = [mp.mpc(*pair) for pair in zip(x[:n], x[n:-1], strict=True)]
-    rates = [
-        0.5j * c * springs - phi / 2 * averaged_damping(abs(phi), a, b) - 1j * omega * phi
-        for phi, springs in zip(p, pull(np.array(p)), strict=True)
-    ]
-    return [*(rate.real for rate in rates), *(rate.imag for rate in rates), x[n + centre]]
+    phi, omega = np.asarray(stated.value[:-1]), complex(stated.value[-1]).real
+    try:
+        true = locked_state(at["eta"], at["c"], phi, omega)
+    except ArithmeticError as error:
+        raise NoReferenceError(f"{error}.") from None
+    given = np.array([*phi.real, *phi.imag, omega])
+    return ReferenceCheck(
+        distance=float(np.abs(true.value - given).max()),
+        uncertainty=true.uncertainty,
+        method="Newton in extended precision",
+    )
 
 
 def _orbit(at: Mapping[str, float]) -> StatedValue:
@@ -206,36 +202,49 @@ def _orbit(at: Mapping[str, float]) -> StatedValue:
     return StatedValue.of(found, None if none else np.append(found.state, found.period))
 
 
-def _flow(state: Any, period: float, at: Mapping[str, float]) -> Any:
-    """Return the state and monodromy after a period by DOP853 on (8) and its linearisation."""
-    from scipy.integrate import solve_ivp
-
-    n = len(state) // 2
-    rate = variational_rate(_chain(at, n))
-    start = np.column_stack([state, np.eye(2 * n)]).ravel()
-    end = solve_ivp(rate, (0.0, period), start, method="DOP853", rtol=1e-13, atol=1e-14)
-    M = end.y[:, -1].reshape(2 * n, 2 * n + 1)
-    return M[:, 0], M[:, 1:]
-
-
 def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Return the next Newton step of shooting with SciPy's DOP853 in place of our integrator."""
+    """Shoot with a flow in extended precision in place of our integrator."""
     if stated.value is None:
         raise NoReferenceError("no orbit to compare with.")
-    state, period = stated.value[:-1], float(stated.value[-1])
-    end, monodromy = _flow(state, period, at)
-    n = len(state) // 2
-    slope = np.zeros((2 * n + 1, 2 * n + 1))
-    slope[:-1, :-1] = monodromy - np.eye(2 * n)
-    slope[:-1, -1] = (_flow(end, 1e-6, at)[0] - _flow(end, -1e-6, at)[0]) / 2e-6
-    slope[-1, _SITES // 2] = 1.0
-    step = np.linalg.solve(slope, np.append(end - state, 0.0))
-    size = float(np.linalg.norm(np.linalg.inv(slope), np.inf))
+    true = _precise_orbit(at, stated.value)
     return ReferenceCheck(
-        distance=float(np.abs(step).max()),
-        uncertainty=2e-12 * size * float(np.abs(state).max()),
-        method="DOP853",
+        distance=float(max(np.abs(true.value - stated.value))),
+        uncertainty=true.uncertainty,
+        method="shooting in extended precision",
     )
+
+
+def _flow(at: Mapping[str, float], state: Any, period: Any) -> PreciseState:
+    """Return the state after a period and, in the other columns, the monodromy of (42)."""
+    start = np.column_stack([state, np.eye(state.size)])
+    rate = variational_rate(_chain(at, state.size // 2))
+    try:
+        found = precise_state(rate, start.ravel(), period)
+    except ArithmeticError as error:
+        raise NoReferenceError(f"{error}.") from None
+    return replace(found, value=found.value.reshape(start.shape))
+
+
+def _precise_orbit(at: Mapping[str, float], given: Any) -> PreciseState:
+    """Polish an orbit, (X, period) with y = 0 at the centre, by Newton's method in many digits.
+
+    The matrix is of doubles. What the flow is uncertain by reaches the orbit by its inverse.
+    """
+    slope = np.zeros((given.size, given.size))
+    slope[-1, _SITES // 2] = 1.0
+    with mp.workdps(_DIGITS):
+        x = np.array([mp.mpf(each) for each in given], dtype=object)
+        slope[:-1, :-1] = _flow(at, given[:-1], given[-1]).value[:, 1:] - np.eye(given.size - 1)
+        rate = full_rate(_chain(at, _SITES))
+        slope[:-1, -1] = rate(0.0, given[:-1])
+        inverse = np.linalg.inv(slope)
+        for tolerance in _TOLERANCES:
+            end = integrate(rate, x[:-1], x[-1], tolerance).value
+            residual = np.append(end - x[:-1], x[_SITES // 2])
+            step = inverse @ residual
+            x = x - step
+    known = float(np.abs(inverse).sum(axis=1).max()) * float(np.abs(residual).max())
+    return PreciseState(value=x, uncertainty=known)
 
 
 def _multipliers(at: Mapping[str, float]) -> StatedValue:
@@ -246,21 +255,51 @@ def _multipliers(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Compare the sum and the sum of squares of the multipliers: traces of DOP853's monodromy.
+    """Compare with the eigenvalues, in many digits, of the monodromy of the polished orbit.
 
-    Both are as exact as the matrix, however badly the single multipliers are conditioned.
+    They are uncertain by how much they change where the monodromy changes by its own uncertainty,
+    once for either sign.
     """
     if stated.value is None:
         raise NoReferenceError("no orbit to compare with.")
     orbit = stated.extra
-    _, monodromy = _flow(orbit.state, orbit.period, at)
-    n = len(stated.value)
-    first = abs(complex(np.sum(stated.value)) - np.trace(monodromy))
-    second = abs(complex(np.sum(stated.value**2)) - np.trace(monodromy @ monodromy)) / 2.0
-    rough = 1e-11 * n * float(np.abs(monodromy).max()) + n * orbit.error
-    return ReferenceCheck(
-        distance=max(first, second) / n, uncertainty=rough, method="traces of DOP853's monodromy"
+    true = _precise_orbit(at, np.append(orbit.state, orbit.period)).value
+    flow = _flow(at, np.array([_as_long(x) for x in true[:-1]]), _as_long(true[-1]))
+    monodromy = flow.value[:, 1:]
+    signs = np.where(np.indices(monodromy.shape).sum(axis=0) % 2, 1.0, -1.0)
+    values, *beside = (
+        _eigenvalues(monodromy + side * flow.uncertainty * signs) for side in (0.0, 1.0, -1.0)
     )
+    return ReferenceCheck(
+        distance=_farthest(stated.value, values),
+        uncertainty=max(_farthest(each, values) for each in beside),
+        method="eigenvalues in many digits of a monodromy in extended precision",
+    )
+
+
+def _eigenvalues(matrix: Any) -> Any:
+    """Return the eigenvalues of a matrix of long doubles, by mpmath in thirty digits."""
+    with mp.workdps(30):
+        exact = mp.matrix([[_as_mpf(x) for x in row] for row in matrix])
+        return np.array([complex(x) for x in mp.eig(exact, left=False, right=False)])
+
+
+def _as_long(x: Any) -> np.longdouble:
+    """Return a number of mpmath in extended precision: a double and what is left of it."""
+    return np.longdouble(float(x)) + np.longdouble(float(x - float(x)))
+
+
+def _as_mpf(x: np.longdouble) -> Any:
+    """Return the same number: a double and what is left of it."""
+    return mp.mpf(float(x)) + mp.mpf(float(x - np.longdouble(float(x))))
+
+
+def _farthest(values: Any, others: Any) -> float:
+    """Return the largest distance within pairs, matched so that their squares add up to least."""
+    from scipy.optimize import linear_sum_assignment
+
+    apart = np.abs(np.subtract.outer(values, others))
+    return float(apart[linear_sum_assignment(apart**2)].max())
 
 
 def _threshold(at: Mapping[str, float]) -> StatedValue:
@@ -269,16 +308,20 @@ def _threshold(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    chain = replace(_chain({**at, "c": 0.1}), sites=stated.extra.sites)
-    fold = staggered_branch(chain, Nucleus(1)).fold
-    if fold is None:
-        raise NoReferenceError("the quarter-turn reduction has no fold.")
-    # What the reduction neglects is the tail at the free ends, squared in the fold.
-    neglected = float(abs(fold.u[0]) / np.abs(fold.u).max())
+    """Solve for the fold of (34) on the same chain, its residual in extended precision."""
+    if stated.value is None:
+        raise NoReferenceError("no fold to compare with.")
+    found = solve_envelope_breather(
+        _chain({**at, "c": stated.value * 0.999}, stated.extra.sites), Nucleus(1)
+    )
+    try:
+        true = locked_fold(at["eta"], stated.value, found.phi, found.omega)
+    except ArithmeticError as error:
+        raise NoReferenceError(f"{error}.") from None
     return ReferenceCheck(
-        distance=abs(fold.c - stated.value),
-        uncertainty=fold.error + neglected,
-        method="quarter-turn reduction",
+        distance=abs(float(true.value[-1] - stated.value)),
+        uncertainty=true.uncertainty,
+        method="fold by Newton in extended precision",
     )
 
 
@@ -304,7 +347,7 @@ QUANTITIES = (
     Quantity(
         name="breather", title="breather of the chain (8)", equation="(8), (34)",
         problems="breather", accuracy=1e-9, default="shooting", useful=(1e-8, 1e-3),
-        reference="root of scipy over the flow of its DOP853, both at 1e-13",
+        reference="shooting over a flow in extended precision",
         computations=(
             Computation(
                 name="envelope-breather", title="a breather of the averaged chain (34)",
@@ -334,7 +377,7 @@ QUANTITIES = (
     Quantity(
         name="threshold", title="coupling at which a breather ends", equation="(34)",
         problems="breather", accuracy=1e-6, default="continuation",
-        reference="reduction to quarter-turn phase steps",
+        reference="the equations of a fold by Newton's method in extended precision",
         computations=(
             Computation(
                 name="envelope-threshold", title="the coupling at which a breather of (34) ends",

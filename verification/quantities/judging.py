@@ -16,6 +16,7 @@ from verification.execution.columns import Scalar
 from verification.execution.points import Point
 from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.quantity import (
+    MAX_UNCERTAINTY,
     Computation,
     NoReferenceError,
     ReferenceCheck,
@@ -28,15 +29,6 @@ SLACK = 5.0
 
 CHECK_SECONDS = 15.0
 """A reference is given up after so long, of the processor."""
-
-
-MAX_UNCERTAINTY = 0.5
-"""Of a reference that may confirm, over the stated error that it judges.
-
-With a true error t, a stated one e and a reference within u of the truth, the distance is at least
-t - u, and beyond e + u the error is exceeded. So an error that is understated by a factor of two,
-t > 2e, is sure to be seen where 2e - u ≥ e + u: u ≤ e/2. A reference that is less certain may still
-refute, but what it does not refute has not been confirmed."""
 
 
 class Outcome(StrEnum):

@@ -71,10 +71,32 @@ def _check_velocities(at: Mapping[str, float], stated: StatedValue) -> Reference
 
 
 def _excess(v: float, at: Mapping[str, float], shift: int) -> float:
-    value, uncertainty, _ = reference_sum(v, at["c"], _DIGITS)
     with mp.workdps(_DIGITS + 20):
-        g = abs(value + shift) - 2 * threshold_ratio(at["eta"])
+        g, uncertainty = _defect(v, at, shift)
         return float(g) if abs(g) > uncertainty else 0.0
+
+
+def precise_velocity(v: float, at: Mapping[str, float]) -> tuple[Any, float]:
+    """Return the root of (54) next to v, by Newton's step in many digits, and its uncertainty.
+
+    The slope is known to as much as the slopes to the left and to the right differ, and so is the
+    step, which from a root to double precision is of the size of a rounding.
+    """
+    shift = 2 if v < 0 else 0
+    with mp.workdps(_DIGITS + 20):
+        points = [abs(v) * (1.0 + side * 1e-9) for side in (-1, 0, 1)]
+        below, here, above = (_defect(x, at, shift)[0] for x in points)
+        x0, x1, x2 = (mp.mpf(x) for x in points)
+        left, right = (here - below) / (x1 - x0), (above - here) / (x2 - x1)
+        slope = (left + right) / 2
+        step = here / slope
+        return mp.sign(v) * (x1 - step), float(abs(step * (right - left) / slope))
+
+
+def _defect(v: float, at: Mapping[str, float], shift: int) -> tuple[Any, float]:
+    """Return |Σ + shift| - 2r to many digits, and the uncertainty of Σ."""
+    value, uncertainty, _ = reference_sum(v, at["c"], _DIGITS)
+    return abs(value + shift) - 2 * threshold_ratio(at["eta"]), uncertainty
 
 
 def _changes_of_sign(at: Mapping[str, float]) -> int:

@@ -22,6 +22,14 @@ BAD_EVERY = 20
 
 MAX_CORNERS = 64
 
+MAX_UNCERTAINTY = 0.5
+"""Of a reference that may confirm, over the stated error that it judges.
+
+With a true error t, a stated one e and a reference within u of the truth, the distance is at least
+t - u, and beyond e + u the error is exceeded. So an error that is understated by a factor of two,
+t > 2e, is sure to be seen where 2e - u ≥ e + u: u ≤ e/2. A reference that is less certain may still
+refute, but what it does not refute has not been confirmed."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:

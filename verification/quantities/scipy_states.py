@@ -1,4 +1,4 @@
-"""States of a chain held against scipy's: at two tolerances, and on no more sites than move."""
+"""States of a chain held against a reference's: at two tolerances, on no more sites than move."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from verification.quantities.quantity import NoReferenceError, ReferenceCheck
+from verification.references.extrapolation import PreciseState
 
 AnyArray = npt.NDArray[Any]
 
@@ -35,18 +36,25 @@ def last_state(
     return np.asarray(run.y[:, -1])
 
 
-def compared(
-    value: AnyArray, last: Callable[[float], AnyArray], by: str, rounding: float = 0.0
-) -> ReferenceCheck:
+def compared(value: AnyArray, last: Callable[[float], AnyArray], by: str) -> ReferenceCheck:
     """Hold a state against that of a reference, a function of the tolerance.
 
-    The reference is uncertain by how far its states at two tolerances are apart, and by rounding.
+    The reference is uncertain by how far its states at two tolerances are apart.
     """
     found = last(TOLERANCE)
     return ReferenceCheck(
         distance=float(np.abs(found - value).max()),
-        uncertainty=float(np.abs(found - last(LOOSER)).max()) + rounding,
+        uncertainty=float(np.abs(found - last(LOOSER)).max()),
         method=by,
+    )
+
+
+def precisely(value: AnyArray, found: PreciseState) -> ReferenceCheck:
+    """Hold a state against one in extended precision."""
+    return ReferenceCheck(
+        distance=float(np.abs(found.value - value).max()),
+        uncertainty=found.uncertainty,
+        method="extrapolation in extended precision",
     )
 
 

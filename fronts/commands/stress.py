@@ -27,7 +27,8 @@ EXAMPLE = """examples:
   fronts stress --list
 
 Every quantity is tried at test problems, at the corners of its parameters and at random, one point
-in twenty with a value that is not allowed. Exit code 1: a stated error was exceeded, or a point
+in twenty with a value that is not allowed. Points are divided by the shares that --list names, at
+least twelve a quantity: those whose references are costly get fewer. Exit code 1: a stated error was exceeded, or a point
 gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
@@ -204,7 +205,9 @@ def _text(found: Stability) -> str:
 
 def _range_of(quantity: Computation) -> dict[str, str]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
-    return {"what": quantity.title, "over": axes, "ends": quantity.limits}
+    return {
+        "what": quantity.title, "over": axes, "ends": quantity.limits, "share": quantity.share,
+    }  # fmt: skip
 
 
 def _list() -> Answer:
@@ -217,13 +220,15 @@ def _list() -> Answer:
             "axes": [{"name": a.name, "low": a.low, "high": a.high} for a in quantity.axes],
             "ends": quantity.limits,
             "seconds": quantity.seconds,
+            "share": quantity.share,
         }
         for quantity in all_computations()
     ]
     lines = []
     for quantity in all_computations():
         said = _range_of(quantity)
-        lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}")
+        share = f"share {quantity.share:g}"
+        lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}; {share}")
         if quantity.limits:
             lines.append(f"{'':26}({said['ends']})")
     return Answer({"quantities": rows}, "\n".join(lines))

@@ -108,7 +108,7 @@ def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | No
     """Return the stick-slip cycle, None if the slip phase from release never sticks again."""
     fine = stick_slip_once(cell, tolerance)
     coarse = stick_slip_once(cell, COARSER * tolerance)
-    return _with_error(fine, coarse)
+    return _with_error(cell, fine, coarse)
 
 
 def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None:
@@ -116,7 +116,8 @@ def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None
 
     It exists between the Hopf velocity and the end of the stick-slip cycle.
     """
-    return _with_error(unstable_once(cell, tolerance), unstable_once(cell, COARSER * tolerance))
+    fine, coarse = (unstable_once(cell, each) for each in (tolerance, COARSER * tolerance))
+    return _with_error(cell, fine, coarse)
 
 
 def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:
@@ -162,12 +163,14 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
     return first, float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
 
 
-def _with_error(fine: Cycle | None, coarse: Cycle | None) -> Cycle | None:
+def _with_error(cell: FrictionCell, fine: Cycle | None, coarse: Cycle | None) -> Cycle | None:
     if fine is None:
         return None
     if coarse is None:
         return replace(fine, error=math.inf)
     names = ("max", "min", "period", "stick_time", "slip_time")
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
-    size = max(1.0, fine.period, abs(fine.max), abs(fine.min))
+    reach = max(abs(fine.max), abs(fine.min))
+    # The belt carries the cell from where it sticks to its release: a place is a time over v_d.
+    size = max(1.0, fine.period, reach, reach / cell.v_d if fine.stick_time else 0.0)
     return replace(fine, error=max(*gaps, fine.error, coarse.error, ROUND_OFF * size))

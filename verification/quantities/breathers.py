@@ -142,12 +142,9 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
     fold = _check_fold(at, StatedValue(value=stated.extra.fold.c, error=stated.extra.fold.error))
     top = stated.extra.fold.c
     if stated.value is None:
-        held = top is None or at["c"] > top - stated.extra.fold.error
-        return ReferenceCheck(
-            distance=fold.distance if held else math.inf,
-            uncertainty=stated.extra.fold.error,
-            method=fold.method,
-        )
+        # No farther than the fold stated is from its reference can the true one be beyond it.
+        held = top is None or at["c"] > top - fold.distance
+        return fold if top is None else ReferenceCheck.exact(held, fold.method)
     a, b = _coefficients(at)
     with mp.workdps(60):
         c = mp.mpf(at["c"])

@@ -35,7 +35,8 @@ FloatArray = npt.NDArray[np.float64]
 
 _FILLED, _SITES, _END = 24, 96, 8
 _STALL_TIME = 60.0
-_MAX_TIME = 3e4
+_MAX_TURNS = 1.5e4
+"""Radians of what is fastest that a reference in Python follows: some seconds."""
 
 
 _GIVEN: Mapping[str, float] = {"a": 4.0, "eps": 0.01, "sites": 32}
@@ -68,7 +69,9 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     chain = vdp_chain({**_GIVEN, **at, "sites": _SITES})
     end = 2.0 * _STALL_TIME if stated.value == 0.0 else 1.5 * _SITES / stated.value
     scale = chain.eps if full else 1.0  # from times of the run to slow ones
-    if end / scale > _MAX_TIME:
+    stiffness = 2.0 / at["eta"]  # of the stable cycle of (43), where η is small
+    fastest = math.sqrt(1.0 + 4.0 * chain.eps * chain.c) if full else max(2.0 * chain.c, stiffness)
+    if end / scale * fastest > _MAX_TURNS:
         raise NoReferenceError("too many periods for scipy")
     filled = np.where(np.arange(_SITES) < _FILLED, chain.stable_amplitude, 0.0)
     amplitude = amplitude_of if full else np.abs
@@ -196,7 +199,9 @@ def _check_piecewise(at: Mapping[str, float], stated: StatedValue) -> ReferenceC
     near = min(theory.branches, key=lambda branch: abs(branch.v - stated.value))
     v, uncertainty = precise_velocity(near.v, at)
     off = abs(float(v - mp.mpf(stated.value)))
-    return ReferenceCheck(distance=off, uncertainty=uncertainty, method="root of (54), 40 digits")
+    return ReferenceCheck(
+        distance=off, uncertainty=uncertainty, method="root of (54) in many digits"
+    )
 
 
 QUANTITIES = (

@@ -34,7 +34,7 @@ from verification.references.piecewise import static_sum, threshold_ratio
 (C,) = axes(c=(1e-8, 1e8))
 ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END, ETA_PIN_END))
 EPS = float(np.finfo(float).eps)
-_DIGITS = 40
+_DIGITS = 30
 
 
 def _velocities(at: Mapping[str, float]) -> StatedValue:

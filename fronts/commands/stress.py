@@ -28,8 +28,9 @@ EXAMPLE = """examples:
 
 Every quantity is tried at test problems, at the corners of its parameters and at random, one point
 in twenty with a value that is not allowed. Points are divided by the shares that --list names, at
-least twelve a quantity: those whose references are costly get fewer. Exit code 1: a stated error was exceeded, or a point
-gave NaN, crashed or was too slow."""
+least twelve a quantity: those whose references are costly get fewer.
+
+Exit code 1: a stated error was exceeded, or a point gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
 RESUMABLE = (".csv", ".zarr")
@@ -203,7 +204,7 @@ def _text(found: Stability) -> str:
     return "\n".join(lines)
 
 
-def _range_of(quantity: Computation) -> dict[str, str]:
+def _range_of(quantity: Computation) -> dict[str, Any]:
     axes = ", ".join(f"{axis.name} {axis.low:g} to {axis.high:g}" for axis in quantity.axes)
     return {
         "what": quantity.title, "over": axes, "ends": quantity.limits, "share": quantity.share,

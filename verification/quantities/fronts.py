@@ -35,7 +35,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _FILLED, _SITES, _END = 24, 96, 8
 _STALL_TIME = 60.0
-_MAX_TURNS = 1.5e4
+_MAX_TURNS = 2.2e4
 """Radians of what is fastest that a reference in Python follows: some seconds."""
 
 

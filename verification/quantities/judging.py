@@ -27,7 +27,7 @@ from verification.quantities.registry import computation_named
 SLACK = 5.0
 """A value is given up after so many times its limit."""
 
-CHECK_SECONDS = 8.0
+CHECK_SECONDS = 10.0
 """A reference is given up after so long, of the processor."""
 
 

@@ -69,7 +69,7 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     chain = vdp_chain({**_GIVEN, **at, "sites": _SITES})
     end = 2.0 * _STALL_TIME if stated.value == 0.0 else 1.5 * _SITES / stated.value
     scale = chain.eps if full else 1.0  # from times of the run to slow ones
-    stiffness = 2.0 / at["eta"]  # of the stable cycle of (43), where η is small
+    stiffness = 0.5 / at["eta"]  # of the stable cycle of (43), where η is small
     fastest = math.sqrt(1.0 + 4.0 * chain.eps * chain.c) if full else max(2.0 * chain.c, stiffness)
     if end / scale * fastest > _MAX_TURNS:
         raise NoReferenceError("too many periods for scipy")

@@ -52,8 +52,9 @@ class Branch(Result):
     by_coupling, by_eta : float
         ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
     by_coupling_error, by_eta_error : float
-        Bounds on their errors, which grow like that of v towards a fold; infinite (null in JSON)
-        where the fold is nearer than the error of v.
+        Their errors, which grow like that of v towards a fold; infinite (null in JSON) where the
+        fold is nearer than the error of v. They are estimates and no proven bounds: within the
+        error of v the derivatives of g are taken to be between those at its middle and its ends.
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None

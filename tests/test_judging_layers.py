@@ -598,13 +598,13 @@ def _point(compute: Any, check: Any = None, seconds: float = 2.0) -> dict[str, A
     return dict(judge(quantity, {"x": 1.0}))
 
 
-def test_a_value_is_given_up_after_five_times_its_limit_and_a_reference_after_fifteen_seconds(
+def test_a_value_is_given_up_after_five_times_its_limit_and_a_reference_after_ten_seconds(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Of the processor, both: what else the machine does is no part of the outcome."""
     given = _Given(monkeypatch, 100.0, 101.0)
     _point(lambda _: StatedValue(value=1.0, error=0.0))
-    assert given.limits == [(10.0, True), (15.0, True)]
+    assert given.limits == [(10.0, True), (10.0, True)]
 
 
 @pytest.mark.parametrize(

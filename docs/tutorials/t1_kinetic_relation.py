@@ -55,7 +55,7 @@ curve.plot()
 # The exponent of v(c)
 # --------------------
 # The paper reads a straight line off its Fig. 17. The local exponent d ln v / d ln c says more: it
-# passes through one on its way to one half, since v grows like :math:`\sqrt{c}` in the end.
+# passes through one on its way to one half, since v grows like :math:`\sqrt{c}` at strong coupling.
 
 for c in (1.0, 10.0, 100.0, 1000.0):
     fastest = fr.kinetic_relation(c=c, eta=1 / 32).branches[-1]

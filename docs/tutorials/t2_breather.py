@@ -2,12 +2,12 @@ r"""
 A breather four ways, and its stability
 =======================================
 
-A breather is one site on the stable cycle and the others near rest. Four methods find it, and how
-far apart they are says how far each can be trusted.
+In a breather one site stays on the stable cycle and the others remain near rest. Four methods
+compute it, and the differences between them show how far each can be trusted.
 
-In the Van der Pol chain (8) a site alone has two cycles besides rest, if :math:`8b < a^2`. Weak
-coupling lets one site stand on the stable cycle, while its neighbours follow with amplitudes that
-fall off like :math:`e^{k_1 |n|}`.
+In the Van der Pol chain (8) a site alone has two cycles besides rest, if :math:`8b < a^2`. At
+weak coupling one site can stay on the stable cycle, while its neighbours follow with amplitudes
+that fall off like :math:`e^{k_1 |n|}`.
 """
 
 import matplotlib.pyplot as plt
@@ -33,7 +33,8 @@ for name, each in found.methods.items():
     )
 
 # %%
-# Only the closed form leaves the others visibly, in the tails: it takes one decay for all sites.
+# Only the closed form departs visibly from the others, in the tails, because it assumes the same
+# decay from each site to the next.
 
 axes = found.plot()
 axes.set_ylim(1e-8, 10)

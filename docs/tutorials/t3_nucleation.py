@@ -15,8 +15,8 @@ import numpy as np
 import fronts as fr
 
 # %%
-# Three fates
-# -----------
+# Three outcomes
+# --------------
 # Weak coupling: a breather. Stronger coupling: the neighbours are pulled over the unstable cycle,
 # and a front leaves on each side. Weak driving (large η): the neighbours take more energy than the
 # site receives, and it falls back to rest.
@@ -65,7 +65,7 @@ print(f"at the end: {np.degrees(phase[-1, 7] - phase[-1, 6]):.2f} degrees")
 
 # %%
 # That start keeps its mirror symmetry for ever, because the arithmetic does. A stable nucleus must
-# also stand asymmetric perturbations, and the multipliers of the breather tell about all of them.
+# also stand asymmetric perturbations, and the multipliers of the breather account for all of them.
 
 locked = fr.breather(chain, nucleus=fr.Nucleus(3, "-+"))
 print(f"growth rate of the worst perturbation: {locked.growth:.4f}; stable: {locked.stable}")

@@ -2,8 +2,8 @@ r"""
 Fronts and their velocity law
 =============================
 
-A front of the Van der Pol chain is measured, compared with the wave that it is the head of, and
-followed to strong coupling.
+The velocity of a front of the Van der Pol chain is measured, computed as the solution of an
+equation, and followed to strong coupling.
 """
 
 import matplotlib.pyplot as plt
@@ -14,8 +14,8 @@ import fronts as fr
 # %%
 # One front
 # ---------
-# The chain is lengthened until the velocity has settled; the uncertainty counts what is still to
-# come.
+# The chain is lengthened until the velocity has settled; the uncertainty includes the drift that is
+# still expected.
 
 chain = fr.AveragedChain(a=4, b=0.5, c=0.6)
 front = fr.measure_front(chain)

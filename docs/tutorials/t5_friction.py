@@ -2,8 +2,8 @@
 The friction chain with exact events
 ====================================
 
-Stick and slip follow each other at instants that are located exactly. That is faster and more
-accurate than smoothing the friction law, and it gives thresholds that can be trusted.
+The instants at which a site sticks or slips are located to rounding. That is faster and more
+accurate than smoothing the friction law, whose width would shift every threshold.
 """
 
 import matplotlib.pyplot as plt

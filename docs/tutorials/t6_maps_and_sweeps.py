@@ -3,7 +3,8 @@ Maps and sweeps on all cores
 ============================
 
 A map names the state of a chain at every point of a plane and bisects the boundaries. A sweep
-computes any function of yours at many points. Both use every core, and both go on after a stop.
+computes any function of yours at many points. Both use every core, and both can be resumed after
+an interruption.
 """
 
 import tempfile
@@ -75,8 +76,8 @@ with tempfile.TemporaryDirectory() as folder:
 print(np.array_equal(again["v"], table["v"]))
 
 # %%
-# How far it is
-# -------------
+# Progress
+# --------
 # Long computations take a ``progress``. `fronts.Progress` is a line in a terminal, a bar in a
 # notebook and a line a minute in a log; the time left is estimated once the compiled code is there.
 

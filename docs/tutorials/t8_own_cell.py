@@ -2,8 +2,8 @@ r"""
 Your own cell
 =============
 
-Any oscillator with smooth damping and stiffness, on any coupling, is a chain of this toolkit: runs,
-fronts, thresholds, breathers and maps know it at once.
+Any oscillator with smooth damping and stiffness, on any coupling, can be made a chain, for which
+runs, fronts, thresholds, breathers and maps are computed as for those of the paper.
 """
 
 import matplotlib.pyplot as plt

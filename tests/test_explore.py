@@ -124,11 +124,24 @@ def test_a_refused_parameter_shows_its_sentence_in_place_of_the_picture(page):
     assert page.ask(f"{MODEL.format('profile')}.visible") is False  # pinned: no front travels
 
 
-def test_the_button_gives_the_python_of_the_pictures_and_it_runs(page, tmp_path, monkeypatch):
-    type_coupling(page, "0.09")
-    page.wait(f"{MODEL.format('multipliers-points')}.data.x.length > 0")
+@pytest.mark.parametrize(
+    ("c", "made"),
+    [
+        ("0.09", {"run", "breather", "curve", "states"}),  # without the profile: pinned
+        ("0.6", {"run", "profile", "breather", "curve", "states"}),
+    ],
+)
+def test_the_button_gives_the_python_that_makes_what_the_page_shows(
+    c, made, page, tmp_path, monkeypatch
+):
+    type_coupling(page, c)
+    page.wait(
+        f"{MODEL.format('profile')}.visible"
+        if "profile" in made
+        else f"{MODEL.format('multipliers-points')}.data.x.length > 0"
+    )
     page.click(BUTTON)
-    page.wait(f"{CODE}?.innerText.includes('c=0.09')")
+    page.wait(f"{CODE}?.innerText.includes('c={c}')")
     code = page.ask(f"{CODE}.innerText")
     assert set(re.findall(r"^(?:import|from).*", code, re.M)) == {"import fronts as fr"}
     monkeypatch.chdir(tmp_path)
@@ -136,10 +149,22 @@ def test_the_button_gives_the_python_of_the_pictures_and_it_runs(page, tmp_path,
     with mpl.rc_context({"backend": "agg"}):
         exec(compile(code, "shown", "exec"), names)
         mpl.pyplot.close("all")
-    drawn = page.ask(f"[...{MODEL.format('multipliers-points')}.data.x]")
-    assert np.array_equal(drawn, names["breather"].multipliers.real)
-    written = {path.stem for path in tmp_path.iterdir()}
-    assert written == {"run", "breather", "curve", "states"}  # without the profile: pinned
+    assert {path.stem for path in tmp_path.iterdir()} == made
+    if "profile" in made:
+        drawn = page.ask(f"[...{MODEL.format('shape')}.data.modulus]")
+        assert drawn == pytest.approx(np.abs(names["profile"].phi), rel=1e-12)
+        assert names["breather"].multipliers is None  # beyond its fold
+    else:
+        drawn = page.ask(f"[...{MODEL.format('multipliers-points')}.data.x]")
+        assert np.array_equal(drawn, names["breather"].multipliers.real)
+    curve = [b.v for point in names["curve"].points for b in point.branches if b.admissible]
+    assert page.ask(f"[...{MODEL.format('curve-True')}.data.y]") == pytest.approx(curve, rel=1e-12)
+    states = names["states"].states
+    fronts = np.sort(states["c"][states["label"] == "front"])
+    assert np.array_equal(np.sort(page.ask(f"[...{MODEL.format('state-front')}.data.y]")), fronts)
+    time, *shown = page.ask(f"[{MODEL.format('now')}.location, ...{MODEL.format('chain')}.data.y]")
+    sample = np.abs(names["run"].times * 0.01 - time).argmin()
+    assert np.allclose(shown, names["run"].amplitude[sample], rtol=1e-6)
 
 
 def test_nothing_went_wrong_in_the_page(page):

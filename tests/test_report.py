@@ -385,7 +385,7 @@ def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, capsys,
 
 
 def wait_for(log, word):
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 120
     while not (log.exists() and word in log.read_text()):
         assert time.monotonic() < deadline
         time.sleep(0.01)

@@ -118,7 +118,7 @@ def test_a_killed_sweep_is_resumed_with_nothing_lost_and_nothing_twice(
 ) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
     victim = subprocess.Popen(_command(out, log, workers), cwd=FOLDER)
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 120  # a guard only: two cores may be busy
     while len(_computed(log)) < 6:
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -215,7 +215,7 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(
     runner = subprocess.Popen(
         _command(out, log, 2), cwd=FOLDER, stderr=subprocess.PIPE, start_new_session=True
     )
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 120
     while len(_computed(log)) < 4:
         assert time.monotonic() < deadline
         time.sleep(0.01)

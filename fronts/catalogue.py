@@ -42,7 +42,7 @@ class Run(Call):
     """
 
     function: str = "verification.runs.simulate:simulate"
-    start: str = "fronts.starts:prepared"
+    start: str = "fronts.initial_state:prepared"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,7 +227,7 @@ COMMANDS: dict[str, Command] = {
   fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling square --n 41x41 \\
       --directions 8""",
         calls={
-            "piecewise": Measurement(function="fronts.moving:piecewise_front"),
+            "piecewise": Measurement(function="fronts.piecewise.simulated_front:piecewise_front"),
             "vdp": Measurement(
                 function=_FRONT,
                 presets={"chain.sites": 32},
@@ -289,7 +289,7 @@ COMMANDS: dict[str, Command] = {
             "friction": Measurement(
                 function=_CELL,
                 cell="theory.cells.friction:FrictionCell",
-                curve="fronts.cells:bifurcation",
+                curve="fronts.bifurcation:bifurcation",
             ),
             "vdp": _VDP_CELL,
             "averaged": _VDP_CELL,

@@ -53,7 +53,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         write_output(options.out, result, parameters, words)
     payload, text = result.to_dict(), in_words(result)
     if isinstance(bound.call, Run):
-        payload |= located("fronts.running:evolution")(result)
+        payload |= located("fronts.nucleus_evolution:evolution")(result)
         text += in_words_also(payload)
     if options.out:
         text = beside_files(text, options.out)

@@ -1,4 +1,4 @@
-"""Fronts as the shell asks for them: of the piecewise-linear chain also the start."""
+"""The front of the piecewise-linear chain by direct simulation, as the shell asks for it."""
 
 from __future__ import annotations
 

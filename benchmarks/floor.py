@@ -6,8 +6,10 @@ multiply-adds, each of them two operations, and of divisions. A floor says what 
 would cost in such a loop; the rest is loads and stores, the choice of steps, and operations that
 wait for one another.
 
-There is no row for event-driven runs, roots and derivations, where branches and searches cost more
-than arithmetic does.
+Of an event-driven run of (5) the arithmetic of the series is counted; the search for events is what
+stands above it. There is no row for roots, where nearly all that is done is complex logarithms and
+square roots of the C library, nor for derivations, whose work is on symbols: additions and products
+say nothing about either.
 """
 
 from __future__ import annotations
@@ -22,12 +24,15 @@ from scipy.integrate import DOP853
 
 from benchmarks.growth import least_seconds
 from benchmarks.work_precision import Report
+from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.sums import arithmetic, axis
 from theory.piecewise.sums.integral import MANY, sums
 from verification.execution.compiled import njit
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
+from verification.steppers import friction_series
+from verification.steppers.taylor import taylor_order
 
 _STAGES = DOP853.n_stages
 _ROWS = [DOP853.A[i, :i] for i in range(1, _STAGES)] + [DOP853.B]
@@ -128,6 +133,10 @@ class Counting:
     def __rsub__(self, other: Counting | complex) -> Counting:
         return -self + other
 
+    def __float__(self) -> float:
+        """Return the value, as an exponential asks for it, which is not counted."""
+        return float(self.value.real)
+
     def rint(self) -> Counting:
         """Return the nearest whole number, as numpy.rint asks for it."""
         return self._after(float(np.rint(self.value.real)), 1)
@@ -160,6 +169,27 @@ def of_site_step(chain: VanDerPolChain) -> Operations:
     chain.kernel()((y, w), (y, w), (y, w), chain.kernel_parameters())
     combinations = sum(2 * int(np.count_nonzero(row)) + 1 for row in [*_ROWS, *_ERRORS])
     return done * _STAGES + Operations(simple=2.0 * combinations)
+
+
+def of_site_series(chain: FrictionChain, order: int) -> Operations:
+    """Return what the coefficients of one new series of one site of (5) take.
+
+    Examples
+    --------
+    >>> small, large = (of_site_series(FrictionChain(c=0.05), order) for order in (10, 20))
+    >>> 3.0 < large.simple / small.simple < 4.0  # nearly as the square
+    True
+    """
+    done = Operations()
+    numbers = friction_series.new_numbers(chain.cell, chain.c, 1e-9)
+    law = friction_series.law_of(chain.cell)
+    series = np.full((3 + len(law), order + 1, 3), Counting(0.1, done))
+    site = np.full((friction_series.LOWEST + 1, 3), 2.0, dtype=object)
+    mode = np.zeros((friction_series.BEYOND + 1, 3), dtype=np.int64)
+    mode[friction_series.MODE] = 1
+    plain: Any = friction_series.expand
+    plain.py_func(series, site, mode, numbers, law, 1, 2)
+    return done
 
 
 def of_sums(v: np.ndarray, c: np.ndarray, tolerance: float) -> Operations:
@@ -250,7 +280,7 @@ class Floor:
 
 
 def measure(quick: bool, report: Report) -> list[Floor]:
-    """Measure runs of (8) and (43), and Σ in a batch."""
+    """Measure runs of (8), (43) and (5), and Σ in a batch."""
     repeats = 2 if quick else 5
     found = []
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=31)
@@ -263,6 +293,9 @@ def measure(quick: bool, report: Report) -> list[Floor]:
     ):
         report(f"floor: {name}")
         found.append(_run(name, model, end, repeats))
+    for sites, end in ((31, 200.0), (1000, 20.0)):
+        report(f"floor: series of (5), {sites} sites")
+        found.append(_event_run(FrictionChain(c=0.02, sites=sites), end, repeats))
     report("floor: sums")
     v, c = np.random.default_rng(1).uniform(0.3, 3.0, (2, 30_000))
     plain = axis.plan(v, c, 1e-12)[0] > 0
@@ -282,6 +315,20 @@ def _run(name: str, chain: VanDerPolChain, end: float, repeats: int) -> Floor:
 
     site_steps = run().counts["site_steps"]  # compiled here, before it is timed
     return _row(name, of_site_step(chain) * site_steps, least_seconds(run, repeats))
+
+
+def _event_run(chain: FrictionChain, end: float, repeats: int) -> Floor:
+    """Measure a run in which all sites start at random, as far from each other as the cycle."""
+    rng, n = np.random.default_rng(1), chain.sites
+    start = np.array([rng.uniform(-1.0, 2.0, n), rng.uniform(-1.0, 1.0, n)])
+
+    def run() -> Any:
+        return simulate(chain, start, end, samples=2, estimate_error=False)
+
+    first = run()
+    new = first.counts["site_steps"] + first.counts["local_series"]
+    done = of_site_series(chain, taylor_order(first.tolerance)) * new
+    return _row(f"series of (5), {n} sites", done, least_seconds(run, repeats))
 
 
 def _row(name: str, done: Operations, seconds: float) -> Floor:

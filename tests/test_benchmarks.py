@@ -40,6 +40,7 @@ from benchmarks.work_precision import (
 )
 from fronts.cli import main
 from fronts.commands import bench
+from theory.chains.friction import FrictionChain
 from theory.chains.vdp import vdp_acceleration
 from theory.piecewise.sums import axis
 from verification.execution.metadata import staleness
@@ -596,6 +597,17 @@ def test_operations_are_counted_as_by_hand():
     z = floor.Counting(1.0 + 2.0j, floor.Operations())
     assert ((z * z + 1.0) * 2.0).done.simple == 6.0 + 1.0 + 2.0
     assert (1.0 / floor.Counting(2.0, z.done)).done.divisions == 1.0
+
+
+def test_operations_of_a_series_are_counted_as_by_hand():
+    """Of (5), from order k to k + 1: three for each of the k + 1 terms of the exponential, and
+    twelve: one for y, three for both neighbours, seven for w and one that scales the exponential.
+    """
+    done = [floor.of_site_series(FrictionChain(c=0.05), order).simple for order in (10, 11, 12)]
+    assert [after - before for before, after in itertools.pairwise(done)] == [
+        3.0 * 11 + 12.0,
+        3.0 * 12 + 12.0,
+    ]
 
 
 def test_a_sum_costs_in_proportion_to_its_points_and_counting_does_not_change_it():

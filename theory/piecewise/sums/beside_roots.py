@@ -15,7 +15,6 @@ from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.sums.axis import EPS, SLOWEST, STEEPEST
 from theory.piecewise.sums.corrected_axis import PAIR_FROM, corrected_errors
 from theory.piecewise.sums.legs import CLEAR, leg_errors, leg_weight
-from theory.piecewise.sums.poles import TURN
 from theory.piecewise.sums.rules import fill
 
 _MAX_STEPS = 6
@@ -115,25 +114,22 @@ def _roots_beside(
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return the place of the first node in steps, and the effects of the roots beside one leg."""
     step, psi = plan[0], plan[3]
-    n, most = v.size, 4 if second else 2
+    n = v.size
     q, rho, near = 0.5 / v, c / v, (v >= SLOWEST).astype(float)
-    phases = (psi, psi - np.copysign(TURN, psi))
-    roots, powers, turns = np.empty((most, 6, n)), np.empty((most, 3, n)), np.empty((most, 2, n))
+    roots, powers, turns = np.empty((2, 6, n)), np.empty((2, 3, n)), np.empty((2, 2, n))
     halfway, whole = np.ones(n), np.ones(n)
-    for which in range(most):
-        phase, at = phases[which // 2], roots[which]
-        if which % 2 == 0:
-            fast["start_roots"](q, phase, rho, roots[which : which + 2])
-        _settle(at, (q, phase, rho), near, unsettled, fast)
-        fast["exponents_on_legs"](rho, step, at, powers[which], turns[which])
-        fast["exponentials"](powers[which])
+    fast["start_roots"](q, psi, rho, roots)
+    for at, power, turn in zip(roots, powers, turns, strict=True):
+        _settle(at, (q, psi, rho), near, unsettled, fast)
+        fast["exponents_on_legs"](rho, step, at, power, turn)
+        fast["exponentials"](power)
         if second:
-            fast["clearances"](powers[which], halfway, whole)
+            fast["clearances"](power, halfway, whole)
     offset = np.where((halfway < CLEAR) & (whole > halfway), 0.0, 0.5)
     effects, sign = np.zeros((8, n)), np.where(offset > 0.0, -1.0, 1.0)
-    for which in range(most):
-        along = 2.0 * rho - phases[which // 2] if second else np.zeros(n)
-        root = (roots[which], along, powers[which], turns[which], sign, near, effects)
+    along = 2.0 * rho - psi if second else np.zeros(n)
+    for at, power, turn in zip(roots, powers, turns, strict=True):
+        root = (at, along, power, turn, sign, near, effects)
         fast["add_effects"](v, c, *root)
         if slopes:
             fast["add_effect_slopes"](v, c, *root)

@@ -19,7 +19,8 @@ from theory.piecewise.sums.poles import (
 
 _EIGHTH = cmath.exp(0.25j * math.pi)
 _BACK = cmath.exp(-0.75j * math.pi)  # -i over that
-_DEPTH = 1.6
+_DEPTHS = 1.6, 1.0
+"""Im u at which what is left of each leg is bounded."""
 LEG_SHARE = 0.4
 """Of the tolerance, for each leg."""
 CLEAR = 0.5
@@ -27,8 +28,8 @@ CLEAR = 0.5
 
 
 def _leg_size(rho: float, far: float, second: bool) -> float:
-    """Bound (1/π) ∫|g̃| du along Im u = 1.6, where ``far`` is |2A| at u = 0."""
-    return (3.0 if not second else 6.0 if rho > 6.3 else 130.0) / (math.sqrt(rho) * far)
+    """Bound (1/π) ∫|g̃| du along Im u = 1.6 or 1, where ``far`` is |2A| at u = 0."""
+    return (3.0 if not second else 4.0 if rho > 6.3 else 50.0) / (math.sqrt(rho) * far)
 
 
 def leg_nodes(
@@ -40,7 +41,7 @@ def leg_nodes(
     """
     size = _leg_size(rho, far, second)
     wanted = math.log1p(1.5 * size / tolerance)
-    step = TURN * _DEPTH / wanted
+    step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / wanted
     m, q = 0.5 / rho, 0.5 / v
     U = math.sqrt(max(3.0, math.log1p(4.0 / (math.sqrt(rho) * far * tolerance)) - q))
     count = math.ceil(U / step)
@@ -108,11 +109,6 @@ def _on_a_leg(
     return weight * total, -weight / (v * v) * by_v, weight * by_c, width * size, width * steep / v
 
 
-def other_phase(psi: float, j: int) -> float:
-    """Return the phase that roots j = 0, 1 beside a leg are taken with, and that of 2, 3."""
-    return psi if j < 2 else psi - math.copysign(TURN, psi)
-
-
 def leg_unit(rho: float, step: float, side: float) -> complex:
     """Return z over sin(p/2), for roots above (1) or below the path (-1)."""
     return _BACK * (TURN * side / (step * math.sqrt(0.5 / rho)))
@@ -133,10 +129,9 @@ def _roots_on_a_leg(
     rho, q = c / v, 0.5 / v
     sign = 1.0 if offset == 0.0 else -1.0
     value, by_v, by_c, shifts, gains, clearance = 0j, 0j, 0j, 0.0, 0.0, 1.0
-    for j in range(4 if second else 2):
-        psi_j = other_phase(psi, j)
-        root = root_near(two_roots_near(q, psi_j, rho)[j % 2], q, psi_j, rho)
-        wave = root[0] + (2.0 * rho - psi_j) if second else root[0]
+    for start in two_roots_near(q, psi, rho):
+        root = root_near(start, q, psi, rho)
+        wave = root[0] + (2.0 * rho - psi) if second else root[0]
         side = side_of(root[0].imag)
         unit = leg_unit(rho, step, side)
         power = grown(unit * root[1])

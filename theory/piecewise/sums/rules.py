@@ -13,8 +13,8 @@ number of points is then what the next poles ask for. With ρ = c/v:
 * ρ > 3: the path is bent to where A grows. With X = iY, Y = u²v/2c ≥ 0, A = ½ + vu² is real, and
   S - 1 falls like e^{-u²}; k runs from 0 to π/2 + i∞. From there it returns to π along X = 1 - iȲ,
   where S is the same function but for a phase ψ = 2c/v - π of e^{-a}. The 1 that was subtracted
-  from S gives 1/√(1 - 4ic). Four roots at most lie near each of the two legs; with them taken away,
-  the integral of what is left along |Im u| = 1.6 is below `_leg_size`.
+  from S gives 1/√(1 - 4ic). Two roots lie nearest each of the two legs; with them taken away, the
+  integral of what is left along |Im u| = 1.6, of the second leg 1, is below `_leg_size`.
 
 The bounds of what is left were found by sampling it over the whole range (a test repeats that);
 given them, the error bounds follow by the theorem on the trapezoidal rule in a strip. Below

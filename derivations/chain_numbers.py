@@ -85,6 +85,25 @@ class ChainNumbers:
         alone = ChainNumbers(self.damping, self.stiffness, (), self.eps, self.values)
         return alone.averaged_rate({0: complex(size)}, frequency) / size
 
+    def cycles(self) -> Any:
+        """Amplitudes at which a cell neither gains nor loses energy over a period, inner first.
+
+        The growth rate is a polynomial in the square of the amplitude. As many sampled values as
+        it has coefficients give its zeros, and a step of Newton's method on a sampled value their
+        last digits. A double zero is listed twice, to half the digits.
+        """
+        degree = (len(self.damping) - 1) // 2
+        squares = np.linspace(0.2, 4, degree + 1)
+        rates = [self.cell_rate(float(np.sqrt(q))).real for q in squares]
+        fit = np.polynomial.Polynomial.fit(squares, rates, degree).convert().trim()
+        zeros = fit.roots()
+        real = np.sort(zeros[(abs(zeros.imag) < 1e-5) & (zeros.real > 1e-9)].real)
+        apart = np.diff(real, prepend=-np.inf, append=np.inf)
+        for place in np.flatnonzero(np.minimum(apart[:-1], apart[1:]) > 1e-4):
+            missed = self.cell_rate(float(np.sqrt(real[place]))).real
+            real[place] -= missed / fit.deriv()(real[place])
+        return np.sqrt(real)
+
 
 def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
     total: Any = 0 * y

@@ -65,62 +65,33 @@ class Checks:
     def __init__(self, model: ChainModel) -> None:
         self.model = model
         self.sites = tuple(range(-model.reach, model.reach + 1))
-        self.complex_variable = equals("Ψ = y' + iωy", parts=3)(self._variable_point)
-        self.complex_chain = equals("Eq. (8) at coupled sites")(self._complex_point)
-        self.envelope = equals("a turning frame")(self._envelope_point)
-        self.rotating = equals("Eq. (8) in the rotating frame")(self._rotating_point)
-        self.averaged = equals(_DIRECT)(lambda rng: self._averaged_point(rng, False))
-        self.averaged_at_unit = equals(_DIRECT)(lambda rng: self._averaged_point(rng, True))
-        self.wave = equals("one complex factor a site")(self._wave_point)
-        self.balance = equals(_DIRECT)(self._balance_point)
-        self.parts = equals(_DIRECT, parts=2)(lambda rng: self._parts_point(rng, False))
-        self.parts_by_displacement = equals(_DIRECT, parts=2)(
-            lambda rng: self._parts_point(rng, True)
-        )
-        self.real_part = equals(_DIRECT)(self._real_point)
-        self.by_size = equals(_DIRECT)(self._real_point)
-        self.frequency = equals("the cell alone, averaged")(self._frequency_point)
-        self.isolated = equals(_DIRECT, parts=2)(self._isolated_point)
-        self.phases = equals(_DIRECT, parts=2)(lambda rng: self._phase_point(rng, False))
-        self.phases_by_displacement = equals(_DIRECT + ", with α_0 the amplitude of y", parts=2)(
-            lambda rng: self._phase_point(rng, True)
-        )
-        self.limit = equals(_DIRECT + " at ω = 1", parts=2)(self._limit_point)
-        self.swapped = equals(_DIRECT + " at ω = 1")(self._swapped_point)
-        self.branch = equals("a zero of the sampled imaginary part")(self._branch_point)
-        self.quarter = equals(_DIRECT + " at a zero of its imaginary part")(self._quarter_point)
-        self.second_relation = equals(_DIRECT + " at a zero of its imaginary part", parts=2)(
-            self._relation_point
-        )
-        self.amplitude = equals("the amplitude of the sine of (9)")(self._amplitude_point)
-        self.square = equals("the square of an amplitude")(self._square_point)
-        self.turned = equals("a quarter turn a site")(self._turned_point)
-        self.staggered = equals(_DIRECT)(self._staggered_point)
-        self.staggered_centre = equals(_DIRECT)(self._staggered_centre_point)
-        self.averaged_centre = equals(_DIRECT)(self._centre_point)
-        self.tail_wave = equals("one factor a site")(self._tail_wave_point)
-        self.tail = equals(_DIRECT + " at vanishing amplitude", tolerance=1e-7)(self._tail_point)
 
     def _field(self, rng: random.Random) -> dict[int, complex]:
         return {at: complex(rng.uniform(-1.2, 1.2), rng.uniform(-1.2, 1.2)) for at in self.sites}
 
     # From (8) to the average.
 
-    def _variable_point(self, rng: random.Random) -> Point:
+    @equals("Ψ = y' + iωy", parts=3)
+    def complex_variable(self, rng: random.Random) -> Point:
+        """Draw place, velocity and acceleration of a site."""
         w = rng.uniform(0.8, 1.3)
         place, rate, second = (rng.uniform(-1, 1) for _ in range(3))
         return {omega: w, y(n, t).diff(t, 2): second, y(n, t).diff(t): rate, y(n, t): place,
                 psi(n, t).diff(t): complex(second, w * rate),
                 psi(n, t): complex(rate, w * place)}  # fmt: skip
 
-    def _complex_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("Eq. (8) at coupled sites")
+    def complex_chain(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw Ψ at all coupled sites, and its rate."""
         p, field, w = drawn(self.model, rng), self._field(rng), rng.uniform(0.8, 1.3)
         rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, omega: w, psi(n, t).diff(t): rate}
         point |= {psi(n + at, t): value for at, value in field.items()}
         return point, [wave_residual(field, rate, p, w)]
 
-    def _envelope_point(self, rng: random.Random) -> Point:
+    @equals("a turning frame")
+    def envelope(self, rng: random.Random) -> Point:
+        """Turn φ by ωt."""
         w, when, size = rng.uniform(0.8, 1.3), rng.uniform(0, 6), self._field(rng)[0]
         turned = size * complex(math.cos(w * when), math.sin(w * when))
         return {omega: w, t: when, phi(n, t): size, psi(n, t): turned}
@@ -134,12 +105,24 @@ class Checks:
         point |= {phi(n + at, t): value for at, value in field.items()}
         return point, field, rate, p
 
-    def _rotating_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("Eq. (8) in the rotating frame")
+    def rotating(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw φ, its rate and an instant of the period."""
         point, field, rate, p = self._frozen(rng)
         when, w = rng.uniform(0, 6), rng.uniform(0.8, 1.3)
         return {**point, t: when, omega: w}, [complex(rotating_residual(field, rate, p, w)(when))]
 
-    def _averaged_point(self, rng: random.Random, unit: bool) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def averaged(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Freeze φ and its rate over a period of any frequency."""
+        return self._averaged(rng, unit=False)
+
+    @equals(_DIRECT)
+    def averaged_at_unit(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Freeze φ and its rate over a period of 2π."""
+        return self._averaged(rng, unit=True)
+
+    def _averaged(self, rng: random.Random, unit: bool) -> tuple[Point, list[complex]]:
         point, field, rate, p = self._frozen(rng)
         w = 1.0 if unit else rng.uniform(0.8, 1.3)
         return {**point, omega: w}, [direct_average(field, rate, p, w)]
@@ -151,7 +134,9 @@ class Checks:
         return ({k_1: growth, k_2: turn, alpha_0: rng.uniform(0.8, 2), n: place},
                 cmath.exp(complex(growth, turn)), place)  # fmt: skip
 
-    def _wave_point(self, rng: random.Random) -> Point:
+    @equals("one complex factor a site")
+    def wave(self, rng: random.Random) -> Point:
+        """Multiply by the same complex number from site to site."""
         wave, step, place = self._wave_numbers(rng)
         return {**wave, phi(n, t): wave[alpha_0] * step**place}
 
@@ -164,19 +149,33 @@ class Checks:
         field = {at: scale * wave[alpha_0] * step ** (wave[n] + at) for at in self.sites}
         return complex(direct_average(field, 1j * turning * field[0], p, w) / field[0])
 
-    def _balance_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def balance(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a wave that decays, at one site."""
         wave, _, _ = self._wave_numbers(rng)
         p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
         return {**p.values, **wave, omega: w}, [self._wave_average(wave, p, w)]
 
-    def _parts_point(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT, parts=2)
+    def parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take real and imaginary part of the mean."""
+        return self._parts(rng, displacement=False)
+
+    @equals(_DIRECT, parts=2)
+    def parts_by_displacement(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the same parts for a wave whose y has the amplitude α₀."""
+        return self._parts(rng, displacement=True)
+
+    def _parts(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
         wave, _, _ = self._wave_numbers(rng)
         p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
         found = self._wave_average(wave, p, w, scale=w if displacement else 1.0)
         return {**p.values, **wave, omega: w}, [found.real, found.imag]
 
-    def _real_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        point, references = self._parts_point(rng, False)
+    @equals(_DIRECT)
+    def real_part(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw the same wave, its amplitude at the site named by its square."""
+        point, references = self._parts(rng, displacement=False)
         size = point[alpha_0] ** 2 * math.exp(2 * point[k_1] * point[n])
         return {**point, square: size}, references[:1]
 
@@ -184,7 +183,9 @@ class Checks:
         """ω_1 of a cell of amplitude ``size`` with neighbours at rest, by sampling."""
         return float(p.cell_rate(size).imag / p.eps + sum(p.springs))
 
-    def _frequency_point(self, rng: random.Random) -> Point:
+    @equals("the cell alone, averaged")
+    def frequency(self, rng: random.Random) -> Point:
+        """Draw a cell whose neighbours rest."""
         p, size = drawn(self.model, rng), rng.uniform(0.5, 2)
         w = 1 + p.eps * self._detuning(size, p)
         return {**p.values, alpha_0: size, R: size / 2, omega: w, omega_1: (w - 1) / p.eps}
@@ -195,14 +196,26 @@ class Checks:
         half = p.eps * p.springs[0] / (2 * w)
         return half * (down - up), half * (up + down)
 
-    def _isolated_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT, parts=2)
+    def isolated(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Divide the parts of the mean by the factors of sin k₂ and cos k₂."""
         wave, _, _ = self._wave_numbers(rng)
         p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
         found = self._wave_average(wave, p, w)
         of_sine, of_cosine = self._factors(wave, p, w)
         return {**p.values, **wave, omega: w}, [found.real / of_sine, found.imag / of_cosine]
 
-    def _phase_point(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT, parts=2)
+    def phases(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Divide the parts as in `isolated`, at the frequency of a cell of that amplitude."""
+        return self._phases(rng, displacement=False)
+
+    @equals(_DIRECT + ", with α_0 the amplitude of y", parts=2)
+    def phases_by_displacement(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Divide the same parts for a wave whose y has the amplitude α₀."""
+        return self._phases(rng, displacement=True)
+
+    def _phases(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
         wave, _, _ = self._wave_numbers(rng)
         p = drawn(self.model, rng)
         w = 1 + p.eps * self._detuning(wave[alpha_0], p)
@@ -227,11 +240,15 @@ class Checks:
         of_sine, of_cosine = self._factors(wave, p, 1.0)
         return found.real / of_sine, found.imag / of_cosine
 
-    def _limit_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT + " at ω = 1", parts=2)
+    def limit(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a wave at ε = 0, by its frequency of first order."""
         point, wave, p = self._limit_numbers(rng)
         return point, list(self._in_limit(wave, p))
 
-    def _swapped_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT + " at ω = 1")
+    def swapped(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the first of the parts, its sides exchanged."""
         point, wave, p = self._limit_numbers(rng)
         return point, [-self._in_limit(wave, p)[0]]
 
@@ -276,18 +293,26 @@ class Checks:
         turn = min((q for q in zeros if q < 0), key=lambda q: abs(q + math.pi / 2))
         return {**point, k_2: turn}, {**wave, k_2: turn}, p
 
-    def _branch_point(self, rng: random.Random) -> Point:
+    @equals("a zero of the sampled imaginary part")
+    def branch(self, rng: random.Random) -> Point:
+        """Take the zero nearest to -π/2."""
         return self._at_branch(rng)[0]
 
-    def _quarter_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT + " at a zero of its imaginary part")
+    def quarter(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the real part where the imaginary part is zero."""
         point, wave, p = self._at_branch(rng)
         return point, [-self._in_limit(wave, p)[0]]
 
-    def _relation_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        point, references = self._quarter_point(rng)
-        return point, [*references, 0]
+    @equals(_DIRECT + " at a zero of its imaginary part", parts=2)
+    def second_relation(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the real part where the imaginary part is zero, and that zero."""
+        point, wave, p = self._at_branch(rng)
+        return point, [-self._in_limit(wave, p)[0], 0]
 
-    def _amplitude_point(self, rng: random.Random) -> Point:
+    @equals("the amplitude of the sine of (9)")
+    def amplitude(self, rng: random.Random) -> Point:
+        """Measure the amplitude at two instants a quarter period apart."""
         wave, _, _ = self._wave_numbers(rng)
         place, phase = rng.choice([-2, 1, 3]), rng.uniform(0, 3)
         # Two instants a quarter period apart give the amplitude of a sine.
@@ -295,7 +320,9 @@ class Checks:
         quarter = [size * math.sin(phase + shift) for shift in (0, math.pi / 2)]
         return {**wave, n: place, A_n: math.hypot(*quarter)}
 
-    def _square_point(self, rng: random.Random) -> Point:
+    @equals("the square of an amplitude")
+    def square(self, rng: random.Random) -> Point:
+        """Square the modulus of the wave at a site."""
         wave, step, place = self._wave_numbers(rng)
         return {**wave, square: abs(wave[alpha_0] * step**place) ** 2}
 
@@ -317,7 +344,9 @@ class Checks:
 
     # Phase steps of -π/2.
 
-    def _turned_point(self, rng: random.Random) -> Point:
+    @equals("a quarter turn a site")
+    def turned(self, rng: random.Random) -> Point:
+        """Turn a real amplitude by -π/2 a site, and all by the shift in frequency."""
         p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
         size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
         spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
@@ -331,14 +360,18 @@ class Checks:
         spin = 1j * p.eps * sum(p.springs)
         return -direct_average(field, spin * field[0], p, 1.0)
 
-    def _staggered_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def staggered(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw amplitudes in phase steps of -π/2, away from site 0."""
         p, sizes = drawn(self.model, rng), self._field(rng)
         moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, r(n, t).diff(t): moving, n: 2, t: rng.uniform(0, 3)}
         names = {r(n + at, t): value for at, value in sizes.items()}
         return {**names, **point}, [moving - self._quarter_turns(sizes, p, False)]
 
-    def _staggered_centre_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def staggered_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw the same about site 0, from which phases fall on both sides."""
         p, sizes = drawn(self.model, rng), self._field(rng)
         sizes |= {-at: sizes[at] for at in range(1, p.reach + 1)}
         moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
@@ -346,18 +379,24 @@ class Checks:
         point |= {r(at, t): sizes[at] for at in range(p.reach + 1)}
         return point, [moving - self._quarter_turns(sizes, p, True)]
 
-    def _centre_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def averaged_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw an envelope that is the same on both sides of site 0."""
         _, field, rate, p = self._frozen(rng)
         field |= {-at: field[at] for at in range(1, p.reach + 1)}
         point = {**p.values, phi(0, t).diff(t): rate}
         point |= {phi(at, t): field[at] for at in range(p.reach + 1)}
         return point, [direct_average(field, rate, p, 1.0)]
 
-    def _tail_wave_point(self, rng: random.Random) -> Point:
+    @equals("one factor a site")
+    def tail_wave(self, rng: random.Random) -> Point:
+        """Multiply by the same real number from site to site."""
         wave, step, place = self._wave_numbers(rng)
         return {**wave, r(n, t): wave[alpha_0] * abs(step) ** place}
 
-    def _tail_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT + " at vanishing amplitude", tolerance=1e-7)
+    def tail(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Average at an amplitude so small that only the linear terms count."""
         wave, step, _ = self._wave_numbers(rng)
         p, small = drawn(self.model, rng), 1e-5
         sizes = {at: complex(small * abs(step) ** at) for at in self.sites}

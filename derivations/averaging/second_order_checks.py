@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from scipy.optimize import brentq
 
-from derivations.algebra.evidence import Point, equals, solved_for, value
+from derivations.algebra.evidence import Point, equals, slope_of, solved_for, value
 from derivations.algebra.steps import Evidence
 from derivations.averaging import symbols as own
 from derivations.averaging.periodic_orbit import harmonic, orbit
@@ -47,8 +46,6 @@ class SecondOrderChecks:
         self._sites = {at: complex(rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6))
                        for at in range(-far, far + 1)}  # fmt: skip
         self.motion = ScalesChecks(model).chain
-        self.cycles = equals("the damping of the cell, averaged by sampling")(self._cycles_point)
-        self.turned = equals("a quarter turn a site")(self._turned_point)
 
     def _numbers(self, e: float) -> ChainNumbers:
         return numbers_of(self.model, self._values, e)
@@ -144,7 +141,9 @@ class SecondOrderChecks:
             worst = max(worst, abs(found - exact))
         return Evidence(worst < 1e-12, f"Fourier coefficient of y: off by at most {worst:.1e}")
 
-    def _turned_point(self, rng: random.Random) -> Point:
+    @equals("a quarter turn a site")
+    def turned(self, rng: random.Random) -> Point:
+        """Turn a real amplitude by -π/2 a site, and all by the shift in frequency."""
         p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
         size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
         spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
@@ -153,7 +152,9 @@ class SecondOrderChecks:
 
     # Cycles of the cell.
 
-    def _cycles_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("the damping of the cell, averaged by sampling")
+    def cycles(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a cell at any amplitude; what it loses is zero on a cycle."""
         p, size = drawn(self.model, rng), rng.uniform(0.3, 1.5)
         loss = -2 * p.cell_rate(size).real / p.eps
         return {**p.values, own.square: size**2}, [loss]
@@ -252,33 +253,24 @@ Values = tuple[tuple[sp.Symbol, float], ...]
 
 @lru_cache(maxsize=32)
 def _cycles(model: ChainModel) -> tuple[tuple[Values, float], ...]:
-    """Return two choices of parameters at which a cell has cycles, with each of their squares."""
+    """Return two choices of parameters at which a cell has cycles, with each of their squares.
+
+    Of moderate size, and attracting or repelling at a rate that is not small.
+    """
     rng: random.Random = random.Random(3)
     found: list[tuple[Values, float]] = []
-    grid = np.linspace(0.3, 4.5, 24)
-    phase = _T[:, None]
     for _ in range(2000):
         values = tuple((symbol, math.exp(rng.uniform(-3, 1.5))) for symbol in model.parameters)
         p = numbers_of(model, dict(values), 1.0)
-
-        def rate(size: Any, p: ChainNumbers = p) -> Any:
-            moved = -p.force(size * np.sin(phase), size * np.cos(phase)) * np.cos(phase)
-            return np.mean(moved, axis=0)
-
-        heights = rate(grid[None, :])
-        crossed = [
-            (low, high)
-            for low, high, one, other in zip(grid, grid[1:], heights, heights[1:], strict=False)
-            if one * other < 0 and abs(one - other) > 0.02
-        ]
-        if crossed:
-            found += [
-                (values, float(brentq(lambda q: rate(q)[0], *pair, xtol=1e-14)) ** 2)
-                for pair in crossed
-            ]
+        found += [(values, size**2) for size in p.cycles() if _is_isolated(size, p)]
         if len(found) >= 2:
             break
     return tuple(found)
+
+
+def _is_isolated(size: float, p: ChainNumbers) -> bool:
+    exponent = size * slope_of(lambda q: p.cell_rate(q).real, size)
+    return 0.3 < size < 4.5 and abs(exponent) > 0.1
 
 
 def _small(model: ChainModel, values: Values, square: float) -> tuple[float, float]:

@@ -124,7 +124,7 @@ def _at_sites(draft: Draft, model: ChainModel, checks: Checks) -> None:
                      "the square of the amplitude of φ at site n", check=checks.square)
     draft.derived("damping of a site", Take(0), "balance in parts", check=checks.real_part)
     draft.derived("damping by amplitude", Eliminate((sp.exp(2 * k_1 * n),)), "damping of a site",
-                  "square of the amplitude", check=checks.by_size)
+                  "square of the amplitude", check=checks.real_part)
     degree = max(model.damping) // 2
     draft.derived("two sites", DividedDifference(square, squares[:2], divided),
                   "damping by amplitude", check=checks.divided(2),

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import cmath
 import random
-from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from derivations.algebra.equations import parts_of
@@ -37,13 +35,10 @@ class CellChecks:
     def __init__(self, model: ChainModel) -> None:
         self.model = model
         self.motion = ScalesChecks(model).chain
-        self.averaged = equals(_SAMPLED)(self._averaged_point)
-        self.polar = equals("modulus and argument")(_polar_point)
-        self.parts = equals(_SAMPLED, parts=2)(self._parts_point)
-        self.amplitude = equals(_SAMPLED)(lambda rng: self._part_point(rng, 0))
-        self.frequency = equals(_SAMPLED, floor=1.0)(lambda rng: self._part_point(rng, 1))
 
-    def _averaged_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_SAMPLED)
+    def averaged(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw an envelope at coupled sites, and its rate."""
         p = drawn(self.model, rng)
         field = {at: complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
                  for at in range(-p.reach, p.reach + 1)}  # fmt: skip
@@ -52,28 +47,38 @@ class CellChecks:
         point |= {phi(n + at, t): size for at, size in field.items()}
         return point, [moving - p.averaged_rate(field)]
 
-    def _parts_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @staticmethod
+    @equals("modulus and argument")
+    def polar(rng: random.Random) -> Point:
+        """Hold the polar form against cosine and sine."""
+        size, turn = rng.uniform(0.3, 2), rng.uniform(-3, 3)
+        return {radius: size, angle: turn, phi(n, t): size * cmath.exp(1j * turn)}
+
+    @equals(_SAMPLED, parts=2)
+    def parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the rates of modulus and argument from the rate of a cell."""
+        return self._parts(rng)
+
+    @equals(_SAMPLED)
+    def amplitude(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the first of them."""
+        point, references = self._parts(rng)
+        return point, references[:1]
+
+    @equals(_SAMPLED, floor=1.0)
+    def frequency(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the second, over the amplitude."""
+        point, references = self._parts(rng)
+        return point, [references[1] / point[radius]]
+
+    def _parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
         p, size = drawn(self.model, rng), rng.uniform(0.3, 1.5)
         grow, turn = rng.uniform(0.5, 1), rng.uniform(0.5, 1)
         found = p.cell_rate(size)
         point = {**p.values, radius.diff(t): grow, angle.diff(t): turn, radius: size, angle: 0.3}
         return point, [grow - size * found.real, size * (turn - found.imag)]
 
-    def _part_point(self, rng: random.Random, place: int) -> tuple[Point, list[complex]]:
-        point, references = self._parts_point(rng)
-        return point, [references[place] / (point[radius] if place else 1)]
-
     # Cycles.
-
-    def _all_cycles(self, p: ChainNumbers) -> Any:
-        """Positive zeros of the sampled rate: a fit through sampled amplitudes, then its roots."""
-        degree = max(self.model.damping) // 2
-        squares = np.linspace(0.2, 4, degree + 1)
-        rates = [-2 * p.cell_rate(float(np.sqrt(q))).real / p.eps for q in squares]
-        fit = np.polynomial.polynomial.Polynomial.fit(squares, rates, degree).convert()
-        found = np.polynomial.polynomial.polyroots(np.trim_zeros(fit.coef, "b"))
-        real = found[(abs(found.imag) < 1e-5) & (found.real > 1e-9)].real
-        return np.sqrt(np.sort(real))
 
     def _draws(self, known: tuple[LimitCycle, ...]) -> list[ChainNumbers]:
         """Coefficients at which every cycle that is listed is real."""
@@ -100,10 +105,10 @@ class CellChecks:
             if not draws:
                 return Evidence(False, "no coefficients were found at which the cycles are real")
             for p in draws:
-                exact = self._all_cycles(p)
+                exact = p.cycles()
                 listed = sorted(
                     solved_for(part, sp.Symbol(f"r_{place}"), p.values).real
-                    for place, part in enumerate(_parts(candidate), start=1)
+                    for place, part in enumerate(parts_of(candidate), start=1)
                 )
                 double = sum(cycle.multiplicity - 1 for cycle in known)
                 if len(listed) + double != len(exact):
@@ -123,7 +128,7 @@ class CellChecks:
             if not draws:
                 return Evidence(False, "no coefficients were found at which the cycles are real")
             for p in draws:
-                pairs = zip(_parts(candidate), known, strict=True)
+                pairs = zip(parts_of(candidate), known, strict=True)
                 for place, (part, cycle) in enumerate(pairs, start=1):
                     size = value(cycle.amplitude, p.values).real
                     sides = [(size + d) * p.cell_rate(size + d).real / p.eps
@@ -141,7 +146,7 @@ class CellChecks:
         def check(candidate: sp.Basic) -> Evidence:
             worst = 0.0
             for p in self._draws(known):
-                inner, outer = self._all_cycles(p)
+                inner, outer = p.cycles()
                 found = solved_for(candidate, ratio, p.values)
                 worst = max(worst, abs(found - inner / outer))
             return Evidence(worst < 1e-6, f"the sampled cycles: off by {worst:.1e}")
@@ -154,7 +159,7 @@ class CellChecks:
         def check(candidate: sp.Basic) -> Evidence:
             worst, (left, right) = 0.0, candidate.args
             for p in self._draws(known):
-                inner, outer = self._all_cycles(p)
+                inner, outer = p.cycles()
                 rest, spring = p.damping[0], p.springs[0]
                 # The roots are those of the scaled problem; the term holds the scaled slope.
                 lattice = Lattice(0.5, (spring / rest,))
@@ -168,12 +173,3 @@ class CellChecks:
             )
 
         return check
-
-
-def _parts(candidate: sp.Basic) -> tuple[sp.Basic, ...]:
-    return parts_of(candidate)
-
-
-def _polar_point(rng: random.Random) -> Point:
-    size, turn = rng.uniform(0.3, 2), rng.uniform(-3, 3)
-    return {radius: size, angle: turn, phi(n, t): size * cmath.exp(1j * turn)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -91,8 +91,8 @@ def _find(model: ChainModel, count: int) -> list[Sample]:
         for q in sp.sympify(model.coupling).free_symbols:
             values[q] = rng.uniform(0.3, 0.9)  # neither pinned nor beyond the resolution
         chain = numbers_of(model, values, rng.uniform(0.05, 0.3))
-        cycles = _cycles(chain)
-        if len(cycles) == 2 and cycles[0] / cycles[1] < MAX_RATIO:
+        cycles = chain.cycles()
+        if len(cycles) == 2 and chain.damping[0] > 0 and cycles[0] / cycles[1] < MAX_RATIO:
             found.append(Sample(chain, *cycles))
         if len(found) == count:
             return found
@@ -101,33 +101,6 @@ def _find(model: ChainModel, count: int) -> list[Sample]:
         "stable rest state at some positive values of its letters",
         "give one, as 1 - a*y**2 + b*y**4: other cells have no front of (44)",
     )  # fmt: skip
-
-
-def _cycles(chain: ChainNumbers) -> list[float]:
-    """Return the stationary amplitudes, by sign changes of the sampled rate."""
-    mean = _mean_damping(chain)
-    sizes = np.geomspace(0.05, 60.0, 340)
-    rates = mean(sizes)
-    places = np.flatnonzero(np.sign(rates[:-1]) != np.sign(rates[1:]))
-    if rates[0] <= 0:
-        return []
-
-    def one(size: float) -> float:
-        return float(mean(np.array([size]))[0])
-
-    return [float(brentq(one, sizes[q], sizes[q + 1], xtol=1e-14, rtol=1e-14)) for q in places]
-
-
-def _mean_damping(chain: ChainNumbers) -> Callable[[Any], Any]:
-    """Mean of y' times the damping force over a period, over the square of the amplitude."""
-    phase = 2 * np.pi * np.arange(64) / 64
-
-    def mean(sizes: Any) -> Any:
-        place = sizes[:, None] * np.sin(phase)
-        rate = sizes[:, None] * np.cos(phase)
-        return (chain.force(place, rate) * rate).mean(axis=1) / sizes**2
-
-    return mean
 
 
 def complex_number(rng: random.Random, size: float = 1.0) -> complex:

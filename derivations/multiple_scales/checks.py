@@ -87,33 +87,14 @@ class Checks:
 
     def __init__(self, model: ChainModel) -> None:
         self.model = model
-        sites = range(-model.reach, model.reach + 1)
-        self.sites = tuple(sites)
-        fixed = {q: mp.mpf(17 + 5 * at) / 20 for at, q in enumerate(model.parameters)}
-        self._fixed = fixed
-        self.chain = equals("the forces of springs and damper")(self._chain_point)
-        self.centre = equals("Eq. (8) with mirrored neighbours")(self._centre_point)
-        self.forced = equals("Eq. (8) with the assumed neighbours")(self._forced_point)
-        self.secular = equals(_DIRECT)(self._secular_point)
-        self.secular_polar = equals(_DIRECT)(self._polar_point)
-        self.parts = equals(_DIRECT)(lambda rng: self._parts(rng, False))
-        self.steady_parts = equals(_DIRECT)(lambda rng: self._parts(rng, True))
-        self.own = equals(_DIRECT + ", over the amplitude")(self._own_point)
-        self.modulus = equals("moduli of " + _DIRECT)(self._modulus_point)
-        self.detuned = equals("moduli of " + _DIRECT)(self._detuned_point)
-        self.neglected = equals("moduli of " + _DIRECT)(self._neglected_point)
-        self.cost = equals("moduli of " + _DIRECT)(self._cost_point)
-        self.branches = equals("moduli of " + _DIRECT, parts=2)(self._branches_point)
-        self.decay_of_radius = equals("moduli of " + _DIRECT)(self._decay_point)
-        self.decay = self.decay_of_radius
-        self.free_frequency = equals("the drive of the cell alone, averaged")(self._free_point)
-        self.close_frequency = equals("the cell alone, averaged")(self._close_point)
-        self.detuning = equals("a real part that averages to zero")(self._balanced_point)
-        self.breather_frequency = equals("the cell alone, averaged")(self._frequency_point)
+        self.sites = tuple(range(-model.reach, model.reach + 1))
+        self._fixed = {q: mp.mpf(17 + 5 * at) / 20 for at, q in enumerate(model.parameters)}
 
     # Springs and dampers.
 
-    def _chain_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("the forces of springs and damper")
+    def chain(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a moving chain; (8) says how far it is from free motion."""
         p = drawn(self.model, rng)
         field = {at: rng.uniform(-1, 1) for at in self.sites}
         rate, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
@@ -127,7 +108,9 @@ class Checks:
             field |= {at: value, -at: value}
         return p.rest(field, rate)
 
-    def _centre_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("Eq. (8) with mirrored neighbours")
+    def centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a chain that is the same on both sides of site 0."""
         p = drawn(self.model, rng)
         place, rate, second = (rng.uniform(0.2, 1) for _ in range(3))
         sides = [rng.uniform(-1, 1) for _ in range(p.reach)]
@@ -135,7 +118,9 @@ class Checks:
         point |= {y(at, t): value for at, value in enumerate(sides, start=1)}
         return point, [second + self._mirrored(p, place, sides, rate)]
 
-    def _forced_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("Eq. (8) with the assumed neighbours")
+    def forced(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw site 0 as it likes, with neighbours that move as in (9)."""
         p, wave = drawn(self.model, rng), wave_numbers(rng)
         place, rate, second, when, w = (rng.uniform(0.2, 1) for _ in range(5))
         step = cmath.exp(complex(wave[k_1], wave[k_2]))
@@ -366,7 +351,9 @@ class Checks:
         size, angle, w1 = (rng.uniform(0.4, 1.3) for _ in range(3))
         return {**p.values, **wave, R: size, theta: angle, omega_1: w1}, p, wave
 
-    def _secular_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def secular(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a complex amplitude and its rate."""
         point, p, wave = self._drawn_amplitude(rng)
         size = point[R] * cmath.exp(1j * point[theta])
         rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
@@ -383,9 +370,21 @@ class Checks:
                   own.R_slow: point[R], own.theta_slow: point[theta]}  # fmt: skip
         return point, found / turn
 
-    def _polar_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT)
+    def secular_polar(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw modulus and argument, and their rates."""
         point, found = self._turned(rng, False)
         return point, [found]
+
+    @equals(_DIRECT)
+    def parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take what is in quadrature, then what is in phase."""
+        return self._parts(rng, steady=False)
+
+    @equals(_DIRECT)
+    def steady_parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the same parts of a motion whose amplitude and phase rest."""
+        return self._parts(rng, steady=True)
 
     def _parts(self, rng: random.Random, steady: bool) -> tuple[Point, list[complex]]:
         point, found = self._turned(rng, steady)
@@ -409,50 +408,76 @@ class Checks:
         point[delta] = point[omega_1] - free
         return point, cell, both - cell, free
 
-    def _own_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals(_DIRECT + ", over the amplitude")
+    def own(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a steady site 0 that moves as is assumed of it."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [(cell + neighbours).imag, (cell + neighbours).real]
 
-    def _modulus_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("moduli of " + _DIRECT)
+    def modulus(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare the moduli of what the cell and the neighbours do."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [abs(neighbours) ** 2 - abs(cell) ** 2]
 
-    def _detuned_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        point, references = self._modulus_point(rng)
-        return {q: value for q, value in point.items() if q != omega_1}, references
+    @equals("moduli of " + _DIRECT)
+    def detuned(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Compare the moduli where δ alone names the frequency."""
+        point, cell, neighbours, _ = self._split(rng)
+        del point[omega_1]
+        return point, [abs(neighbours) ** 2 - abs(cell) ** 2]
 
-    def _neglected_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("moduli of " + _DIRECT)
+    def neglected(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Leave out the part of the cell's that detunes."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [abs(neighbours) ** 2 - cell.imag**2]
 
-    def _cost_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    @equals("moduli of " + _DIRECT)
+    def cost(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Divide by the modulus of what the neighbours do."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [1 - abs(cell / neighbours) ** 2]
 
-    def _branches_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        point, cell, neighbours, _ = self._split(rng)
-        spring = float(self.model.coupling.subs(point))
-        pull, loss = abs(neighbours) / (2 * spring), cell.imag / (2 * spring)
+    @equals("moduli of " + _DIRECT, parts=2)
+    def branches(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the pull of the neighbours less, and plus, the loss of the cell."""
+        point, pull, loss = self._pull_and_loss(rng)
         return point, [pull - loss, pull + loss]
 
-    def _decay_point(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        point, references = self._branches_point(rng)
-        return point, [references[1]]
+    @equals("moduli of " + _DIRECT)
+    def decay(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Take the branch on which the cell feeds energy into its motion."""
+        point, pull, loss = self._pull_and_loss(rng)
+        return point, [pull + loss]
 
-    def _free_point(self, rng: random.Random) -> Point:
+    def _pull_and_loss(self, rng: random.Random) -> tuple[Point, float, float]:
+        point, cell, neighbours, _ = self._split(rng)
+        spring = float(self.model.coupling.subs(point))
+        return point, abs(neighbours) / (2 * spring), cell.imag / (2 * spring)
+
+    @equals("the drive of the cell alone, averaged")
+    def free_frequency(self, rng: random.Random) -> Point:
+        """Draw a cell at the frequency that it has by itself."""
         point, _, _, free = self._split(rng)
         return {**point, omega_1: free}
 
-    def _close_point(self, rng: random.Random) -> Point:
+    @equals("the cell alone, averaged")
+    def close_frequency(self, rng: random.Random) -> Point:
+        """Draw a cell at a frequency δ above its own."""
         return self._split(rng)[0]
 
-    def _balanced_point(self, rng: random.Random) -> Point:
+    @equals("a real part that averages to zero")
+    def detuning(self, rng: random.Random) -> Point:
+        """Move the frequency until nothing is left in phase."""
         point, cell, neighbours, _ = self._split(rng)
         # The real part falls by 2 for each unit of ω_1.
         shift = (cell + neighbours).real / 2
         return {**point, omega_1: point[omega_1] + shift, delta: point[delta] + shift}
 
-    def _frequency_point(self, rng: random.Random) -> Point:
+    @equals("the cell alone, averaged")
+    def breather_frequency(self, rng: random.Random) -> Point:
+        """Draw the frequency of the whole motion, not its correction."""
         point, _, _, free = self._split(rng)
         return {**point, omega: 1 + point[epsilon] * free}
 

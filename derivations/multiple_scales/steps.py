@@ -166,7 +166,7 @@ def _to_breather(draft: Draft, given: ChainModel, checks: Checks) -> None:
     rule = ("the minus sign: e^(k₁) > 0 where the cell feeds energy into its motion, between its "
             "two cycles; the plus sign holds where the cell loses energy")
     draft.derived("decay", Take(1, rule), "both signs of the decay",
-                  check=checks.decay_of_radius)
+                  check=checks.decay)
     draft.derived("decay of the amplitude", Substitute(), "decay", "half the amplitude",
                   check=checks.decay, number=29)
     draft.derived("frequency at no detuning", Substitute({delta: 0}), "close frequency",

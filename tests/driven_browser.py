@@ -20,6 +20,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 PROGRAM = next(filter(None, map(shutil.which, NAMES)), None)
 FLAGS = (
@@ -175,6 +177,18 @@ class Browser:
         time.sleep(1.5)
         shot = self.send("Page.captureScreenshot", format="png")
         path.write_bytes(base64.b64decode(shot["data"]))
+
+
+@contextmanager
+def opened(profile: Path) -> Iterator[Browser]:
+    """Give a browser; where there is none, skip the test, or fail it if one is asked for."""
+    if PROGRAM is None:
+        missing = f"no browser found: install one of {', '.join(NAMES)}"
+        if os.environ.get("FRONTS_NEED_BROWSER"):
+            pytest.fail(missing)  # where the project is checked as a whole
+        pytest.skip(missing)
+    with Browser("data:text/html,ready", profile) as browser:
+        yield browser
 
 
 def main() -> None:

@@ -127,8 +127,11 @@ def test_the_latex_document_is_ascii_so_that_every_engine_takes_it(key):
     assert rendering.document(loaded(key)).isascii()
 
 
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 def test_the_exported_document_compiles(tmp_path):
+    if shutil.which("pdflatex") is None:
+        if os.environ.get("FRONTS_NEED_LATEX"):
+            pytest.fail("pdflatex is not installed")  # where the project is checked as a whole
+        pytest.skip("pdflatex is not installed")
     derivations = [loaded(key) for key in KEYS]
     derivations.append(derive_cell(derive_envelope("1 - a*y**2 + b*y**4", "k_3*y**3").model))
     (tmp_path / "all.tex").write_text(rendering.document(*derivations), encoding="utf-8")
@@ -171,7 +174,7 @@ def test_the_words_do_not_depend_on_the_terminal():
 @pytest.mark.parametrize(
     ("name", "shown"),
     [(r"\tilde{v}_{rel}", "ṽᵣₑₗ"), (r"\hat{v}", "v̂"), (r"\dot{\delta}", "δ̇"), (r"\delta_5", "δ₅"),
-     (r"\varphi_{n+1}", "φₙ₊₁"), (r"\tilde{y}_*", "ỹ_*")],
+     (r"\varphi_{n+1}", "φₙ₊₁"), (r"\tilde{y}_*", "ỹ_*"), ("Sigma_infinity", "Σ_∞")],
 )  # fmt: skip
 def test_accents_and_greek_letters_are_read_off_the_latex_of_a_name(name, shown):
     assert rendering.equation_text(sp.Eq(sp.Symbol(name), 2)) == f"{shown} = 2"

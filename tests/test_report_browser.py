@@ -3,7 +3,6 @@
 import base64
 import hashlib
 import json
-import os
 import re
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover
 from paper_checks.report import measurements
-from tests.driven_browser import NAMES, PROGRAM, Browser
+from tests.driven_browser import opened
 
 TYPED = {
     ("fig16-escape",): ("eq. 4", "Eq 4", "(4)", "eq4", "equations 4", "Eq. (4)"),
@@ -111,12 +110,7 @@ WIDTHS = (1400, 800, 390)
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
     """Open a browser that all tests drive, page after page."""
-    if PROGRAM is None:
-        missing = f"no browser found: install one of {', '.join(NAMES)}"
-        if os.environ.get("FRONTS_NEED_BROWSER"):
-            pytest.fail(missing)  # where the project is checked as a whole
-        pytest.skip(missing)
-    with Browser("data:text/html,ready", tmp_path_factory.mktemp("profile")) as driven:
+    with opened(tmp_path_factory.mktemp("profile")) as driven:
         yield driven
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from fronts.cli import main
-from tests.driven_browser import NAMES, PROGRAM, Browser
+from tests.driven_browser import opened
 
 QUICK = ("equations", "expectations", "fig05-regions", "fig13-similar", "fig15-regions", "fig16",
          "text-uniquely")  # fmt: skip
@@ -60,12 +60,7 @@ PROBE = """(() => {
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
     """Open a browser that all tests drive."""
-    if PROGRAM is None:
-        missing = f"no browser found: install one of {', '.join(NAMES)}"
-        if os.environ.get("FRONTS_NEED_BROWSER"):
-            pytest.fail(missing)
-        pytest.skip(missing)
-    with Browser("data:text/html,ready", tmp_path_factory.mktemp("profile")) as driven:
+    with opened(tmp_path_factory.mktemp("profile")) as driven:
         yield driven
 
 

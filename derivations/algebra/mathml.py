@@ -16,6 +16,7 @@ _REFUSED: tuple[type[Exception], ...] = (
 _PARTS = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2, "munder": 2, "munderover": 3}
 _PRIMES = frozenset("′″‴⁗")
 """Signs that are raised by themselves: as an exponent they would be smaller and higher still."""
+_TALL = frozenset({"mfrac", "mtable", "munder", "munderover"})
 _FUNCTIONS = frozenset(
     ["sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "exp", "ln", "log", "arg", "det", "max",
      "min", "Re", "Im", "Res", "tr", "sgn", "sign"]
@@ -70,6 +71,7 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
         _join_word(node)
         _mark_signs(node)
         _lower_primes(node)
+        _set_close(node)
     for node in list(root.iter()):
         _space_functions(node)
     return root
@@ -119,6 +121,14 @@ def _lower_primes(node: Element) -> None:
         base = Element("msub")
         base.extend(node[:2])
     node.tag, node[:] = "mrow", [base, prime]
+
+
+def _set_close(row: Element) -> None:
+    """Leave brackets as they are where nothing in them is tall: browsers set wide what may grow."""
+    if row.tag == "mrow" and not any(node.tag in _TALL for node in row.iter()):
+        for node in row:
+            if node.get("fence"):
+                node.set("stretchy", "false")
 
 
 def _space_functions(row: Element) -> None:

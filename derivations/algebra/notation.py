@@ -41,6 +41,7 @@ NAMES: dict[str, tuple[str, str]] = {
 PRIMED = ("tau", "T")
 """Slow times: derivatives are primes."""
 
+_LIMIT = "_infinity"
 _LOW = str.maketrans("0123456789+-nmjpkzt", "₀₁₂₃₄₅₆₇₈₉₊₋ₙₘⱼₚₖzₜ")
 _ACCENTS = {"tilde": "\u0303", "hat": "\u0302", "dot": "\u0307"}
 _ACCENTED = re.compile(r"\\(tilde|hat|dot)\{")
@@ -67,7 +68,8 @@ def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
         if name is not None:
             found[own] = sp.Symbol(name)
     for symbol in expression.atoms(sp.Symbol):
-        if symbol.name in NAMES or ("\\" in symbol.name and script is Script.UNICODE):
+        accented = "\\" in symbol.name and script is Script.UNICODE
+        if symbol.name in NAMES or accented or symbol.name.endswith(_LIMIT):
             found[symbol] = sp.Symbol(_base(symbol.name, script))
     if script is Script.UNICODE:
         for own in expression.atoms(AppliedUndef) - found.keys():
@@ -97,6 +99,9 @@ def _name(own: sp.Basic, script: Script) -> str | None:
 def _base(name: str, script: Script) -> str:
     if name in NAMES:
         return NAMES[name][script is Script.UNICODE]
+    if name.endswith(_LIMIT):
+        index = r"_{\infty}" if script is Script.LATEX else "_∞"
+        return _base(name.removesuffix(_LIMIT), script) + index
     if script is Script.LATEX:
         return str(sp.latex(sp.Symbol(name)))
     plain = name.replace("\\", "").translate({ord("{"): None, ord("}"): None})

@@ -68,7 +68,7 @@ def equation_mathml(equation: sp.Basic) -> str:
     body = rows[0]
     if len(rows) > 1:
         cells = "".join(f"<mtr><mtd>{row}</mtd></mtr>" for row in rows)
-        body = f"<mtable>{cells}</mtable>"
+        body = f'<mtable displaystyle="true">{cells}</mtable>'
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{body}</math>'
 
 

@@ -35,6 +35,8 @@ NAMES: dict[str, tuple[str, str]] = {
     "A_abs": (r"\left|A\right|", "│A│"),
     "varphi_s": (r"\varphi_{s}", "φₛ"),
     "varphi_us": (r"\varphi_{us}", "φᵤₛ"),
+    "vartheta": (r"\vartheta", "ϑ"),
+    "ell": (r"\ell", "ℓ"),
 }
 """Names that are not written as SymPy would."""
 
@@ -73,9 +75,14 @@ def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
             found[symbol] = sp.Symbol(_base(symbol.name, script))
     if script is Script.UNICODE:
         for own in expression.atoms(AppliedUndef) - found.keys():
-            if "\\" in own.func.__name__:
+            if "\\" in own.func.__name__ or own.func.__name__ in NAMES:
                 found[own] = sp.Function(_base(own.func.__name__, script))(*own.args)
-    return expression.xreplace(found)
+    shown = expression.xreplace(found)
+    return shown if script is Script.LATEX else shown.replace(sp.besseli, _bessel)
+
+
+def _bessel(order: sp.Expr, argument: sp.Expr) -> sp.Expr:
+    return sp.Function(_base(f"I_{order}", Script.UNICODE))(argument)
 
 
 def _name(own: sp.Basic, script: Script) -> str | None:

@@ -49,7 +49,7 @@ class Operation(ABC):
 def said(value: Any) -> str:
     """Return a parameter of an operation in words: an expression, several, or a table of values."""
     if isinstance(value, Mapping):
-        return listed([_pair(said(own), said(new)) for own, new in value.items()])
+        return listed([_pair(own, new) for own, new in value.items()])
     if isinstance(value, tuple):
         return listed([said(each) for each in value])
     if isinstance(value, sp.FunctionClass):
@@ -57,9 +57,16 @@ def said(value: Any) -> str:
     return spoken(value) if isinstance(value, sp.Basic) else str(value)
 
 
-def _pair(own: str, new: str) -> str:
-    """Return an equation; what has the same name before and after has become a constant."""
-    return f"{own} = {new}" if own != new else f"{own} constant"
+def _pair(own: Any, new: Any) -> str:
+    """Return an equation; an arrow where the old is part of the new, a word where it rests."""
+    before, after = said(own), said(new)
+    if before == after:
+        return f"{before} constant"
+    return f"{before} {'→' if _holds(new, own) else '='} {after}"
+
+
+def _holds(new: Any, own: Any) -> bool:
+    return isinstance(new, sp.Basic) and isinstance(own, sp.Symbol) and own in new.free_symbols
 
 
 def spoken(expression: sp.Basic) -> str:
@@ -78,11 +85,14 @@ def spoken(expression: sp.Basic) -> str:
         return text.replace("│", "|")  # a box drawing, which LaTeX does not know
     letters = {q: sp.Symbol(str(sp.pretty(q, use_unicode=True))) for q in shown.atoms(sp.Symbol)}
     text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
+    text = _ROOT.sub(r"√\1", _PI.sub("π", text))
     return _UNIT.sub("i", text.replace("*", " "))
 
 
 _POWER = re.compile(r"\*\*(\d+)")
 _UNIT = re.compile(r"\bI\b")
+_PI = re.compile(r"\bpi\b")
+_ROOT = re.compile(r"\bsqrt\((\w+)\)")
 
 
 def _raised(power: re.Match[str]) -> str:

@@ -108,15 +108,21 @@ def sentence(step: Step) -> str:
     """Return kind, operation and note of a step as running text."""
     kind = "" if step.kind is Kind.DERIVED else f"{step.kind.value.capitalize()}: "
     said = step.operation if kind else step.operation[:1].upper() + step.operation[1:]
-    return f"{kind}{said}" + (f". {step.note}" if step.note else "")
+    # A note that begins with a small letter, which may be a symbol, goes on with the sentence.
+    mark = "; " if step.note[:1].islower() else ". "
+    return f"{kind}{said}" + (f"{mark}{step.note}" if step.note else "")
+
+
+def named(step: Step) -> str:
+    """Return the number of a step in the paper, or the name by which later steps call it."""
+    return f"(Eq. {step.number})" if step.number is not None else f"['{step.name}']"
 
 
 def text(derivation: Derivation) -> str:
     """Write the steps with their evidence; where a check fails, say so and stop."""
     lines = [derivation.title, ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
-        label = f"  (Eq. {step.number})" if step.number is not None else ""
-        lines.append(f"{position}. {sentence(step)}{label}")
+        lines.append(f"{position}. {sentence(step)}  {named(step)}")
         lines += [f"     {line}" for line in equation_text(step.result).splitlines()]
         lines += [f"   {_verdict(evidence)}: {evidence.statement}", ""]
         if not evidence.holds:
@@ -162,8 +168,7 @@ def markdown(derivation: Derivation) -> str:
     """Markdown with displayed LaTeX, for a notebook."""
     lines = [f"### {derivation.title}", ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
-        label = f" (Eq. {step.number})" if step.number is not None else ""
-        lines += [f"{position}. {sentence(step)}{label}", ""]
+        lines += [f"{position}. {sentence(step)} {named(step)}", ""]
         lines += [f"$$\n{equation_latex(step.result)}\n$$", ""]
         lines += [f"*{_verdict(evidence)}:* {evidence.statement}", ""]
     return "\n".join(lines)
@@ -173,9 +178,8 @@ def mathml(derivation: Derivation) -> str:
     """One XHTML fragment with a ``math`` element a step."""
     rows = []
     for step, evidence in derivation.examined():
-        label = f" (Eq. {step.number})" if step.number is not None else ""
         rows.append(
-            f"<li><p>{_escape(sentence(step))}{label}</p>{equation_mathml(step.result)}"
+            f"<li><p>{_escape(f'{sentence(step)} {named(step)}')}</p>{equation_mathml(step.result)}"
             f"<p>{_verdict(evidence)}: {_escape(evidence.statement)}</p></li>"
         )
     return f"<section><h2>{_escape(derivation.title)}</h2><ol>{''.join(rows)}</ol></section>"
@@ -187,7 +191,7 @@ def document(*derivations: Derivation) -> str:
     for derivation in derivations:
         body.append(f"\\section*{{{tex_words(derivation.title)}}}\n\\begin{{enumerate}}")
         for step, evidence in derivation.examined():
-            body.append(f"\\item {tex_words(sentence(step))}")
+            body.append(f"\\item {tex_words(f'{sentence(step)} {named(step)}')}")
             body.append(_display(step))
             body.append(f"\\emph{{{_verdict(evidence)}:}} {tex_words(evidence.statement)}.")
         body.append("\\end{enumerate}")

@@ -52,10 +52,10 @@ class CountAbove(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the strip."""
+        left, right = (spoken(edge * sp.pi) for edge in (self.left, self.left + 1))
         return (
-            f"count the roots of {labels[0]} with {self.left}π < Re {spoken(self.wavenumber)} < "
-            f"{self.left + 1}π above the axis: by {listed(labels[1:])} only the far end turns the "
-            "argument"
+            f"count the roots of {labels[0]} with {left} < Re {spoken(self.wavenumber)} < {right} "
+            f"above the axis: by {listed(labels[1:])} only the far end turns the argument"
         )
 
 

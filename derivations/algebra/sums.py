@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import sympy as sp
+from sympy.printing.pretty.stringpict import prettyForm
 
 
 class SumOver(sp.Expr):  # type: ignore[misc]
@@ -26,4 +27,10 @@ class SumOver(sp.Expr):  # type: ignore[misc]
 
     def _sympystr(self, printer: Any) -> str:
         term, variable, roots = (printer._print(part) for part in self.args)
-        return f"Sum({term}, {variable} in {roots})"
+        return f"Σ({term}, {variable} ∈ {roots})"
+
+    def _pretty(self, printer: Any) -> Any:
+        term, variable, roots = self.args
+        where = (f", {printer._print(variable)} ∈ ", printer._print(roots))
+        inner = prettyForm(*printer._print(term).right(*where))
+        return prettyForm(*prettyForm(*inner.parens()).left("Σ"))

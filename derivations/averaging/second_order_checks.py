@@ -204,7 +204,7 @@ class SecondOrderChecks:
     def next_harmonics(self, candidate: sp.Basic) -> Evidence:
         """Compare eps y1 with the true cycle minus its fundamental, over one period."""
         return self._against_orbits(_harmonics_error, candidate, 2,
-                                    "overtones of the true cycle minus eps y1")  # fmt: skip
+                                    "overtones of the true cycle minus ε y₁")  # fmt: skip
 
 
 def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:

@@ -100,16 +100,16 @@ def _decaying(draft: Draft, model: ChainModel, checks: Checks) -> None:
                   "balance in parts", check=checks.parts_by_displacement,
                   note="By (31) |φ| = ω|y|: with α₀ the amplitude of y, as in (9), "
                        "(29) and (38), φ has ωα₀")
-    draft.derived("phase step as eps vanishes", Limit(epsilon, 0), "phase step",
+    draft.derived("phase step as ε vanishes", Limit(epsilon, 0), "phase step",
                   check=checks.limit)
     draft.derived("branches of the phase step", (Take(1), SolveFor(k_2)),
-                  "phase step as eps vanishes", check=checks.branches)
+                  "phase step as ε vanishes", check=checks.branches)
     rule = ("sin k₂ < 0, as k₁ < 0 and positive damping of the site require: below the unstable "
             "cycle; above it, up to the stable one, the other sign holds")
     draft.derived("branch of the phase step", Take(0, rule), "branches of the phase step",
                   check=checks.branch)
     draft.derived("decay at a site", (Take(0), Rewrite(Form.EXCHANGED)),
-                  "phase step as eps vanishes", check=checks.swapped)
+                  "phase step as ε vanishes", check=checks.swapped)
     draft.derived("decay at a site in the branch", Substitute(), "decay at a site",
                   "branch of the phase step", check=checks.quarter)
     draft.derived("second relation", Join(), "decay at a site in the branch",

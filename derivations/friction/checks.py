@@ -290,9 +290,9 @@ class Checks:
         rest, speed = parts_of(candidate)
         holds = rest == sp.Eq(s.mu(0), text["rest"], evaluate=False)
         holds = holds and speed == sp.Eq(s.mu(sp.oo), text["speed"], evaluate=False)
-        return Evidence(holds, "mu(0) = mu_st and mu(infinity) = mu_d, as stated below (2)")
+        return Evidence(holds, "μ(0) = μₛₜ and μ(∞) = μ_d, as stated below (2)")
 
-    @at_points("the decay of the model from mu_st at rest to mu_d at great speed")
+    @at_points("the decay of the model from μₛₜ at rest to μ_d at great speed")
     def coefficient(self) -> Points:
         """Values at rest, at great speed and at one reference velocity."""
         values = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_0: _SCALE}

@@ -88,7 +88,7 @@ def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
     draft.model("newton", chain.newton(), "Newton's law for site n between its neighbours",
                 check=checks.newton, number=1)
     draft.model("falling friction", equation(mu(v_rel), falling),
-                "friction falls with speed from one value to another, with reference velocity v_0",
+                "friction falls with speed from one value to another, with reference velocity v₀",
                 check=checks.falling)
     draft.definition("friction at rest and at speed",
                      sp.Tuple(equation(mu(sp.S.Zero), mu_st), equation(mu(sp.oo), mu_d)),
@@ -99,7 +99,7 @@ def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
                 "limit from which slip starts", check=checks.law, number=3)
     draft.ansatz("scales", scales, "scaled displacement, time and force", check=checks.scales)
     draft.definition("scaled velocities", velocities,
-                     "velocities in units of omega_n y_0, the reference velocity too",
+                     "velocities in units of ωₙ y₀, the reference velocity too",
                      check=checks.velocities)
     parameters = (equation(own, value) for own, value in chain.parameters.items())
     draft.definition("parameters", sp.Tuple(*parameters),
@@ -127,7 +127,7 @@ def _scaled(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
     )
     draft.derived("unit coefficients", PrescribeCoefficients(demands, (omega_n, y_0, c, xi)),
                   "newton in the scales", check=checks.units,
-                  note="inertia and stiffness become one; c and 2 xi are the "
+                  note="inertia and stiffness become one; c and 2ξ are the "
                        "coefficients left of coupling and damping")
     draft.derived("scaled time", Take(1), "scales", check=checks.clock)
     draft.derived("scaling", Join(), "unit coefficients", "scaled time", check=checks.scaling,

@@ -147,7 +147,7 @@ class LimitChecks(SampledChecks):
         means = [float((np.sin(phase) ** q * np.cos(phase) ** 2).mean()) for q in powers]
         squares = np.roots([top * means[1], middle * means[0], low * 0.5]).real
         found = (squares.min() / squares.max()) ** (1 / powers[0])
-        return Evidence(abs(found - 0.5) < 1e-12, f"cycles of that eta have the ratio {found:.12f}")
+        return Evidence(abs(found - 0.5) < 1e-12, f"cycles of that η have the ratio {found:.12f}")
 
     def _strong(self, factor: float) -> Iterator[tuple[Sample, Lattice, dict[Any, Any]]]:
         for sample in self.samples:
@@ -165,7 +165,7 @@ class LimitChecks(SampledChecks):
             exact = complex(lattice.dispersion(number / root, fast * root))
             point = {**values, s.V: fast, s.kappa: number}
             worst = max(worst, abs(solved_for(candidate, s.long_wave, point) - exact))
-        return Evidence(worst < 1e-4, f"L at c ~ 1e6 and k = kappa/sqrt(c): off by {worst:.1e}")
+        return Evidence(worst < 1e-4, f"L at c ~ 1e6 and k = κ/√c: off by {worst:.1e}")
 
     def long_wave_root(self, candidate: sp.Basic) -> Evidence:
         """Compare with the root nearest the origin above the axis, by Newton's method."""

@@ -105,8 +105,8 @@ class ProfileChecks(SampledChecks):
             found = candidate.xreplace({_OWN: sp.Float(own), s.phi_us: sp.Float(sample.ratio),
                                         s.zeta: sp.Float(place)})  # fmt: skip
             if found != sp.true:
-                return Evidence(False, f"not so at zeta = {place}: |phi/phi_s| = {own:.4f}")
-        return Evidence(True, f"so at {len(PLACES)} places of a front with v_hat = {fast:.6f}")
+                return Evidence(False, f"not so at ζ = {place}: |φ/φₛ| = {own:.4f}")
+        return Evidence(True, f"so at {len(PLACES)} places of a front with v̂ = {fast:.6f}")
 
     @at_points("a distance over both times")
     def slow_velocity(self) -> Points:
@@ -162,7 +162,7 @@ class ProfileChecks(SampledChecks):
             found.append((point, left, sample.lattice.decay * CYCLE * step))
         return found
 
-    @at_points("(48) applied to e^{ik zeta}, numerically", tolerance=1e-8)
+    @at_points("(48) applied to e^(ikζ), numerically", tolerance=1e-8)
     def dispersion(self) -> Points:
         """(48) applied to a wave, from its values at the neighbours."""
         for sample, fast, number in self.waves():

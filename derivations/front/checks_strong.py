@@ -165,12 +165,12 @@ class StrongChecks(SampledChecks):
         return {epsilon: small, s.w_3_size: size, s.kappa_front: front, s.w_1: group,
                 s.length: length, s.v: group / small + front * length}  # fmt: skip
 
-    @at_points("the scales that make the coefficients one and -kappa")
+    @at_points("the scales that make the coefficients one and -κ")
     def speed_law(self) -> Points:
         """Length and speed at numbers."""
         yield self._law_point(), [0, 0]
 
-    @at_points("the scales that make the coefficients one and -kappa")
+    @at_points("the scales that make the coefficients one and -κ")
     def speed_alone(self) -> Points:
         """Speed at numbers."""
         yield self._law_point(), [0]
@@ -252,7 +252,7 @@ class StrongChecks(SampledChecks):
         holds = abs(errors[1]) < 0.1 and abs(errors[1]) < 0.5 * abs(errors[0])
         return Evidence(
             holds,
-            f"runs of the averaged chain at c = 20, 160 with kappa = {front:.4f}: off by "
+            f"runs of the averaged chain at c = 20, 160 with κ = {front:.4f}: off by "
             f"{errors[0]:.1e}, {errors[1]:.1e} of the length",
         )
 

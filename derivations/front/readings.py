@@ -19,5 +19,5 @@ def real_ratio(_: sp.Basic) -> Evidence:
     phase = cmath.phase(found)
     return Evidence(
         abs(phase) < 1e-6,
-        f"at v_hat = {fast:.6f} of (54) |phi_us/phi_s| = {sample.ratio:.4f} with phase {phase:.4f}",
+        f"at v̂ = {fast:.6f} of (54) |φᵤₛ/φₛ| = {sample.ratio:.4f} with phase {phase:.4f}",
     )

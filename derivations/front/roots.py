@@ -62,6 +62,6 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                   check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]))
     draft.derived("one root from odd to even", CountAbove(k, -1, count), "dispersion", "real axis",
                   "sides of the strips", check=checks.counted(-1),
-                  note="above the axis; below it the number depends on v and c")
+                  note="below the axis the number depends on v and c")
     draft.derived("no root from even to odd", CountAbove(k, 0, count), "dispersion", "real axis",
                   "sides of the strips", check=checks.counted(0))

@@ -210,7 +210,7 @@ class SampledChecks:
         other = Lattice(1.1 * lattice.decay, lattice.springs)
         if min(_differences(candidate, sample, other, fast, 1.1 * here)) < 1e-7:
             return Evidence(False, "it holds for another front as well: it says nothing")
-        return Evidence(worst < 1e-7, f"phi(0) of the front from its history: off by {worst:.1e}")
+        return Evidence(worst < 1e-7, f"φ(0) of the front from its history: off by {worst:.1e}")
 
 
 def _differences(

@@ -120,6 +120,8 @@ def test_a_new_cell(capsys):
         ("cell", "--damping", "1", "--order", "3"),
         ("multiple-scales", "--coupling", "0"),
         ("averaging", "--weights", "0, 1"),
+        ("averaging", "--weights", "1, w, u"),  # a cubic for the cosine of the phase step
+        ("cell", "--damping", "1 + y**2", "--order", "2", "--no-front"),  # no cycle to check with
         ("multiple-scales", "--damping", "sin(y)"),
         ("friction", "--damping", "1"),
         ("friction", "--out", "/nowhere/at/all.txt"),
@@ -169,6 +171,12 @@ def test_another_chain_on_the_command_line(capsys):
     code, out, _ = run(capsys, "averaging", "--weights", "1, w", "--equation", "34", "--json")
     assert code == 0
     assert "varphi(n - 2, t)" in json.loads(out)["steps"][0]["expression"]
+
+
+def test_odd_powers_leave_no_damping_on_average(capsys):
+    code, out, _ = run(capsys, "averaging", "--damping", "1 - y")
+    assert code == 0
+    assert "FAILED" not in out
 
 
 def test_a_cell_to_second_order(capsys):

@@ -28,6 +28,25 @@ class DerivationInputError(ValueError):
         super().__init__(f"{quantity} = {value} is not allowed: it must be {allowed}; {remedy}.")
 
 
+class StepError(DerivationInputError):
+    """A step that cannot be carried out for the model that was given.
+
+    Parameters
+    ----------
+    step : str
+        Name of the step.
+    reason : str
+        Why not.
+    """
+
+    def __init__(self, step: str, reason: str) -> None:
+        remedy = "give a model with fewer springs or lower powers, or numbers for its letters"
+        super().__init__("step", step, f"one that can be carried out ({reason})", remedy)
+        self.args = (
+            f"the step '{step}' cannot be carried out for this model: {reason}; {remedy}.",
+        )
+
+
 class CheckFailedError(ArithmeticError):
     """The check of a step failed; the derivation stops there.
 

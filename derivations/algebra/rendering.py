@@ -309,6 +309,7 @@ _TEX = {
     **{sign: rf"\ensuremath{{{name}}}" for sign, name in {
         "⋅": r"\cdot", "→": r"\to", "∞": r"\infty", "′": r"{}^{\prime}", "ⅈ": "i",
         "≪": r"\ll", "∂": r"\partial", "≥": r"\ge", "≤": r"\le", "√": r"\surd",
+        "∈": r"\in", "ℓ": r"\ell", "ϑ": r"\vartheta",
     }.items()},
 }  # fmt: skip
 _TEX_ACCENTS = {

@@ -74,7 +74,9 @@ class SolveFor(Operation):
             spread = sp.sqrt(middle**2 - 4 * top * low)
             roots = [-2 * low / (middle + spread), -(middle + spread) / (2 * top)]
         else:
-            raise OperationError(f"of degree {polynomial.degree()} in cos {self.unknown}")
+            raise OperationError(
+                f"it is of degree {polynomial.degree()} in cos {spoken(self.unknown)}"
+            )
         return [sign * sp.acos(root) for root in roots for sign in (-1, 1)]
 
     def words(self, labels: Sequence[str]) -> str:

@@ -16,8 +16,8 @@ from functools import cached_property, partialmethod
 import numpy as np
 import sympy as sp
 
-from derivations.algebra.errors import CheckFailedError, DerivationInputError
-from derivations.algebra.operations import Operation
+from derivations.algebra.errors import CheckFailedError, DerivationInputError, StepError
+from derivations.algebra.operations import Operation, OperationError
 
 
 class Kind(StrEnum):
@@ -196,10 +196,20 @@ class Derived(Step):
 
     @cached_property
     def result(self) -> sp.Basic:
-        """What the operations make of the sources."""
-        found = self.operations[0](*(source.result for source in self.given_by))
-        for operation in self.operations[1:]:
-            found = operation(found)
+        """What the operations make of the sources.
+
+        Raises
+        ------
+        StepError
+            If they cannot be carried out for this model.
+        """
+        sources = [source.result for source in self.given_by]
+        try:
+            found = self.operations[0](*sources)
+            for operation in self.operations[1:]:
+                found = operation(found)
+        except OperationError as error:
+            raise StepError(self.name, str(error)) from error
         return found
 
     @property

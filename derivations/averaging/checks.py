@@ -340,7 +340,8 @@ class Checks:
             return {**p.values, **values, omega: w, divided: table[0]}
 
         what = f"the averaged damping at {count} amplitudes, sampled"
-        return equals(what, tolerance=1e-8)(draw)
+        # Of odd powers nothing is left on average: the difference of sampled zeros is rounding.
+        return equals(what, tolerance=1e-8, floor=1e-3)(draw)
 
     # Phase steps of -π/2.
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import Point, equals, slope_of, solved_for, value
 from derivations.algebra.steps import Evidence
 from derivations.averaging import symbols as own
@@ -174,7 +175,12 @@ class SecondOrderChecks:
                 return Evidence(False, f"{what}: nothing was tested")
             slopes.append(math.log2(errors[0] / errors[1]))
         if not slopes:
-            return Evidence(False, f"{what}: no limit cycle was found to compare with")
+            raise DerivationInputError(
+                "damping", self.model.damping_of(sp.Symbol("y")), "that of a cell with a limit "
+                "cycle at some positive values of its letters",
+                "the second order of other cells has nothing that it can be checked against: "
+                "leave it out",
+            )  # fmt: skip
         holds = all(slope > order - 0.35 for slope in slopes)
         shown = ", ".join(f"{slope:.2f}" for slope in slopes)
         return Evidence(holds, f"{what}: slopes {shown} in ε, predicted at least {order}")

@@ -88,7 +88,7 @@ def _find(model: ChainModel, count: int) -> list[Sample]:
     found: list[Sample] = []
     for _ in range(2000):
         values = {q: math.exp(rng.uniform(-4.0, 1.4)) for q in model.parameters}
-        for q in sp.sympify(model.coupling).free_symbols:
+        for q in sp.Tuple(model.coupling, *model.weights).free_symbols:
             values[q] = rng.uniform(0.3, 0.9)  # neither pinned nor beyond the resolution
         chain = numbers_of(model, values, rng.uniform(0.05, 0.3))
         cycles = chain.cycles()

@@ -27,8 +27,11 @@ from theory.piecewise.sums import axis, integral
 from theory.piecewise.sums.result import PrecisionError
 from verification.breathers import orbits
 from verification.execution import pool
+from verification.execution.points import Point
 from verification.fronts import arrival_fit
 from verification.fronts.measure import measure_front
+from verification.maps.state_map import StateTask
+from verification.maps.vdp_rules import FIGURE_15
 from verification.references.equations import damping
 from verification.runs import comparison
 
@@ -231,6 +234,13 @@ def test_smoothed_friction_is_wrong_in_every_solver_by_the_stored_benchmark() ->
 def test_no_orbit_is_sought_where_damping_is_strong() -> None:
     assert "on the cycle is above ten no orbit is sought" in EDGES
     assert orbits.STIFFEST == 10.0
+
+
+def test_fronts_and_undecided_points_alternate_where_it_is_said() -> None:
+    ((eta, c), (size,)) = said("near η = #, c = #:"), said("perturbation of the start by # changes")
+    task = StateTask(chain=FIGURE_15, tolerance=1e-8, perturbation=size)
+    couplings = [c + shift for shift in (-0.005, -0.0025, 0.0, 0.0012, 0.00246)]
+    assert "perturbation" in {task(Point(eta=eta, c=each))["why"] for each in couplings}
 
 
 def test_the_thresholds_of_the_friction_chain_are_those_said() -> None:

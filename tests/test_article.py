@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -86,3 +88,21 @@ def test_a_report_of_some_claims_only_and_none_at_all_are_refused(
     (tmp_path / "report" / "report.json").write_text("{")
     assert main(["article", "--report", str(tmp_path / "report")]) == 2
     assert "is not JSON" in capsys.readouterr().err
+
+
+def test_latex_sets_the_article_on_two_pages(tmp_path: Path) -> None:
+    """With as many rows as the table takes, each as long as those of the paper's claims."""
+    if shutil.which("pdflatex") is None:
+        pytest.skip("not installed: pdflatex")
+    content = report()
+    content["claims"] = [
+        each | {"because": 8 * each["because"]} for each in content["claims"] for _ in range(8)
+    ]
+    content["claims_available"] = len(content["claims"])
+    assert written(tmp_path, content) == 0
+    done = subprocess.run(
+        ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "article.tex"],
+        cwd=tmp_path / "article", capture_output=True, text=True, check=False, errors="replace",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-2000:]
+    assert "(2 pages," in done.stdout

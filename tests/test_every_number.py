@@ -5,10 +5,12 @@ all decades, zero, negative, subnormal, infinite and NaN, integers, numbers of n
 text, truth values, arrays of several shapes, nothing.
 """
 
+import contextlib
 import dataclasses
 import math
 import numbers
 import signal
+import time
 from collections.abc import Mapping
 from decimal import Decimal
 from enum import Enum
@@ -29,6 +31,7 @@ from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import PrecisionError
 from theory.piecewise.sums.series import sum_by_roots
 from theory.result import Result
+from verification.execution import time_limit as time_limit_module
 from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.registry import all_computations
 
@@ -227,3 +230,26 @@ def test_the_rule_itself_finds_nan_raw_errors_and_calls_without_end(monkeypatch)
 
 def _two_lines():
     raise RunError("one line\nand another.")
+
+
+@pytest.mark.parametrize("of_processor", [False, True])
+def test_a_limit_is_kept_where_the_first_alarm_is_dropped(monkeypatch, of_processor):
+    """As in a callback of the interpreter: a call without end once ran on after it."""
+    monkeypatch.setattr(time_limit_module, "AGAIN", 0.05)
+    begin = time.process_time() if of_processor else time.monotonic()
+
+    def spent():
+        return (time.process_time() if of_processor else time.monotonic()) - begin
+
+    def without_end():
+        while spent() < 5.0:
+            pass
+
+    def dropping_the_first():
+        with contextlib.suppress(TimeIsUpError):
+            without_end()
+        without_end()
+
+    with pytest.raises(TimeIsUpError), time_limit(0.05, of_processor=of_processor):
+        dropping_the_first()
+    assert spent() < 2.0

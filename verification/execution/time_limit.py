@@ -7,6 +7,10 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+AGAIN = 1.0
+"""Seconds between two alarms. Where the first one rings in a callback of the interpreter, as of its
+collector of garbage, the exception is printed and dropped, and the block would run without end."""
+
 
 class TimeIsUpError(Exception):
     """A computation that took longer than it was given."""
@@ -34,7 +38,7 @@ def time_limit(seconds: float, *, of_processor: bool = False) -> Iterator[None]:
     alarm = signal.SIGPROF if of_processor else signal.SIGALRM
     timer = signal.ITIMER_PROF if of_processor else signal.ITIMER_REAL
     before = signal.signal(alarm, ring)
-    signal.setitimer(timer, seconds)
+    signal.setitimer(timer, seconds, AGAIN)
     try:
         yield
     finally:

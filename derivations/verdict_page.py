@@ -56,6 +56,8 @@ ever evaluated.
 - Symbolic cycles are given for damping up to degree 4 in y; beyond that give numbers.
 - For springs beyond nearest neighbours (29) is left as a relation for e^(k_1), not solved for it,
   and the amplitudes in quarter turns are real only where springs join odd neighbours.
+- With springs to third neighbours the limits at rest, depinning and retreat, are left out, and
+  `fronts derive averaging` stops in a sentence: both ask for the roots of a cubic.
 """
 
 

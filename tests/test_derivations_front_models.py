@@ -74,6 +74,13 @@ def test_every_check_passes_for_another_chain(key, change):
     assert len(made.verify()) == len(made.steps)
 
 
+def test_springs_to_third_neighbours_leave_out_the_limits_at_rest():
+    model = replace(CHAINS["next-nearest"], weights=(1, w, sp.Symbol("u", positive=True)))
+    made = catalogue.load("piecewise-front", model=model)
+    assert "static sum" not in {step.name for step in made.steps}
+    assert len(made.verify()) == len(made.steps)
+
+
 @pytest.mark.parametrize("change", FRICTION_CHAINS)
 def test_every_check_passes_for_another_friction_chain(change):
     made = friction(change)

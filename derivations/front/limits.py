@@ -61,7 +61,8 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                      "the ratio of the two cycles", check=checks.ratio_named)
     draft.derived("relation by the ratio", Substitute(), "kinetic relation", "ratio",
                   check=checks.at_front)
-    _static(draft, checks)
+    if chain.reach <= 2:  # its poles are the roots of a quadratic in cos k, at most
+        _static(draft, checks)
     if _one_radical(chain):
         _pinning(draft, checks)
     _strong(draft, chain, checks)

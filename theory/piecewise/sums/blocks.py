@@ -234,7 +234,7 @@ def add_node_slopes(
     for i in range(v.size):
         Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
         E = complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i])
-        g_v, g_c = leg_slopes(E, Y, A, v[i], second)
+        _, g_v, g_c = leg_slopes(E, Y, A, v[i], second)
         sums[3, i] += share * g_v.real
         sums[4, i] += share * g_v.imag
         sums[5, i] += share * modulus(g_v)

@@ -64,14 +64,16 @@ def leg_term(E: complex, Y: float, A: complex) -> complex:
     return g
 
 
-def leg_slopes(E: complex, Y: float, A: complex, v: float, second: bool) -> tuple[complex, complex]:
-    """Return ∂g/∂v and ∂g/∂c at fixed nodes, the first times -v²; see `leg_term`."""
+def leg_slopes(
+    E: complex, Y: float, A: complex, v: float, second: bool
+) -> tuple[complex, complex, complex]:
+    """Return g, and ∂g/∂v and ∂g/∂c at fixed nodes, the first times -v²; see `leg_term`."""
     g = leg_term(E, Y, A)
     F = 1.0 - E
     D = F * F + 4j * Y * E
     S_a = quotient(E * (2j * Y * (1.0 + E * E) - F * F), D * D * square_root(1.0 - 1j * Y))
     A_c = complex(2.0 * Y, 2.0 if second else 0.0)
-    return S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
+    return g, S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
 
 
 def leg_weight(v: Any, c: Any, step: Any) -> Any:
@@ -96,14 +98,15 @@ def _on_a_leg(
         square = u * u
         E, A = phase * math.exp(-square), complex(0.5 + v * square, turned)
         share = 0.5 if u == 0.0 else 1.0
-        g = leg_term(E, m * square, A)
-        total += share * g
-        size += share * modulus(g)
         if slopes:
-            g_v, g_c = leg_slopes(E, m * square, A, v, second)
+            g, g_v, g_c = leg_slopes(E, m * square, A, v, second)
             by_v += share * g_v
             by_c += share * g_c
             steep += share * modulus(g_v)
+        else:
+            g = leg_term(E, m * square, A)
+        total += share * g
+        size += share * modulus(g)
     weight = leg_weight(v, c, step)
     width = abs(weight)
     return weight * total, -weight / (v * v) * by_v, weight * by_c, width * size, width * steep / v

@@ -2,7 +2,8 @@
 # make findings : stored evidence of the claims that take long, renewed where its code changed
 # make test  : the tests, one process a core; bytecode is kept, which hundreds of processes import
 # make test-versions : some of the tests with the lowest versions declared in pyproject.toml;
-#              WITH=3.13 RESOLUTION=highest is for another Python, and the newest versions
+#              WITH=3.13 RESOLUTION=highest is for another Python (its number, or where it is), and the
+#              newest versions
 # make lint  : linter, formatter and type checker
 # make bench : the benchmarks beside their peers, into benchmarks/results
 # make docs  : the documentation, into site/index.html; GALLERY=0 leaves its scripts unexecuted

@@ -246,10 +246,10 @@ def test_evidence_that_is_forged_or_is_none_is_refused() -> None:
             plain_evidence(other)
 
 
-def test_complex_numbers_are_kept_also_in_arrays() -> None:
-    held = (1.0 - 2.0j, np.array([[3.0 + 4.0j], [complex(5.0, math.inf)]]))
+def test_complex_numbers_are_kept_also_in_arrays_and_so_is_none() -> None:
+    held = (1.0 - 2.0j, np.array([[3.0 + 4.0j], [complex(5.0, math.inf)]]), None, True)
     back = evidence_from(json.loads(json.dumps(plain_evidence(held))), ())
-    assert back[0] == held[0]
+    assert (back[0], back[2], back[3]) == (held[0], None, True)
     assert np.array_equal(back[1], held[1])
 
 

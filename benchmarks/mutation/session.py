@@ -268,7 +268,7 @@ def _fits(old: CodeType, new: CodeType) -> bool:
 
 
 def _put_constant(mutant: Mutant, tree: ast.Module) -> bool:
-    """Give a number that a module names its changed value, also where it was imported."""
+    """Give plain data that a module names its changed value, also where it was imported."""
     module = sys.modules[dotted(mutant.module)]
     around = [each for each in tree.body if each.lineno <= mutant.line <= (each.end_lineno or 0)]
     if len(around) != 1 or not isinstance(around[0], ast.Assign | ast.AnnAssign):
@@ -281,7 +281,7 @@ def _put_constant(mutant: Mutant, tree: ast.Module) -> bool:
         for name, value in space.items()
         if name in vars(module) and value is not vars(module)[name] and not name.startswith("__")
     }
-    if not changed or not all(isinstance(v, int | float | complex) for v in changed.values()):
+    if not changed or not all(map(_is_plain, changed.values())):
         return False
     for name, value in changed.items():
         old = vars(module)[name]
@@ -289,6 +289,15 @@ def _put_constant(mutant: Mutant, tree: ast.Module) -> bool:
             if isinstance(other, ModuleType) and vars(other).get(name) is old:
                 setattr(other, name, value)
     return True
+
+
+def _is_plain(value: object) -> bool:
+    """Return whether a value is numbers and words, alone or together: no class, no function."""
+    if isinstance(value, dict):
+        return all(map(_is_plain, (*value, *value.values())))
+    if isinstance(value, tuple | list | set | frozenset):
+        return all(map(_is_plain, value))
+    return isinstance(value, int | float | complex | str | None)
 
 
 def dotted(path: str) -> str:

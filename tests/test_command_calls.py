@@ -4,6 +4,7 @@ import argparse
 import dataclasses
 import functools
 import json
+import re
 import shlex
 from pathlib import Path
 
@@ -355,6 +356,20 @@ def test_a_run_says_in_words_too_what_became_of_its_nucleus(capsys):
     words = in_words_also(json.loads(said[1]))
     assert words.strip()
     assert said[0].rstrip("\n").endswith(words)
+
+
+def _without_seconds(said):
+    return re.sub(r"[\d.e-]+ s\b", "", said.rstrip("\n"))
+
+
+def test_an_answer_is_said_in_words_and_written_to_every_file_that_is_named(tmp_path, capsys):
+    files = [tmp_path / "sum.csv", tmp_path / "sum.json"]
+    line = shlex.split("sum --v 1 --c 0.5")
+    assert main(line) == 0
+    words = _without_seconds(capsys.readouterr().out)
+    assert main([*line, "-o", str(files[0]), "--out", str(files[1])]) == 0
+    assert _without_seconds(capsys.readouterr().out) == beside_files(words, files)
+    assert all("fronts sum --v 1 --c 0.5" in each.read_text(encoding="utf-8") for each in files)
 
 
 def test_the_parameters_beside_a_result_are_those_of_its_chain_or_the_fields_of_its_cell():

@@ -41,7 +41,7 @@ test-versions: $(READY)
 		--dist loadfile $(SOME_TESTS)
 
 lock: $(READY)
-	$(BIN)/uv pip compile pyproject.toml --extra certify --extra dev --extra explore \
+	$(BIN)/uv pip compile pyproject.toml --extra certify --extra dev --extra explore --extra cluster \
 		--universal --upgrade --python-version 3.11 --strip-extras --no-header --quiet \
 		--no-emit-package excitation-fronts --output-file requirements.lock
 

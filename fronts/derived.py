@@ -16,6 +16,8 @@ from fronts.output import beside_files, check_output, command_line, write_output
 from fronts.signatures import described
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from theory.chains.chain import Chain
     from theory.result import Result
 
@@ -154,14 +156,24 @@ def _grid(
     # The first values stand for the others, which are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
     chain = new_chain(**{**fields, **held})
-    for each in options.out:
-        if getattr(options, "amplitudes", False) and each.suffix == ".csv":
+    if getattr(options, "amplitudes", False):
+        _check_files_of_arrays(options.out)
+    resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
+    return chain, {**chosen, "axes": axes, "out": next(resumable, None)}
+
+
+def _check_files_of_arrays(files: Sequence[Path]) -> None:
+    """Refuse arrays a point where no file keeps them, or where one cannot."""
+    for each in files:
+        if each.suffix == ".csv":
             raise UsageError(
                 f"CSV has no place for the arrays of --amplitudes: name {each.stem}.zarr or "
                 f"{each.stem}.npz in place of {each}."
             )
-    resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
-    return chain, {**chosen, "axes": axes, "out": next(resumable, None)}
+    if not any(each.suffix in {".npz", ".zarr"} for each in files):
+        raise UsageError(
+            "--amplitudes needs a file that keeps arrays: add --out map.zarr or --out map.npz."
+        )
 
 
 def _along(

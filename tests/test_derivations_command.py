@@ -83,6 +83,13 @@ def test_one_equation_shows_its_check_and_its_verdict(capsys):
     assert [step["number"] for step in data["steps"]] == [34]
 
 
+def test_a_number_alone_is_that_equation(capsys):
+    assert run(capsys, "42") == run(capsys, "--equation", "42")
+    code, _, err = run(capsys, "42", "--equation", "43")
+    assert code == 2
+    assert "leave out 42 or --equation 43" in err
+
+
 def test_second_order(capsys):
     code, out, _ = run(capsys, "multiple-scales", "--order", "2")
     assert code == 0

@@ -485,6 +485,30 @@ def test_amplitudes_are_refused_for_csv_before_any_point(
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.parametrize("files", ["", "--json", "--out a.json", "--out a.svg"])
+def test_amplitudes_that_no_file_would_keep_are_refused_before_any_point(
+    files: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def computed(*_: object) -> None:
+        raise AssertionError("a point was computed")
+
+    monkeypatch.setattr(StateTask, "__call__", computed)
+    monkeypatch.chdir(tmp_path)
+    assert main(f"map averaged --c 0.1:0.6:2 --n 16 --amplitudes {files}".split()) == 2
+    assert "--amplitudes needs a file that keeps arrays" in capsys.readouterr().err
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_picture_is_drawn_of_a_map_with_amplitudes(tmp_path: Path) -> None:
+    command = "map averaged --eta 0.03:0.11:2 --c 0.1:0.6:2 --n 16 --refine 0 --amplitudes"
+    files = [tmp_path / "map.npz", tmp_path / "map.svg"]
+    assert main([*command.split(), *(word for file in files for word in ("--out", str(file)))]) == 0
+    assert files[1].read_text().lstrip().startswith("<?xml")
+
+
 def test_amplitudes_of_every_site_are_those_of_an_independent_run(tmp_path: Path) -> None:
     """A map from the shell, beside a plain loop over its points that knows only the equation."""
     out = tmp_path / "map.npz"

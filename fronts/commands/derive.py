@@ -61,7 +61,7 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
     ----------
     name : str, optional
         Friction, multiple-scales, averaging, linearisation, piecewise-front, second-order, all, or
-        cell.
+        cell; or the number of one equation, as by --equation.
     order : int, optional
         1 or 2, the power of eps.
     equation : int, optional
@@ -88,6 +88,10 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
     quiet : bool, optional
         The answer is printed as JSON.
     """
+    if name is not None and name.isdecimal():
+        if equation is not None:
+            raise UsageError(f"one equation at a time: leave out {name} or --equation {equation}.")
+        name, equation = None, int(name)
     if no_front and name != "cell":
         raise UsageError("--no-front belongs to 'cell'.")
     cell = _Cell(

@@ -72,7 +72,8 @@ def draw_states(
                 clip_on=False,
                 **face,
             )
-    drawn: dict[str, Mapping[str, Any]] = {"states": states.columns()}
+    points = {name: cells for name, cells in states.arrays.items() if cells.ndim == 1}
+    drawn: dict[str, Mapping[str, Any]] = {"states": points}
     if boundary is not None and len(boundary):
         contours = _contours(states, across, up, boundary)
         axes.plot(*contours.T, color="0.1", lw=0.9, label=lines)

@@ -91,7 +91,7 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
     if name is not None and name.isdecimal():
         if equation is not None:
             raise UsageError(f"one equation at a time: leave out {name} or --equation {equation}.")
-        name, equation = None, int(name)
+        equation, name = int(name), None
     if no_front and name != "cell":
         raise UsageError("--no-front belongs to 'cell'.")
     cell = _Cell(

@@ -55,7 +55,7 @@ def front_velocity(
 
     Examples
     --------
-    >>> round(front_velocity(0.6, 0.03125), 6)
+    >>> round(float(front_velocity(0.6, 0.03125)), 6)
     0.722566
     """
     root = np.sqrt(1 - 8 * np.longdouble(eta))

@@ -51,9 +51,12 @@ def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSt
 
     Examples
     --------
-    >>> alone = locked_state(0.08, 0.0, np.array([4.5 + 0j]), 0.0)  # |φ|² = (1 + √(1 - 8η))/η
-    >>> round(float(alone.value[0]), 6), alone.uncertainty < 1e-17
-    (4.472136, True)
+    >>> alone = locked_state(0.08, 0.0, np.array([4.5 + 0j]), 0.0)
+    >>> eta = np.longdouble(0.08)
+    >>> bool(abs(alone.value[0] - np.sqrt((1 + np.sqrt(1 - 8 * eta)) / eta)) <= alone.uncertainty)
+    True
+    >>> alone.uncertainty < 1e-16
+    True
     """
     centre = int(np.argmax(np.abs(phi)))
 

@@ -19,7 +19,13 @@ from theory.piecewise.root_count import (
     edge_pieces,
     height_above_roots,
 )
-from theory.piecewise.roots import labelled_roots, nearest_roots, roots_within, strip_bounds
+from theory.piecewise.roots import (
+    MAX_LABEL,
+    labelled_roots,
+    nearest_roots,
+    roots_within,
+    strip_bounds,
+)
 from verification.quantities.problems import PROBLEMS, Problem
 
 SUM = PROBLEMS["sum"]
@@ -386,3 +392,24 @@ def test_whole_numbers_are_checked_like_others(v: float, c: float) -> None:
         nearest_roots(v, c, 5, upper=True)
     with pytest.raises(ParameterError):
         labelled_roots(v, c, np.array([0]), upper=True)
+
+
+@pytest.mark.parametrize("label", [10**8, 10**10, MAX_LABEL - 4])
+def test_far_labels_are_found_and_lie_in_their_strips_to_within_rounding(label: int) -> None:
+    draw = np.random.default_rng(7)
+    for v, c in 10.0 ** draw.uniform(-8.0, 8.0, (60, 2)):
+        for upper in (True, False):
+            for labels in (np.arange(label, label + 5), -np.arange(label, label + 5)):
+                roots = labelled_roots(float(v), float(c), labels, upper)
+                low, high = strip_bounds(labels, upper)
+                outside = np.maximum(low - roots.k.real, roots.k.real - high)
+                assert np.all(outside <= np.spacing(np.abs(low) + np.abs(high)))
+                k, radius = complex(roots.k[2]), float(roots.radius[2])
+                assert abs(true_root(k, float(v), float(c)) - k) <= radius < 0.1
+
+
+def test_labels_too_far_for_double_precision_are_refused() -> None:
+    farthest = np.iinfo(np.int64)
+    for label in (MAX_LABEL + 1, -MAX_LABEL - 1, farthest.min, farthest.max):
+        with pytest.raises(ParameterError, match=r"label = .* take labels nearer 0"):
+            labelled_roots(0.3, 0.5, np.array([0, label]), upper=True)

@@ -29,6 +29,9 @@ from theory.result import Result
 IntArray = npt.NDArray[np.int64]
 
 MAX_ROOTS = 1_000_000
+MAX_LABEL = 10**12
+"""Beyond, k is rounded by more than a thousandth, and a root can no longer be told to be inside its
+strip."""
 SMALLEST, LARGEST = 1e-12, 1e12
 _EPS = float(np.finfo(float).eps)
 
@@ -103,16 +106,16 @@ def labelled_roots(
         Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12; one pair for all labels
         or one each.
     labels : ndarray of int, shape (n,)
-        Strip numbers.
+        Strip numbers, from -1e12 to 1e12.
     upper : bool
         Above (M⁺ of Eq. 52) or below (M⁻) the real axis.
 
     Raises
     ------
     ParameterError
-        If v or c is out of range.
+        If v, c or a label is out of range.
     IncompleteRootsError
-        If a root was not found (never seen).
+        If a root was not found, which would be a defect.
 
     Examples
     --------
@@ -123,6 +126,9 @@ def labelled_roots(
     if not isinstance(v, np.ndarray) and not isinstance(c, np.ndarray):
         v, c = checked_velocity_and_coupling(v, c)
     labels = np.asarray(labels, dtype=np.int64)
+    if labels.size:
+        for label in (int(labels.min()), int(labels.max())):
+            count_within("label", label, -MAX_LABEL, MAX_LABEL, "take labels nearer 0")
     v, c = np.broadcast_to(v, labels.shape), np.broadcast_to(c, labels.shape)
     k = np.full(labels.shape, complex(np.nan))
     missing = np.arange(labels.size)
@@ -188,9 +194,15 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
 
 
 def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> npt.NDArray[np.bool_]:
+    """Return which roots lie in their strips.
+
+    Above the axis the root of a far strip is some Im k/Re k from its edge, less than a rounding,
+    and the strips are π apart; below the axis a far root lies in the middle.
+    """
     low, high = strip_bounds(labels, upper)
     half = k.imag > 0 if upper else k.imag < 0
-    return half & (k.real > low) & (k.real < high)
+    rounding = 4.0 * _EPS * np.abs(k.real) if upper else 0.0
+    return half & (k.real > low - rounding) & (k.real < high + rounding)
 
 
 def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 from theory.parameters import ParameterError, within
 from theory.piecewise.profile import FrontProfile, front_profile
 from theory.piecewise.root_count import count_in_strips
-from theory.piecewise.roots import labelled_roots
+from theory.piecewise.roots import MAX_LABEL, labelled_roots
 from verification.quantities.quantity import (
     Computation,
     NoReferenceError,
@@ -27,7 +27,7 @@ _TERMS = 400
 
 def _roots(at: Mapping[str, float]) -> StatedValue:
     upper = at["side"] < 2
-    label = within("label", at["label"], 1, 1e15)
+    label = within("label", at["label"], 1, MAX_LABEL - 2)
     middle = round(label) * (1 if at["side"] % 2 else -1)
     labels = np.arange(middle - 2, middle + 3)
     found = labelled_roots(at["v"], at["c"], labels, upper)

@@ -60,7 +60,7 @@ def test_the_article_has_the_counts_the_reasons_and_the_misprints(tmp_path: Path
     for shown in ("reason 2 at $v_d$.", "reason 3 at", r"40\% of \ensuremath{\eta}", r"\& 40"):
         assert shown in content
     assert content.index("reason 3") < content.index("reason 2")  # what fails wholly comes first
-    assert "Eq. (2): " in content
+    assert r"\item[Eq. (2):] " in content
     assert "two readings" not in content
     for name in ("content.tex", "article.tex", "bibliography.bib"):
         assert text[name].isascii()

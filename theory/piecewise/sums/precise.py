@@ -22,7 +22,7 @@ from theory.parameters import count_within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.precise_roots import MAX_DIGITS, exact, precise_roots
-from theory.piecewise.roots import checked_velocity_and_coupling
+from theory.piecewise.roots import MAX_LABEL, checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
 
 _MAX_POINTS = 200_000
@@ -127,7 +127,7 @@ def departing_labels(v: float, c: float) -> npt.NDArray[np.int64]:
     v (2|n| - 1)π = c (1 + cosh(1/2v)) (fact 4 of ``theory.piecewise.dispersion``).
     """
     crossing = -(c / v) * (1.0 + math.cosh(min(0.5 / v, 30.0)))
-    middle = int(min(max(math.floor(crossing / (2.0 * math.pi)), -1e12), -2.0))
+    middle = min(max(math.floor(crossing / (2.0 * math.pi)), 1 - MAX_LABEL), -2)
     return np.array([middle - 1, middle, middle + 1], dtype=np.int64)
 
 

@@ -113,6 +113,21 @@ class Outcome:
         return self.judgement.finding
 
     @property
+    def pictures(self) -> tuple[Picture, ...]:
+        """The pictures of the finding; none if the judge failed."""
+        return self.finding.pictures if self.finding else ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What stands beside the verdict: a record that differs, a stored or stale finding."""
+        notes = {
+            f"on record: {self.claim.recorded}": self.changed,
+            "stale": self.judgement.stale,
+            "stored": self.judgement.stored,
+        }
+        return tuple(note for note, holds in notes.items() if holds)
+
+    @property
     def status(self) -> str:
         """The short spelling of the verdict, or ``failed``."""
         return FAILED if self.finding is None else slug(self.finding.verdict)

@@ -45,7 +45,8 @@ def example_claims(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def test_a_headline_says_why_and_leads_to_its_row_and_to_a_figure(tmp_path: Path) -> None:
     assert main(["check", "--out", str(tmp_path)]) == 0
     page = (tmp_path / "index.html").read_text()
-    headlines = re.findall(r"<li.*?</li>", page[page.index('<ol class="headlines">') :])[:3]
+    found = re.findall(r"<li.*?</li>", page[page.index('<ol class="headlines">') :], re.DOTALL)
+    headlines = found[:3]
     assert "Because a fold looks straight over a &lt;short&gt; range" in headlines[0]
     keys = ("fig16-speed", "fig9-monotone", "fig16-misprint")
     for headline, key in zip(headlines, keys, strict=True):

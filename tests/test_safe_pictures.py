@@ -124,7 +124,7 @@ def test_a_finding_names_no_path_and_holds_pictures_only():
 
 
 def test_policy_allows_the_page_s_own_script_and_no_other():
-    template = render._resource("template.html.j2")
+    template = render._resource("index.html.j2")
     script = render._resource("script.js")
     (written,) = re.findall(r"<script>(.*?)</script>", template, re.DOTALL)
     content = written.replace("{{ script }}", script)

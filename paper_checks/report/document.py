@@ -6,7 +6,7 @@ import base64
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -94,6 +94,16 @@ class Report:
         return two, len(judged) - two
 
     @cached_property
+    def figures(self) -> Mapping[str, tuple[Outcome, ...]]:
+        """The claims of each figure of the paper, by their module."""
+        names = dict.fromkeys(one.entry.group for one in self.outcomes)
+        return {
+            name: tuple(one for one in self.outcomes if one.entry.group == name)
+            for name in names
+            if re.fullmatch(r"fig\d+", name)
+        }
+
+    @cached_property
     def in_gallery(self) -> Mapping[str, str]:
         """Pictures that stand for the figures of the paper in the gallery, with their modules.
 
@@ -101,16 +111,13 @@ class Report:
         first.
         """
         found: dict[str, str] = {}
-        for one in self.outcomes:
-            group = one.entry.group
-            if not re.fullmatch(r"fig\d+", group):
-                continue
+        for group, outcomes in self.figures.items():
             begins = re.compile(rf"Fig\. {int(group[3:])}[a-z]?\b")
-            pictures = one.finding.pictures if one.finding else ()
-            chosen = [picture for picture in pictures if begins.match(picture.caption)]
-            if not chosen and group not in found.values():
-                chosen = list(pictures[:1])
-            found |= {picture.name: group for picture in chosen}
+            for one in outcomes:
+                chosen = [each for each in one.pictures if begins.match(each.caption)]
+                if not chosen and group not in found.values():
+                    chosen = list(one.pictures[:1])
+                found |= {picture.name: group for picture in chosen}
         return found
 
     @property
@@ -200,16 +207,7 @@ def to_json(report: Report) -> Json:
         "stale": [outcome.claim.key for outcome in report.stale],
         "headlines": [outcome.claim.key for outcome in report.headlines],
         "errata": [
-            {
-                "key": outcome.claim.key,
-                "place": outcome.claim.place,
-                "fault": erratum.fault.value,
-                "printed": erratum.printed,
-                "corrected": erratum.corrected,
-                "reason": erratum.reason,
-                "proof": erratum.proof,
-                "affects": erratum.affects,
-            }
+            {"key": outcome.claim.key, "place": outcome.claim.place, **asdict(erratum)}
             for outcome, erratum in report.errata
         ],
         "claims": [
@@ -223,7 +221,7 @@ def picture_files(report: Report) -> dict[str, str | bytes]:
     """Give the content of each picture file and data file by file name."""
     files: dict[str, str | bytes] = {}
     for outcome in report.outcomes:
-        for picture in outcome.finding.pictures if outcome.finding else ():
+        for picture in outcome.pictures:
             files[f"{picture.name}.svg"] = safe_svg(picture.svg)
             files[f"{picture.name}.csv"] = picture.data
             for kind, content in (("png", picture.png), ("pdf", picture.pdf)):
@@ -251,6 +249,7 @@ _KINDS = ("svg", "png", "pdf", "data")
 
 def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
     claim, finding = outcome.claim, outcome.finding
+    provenance = outcome.judgement.provenance
     return {
         "key": claim.key,
         "group": outcome.entry.group,
@@ -270,18 +269,15 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
         "explanation": finding.explanation if finding else None,
         "part": finding.part if finding else None,
         "remarks": list(finding.remarks) if finding else [],
-        "repeats": [{"place": one.place, "quote": one.quote} for one in claim.repeats],
+        "repeats": [asdict(one) for one in claim.repeats],
         "code": [method.code for method in claim.methods],
-        "formulas": [
-            {"label": formula.label, "latex": formula.latex}
-            for formula in (finding.formulas if finding else ())
-        ],
+        "formulas": [asdict(formula) for formula in finding.formulas] if finding else [],
         "command": claim.command,
         "seconds": round(outcome.judgement.seconds, 3),
         "shared_seconds": round(outcome.judgement.shared, 3),
         "judged": outcome.judgement.judged,
         "stored": outcome.judgement.stored,
-        "provenance": _origin(outcome),
+        "provenance": asdict(provenance) if provenance else None,
         "pictures": [
             {
                 "name": picture.name,
@@ -290,21 +286,9 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
                 "data": f"{picture.name}.csv",
                 **{kind: f"{picture.name}.{kind}" for kind in ("png", "pdf")},
             }
-            for picture in (finding.pictures if finding else ())
+            for picture in outcome.pictures
         ],
         "shown_by": list(shown_by),
-    }
-
-
-def _origin(outcome: Outcome) -> Json | None:
-    provenance = outcome.judgement.provenance
-    if provenance is None:
-        return None
-    return {
-        "command": provenance.command,
-        "versions": dict(provenance.versions),
-        "machine": dict(provenance.machine),
-        "stale": provenance.stale,
     }
 
 
@@ -314,7 +298,7 @@ def _one_picture_a_name(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
     checked = []
     for outcome in outcomes:
         failure = None
-        for picture in outcome.finding.pictures if outcome.finding else ():
+        for picture in outcome.pictures:
             owner, first = owners.setdefault(picture.name, (outcome.claim.key, picture))
             if first != picture:
                 failure = f"its picture '{picture.name}' has the name of another one, of {owner}."

@@ -45,8 +45,7 @@ def modules_named(place: str) -> tuple[str, ...]:
 
 
 def _names(outcome: Outcome) -> tuple[str, ...]:
-    pictures = outcome.finding.pictures if outcome.finding else ()
-    return tuple(picture.name for picture in pictures)
+    return tuple(picture.name for picture in outcome.pictures)
 
 
 def _joined(parts: Iterable[tuple[str, ...]]) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,23 @@ from verification.execution.metadata import staleness
 
 Row = tuple[str, ...]
 Json = Mapping[str, Any]
+
+WORDS = {
+    "sum": "Sum of (53)",
+    "roots": "Roots of the dispersion relation (50)",
+    "velocity": "Velocities that solve (54)",
+    "breather": "Breather of (8): amplitudes",
+    "multipliers": "Floquet multipliers of the breather",
+    "chain": "Motion of the chain (8)",
+    "friction": "Motion of the friction chain (5)",
+    "front": "Front velocity from a run",
+    "map": "Map of states",
+    "derivation": "Derivation of the averaged equations",
+    "growth": "Cost as the work grows",
+}
+"""What the names of the records stand for."""
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -41,6 +59,11 @@ class Diagram:
     svg: str
     failures: tuple[Failure, ...]
     data: str = ""
+
+    @property
+    def title(self) -> str:
+        """What is measured."""
+        return in_words(self.name)
 
 
 @dataclass(frozen=True)
@@ -99,3 +122,39 @@ def warned(lead: str, records: Mapping[str, Json]) -> str:
         if why := staleness(record.get("code")):
             reasons.setdefault(why, []).append(name)
     return lead + "".join(f" Stale: {', '.join(names)}; {why}." for why, names in reasons.items())
+
+
+def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
+    """Put failures with the same method and reason together: which settings they were, by both.
+
+    Reasons are the same if they differ in numbers only; the first is given.
+
+    Examples
+    --------
+    >>> grouped([Failure("quad", "narrow", "1e-6", "12 lost"),
+    ...          Failure("quad", "narrow", "1e-9", "15 lost")])
+    {('quad', '12 lost'): 'narrow: 1e-6, 1e-9'}
+    """
+    reasons: dict[tuple[str, str], str] = {}
+    settings: dict[tuple[str, str], dict[str, list[str]]] = {}
+    for one in failures:
+        kind = (one.method, _NUMBER.sub("#", one.reason))
+        reasons.setdefault(kind, one.reason)
+        settings.setdefault(kind, {}).setdefault(one.problem, []).append(one.knob)
+    return {
+        (kind[0], reasons[kind]): "; ".join(
+            f"{problem}: {', '.join(knobs)}" for problem, knobs in problems.items()
+        )
+        for kind, problems in settings.items()
+    }
+
+
+def in_words(quantity: str) -> str:
+    """Name a measured quantity for a reader; one that is not known keeps its name.
+
+    Examples
+    --------
+    >>> in_words("roots"), in_words("other")
+    ('Roots of the dispersion relation (50)', 'other')
+    """
+    return WORDS.get(quantity, quantity)

@@ -16,8 +16,6 @@ from fronts.output import beside_files, check_output, command_line, write_output
 from fronts.signatures import described
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from theory.chains.chain import Chain
     from theory.result import Result
 
@@ -156,24 +154,15 @@ def _grid(
     # The first values stand for the others, which are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
     chain = new_chain(**{**fields, **held})
-    if getattr(options, "amplitudes", False):
-        _check_files_of_arrays(options.out)
-    resumable = (each for each in options.out if each.suffix in {".csv", ".zarr"})
-    return chain, {**chosen, "axes": axes, "out": next(resumable, None)}
-
-
-def _check_files_of_arrays(files: Sequence[Path]) -> None:
-    """Refuse arrays a point where no file keeps them, or where one cannot."""
-    for each in files:
-        if each.suffix == ".csv":
-            raise UsageError(
-                f"CSV has no place for the arrays of --amplitudes: name {each.stem}.zarr or "
-                f"{each.stem}.npz in place of {each}."
-            )
-    if not any(each.suffix in {".npz", ".zarr"} for each in files):
+    if getattr(options, "amplitudes", False) and not any(
+        each.suffix in {".npz", ".zarr"} for each in options.out
+    ):
         raise UsageError(
             "--amplitudes needs a file that keeps arrays: add --out map.zarr or --out map.npz."
         )
+    # A CSV comes first: the map refuses it, before any point, if it cannot keep what is asked for.
+    resumable = [each for end in (".csv", ".zarr") for each in options.out if each.suffix == end]
+    return chain, {**chosen, "axes": axes, "out": resumable[0] if resumable else None}
 
 
 def _along(

@@ -50,6 +50,11 @@ def _kinetic_relation(answer: Any) -> Iterator[str]:
             f"  {branch.v:<19.15g}  {branch.error:.1e}  {branch.slope:+5d}  "
             f"{branch.by_coupling:<10.5g}  {branch.by_eta:<10.5g}  {_verdict(branch)}"
         )
+    if answer.branches:
+        by_c = max(branch.by_coupling_error for branch in answer.branches)
+        by_eta = max(branch.by_eta_error for branch in answer.branches)
+        errors = f"errors of dv/dc up to {by_c:.1e}, of dv/deta up to {by_eta:.1e}"
+        yield f"  {errors}: estimates, no bounds"
     known = []
     for name in ("c_fold", "c_pin", "c_retreat"):
         value, error = getattr(answer, name), getattr(answer, f"{name}_error")

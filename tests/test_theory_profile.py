@@ -10,7 +10,12 @@ import pytest
 from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
 from theory.piecewise.kinetic_relation import trace_kinetic_relation
-from theory.piecewise.profile import front_profile, front_profile_by_roots, tail_bound
+from theory.piecewise.profile import (
+    ProfileGrid,
+    front_profile,
+    front_profile_by_roots,
+    tail_bound,
+)
 from theory.piecewise.sums.result import PrecisionError
 from theory.piecewise.sums.series import sum_by_roots
 
@@ -25,6 +30,16 @@ def test_the_integral_is_the_series_over_roots(v: float, c: float) -> None:
     # the exponential factor of the roots' imaginary parts makes the series converge off ζ = 0
     assert np.max(np.abs(integral.phi - series.phi)) <= integral.error + series.error
     assert integral.error < 2e-12
+
+
+@pytest.mark.parametrize(("v", "c"), [*FRONTS, (1e-12, 1e-3), (1e-5, 0.5), (900.0, 1e-3)])
+def test_positions_equally_far_before_a_site_are_those_one_by_one(v: float, c: float) -> None:
+    """Their roundings differ, which over a small v counts: there they are a third of v away."""
+    grid = ProfileGrid.make(v, c, 5.0, 1e-12)
+    for zeta in (np.linspace(-4.0, 4.0, 25), np.arange(-4.0, 4.0) - min(v, 1.0) / 3.0):
+        together = front_profile(zeta, v, c)
+        one_by_one = np.array([grid.at(np.array([each]))[0] for each in zeta])
+        assert np.max(np.abs(together.phi - one_by_one)) <= together.error
 
 
 @pytest.mark.parametrize(("v", "c"), FRONTS)

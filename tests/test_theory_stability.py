@@ -1,5 +1,6 @@
 """Stability of fronts of (44), against Bessel functions, polynomial roots and running chains."""
 
+import cmath
 import math
 
 import mpmath as mp
@@ -38,6 +39,36 @@ def by_bessel(v, c, terms):
 def test_the_symbol_is_made_of_bessel_functions(v, c):
     found = symbol_coefficients(v, c, 40)
     assert np.allclose(found, by_bessel(v, c, 40), rtol=0, atol=1e-14)  # rounding of e^{iφ} c/v
+
+
+@pytest.mark.parametrize(
+    ("v", "c"), [(1e-3, 0.11), (1.36e-3, 0.22), (7.9, 30.4), (9.1, 12.8), (1e-3, 1e-3)]
+)
+@pytest.mark.filterwarnings("error")
+def test_terms_that_underflow_and_powers_that_would_overflow_are_no_multipliers(v, c):
+    """At small v, E is constant and has no zero; at large v, Newton's points go astray."""
+    found = front_stability(v, c)
+    assert found.stable is not None or found.multiplier is None
+    if v < 1.0:  # the two terms by Bessel functions in many digits: their ratio is the only zero
+        with mp.workdps(30):
+            first, second = (
+                mp.re(
+                    mp.expjpi(-mp.mpf(cmath.phase(-complex(sum_by_many_digits(v, c)))) / mp.pi)
+                    * mp.mpc(0, -1) ** k
+                    * mp.exp(mp.mpc(-0.5, c) * k / v)
+                    * mp.besselj(k, c * k / v)
+                )
+                for k in (1, 2)
+            )
+        assert abs(second / first) < found.floor
+        assert found.multiplier is None
+
+
+@pytest.mark.parametrize(("v", "c"), [(1e-4, 1e-3), (5e-4, 0.1), (-1e-4, 1e-3), (1e-12, 1.0)])
+@pytest.mark.filterwarnings("error")
+def test_where_every_term_underflows_stability_is_not_decided(v, c):
+    found = front_stability(v, c)
+    assert (found.stable, found.multiplier) == (None, None)
 
 
 @pytest.mark.parametrize("c", [2.2, 2.38, 2.45, 3.0, 5.0, 13.0])

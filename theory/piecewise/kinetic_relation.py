@@ -66,6 +66,8 @@ class Branch(Result):
         Largest modulus of a nontrivial multiplier, where one is near or beyond one.
     """
 
+    derived = ("derivative_errors",)
+
     v: float
     error: float
     slope: int
@@ -77,6 +79,11 @@ class Branch(Result):
     fails_at: float | None
     stable: bool | None = None
     multiplier: float | None = None
+
+    @property
+    def derivative_errors(self) -> str:
+        """What the errors of ∂v/∂c and ∂v/∂η are: estimates, no bounds."""
+        return "estimates"
 
 
 @lru_cache(maxsize=16)

@@ -51,6 +51,8 @@ _FOLD_ERROR = 1e-11
 _ROOM = 1e-9
 """A multiplier so near the unit circle is not decided."""
 _CIRCLES = 14
+_LARGEST_LOGARITHM = 700.0
+"""Of a number that, times coefficients of E and their count, does not overflow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,8 +68,8 @@ class FrontStability:
         Terms p_k of the symbol.
     stable : bool or None
         Whether every disturbance of the switching times decays; None where it was not decided:
-        a multiplier lies on the unit circle to within rounding, or the series is too long
-        (v above some tens).
+        a multiplier lies on the unit circle to within rounding, the series is too long (v above
+        some tens), or its terms are below the smallest number (v below 7e-4).
     multiplier : float or None
         Largest modulus of a multiplier per site other than the trivial one; None where all are
         below ``floor``, or none could be told.
@@ -121,9 +123,11 @@ def front_stability(v: float, c: float) -> FrontStability:
         return found
     p = symbol_coefficients(v, c, terms, points)
     q = np.cumsum(p[::-1])[::-1].copy()
-    if q[0] <= 0.0:
-        return replace(found, stable=False)
     uncertainty = _uncertainty(speed)
+    if abs(q[0]) <= uncertainty * math.exp(-0.5 / speed):  # |p_k| ≤ e^{-k/2v}, to rounding
+        return found
+    if q[0] < 0.0:
+        return replace(found, stable=False)
     inside = _zeros_within(q, 1.0 - _ROOM, uncertainty)
     outside = _zeros_within(q, 1.0 + _ROOM, uncertainty)
     found = replace(found, stable=None if inside is None or inside != outside else inside == 0)
@@ -315,16 +319,24 @@ def _nearest_zero(q: FloatArray, reach: float, uncertainty: float) -> tuple[comp
 def _newton(
     q: FloatArray, slope: FloatArray, starts: npt.NDArray[np.complex128], reach: float
 ) -> npt.NDArray[np.complex128]:
-    """Return the zeros within ``reach`` to which Newton's method goes from these points."""
+    """Return the zeros within ``reach`` to which Newton's method goes from these points.
+
+    A point is given up beyond twice the reach, or where its highest power would overflow. From a
+    place where E' is next to nothing, as where v is small and E is constant, it is gone at once.
+    """
+    farthest = min(2.0 * reach, math.exp(_LARGEST_LOGARITHM / q.size))
     w = np.array(starts, dtype=complex)
     step = np.full(w.shape, np.inf, dtype=complex)
     for _ in range(40):
-        moving = (np.abs(step) > 4.0 * _EPS * np.abs(w)) & (np.abs(w) < 2.0 * reach)
-        if not moving.any():
+        moving = np.flatnonzero((np.abs(step) > 4.0 * _EPS * np.abs(w)) & (np.abs(w) < farthest))
+        if moving.size == 0:
             break
-        here = w[moving]
-        step[moving] = _polynomial(q, here) / _polynomial(slope, here)
-        w[moving] = here - step[moving]
+        value, derivative = _polynomial(q, w[moving]), _polynomial(slope, w[moving])
+        gone = np.abs(value) >= 4.0 * reach * np.abs(derivative)
+        w[moving[gone]] = np.inf
+        there = moving[~gone]
+        step[there] = value[~gone] / derivative[~gone]
+        w[there] -= step[there]
     zeros: npt.NDArray[np.complex128] = w[(np.abs(w) < reach) & (np.abs(step) < 1e-9 * np.abs(w))]
     return zeros
 

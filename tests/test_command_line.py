@@ -9,11 +9,13 @@ import math
 import shlex
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from fronts.cli import COMMANDS, main
+from verification.breathers import breather
 from verification.steppers import friction
 
 
@@ -302,7 +304,10 @@ def test_all_methods_for_a_breather_stand_side_by_side(capsys):
     assert any(line.startswith("closed-form: error unknown, ") for line in lines[5:])
 
 
-def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(capsys):
+def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(
+    capsys, monkeypatch
+):
+    monkeypatch.setattr(breather, "run_breather", cache(breather.run_breather))  # shown three times
     line = "breather --c 0.19 --nucleus 3"
     orbit = _json(capsys, line)
     assert orbit["status"] == "exists"
@@ -328,16 +333,14 @@ def test_a_run_that_escapes_beyond_the_fold_names_the_fold_of_the_orbits(capsys)
 
 
 def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
-    from verification.breathers import breather as breather_module
-
-    right = breather_module.run_breather
+    right = breather.run_breather
 
     def short(*arguments, **options):
         found = right(*arguments, slow_time=10.0, **options)
         assert found.status == "unsettled"
         return found
 
-    monkeypatch.setattr(breather_module, "run_breather", short)
+    monkeypatch.setattr(breather, "run_breather", short)
     line = "breather --c 0.1 --method simulation"
     assert _json(capsys, line)["stable"] is None
     assert main(shlex.split(line)) == 0

@@ -38,7 +38,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         The result as JSON and in words.
     """
     from fronts.interrupted import resumable_run
-    from fronts.wording import in_words, in_words_also
+    from fronts.wording import in_words
     from verification.execution.progress import Progress
 
     check_output(options, bound.filmed)
@@ -51,10 +51,10 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         result, parameters = _computed(options, bound, live.report)
     if options.out:
         write_output(options.out, result, parameters, words)
-    payload, text = result.to_dict(), in_words(result)
+    payload = result.to_dict()
     if isinstance(bound.call, Run):
         payload |= located("fronts.nucleus_evolution:evolution")(result)
-        text += in_words_also(payload)
+    text = in_words(result, payload)
     if options.out:
         text = beside_files(text, options.out)
     return Answer(payload, text, int(getattr(result, "needs_attention", False)))

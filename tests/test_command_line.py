@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import importlib
+import itertools
 import json
 import math
 import shlex
@@ -225,7 +226,8 @@ def test_a_cycle_that_does_not_exist_is_shown_as_a_dash(capsys: pytest.CaptureFi
     assert main(shlex.split("cell friction --v-d 0.9:2:3")) == 0
     shown = capsys.readouterr().out
     assert "nan" not in shown
-    assert " -" in shown.splitlines()[-1]
+    lines = itertools.pairwise(shown.splitlines())
+    assert any("unstable" in head and " -" in row for head, row in lines)
 
 
 def test_a_run_of_stiff_steps_only_has_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
@@ -296,12 +298,13 @@ def test_a_breather_of_a_theory_says_how_far_the_chain_is(nucleus, capsys):
 def test_all_methods_for_a_breather_stand_side_by_side(capsys):
     assert main(shlex.split("breather --c 0.195 --method all")) == 0
     lines = capsys.readouterr().out.splitlines()
-    rows = lines[1:5]
+    head = next(n for n, line in enumerate(lines) if line.split()[:2] == ["method", "status"])
+    rows = lines[head + 1 : head + 5]
     # Only the closed form has a breather there: the branches of the others fold before.
     assert [row.split()[:2] for row in rows] == [
         ["closed-form", "exists"], ["envelope", "none"], ["orbit", "none"], ["simulation", "none"],
     ]  # fmt: skip
-    assert any(line.startswith("closed-form: error unknown, ") for line in lines[5:])
+    assert any("error_unknown" in line for line in lines)
 
 
 def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(
@@ -321,7 +324,7 @@ def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breathe
     assert ["simulation", "escaped"] in statuses
     assert main(shlex.split(f"{line} --method simulation")) == 0
     shown = capsys.readouterr().out
-    assert shown.startswith("escaped")
+    assert shown.split()[:2] == ["status", "escaped:"]
     assert "no such breather" not in shown
 
 
@@ -344,7 +347,7 @@ def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
     line = "breather --c 0.1 --method simulation"
     assert _json(capsys, line)["stable"] is None
     assert main(shlex.split(line)) == 0
-    assert "stability not decided" in capsys.readouterr().out
+    assert ["stable", "not", "decided"] in map(str.split, capsys.readouterr().out.splitlines())
 
 
 @pytest.mark.parametrize(("size", "held", "escaped"), [(3, 0.184, 0.186), (5, 0.183, 0.184)])
@@ -369,7 +372,7 @@ def test_sweeps_that_follow_no_law_are_replaced_by_held_runs(capsys):
     assert abs(found["delay_exponent"] - 2 / 3) > 1
     assert found["range"][0] <= found["c_crit"] <= found["range"][1]
     assert main(shlex.split(line)) == 0
-    assert "do not follow the law of a fold" in capsys.readouterr().out
+    assert ["method", "hold"] in map(str.split, capsys.readouterr().out.splitlines())
 
 
 def test_the_version_is_that_of_the_project(capsys):

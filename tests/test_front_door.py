@@ -131,8 +131,26 @@ def test_a_result_shows_itself(name, results):
     assert "array(" not in repr(result)
     shown = result._repr_html_()
     assert shown.startswith("<table>")
+    assert "nan" not in shown
+    assert "np." not in shown
     fields = [field.name for field in dataclasses.fields(result) if field.repr]
-    assert shown.count("<tr>") == len(fields) + len(result.derived)
+    held = {"branches", "points", "upper", "lower"}  # these are rows of a table of their own
+    for each in {*fields, *result.derived} - held:
+        assert f">{each}</th>" in shown
+
+
+def test_a_notebook_shows_what_a_result_holds(results):
+    point, curve, roots = (results[name] for name in ("point", "curve", "roots"))
+    for branch in point.branches:
+        assert f"<td>{branch.v:.15g}</td>" in point._repr_html_()
+    for branch in (each for one in curve.points for each in one.branches):
+        assert f"<td>{branch.v:.15g}</td>" in curve._repr_html_()
+    assert roots._repr_html_().count("<td>upper</td>") == len(roots.upper)
+    many = fr.roots(0.3, 0.5, count=12)
+    assert many._repr_html_().endswith(f"and {len(many.upper) + len(many.lower) - 10} more")
+    shown = results["breather"]._repr_html_()
+    assert "<th>eps</th>" in shown
+    assert f"<td>{results['breather'].chain.a:g}</td>" in shown
 
 
 @pytest.mark.parametrize("name", ["point", "curve", "roots", "profile", "breather"])

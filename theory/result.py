@@ -46,9 +46,10 @@ Decay(rate=0.5, error=1e-09, times=<2 floats>, values=<2 floats>)
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
 from enum import Enum
+from html import escape
 from importlib import import_module
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -66,6 +67,8 @@ PICTURES = "fronts.pictures"
 
 _LONGEST = 60
 """Characters of one value in a repr."""
+_MAX_ROWS = 10
+"""Rows of a table within the table of a result."""
 
 
 class Result:
@@ -211,16 +214,19 @@ class Result:
         return f"{type(self).__name__}({', '.join(shown)})"
 
     def _repr_html_(self) -> str:
-        """Return a small table for notebooks."""
-        import html
-
+        """Return a small table for notebooks; what a result holds in its turn is a table in it."""
+        cells = {name: getattr(self, name) for name in _shown(self)}
+        table = ""
+        if type(self).columns is not Result.columns:  # its own rows show what it holds
+            cells = {name: value for name, value in cells.items() if not _records(value)}
+            columns = {name: values.tolist() for name, values in self.columns().items()}
+            table = _as_rows(list(columns), list(zip(*columns.values(), strict=True)))
         rows = "".join(
-            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
-            f"<td style='text-align:left'>{html.escape(_in_a_cell(getattr(self, name)))}</td>"
-            "</tr>"
-            for name in _shown(self)
+            f"<tr><th style='text-align:left'>{escape(name)}</th>"
+            f"<td style='text-align:left'>{_in_a_cell(value)}</td></tr>"
+            for name, value in cells.items()
         )
-        return f"<table><caption>{html.escape(type(self).__name__)}</caption>{rows}</table>"
+        return f"<table><caption>{escape(type(self).__name__)}</caption>{rows}</table>{table}"
 
 
 def plain(value: object) -> Any:
@@ -332,12 +338,47 @@ def _short(value: object) -> str:
     if isinstance(value, str):
         return text[: _LONGEST - 1] + "…"
     if isinstance(value, Collection):
-        return f"<{len(value)} in a {type(value).__name__}>"
+        records = _records(value)
+        kind = type(records[0]).__name__ if records else f"in a {type(value).__name__}"
+        return f"<{len(value)} {kind}>"
     return f"<{type(value).__name__}>"
 
 
 def _in_a_cell(value: object) -> str:
+    """Return a value as HTML: dataclasses of one kind as a table, words as they are."""
+    records = _records(value)
+    if records:
+        first = records[0]
+        names = _shown(first) if isinstance(first, Result) else [x.name for x in fields(first)]
+        return _as_rows(names, [[getattr(each, name) for name in names] for each in records])
     sentence = getattr(value, "sentence", None)
     if isinstance(value, Enum) and isinstance(sentence, str):
-        return f"{value.value}: {sentence}"
+        return escape(f"{value.value}: {sentence}")
+    return escape(value if isinstance(value, str) else _short(value))
+
+
+def _records(value: object) -> Sequence[Any]:
+    """Return a dataclass, or several of one kind, as a sequence; nothing for any other value."""
+    several = value if isinstance(value, (tuple, list)) else (value,)
+    kinds = {type(each) for each in several}
+    return several if len(kinds) == 1 and is_dataclass(kinds.pop()) else ()
+
+
+def _as_rows(names: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Return a table in HTML with a head, the first rows, and how many more there are.
+
+    What a row does not have, which is None or, in a column of numbers, NaN, is left empty.
+    """
+    shown = [[_as_word(value) for value in row] for row in rows[:_MAX_ROWS]]
+    table = "".join(
+        f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in row)}</tr>"
+        for tag, row in zip(("th", *["td"] * len(shown)), (names, *shown), strict=True)
+    )
+    left = len(rows) - len(shown)
+    return f"<table>{table}</table>" + (f"and {left} more" if left else "")
+
+
+def _as_word(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
     return value if isinstance(value, str) else _short(value)

@@ -200,10 +200,12 @@ def verdicts() -> str:
 
     from paper_checks.discover import find_entries
     from paper_checks.report.inline_math import typeset
+    from paper_checks.ruling import Verdict
 
     entries = [each for each in find_entries() if each.group != "equations"]
+    entries.sort(key=lambda each: each.claim.recorded is Verdict.UNTESTABLE)  # these come last
     counts = Counter(each.claim.recorded.value for each in entries)
-    summary = ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+    summary = ", ".join(f"{verdict} {count}" for verdict, count in counts.most_common())
     rows = "".join(
         f'<tr id="{each.claim.key}"><td>{escape(each.claim.place)}</td>'
         f"<td>{typeset(each.claim.quote)}</td><td>{escape(each.claim.recorded.value)}</td>"
@@ -222,8 +224,8 @@ def verdicts() -> str:
     return (
         (HERE / "verdicts_head.md").read_text(encoding="utf-8")
         + raw(f"<p>{report}</p>")
-        + f"\nOf the {len(entries)} claims beside the equations: {summary}.\n\n"
-        + raw(f'<table class="equations"><thead>{head}</thead><tbody>{rows}</tbody></table>')
+        + f"\nVerdicts on the {len(entries)} claims beside the equations: {summary}.\n\n"
+        + raw(f'<table class="equations claims"><thead>{head}</thead><tbody>{rows}</tbody></table>')
     )
 
 

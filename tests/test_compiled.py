@@ -155,3 +155,34 @@ def test_code_that_other_processes_have_compiled_is_not_mixed_up(tmp_path: Path)
     assert printed("3") == "3.0"
     assert printed("2", "3") == "2.0 3.0"
     assert printed("3", "2") == "3.0 2.0"
+
+
+INNER = """
+from verification.execution.compiled import inner, outer
+
+@inner()
+def part(x):
+    return 2.0 * x
+
+@outer(cache=True)
+def whole(x):
+    return part(x) + 1.0
+
+if __name__ == "__main__":
+    print(whole(1.0), len(part.overloads))
+"""
+
+
+def test_a_part_is_stored_with_what_calls_it_and_not_compiled_again(tmp_path: Path) -> None:
+    """The first process compiles the part, the second loads the whole and never asks for it."""
+    script, cache = tmp_path / "parts.py", tmp_path / "cache"
+    script.write_text(INNER)
+    answers = [
+        subprocess.run(
+            [sys.executable, str(script)], capture_output=True, text=True, check=True, timeout=120,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(ROOT)},
+        ).stdout.split()
+        for _ in range(2)
+    ]  # fmt: skip
+    assert answers == [["3.0", "1"], ["3.0", "0"]]
+    assert {path.name.split("-")[0] for path in cache.rglob("*.nbi")} == {"parts.whole"}

@@ -27,6 +27,8 @@ from typing import Any, TypeVar
 from numba import njit
 from numba.core import caching, config
 from numba.core.bytecode import FunctionIdentity
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 
 from verification.execution.digest import digest_of_files
 
@@ -58,9 +60,42 @@ def outer(**options: Any) -> Callable[[Function], Function]:
     return compiled
 
 
+class _PartOfItsCallers(JITCodeLibrary):
+    """Code that becomes machine code only as a part of what calls it.
+
+    numba optimises and translates each function by itself, and then once more in each that calls
+    it, at every level; of functions that Python cannot call, only the second is of use.
+    """
+
+    def finalize(self) -> None:
+        for library in dict.fromkeys(self._linking_libraries):
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0, as numba does for a function that Python cannot call."""
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """Return where numba puts the Python objects that machine code uses."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing; a function that uses such objects ends with "missing Environment"."""
+
+
+class _InnerCompiler(Compiler):
+    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+        part: Any = _PartOfItsCallers
+        start: Any = super().__init__
+        start(typing, target, part(target.codegen(), "inner"), *rest)
+
+
 def inner(**options: Any) -> Callable[[Function], Function]:
-    """Compile what only compiled functions call: without wrappers, a sixth less to compile."""
-    return outer(**options, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    """Compile what only compiled functions call; it is stored on disk as a part of these."""
+    wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return outer(**options, **wrappers, pipeline_class=_InnerCompiler)
 
 
 def _count_from_random() -> bool:

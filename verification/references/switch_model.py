@@ -24,7 +24,7 @@ import numpy.typing as npt
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, positive, within
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner, njit
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -157,7 +157,7 @@ class _Record(NamedTuple):
     counters: IntArray
 
 
-@njit(cache=True)
+@inner()
 def _right_side(
     z: FloatArray, parameters: FloatArray, free: bool, out: FloatArray, sticks: IntArray
 ) -> None:
@@ -194,7 +194,7 @@ Pair = tuple[FloatArray, FloatArray]
 """States or their derivatives at the beginning and the end of a step, each of shape (2, N)."""
 
 
-@njit(cache=True)
+@inner()
 def _solve_step(
     rule: _Rule, z: FloatArray, now: FloatArray, h: float, sticks: IntArray
 ) -> tuple[FloatArray, FloatArray, float]:
@@ -216,7 +216,7 @@ def _solve_step(
     return following, later, change
 
 
-@njit(cache=True)
+@inner()
 def _error_of_step(
     rule: _Rule, states: Pair, before: FloatArray, slopes: Pair, lengths: tuple[float, float]
 ) -> float:
@@ -237,7 +237,7 @@ def _error_of_step(
     return worst
 
 
-@njit(cache=True)
+@inner()
 def _take_samples(
     record: _Record, states: Pair, slopes: Pair, step: tuple[float, float], last: bool
 ) -> None:
@@ -256,7 +256,7 @@ def _take_samples(
         counters[3] += 1
 
 
-@njit(cache=True)
+@inner()
 def _note_arrivals(arrivals: FloatArray, sticks: IntArray, t: float) -> None:
     for n in range(sticks.size):
         if sticks[n] == 1 and math.isnan(arrivals[n]):

@@ -126,7 +126,7 @@ def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     return total < quiet
 
 
-@inner(cache=True, error_model="numpy", **UNCOUNTED)
+@inner(error_model="numpy", **UNCOUNTED)
 def _to_section(  # noqa: PLR0917  (one kind each)
     take_step: Step, p: FloatArray, state: FloatArray, h: float, K: FloatArray, out: FloatArray
 ) -> None:
@@ -156,7 +156,7 @@ def _to_section(  # noqa: PLR0917  (one kind each)
             moved = 1
 
 
-@inner(cache=True, **UNCOUNTED)
+@inner(**UNCOUNTED)
 def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
     """Note the amplitudes of a sample."""
     sites = sample.size // 2
@@ -174,7 +174,7 @@ def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
     memory[_NEXT] += memory[_WINDOW] / SAMPLES
 
 
-@inner(cache=True, **UNCOUNTED)
+@inner(**UNCOUNTED)
 def _settled(sites: int, memory: FloatArray) -> bool:
     """Return whether no amplitude changed in the window, and some sites are above the level."""
     if memory[_ABOVE] == 0.0 or memory[_ABOVE] == sites:
@@ -214,7 +214,7 @@ def sites_above(state: FloatArray, level: float) -> int:
     return above
 
 
-@inner(cache=True, **UNCOUNTED)
+@inner(**UNCOUNTED)
 def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
     """Note since when the chain has been filled; return whether it has been for long enough."""
     sites, above = state.size // 2, sites_above(state, memory[_LEVEL])
@@ -230,7 +230,7 @@ def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
     return bool(t >= max(2.0 * memory[_FILLED], memory[_FILLED] + memory[_HOLD]))
 
 
-@inner(cache=True, **UNCOUNTED)
+@inner(**UNCOUNTED)
 def _stays(t: float, sites: int, memory: FloatArray) -> bool:
     """At the end of a window, begin another; return whether windows were settled long enough."""
     if t - memory[_BEGIN] < memory[_WINDOW] or memory[_COUNT] < SAMPLES // 2:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -19,7 +19,7 @@ REST, FREE, RING, FOLLOWING, NETWORK = 0, 1, 2, 3, 4
 site and the number of all sites."""
 
 
-@njit(cache=True)
+@inner()
 def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tuple[int, int]:
     """Return what is beyond the left and the right end.
 
@@ -41,7 +41,7 @@ def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tupl
     return left, FREE if hi == sites else REST
 
 
-@njit(cache=True, error_model="numpy")
+@inner(error_model="numpy")
 def value_beyond(code: int, end: float, far: float, followed: float) -> float:
     """Return the value beyond an end: of a free end itself, so that its coupling vanishes."""
     if code == FREE:
@@ -53,7 +53,7 @@ def value_beyond(code: int, end: float, far: float, followed: float) -> float:
     return 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@inner(error_model="numpy")
 def neighbours_of_ends(
     u: FloatArray, left: int, right: int, followed: float
 ) -> tuple[float, float]:
@@ -66,7 +66,7 @@ def neighbours_of_ends(
     return before + u[1], u[last - 1] + beyond
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@inner(error_model="numpy", fastmath={"contract"})
 def add_coupling(
     out: FloatArray, u: FloatArray, factor: float, left: int, right: int, followed: float
 ) -> None:

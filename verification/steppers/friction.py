@@ -74,7 +74,6 @@ from verification.steppers.friction_series import (
     absolute_sum,
     expand,
     first_root,
-    inlined,
     inner,
     new_room,
     outer,
@@ -250,7 +249,7 @@ def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
             _widen(run.site, numbers, counters)
 
 
-@inlined
+@inner
 def _frame(run: Run, longest: float, required: int) -> float:
     """Give all sites new series, go through the events; return when the frame ends.
 
@@ -306,7 +305,7 @@ def _frame_length(ends: FloatArray, longest: float) -> float:
     return float(min(length, longest))
 
 
-@inlined
+@inner
 def _expanded(run: Run, lo: int, hi: int) -> bool:
     """Give sites lo … hi - 1 series from their states; return whether all are finite.
 
@@ -324,7 +323,7 @@ def _expanded(run: Run, lo: int, hi: int) -> bool:
     return finite
 
 
-@inlined
+@inner
 def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     """Set until when new series hold and find their events; return whether time goes on.
 
@@ -416,7 +415,7 @@ def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
     return -1
 
 
-@inlined
+@inner
 def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
     """Give new modes to the sites that have an event now; return how many sites are due, and J.
 
@@ -493,7 +492,7 @@ def _ranges(run: Run, due: int, radius: int) -> int:
     return count
 
 
-@inlined
+@inner
 def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     """Give sites lo … hi - 1 new series now, from the series of the sites beside them.
 
@@ -550,7 +549,7 @@ def _bring(run: Run, n: int, now: float) -> None:
     site[START, n] = now
 
 
-@inlined
+@inner
 def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int]:
     """Return when, after a time and by h, y of site n turns next, and 0 for a maximum or 1.
 
@@ -570,7 +569,7 @@ def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int
     return after + first_root(run.room, w.shape[0] - 1, h - after), 0 if rising else 1
 
 
-@inlined
+@inner
 def _sample(run: Run, n: int, begin: float, end: float) -> None:
     """Sample site n at the times required from begin to end."""
     site, series, times = run.site, run.series, run.times
@@ -587,7 +586,7 @@ def _sample(run: Run, n: int, begin: float, end: float) -> None:
         i += 1
 
 
-@inlined
+@inner
 def _finish(run: Run, end: float) -> None:
     """Take all sites to the end of the frame."""
     site, times, lo, hi = run.site, run.times, run.counters[LO], run.counters[HI]

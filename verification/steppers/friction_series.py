@@ -75,23 +75,15 @@ _DEPTH = 48
 _LOOKS = 16
 
 
-inner = compiled.inner(cache=True, error_model="numpy", **compiled.UNCOUNTED)
+inner = compiled.inner(error_model="numpy", **compiled.UNCOUNTED)
 """Compile what only compiled functions call."""
 
-vectorised = compiled.inner(
-    cache=True, error_model="numpy", fastmath={"contract"}, **compiled.UNCOUNTED
-)
+vectorised = compiled.inner(error_model="numpy", fastmath={"contract"}, **compiled.UNCOUNTED)
 """Compile as ``inner`` does, with products and sums contracted."""
 
 
 outer = compiled.outer(cache=True, error_model="numpy", **compiled.UNCOUNTED)
 """Compile what Python calls."""
-
-inlined = compiled.outer(error_model="numpy", inline="always", **compiled.UNCOUNTED)
-"""Compile what has one caller as a part of it; pays where it calls much that is optimised.
-
-LLVM optimises a compiled function once more in each that calls it, at every level; numba takes
-longer to put a function into another the longer both are."""
 
 
 Law = tuple[float, ...]

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from theory.chains.chain import Kernel, SmoothChain
-from verification.execution.compiled import UNCOUNTED, njit, outer
+from verification.execution.compiled import UNCOUNTED, inner
 from verification.steppers.active import FOLLOWING, FREE, RING
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,19 +23,21 @@ FloatArray = npt.NDArray[np.float64]
 Slope = Callable[[FloatArray, FloatArray, int, int, FloatArray], None]
 """From a state, parameters, and what is beyond the two ends, to its derivative (last argument)."""
 
-fast = outer(error_model="numpy", fastmath={"contract"}, **UNCOUNTED)
+fast = inner(error_model="numpy", fastmath={"contract"}, **UNCOUNTED)
 """Compile arithmetic: no exception at a division, products fused with sums, no new arrays."""
 
 
 def slope_of(chain: SmoothChain) -> Slope:
-    """Return the compiled right-hand side of a chain.
+    """Return the compiled right-hand side of a chain, which compiled functions can call.
 
     Examples
     --------
+    >>> from numba import njit
     >>> from theory.chains.vdp import VdpChain
     >>> chain, out = VdpChain(a=4, b=0.5, c=0.6, sites=2), np.zeros(4)
-    >>> p = np.array(chain.kernel_parameters())
-    >>> slope_of(chain)(np.array([1.0, 1.0, 0.0, 0.0]), p, FREE, FREE, out)
+    >>> p, slope = np.array(chain.kernel_parameters()), slope_of(chain)
+    >>> called = njit(lambda *given: slope(*given))
+    >>> called(np.array([1.0, 1.0, 0.0, 0.0]), p, FREE, FREE, out)
     >>> out.tolist()
     [0.0, 0.0, -1.0, -1.0]
     """
@@ -58,10 +60,10 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
         Quarter turns by which a wave that goes on beyond the left end is ahead of its neighbour.
     """
     plain: Any = getattr(kernel, "py_func", kernel)
-    site: Any = njit(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
+    site: Any = inner(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
     tuple_of: Any = to_fixed_tuple
 
-    @njit(forceinline=True)
+    @inner(forceinline=True)
     def beyond(code: int, end: Any, far: Any) -> Any:
         if code == FREE:
             return end
@@ -116,7 +118,7 @@ def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) 
         Whether the kernel takes the pull on velocities: 1, or 0 for zero in its place.
     """
     plain: Any = getattr(kernel, "py_func", kernel)
-    site: Any = njit(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
+    site: Any = inner(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
 
     # Sums first, then sites: the second loop is done for several sites at once by the processor.
     # Unsigned numbers are never counted from the end, which saves a comparison each.

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner
 
 FloatArray = npt.NDArray[np.float64]
 
 
-@njit(cache=True)
+@inner()
 def put(source: FloatArray, target: FloatArray) -> None:
     """Copy a row into another of its length.
 
@@ -23,7 +23,7 @@ def put(source: FloatArray, target: FloatArray) -> None:
         target[n] = source[n]
 
 
-@njit(cache=True, fastmath={"nnan", "nsz"})
+@inner(fastmath={"nnan", "nsz"})
 def largest(row: FloatArray) -> float:
     """Return the largest modulus; what it is worth if one is not finite, :func:`finite` says."""
     found = 0.0
@@ -32,7 +32,7 @@ def largest(row: FloatArray) -> float:
     return found
 
 
-@njit(cache=True, fastmath={"reassoc"})
+@inner(fastmath={"reassoc"})
 def finite(row: FloatArray) -> bool:
     """Return whether all values are finite, and so small that their sum is."""
     total = 0.0

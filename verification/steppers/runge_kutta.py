@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner
 from verification.steppers.kernel import Slope, fast
 from verification.steppers.rows import finite, largest
 
@@ -53,7 +53,7 @@ def _compiled(text: list[str], **names: Any) -> Any:
     return fast(names[text[0].partition("(")[0].removeprefix("def ")])
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True, error_model="numpy")
 def _put_cosines(p: FloatArray, place: int, count: int, later: float) -> None:
     """Put cos(ωt + phase) of the harmonic forces at a time within a step into the parameters.
 
@@ -95,7 +95,7 @@ _estimates: Callable[[FloatArray, FloatArray, FloatArray], None] = _compiled(
 )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@inner(error_model="numpy", fastmath={"contract"})
 def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
     """Return DOP853's estimate of the local error, the largest over sites, relative to ``size``.
 

@@ -183,7 +183,7 @@ def _never(
     return 0
 
 
-@inner(cache=True)
+@inner()
 def _widened(
     x: FloatArray, rest: float, margin: int, lo: int, hi: int, sites: int
 ) -> tuple[int, int]:
@@ -202,7 +202,7 @@ def _widened(
     return min(lo, new_lo), max(hi, new_hi)
 
 
-@inner(cache=True)
+@inner()
 def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends: Ends) -> float:
     """Put the state after a step within the tolerance into ``rows.new``; return its length.
 
@@ -231,14 +231,14 @@ def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends:
     return h
 
 
-@inner(cache=True)
+@inner()
 def _sample_is_due(task: Task, run: Run, h: float) -> bool:
     """Return whether the next sample lies within the step."""
     place = run.counters[SAMPLED]
     return bool(place < task.times.size and task.times[place] <= run.clock[0] + h)
 
 
-@inner(cache=True)
+@inner()
 def _take_samples(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> None:
     """Take the samples that lie within the step, by shorter steps from its beginning."""
     clock, counters = run.clock, run.counters
@@ -255,7 +255,7 @@ def _take_samples(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends,
         counters[SAMPLED] += 1
 
 
-@inner(cache=True)
+@inner()
 def _interpolated(values: FloatArray, part: float) -> float:
     """Return the polynomial through values at ``_PARTS`` of a step (barycentric formula)."""
     above = below = 0.0
@@ -272,7 +272,7 @@ def _interpolated(values: FloatArray, part: float) -> float:
     return float(above / below)
 
 
-@inner(cache=True, **COUNTED)
+@inner(**COUNTED)
 def _note_many(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> int:
     """Find the arrivals of many sites within the step; return the foremost of them.
 
@@ -303,7 +303,7 @@ def _note_many(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h:
     return foremost
 
 
-@inner(cache=True)
+@inner()
 def _crossing(task: Task, run: Run, rows: Rows) -> int:
     """Return how many sites pass the level within the step."""
     new, lo = rows.new, run.counters[LO]
@@ -314,7 +314,7 @@ def _crossing(task: Task, run: Run, rows: Rows) -> int:
     return found
 
 
-@inner(cache=True)
+@inner()
 def _note_arrivals(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> int:
     """Find when a few sites pass the level within the step; return the foremost of them.
 
@@ -346,7 +346,7 @@ def _note_arrivals(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends
     return foremost
 
 
-@inner(cache=True)
+@inner()
 def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
     """Add the step to the time; at a review, let the next step grow if the errors allow."""
     t, whole = clock[0], h + clock[4]
@@ -359,7 +359,7 @@ def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
         clock[2] = 0.0
 
 
-@inner(cache=True)
+@inner()
 def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[int, int]:
     """Return the window for the next step."""
     lo, hi, sites = run.counters[LO], run.counters[HI], run.state.shape[1]

@@ -18,7 +18,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner, njit
 from verification.steppers.active import add_coupling, end_codes
 from verification.steppers.rows import finite, largest, put
 
@@ -43,14 +43,14 @@ Series = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """Coefficients of u, v, s, q, g."""
 
 
-@njit(cache=True)
+@inner()
 def series_room(order: int, m: int) -> Series:
     """Return room for the coefficients of m sites, each of shape (order + 1, m)."""
     shape = (order + 1, m)
     return np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@inner(fastmath={"contract"}, error_model="numpy")
 def _square(target: FloatArray, A: FloatArray, k: int) -> None:
     """Put coefficient k of the square of A into ``target``."""
     if k % 2 == 0:
@@ -66,7 +66,7 @@ def _square(target: FloatArray, A: FloatArray, k: int) -> None:
             target[n] += 2.0 * u[n] * v[n]
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@inner(fastmath={"contract"}, error_model="numpy")
 def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
     """Put coefficient k of A B into ``target``."""
     target[:] = 0.0
@@ -77,7 +77,7 @@ def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
             target[n] += u[n] * v[n]
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@inner(fastmath={"contract"}, error_model="numpy")
 def full_coefficients(
     series: Series, order: int, parameters: FloatArray, left: int, right: int
 ) -> None:
@@ -112,7 +112,7 @@ def full_coefficients(
         add_coupling(next_w, y, -factor * eps * c, left, right, w[0])
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@inner(fastmath={"contract"}, error_model="numpy")
 def envelope_coefficients(
     series: Series, order: int, parameters: FloatArray, left: int, right: int
 ) -> None:
@@ -143,7 +143,7 @@ def envelope_coefficients(
         add_coupling(next_v, u, half * c, left, right, -v[0])
 
 
-@njit(cache=True)
+@inner()
 def step_length(series: Series, order: int, tolerance: float) -> float:
     """Return h at which the last two terms are within tolerance times the largest value."""
     u, v = series[0], series[1]
@@ -158,7 +158,7 @@ def step_length(series: Series, order: int, tolerance: float) -> float:
     return h
 
 
-@njit(cache=True, fastmath={"contract"})
+@inner(fastmath={"contract"})
 def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
     """Put the state a time h after the expansion point into out, shape (2m,) (Horner)."""
     m = out.size // 2

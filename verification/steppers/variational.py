@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.execution.compiled import njit
+from verification.execution.compiled import inner, njit
 from verification.steppers.rows import put
 
 Real = NDArray[np.float64]
@@ -276,7 +276,7 @@ def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order
     return True
 
 
-@njit(cache=True)
+@inner()
 def _neighbours(ring: bool, sites: int, n: int) -> tuple[int, int]:
     """Return the sites beside one; -1 and ``sites`` where there is none."""
     left, right = n - 1, n + 1
@@ -286,7 +286,7 @@ def _neighbours(ring: bool, sites: int, n: int) -> tuple[int, int]:
     return left, right
 
 
-@njit(cache=True)
+@inner()
 def _add_products(equation: _Equation, series: _Series, k: int) -> None:
     """Fill the coefficients k of S, Q, G, H, P and W."""
     Y, V, S, Q, G, H = series.Y, series.V, series.S, series.Q, series.G, series.H
@@ -316,7 +316,7 @@ def _add_products(equation: _Equation, series: _Series, k: int) -> None:
         series.P[k, n] = p
 
 
-@njit(cache=True)
+@inner()
 def _add_motion(equation: _Equation, series: _Series, spring: Real, k: int) -> None:
     """Fill the coefficients k + 1 of Y and V from (8)."""
     Y, V, W, eps = series.Y, series.V, series.W, equation.eps
@@ -325,7 +325,7 @@ def _add_motion(equation: _Equation, series: _Series, spring: Real, k: int) -> N
         V[k + 1, n] = (-Y[k, n] - eps * equation.c * spring[n] - eps * W[k, n]) / (k + 1)
 
 
-@njit(cache=True)
+@inner()
 def _add_sinusoids(series: _Series, forced: _Sinusoids, phase: float, k: int) -> None:
     """Fill the coefficients k + 1 of Y and V with those of the sinusoids at ωt = ``phase``."""
     base, omega = forced.base, forced.omega
@@ -338,7 +338,7 @@ def _add_sinusoids(series: _Series, forced: _Sinusoids, phase: float, k: int) ->
         series.V[k + 1, n] = base[0, n] * factor * omega * np.cos(angle)
 
 
-@njit(cache=True)
+@inner()
 def _add_tangents(equation: _Equation, series: _Series, spring: Real, row: Real, k: int) -> None:
     """Fill the coefficients k + 1 of the tangents; ``row`` is room."""
     G, P, DY, DV = series.G, series.P, series.DY, series.DV
@@ -365,7 +365,7 @@ def _add_tangents(equation: _Equation, series: _Series, spring: Real, row: Real,
             DV[k + 1, n, m] = (-DY[k, n, m] - eps * row[m]) / (k + 1)
 
 
-@njit(cache=True)
+@inner()
 def _sum_up(series: _Series, run: _Run, h: float) -> bool:
     """Put the sums of the series at h into the state and tangents; False if out of range."""
     sites, columns = run.ty.shape
@@ -380,7 +380,7 @@ def _sum_up(series: _Series, run: _Run, h: float) -> bool:
     return True
 
 
-@njit(cache=True)
+@inner()
 def _value(coefficients: Real, h: float) -> float:
     """Return the polynomial at h (Horner)."""
     total = coefficients[-1]

@@ -2,9 +2,9 @@
 
 ``fronts check --record`` writes what is missing or stale into ``paper_checks/findings``, ``--full
 --record`` all of it: one file for each function that computes evidence, for all claims that rest on
-it. The rule, the text and the figures of a claim are applied to it anew in every run, so that only
-the code that the evidence comes from can make it stale (`verification.execution.reach`). Parameters
-are part of that code. Each file carries the command that reproduces it, its date, and the versions
+it. The rule, the text and the figures of a claim are applied to it anew in every run. It is stale
+when the code of the claim's module, or of a module that this imports, has changed. Parameters are
+part of that code. Each file carries the command that reproduces it, its date, and the versions
 and the machine it was found with, which are shown but make nothing stale.
 """
 

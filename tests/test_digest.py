@@ -11,9 +11,8 @@ from verification.execution.digest import (
     DRAWING,
     digest_of_arrays,
 )
-from verification.execution.imports import closure, imports_of
+from verification.execution.imports import closure, imports_of, shape
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, staleness
-from verification.execution.reach import reached, shape
 
 OURS = ("timed_code",)
 
@@ -40,7 +39,7 @@ def package(tmp_path, monkeypatch):
         ("deep.py", "def f(x):\n    return x + 2\n", True),
         ("deep.py", "def f(x):\n    if x:\n        pass\n    return x + 1\n", True),
         ("deep.py", "def f(x: int) -> int:\n    return x + 1\n", True),
-        ("deep.py", "def f(x):\n    return x + 1\n\n\ndef unused():\n    return 2\n", False),
+        ("deep.py", "def f(x):\n    return x + 1\n\n\ndef unused():\n    return 2\n", True),
         ("deep.py", "def f(x):\n    return x + 1\n\n\nprint('imported')\n", True),
         ("deep.py", "def f(x):\n    return x + N\n\n\nN = 1\n", True),
         ("__init__.py", "print('imported')\n", True),
@@ -81,69 +80,6 @@ def test_a_record_that_names_no_code_is_stale():
 )
 def test_the_shape_of_code_keeps_what_it_does_and_nothing_else(one, other, alike):
     assert (shape(ast.parse(one)) == shape(ast.parse(other))) is alike
-
-
-REACHING = """
-import functools
-import reached_code.deep as below
-from reached_code import deep
-from reached_code.again import named, Kind as Type
-from typing import TYPE_CHECKING
-if TYPE_CHECKING:
-    from reached_code.deep import typed
-
-@functools.singledispatch
-def by_type(x):
-    return 0
-
-def through_module(): return below.f()
-def through_package(): return deep.g
-def passed_about(): return vars(below)
-def through_another(): return named()
-def of_a_class(x: typed) -> typed: return Type().twice
-def dispatched(): return by_type(1)
-def late():
-    from .deep import f as other
-    return other
-def computed(name):
-    return __import__(name)
-"""
-
-
-@pytest.mark.parametrize(
-    ("name", "names"),
-    [
-        ("through_module", "deep:f"),
-        ("late", "deep:f"),
-        ("through_package", "deep:g deep:N"),
-        ("passed_about", "deep:* deep:N"),
-        ("through_another", "deep:f"),
-        ("of_a_class", "again:Kind deep:g deep:N"),
-        ("dispatched", "top:by_type registering:@reached_code.top:by_type deep:f"),
-        ("computed", "deep:* again:* registering:* top:*"),
-    ],
-)
-def test_a_function_reaches_what_it_uses_however_it_is_imported(tmp_path, monkeypatch, name, names):
-    home = tmp_path / "reached_code"
-    home.mkdir()
-    (home / "__init__.py").touch()
-    (home / "deep.py").write_text(
-        "N = 1\ndef f(): return 1\ndef g(): return N\ndef typed(): return 1\n"
-    )
-    (home / "again.py").write_text(
-        "from reached_code.deep import f as named, g\n"
-        "class Kind:\n    @property\n    def twice(self): return g\n"
-    )
-    (home / "registering.py").write_text(
-        "from reached_code.top import by_type\nfrom reached_code import deep\n"
-        "@by_type.register\ndef _(x: int): return deep.f()\n"
-    )
-    (home / "top.py").write_text(REACHING + "def loads(): import reached_code.registering\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    found = {each for each, _ in reached([f"reached_code.top:{name}"], ["reached_code"])}
-    held = {each.removeprefix("reached_code.") for each in found if not each.endswith(":")}
-    wanted = {f"top:{name}", *names.split()}
-    assert wanted <= held if name == "computed" else held == wanted
 
 
 def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():

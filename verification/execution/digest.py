@@ -1,7 +1,7 @@
 """Digests: of the code that a result depends on, of plain data, of arrays.
 
-The code of a result is that of the functions it comes from and of all that those reach, which is
-found by reading (`verification.execution.reach`). Docstrings, comments and layout do not count.
+The code of a result is that of the modules it comes from and of all that those import. Docstrings,
+comments and layout do not count.
 
 What a digest protects from: code, parameters, a truncated or damaged file that are taken for
 others. What it does not: somebody who forges a file and its digest, which anybody can compute.
@@ -9,7 +9,6 @@ others. What it does not: somebody who forges a file and its digest, which anybo
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import sys
@@ -21,8 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.imports import SOURCES, source_of
-from verification.execution.reach import reached, shape
+from verification.execution.imports import SOURCES, closure, code_of, source_of
 
 DRAWING = (
     "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
@@ -85,12 +83,12 @@ def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
 def digest_of_code(
     roots: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = DRAWING
 ) -> str:
-    """Return a digest of the code that modules, or functions of them, depend on.
+    """Return a digest of the code of modules and of all that they import.
 
     Parameters
     ----------
     roots : iterable of str
-        Modules by their dotted names, or functions as ``package.module:function``.
+        Modules by their dotted names, or functions in them as ``package.module:function``.
     packages : collection of str, optional
         Top-level packages whose code counts.
     without : collection of str, optional
@@ -101,9 +99,15 @@ def digest_of_code(
     ValueError
         If there is no such module.
     """
+    found: dict[str, Path] = {}
+    for module in (root.partition(":")[0] for root in roots):
+        held = closure(module, packages, without)
+        if module not in held:
+            raise ValueError(f"there is no module {module} whose code could be read")
+        found |= held
     total = hashlib.sha256()
-    for name, text in reached(roots, packages, without):
-        total.update(f"{name}\0{text}\0".encode())
+    for name, path in sorted(found.items()):
+        total.update(f"{name}\0{code_of(path)}\0".encode())
     return total.hexdigest()
 
 
@@ -134,7 +138,7 @@ def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
 def _loose(owner: object, name: str) -> Any:
     file = getattr(sys.modules.get(name), "__file__", None)
     if file is not None and Path(file).is_file():
-        return shape(ast.parse(Path(file).read_bytes()))
+        return code_of(Path(file))
     code = getattr(owner, "__code__", None)
     if code is not None:
         return _bytecode(code)

@@ -1,4 +1,4 @@
-"""Which modules a module imports, found by reading import statements and running none of it."""
+"""Which modules a module imports, and what their code does, by reading and running none of it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import importlib.util
 import os
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import TypeGuard
 
 SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
 """Packages whose code a result may depend on; ``fronts``, which only shows it, is not one."""
+
+_NO_CODE = ("ctx", "kind", "type_comment")
 
 
 def closure(
@@ -57,7 +58,7 @@ def closure(
         names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
         waiting.extend(names)
         if computed:
-            waiting.extend(modules_below(name.partition(".")[0]))
+            waiting.extend(_modules_below(name.partition(".")[0]))
     return dict(sorted(found.items()))
 
 
@@ -106,7 +107,7 @@ def _imports_of(
 ) -> tuple[tuple[str, ...], bool]:
     tree = ast.parse(path.read_bytes(), str(path))
     names = tuple(dict.fromkeys(_names(tree, package)))
-    return names, imports_by_computed_name(tree)
+    return names, _imports_by_computed_name(tree)
 
 
 def _names(tree: ast.Module, package: str) -> Iterator[str]:
@@ -114,47 +115,70 @@ def _names(tree: ast.Module, package: str) -> Iterator[str]:
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
-        if is_for_types(node):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             waiting.extend(node.orelse)
             continue
-        if isinstance(node, ast.ImportFrom):
-            yield home_of(node, package)
-        yield from names_imported(node, package).values()
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: 1 - node.level or None] if node.level else []
+            home = ".".join([*above, *filter(None, [node.module])])
+            yield home
+            yield from (f"{home}.{alias.name}" for alias in node.names)
         waiting.extend(ast.iter_child_nodes(node))
 
 
-def is_for_types(node: ast.AST) -> TypeGuard[ast.If]:
-    """Tell whether a statement is ``if TYPE_CHECKING``."""
-    return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
-
-
-def home_of(node: ast.ImportFrom, package: str) -> str:
-    """Return the dotted name after ``from``; ``package`` is the one that holds the statement."""
-    if not node.level:
-        return node.module or ""
-    base = package.split(".")[: len(package.split(".")) - node.level + 1]
-    return ".".join([*base, *filter(None, [node.module])])
-
-
-def names_imported(node: ast.AST, package: str) -> dict[str, str]:
-    """Return what an import statement imports, dotted, by the names that it gets here."""
-    if isinstance(node, ast.Import):
-        return {alias.asname or alias.name: alias.name for alias in node.names}
-    if isinstance(node, ast.ImportFrom):
-        home = home_of(node, package)
-        return {alias.asname or alias.name: f"{home}.{alias.name}" for alias in node.names}
-    return {}
-
-
-def imports_by_computed_name(tree: ast.AST) -> bool:
-    """Tell whether some code imports modules by names that it computes."""
+def _imports_by_computed_name(tree: ast.Module) -> bool:
     called = (node.func for node in ast.walk(tree) if isinstance(node, ast.Call))
     names = (each.attr if isinstance(each, ast.Attribute) else getattr(each, "id", "")
              for each in called)  # fmt: skip
     return any(name in ("import_module", "__import__") for name in names)
 
 
-def modules_below(package: str) -> Iterator[str]:
+def code_of(path: Path) -> str:
+    """Return what a file does, see `shape`; read once for as long as it does not change."""
+    status = path.stat()
+    return _code_of(path, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=4096)
+def _code_of(path: Path, _changed: int, _size: int) -> str:
+    return shape(ast.parse(path.read_bytes(), str(path)))
+
+
+def shape(node: ast.AST) -> str:
+    """Return what code does: its syntax tree without places, docstrings, comments and layout.
+
+    It is the same on every version of Python, which `ast.dump` is not.
+
+    Examples
+    --------
+    >>> shape(ast.parse("x = (1+2)  # one")) == shape(ast.parse("x = 1 + 2"))
+    True
+    """
+    parts: list[str] = []
+    for name, value in ast.iter_fields(node):
+        if value is None or value == [] or name in _NO_CODE:
+            continue
+        several = value if isinstance(value, list) else [value]
+        parts.append(f"{name}=[{','.join(_part(each) for each in several if not _is_text(each))}]")
+    return f"{type(node).__name__}({';'.join(parts)})"
+
+
+def _part(value: object) -> str:
+    return shape(value) if isinstance(value, ast.AST) else repr(value)
+
+
+def _is_text(node: object) -> bool:
+    """Tell whether a statement is a string and nothing else, as a docstring is."""
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+
+
+def _modules_below(package: str) -> Iterator[str]:
     """Yield the dotted names of all modules of a package."""
     home = source_of(package)
     if home is None:

@@ -2,23 +2,28 @@
 
 A claim is four short things in one place. Its *evidence* computes and returns a frozen dataclass;
 its *rule* reads a verdict from evidence, in a few lines that the tests hold against made-up
-evidence; its *figure* draws evidence; its *text* is a template of plain prose beside the code
-(``paper_checks.prose``). `Claim.found` applies rule, figure and text to evidence. The rules of
-judging are in ``paper_checks.ruling``.
+evidence; its *figure* draws evidence; its *text* stands beside the code, the words of the paper
+and a template of what we found (``paper_checks.prose``). `Claim.beside` takes a claim from its
+text, and `Claim.found` applies rule, figure and text to evidence. The rules of judging are in
+``paper_checks.ruling``.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
-from paper_checks.prose import written
+from paper_checks.prose import words, written
 from paper_checks.ruling import Ruling, Verdict
 
 __all__ = ["Claim", "Erratum", "Fault", "Finding", "Formula", "Method", "Picture", "Repeat",
            "Ruling", "Verdict"]  # fmt: skip
+
+
+_METHOD = re.compile(r"(?P<words>[^\[]+) \[(?P<code>[\w.]+:\w+)\](?:, for (?P<covers>.+))?")
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,25 @@ class Method:
     words: str
     code: str
     covers: str = ""
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """Return the method that is written as ``WORDS [CODE]`` or ``WORDS [CODE], for PART``.
+
+        Raises
+        ------
+        ValueError
+            If it is written otherwise.
+
+        Examples
+        --------
+        >>> Method.of("runs [verification.runs.simulate:simulate], for one coupling").covers
+        'one coupling'
+        """
+        found = _METHOD.fullmatch(text)
+        if found is None:
+            raise ValueError(f"'{text}' is no method: write it as WORDS [CODE].")
+        return cls(found["words"], found["code"], found["covers"] or "")
 
     @property
     def module(self) -> str:
@@ -61,6 +85,10 @@ class Repeat:
 
     place: str
     quote: str
+
+
+_SAID = {"place", "quote", "statement", "recorded", "command"}
+"""Fields of a claim that every text has."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,6 +154,41 @@ class Claim:
     expensive: bool = False
     shared: Callable[[], object] | None = field(default=None, repr=False)
 
+    @classmethod
+    def beside(cls, key: str, *, rule: Callable[[Any], Ruling], **judging: Any) -> Self:
+        """Return the claim whose words are in the text beside the module of its rule.
+
+        Parameters
+        ----------
+        key : str
+            Its key, and the section of the text.
+        rule, **judging
+            The fields that are code: evidence, figure, weight and so on.
+
+        Raises
+        ------
+        ValueError
+            If a field is missing in the text, or one is there that a claim has not.
+        """
+        fields = words(rule.__module__, key)
+        said = {name: value for name, value in fields if name not in ("by", "also")}
+        if not _SAID <= set(said) <= {*_SAID, "printed"}:
+            raise ValueError(f"the text of {key} has {', '.join(said)}: it needs {_SAID}.")
+        repeats = (value.partition(": ") for name, value in fields if name == "also")
+        return cls(
+            key=key,
+            rule=rule,
+            place=said["place"],
+            quote=said["quote"],
+            statement=said["statement"],
+            printed=said.get("printed"),
+            recorded=Verdict(said["recorded"]),
+            command=said["command"],
+            methods=tuple(Method.of(value) for name, value in fields if name == "by"),
+            repeats=tuple(Repeat(place, quote) for place, _, quote in repeats),
+            **judging,
+        )
+
     def found(self, evidence: Any) -> Finding:
         """Return the finding that some evidence leads to.
 
@@ -160,12 +223,12 @@ class Claim:
         )
 
 
-def plain(words: str) -> str:
-    """Return words without mathematics' dollar signs and extra spaces, for comparison.
+def plain(text: str) -> str:
+    """Return text without mathematics' dollar signs and extra spaces, for comparison.
 
     Examples
     --------
     >>> plain("at  $c = 0.195$")
     'at c = 0.195'
     """
-    return " ".join(words.replace("$", "").split())
+    return " ".join(text.replace("$", "").split())

@@ -1,13 +1,18 @@
-"""The prose of a claim: a template of plain text beside the code, filled with evidence.
+"""The text of a claim, beside its code: what the paper says, and a template of what we found.
 
-A file has one section a claim, headed ``# key``. In it stand first the short fields, each on a
-line of its own or several, ``value:``, ``error:`` and ``tolerance:``, in few claims ``headline:``
-for the first screen of the report; then paragraphs. A paragraph
-that begins with ``>`` is a remark. ``## picture NAME`` is followed by the caption of that picture,
-``## erratum`` by the fields of `paper_checks.finding.Erratum`. Names in double braces are fields
-and properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or each of several, and
-``{{ values | f(".3f") }}`` joins them with commas. A file with the single section ``# all``
-is the text of every claim of its module.
+A file has one section a claim, headed ``# key``. Its first paragraph says what is claimed and how
+it is judged, a line a field: ``place:``, ``quote:``, ``statement:``, where the paper gives one
+``printed:``, ``recorded:``, ``command:``, then a line ``by: WORDS [CODE]`` or ``by: WORDS [CODE],
+for PART`` for each method, and a line ``also: PLACE: QUOTE`` for each repetition; they are the
+fields of `paper_checks.claim.Claim` and are taken as they are.
+
+The rest is a template, filled with evidence. In it stand first the short fields, ``value:``,
+``error:`` and ``tolerance:``, in few claims ``headline:`` for the first screen of the report; then
+paragraphs. A paragraph that begins with ``>`` is a remark. ``## picture NAME`` is followed by the
+caption of that picture, ``## erratum`` by the fields of `paper_checks.finding.Erratum`. Names in
+double braces are fields and properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or
+each of several, and ``{{ values | f(".3f") }}`` joins them with commas. The section ``# all`` is
+the template of every claim of its module that has none of its own.
 """
 
 from __future__ import annotations
@@ -93,7 +98,7 @@ def written(module: str, key: str, evidence: object) -> Prose:
     ValueError
         If the section, or one of its fields, is missing.
     """
-    text = _environment().from_string(section(module, key)).render(_names(evidence))
+    text = _environment().from_string(template(module, key)).render(_names(evidence))
     head, *rest = re.split(r"^## +", text, flags=re.MULTILINE)
     parts = {}
     for part in rest:
@@ -114,14 +119,36 @@ def written(module: str, key: str, evidence: object) -> Prose:
     )
 
 
-def section(module: str, key: str) -> str:
-    """Return the raw section of a claim."""
-    sections = _sections(_path(module))
-    if key not in sections and set(sections) == {COMMON}:
-        return sections[COMMON]
-    if key not in sections:
+def words(module: str, key: str) -> list[tuple[str, str]]:
+    """Return the fields that the section of a claim begins with, in order.
+
+    Raises
+    ------
+    ValueError
+        If there is no such section, or it does not begin with them.
+    """
+    head, _ = _section(module, key)
+    if not head:
+        raise ValueError(
+            f"{_path(module).name} has no section '# {key}' that begins with 'place:'."
+        )
+    return [(name, value) for name, _, value in (line.partition(": ") for line in head.split("\n"))]
+
+
+def template(module: str, key: str) -> str:
+    """Return what is filled with the evidence of a claim: of its own section, or of all."""
+    own = _section(module, key)[1]
+    found = own if own.strip() else _section(module, COMMON)[1]
+    if not found:
         raise ValueError(f"{_path(module).name} has no section '# {key}'.")
-    return sections[key]
+    return found
+
+
+def _section(module: str, key: str) -> tuple[str, str]:
+    """Return the words of a claim and its template; empty what is not there."""
+    text = _sections(_path(module)).get(key, "")
+    head, _, rest = text.partition("\n\n")
+    return (head.rstrip(), rest) if head.startswith("place:") else ("", text)
 
 
 def _path(module: str) -> Path:

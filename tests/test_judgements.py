@@ -13,6 +13,7 @@ import pytest
 
 from paper_checks import claim as claims
 from paper_checks import outcome as outcomes
+from paper_checks import prose
 from paper_checks.claim import Claim, Method
 from paper_checks.discover import Entry, UnknownKeyError, select
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
@@ -179,6 +180,46 @@ def test_the_text_of_a_claim_is_beside_the_module_of_its_rule(
     monkeypatch.setattr(claims, "written", written)
     made_up(rule=lambda _: holds()).found(Seen(2.0))
     assert asked == [__name__, "k", Seen(2.0)]
+
+
+WORDS = """place: Eq. 1
+quote: It holds at $c = 1$.
+statement: It holds.
+recorded: holds only in part
+command: fronts check one  # as printed
+by: runs [verification.runs.simulate:simulate], for c = 1
+also: Section 2: it holds: always"""
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "said"),
+    [
+        ("quote: It holds at $c = 1$.\n", "", "the text of one has"),
+        ("statement:", "weight: 2\nstatement:", "the text of one has"),
+        ("place: Eq. 1\n", "", "begins with 'place:'"),
+        ("[verification.runs.simulate:simulate]", "by simulation", "write it as WORDS"),
+        ("only in part", "in part", "not a valid Verdict"),
+    ],
+)
+def test_the_words_of_a_claim_are_those_of_its_text_and_must_be_there(
+    monkeypatch: pytest.MonkeyPatch, line: str, instead: str, said: str
+) -> None:
+    def judged() -> Claim:
+        return Claim.beside("one", rule=lambda _: holds(), evidence=dict, weight=0)
+
+    monkeypatch.setattr(prose, "_sections", lambda _: {"one": f"{WORDS}\n\nvalue: 1\n"})
+    claim = judged()
+    assert claim.quote == "It holds at $c = 1$."
+    assert claim.command == "fronts check one  # as printed"
+    assert claim.recorded is Verdict.PARTIAL
+    assert claim.printed is None
+    assert claim.methods == (Method("runs", "verification.runs.simulate:simulate", "c = 1"),)
+    assert [(one.place, one.quote) for one in claim.repeats] == [("Section 2", "it holds: always")]
+    changed = WORDS.replace(line, instead)
+    assert changed != WORDS
+    monkeypatch.setattr(prose, "_sections", lambda _: {"one": changed})
+    with pytest.raises(ValueError, match=said):
+        judged()
 
 
 def test_a_claim_is_of_ordinary_weight_and_computed_in_every_run_unless_it_says_otherwise() -> None:

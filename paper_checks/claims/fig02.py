@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import corrected, fails, holds
@@ -29,11 +29,6 @@ AGREE = 1e-8
 """Between shooting and runs with scipy; both are good to 1e-9."""
 SETTLED = 500.0
 """τ after which sliding is steady on the scale of the picture: beats decay as exp(-0.009 τ)."""
-
-ORBITS = Method("both cycles by shooting, Taylor series from event to event",
-                "verification.cells.friction:friction_cell")  # fmt: skip
-EVENTS = "verification.references.friction_events:run_events"
-EVENT_RUNS = Method("runs with scipy's DOP853, events located on its dense output", EVENTS)
 
 
 @lru_cache(maxsize=1)
@@ -425,96 +420,10 @@ def rule_switch_model(e: SwitchModel) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="fig02-states",
-        place="Fig. 2",
-        quote="both states SS and stick-slip LC are stable for this parameters set",
-        statement="At v_d = 1.25 the cell has two stable states.",
-        printed="at μ_st = 1, μ_d = 0.5, v_0 = 0.5, ξ = 0.05, v_d = 1.25",
-        recorded=Verdict.REPRODUCED,
-        command="fronts cell friction --v-d 1.25",
-        evidence=two_states,
-        rule=rule_two_states,
-        figure=draw_two_states,
-        methods=(ORBITS, EVENT_RUNS),
-    ),
-    Claim(
-        key="fig02-regions",
-        place="Section 1.2",
-        quote="there exist three regions with different dynamics",
-        statement="At low belt velocity the cycle is stable, at high steady sliding, in between "
-        "both.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts cell friction --v-d 0.9:2:200 --out cell.png",
-        evidence=regions,
-        rule=rule_regions,
-        figure=draw_regions,
-        methods=(ORBITS, replace(EVENT_RUNS, covers="six belt velocities, two starts each")),
-    ),
-    Claim(
-        key="fig02-subcritical",
-        place="Introduction",
-        quote="for certain range of substrate velocity, experienced a subcritical "
-        "Hopf-bifurcation",
-        statement="Steady sliding of the cell loses stability in a subcritical Hopf bifurcation.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts cell friction --v-d 1.1513",
-        evidence=subcritical,
-        rule=rule_subcritical,
-        methods=(
-            Method("the unstable cycle by shooting", "verification.cells.friction:"
-                   "unstable_cycle"),
-            replace(EVENT_RUNS, covers="the two sides of the cycle at 0.01 above the Hopf "
-                    "velocity"),
-        ),
-    ),
-    Claim(
-        key="fig02-friction-law",
-        place="Eq. (2), text below it",
-        quote="from equation (2) it follows that $\\mu(0) = \\mu_{st}$ and "
-        "$\\mu(v_{rel} \\to \\infty) = \\mu_d$",
-        statement="The limits of (2) are μ_st at rest and μ_d at large relative velocity.",
-        printed="μ(0) = μ_st, μ(∞) = μ_d",
-        recorded=Verdict.CORRECTED,
-        command="fronts derive --equation 2",
-        evidence=friction_law,
-        rule=rule_friction_law,
-        methods=(Method("(2) evaluated at both ends, and as it is written for scipy",
-                        "verification.references.equations:dynamic_friction"),),
-        weight=0,
-    ),
-    Claim(
-        key="fig02-stick",
-        place="Eqs. (3), (6)",
-        quote="$|F| < \\mu_{st} F_N$ at $v_{rel} = 0$",
-        statement="While the cell sticks, |F| stays below μ_st.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts cell friction --v-d 1.25",
-        evidence=stick,
-        rule=rule_stick,
-        methods=(
-            Method("Taylor steps from event to event", "verification.runs.simulate:simulate"),
-            EVENT_RUNS,
-        ),
-        weight=0,
-    ),
-    Claim(
-        key="fig02-switch-model",
-        place="Section 1.1",
-        quote="We assumed that the oscillator sticks to the substrate for "
-        "$|\\tilde{v}_{rel}| < 10^{-4}$",
-        statement="The switch model with a stick band of 1e-4 and the trapezoidal rule gives the "
-        "motion.",
-        printed="10⁻⁴",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check fig02-switch-model",
-        evidence=switch_model,
-        rule=rule_switch_model,
-        methods=(
-            Method("the switch model, adaptive trapezoidal rule",
-                   "verification.references.switch_model:run_switch"),
-            ORBITS,
-        ),
-        weight=0,
-    ),
-)  # fmt: skip
+    Claim.beside("fig02-states", evidence=two_states, rule=rule_two_states, figure=draw_two_states),
+    Claim.beside("fig02-regions", evidence=regions, rule=rule_regions, figure=draw_regions),
+    Claim.beside("fig02-subcritical", evidence=subcritical, rule=rule_subcritical),
+    Claim.beside("fig02-friction-law", evidence=friction_law, rule=rule_friction_law, weight=0),
+    Claim.beside("fig02-stick", evidence=stick, rule=rule_stick, weight=0),
+    Claim.beside("fig02-switch-model", evidence=switch_model, rule=rule_switch_model, weight=0),
+)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
@@ -25,9 +25,6 @@ VANISHING = 0.05
 """Largest part of the core's amplitude that can be read as zero in the figure."""
 AGREE = 1e-3
 STYLES = (("o-", "blue"), ("s--", "vermilion"), ("^:", "green"))
-
-STEPS = Method("Taylor steps from event to event", "verification.runs.simulate:simulate")
-EVENTS = "verification.references.friction_events:run_events"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,62 +166,7 @@ def draw_front(e: Front) -> tuple[Picture, ...]:
 
 
 CLAIMS = (
-    Claim(
-        key="fig03-breather",
-        place="Fig. 3a, section 1.2",
-        quote="it is not possible to distinguish the three curves as they are superimposed",
-        statement="At c = 0.004 three excited sites stay a breather, the same at three times.",
-        printed="at c = 0.4 %, N_dof = 31, N_size = 3, τ = 200, 400, 600",
-        recorded=Verdict.REPRODUCED,
-        command="fronts simulate friction --n 31 --c 0.004 --excite 15:17 --t-end 600 --json",
-        evidence=breather,
-        rule=rule_superimposed,
-        figure=draw_breather,
-        methods=(STEPS, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
-                               "the arrivals")),
-        repeats=(
-            Repeat("Abstract", "Both exhibit discrete breathers (i.e. spatially localized periodic "
-                   "solutions) solutions for low coupling"),
-            Repeat("Introduction", "weakly coupled chains of frictional oscillators may experience "
-                   "spatially localized stick-slip vibrations"),
-            Repeat("Conclusions", "discrete breathers (i.e. spatially localized periodic "
-                   "solutions) are observed for low coupling"),
-        ),
-    ),
-    Claim(
-        key="fig03-vanishing",
-        place="Fig. 3a, section 1.2",
-        quote="surrounded by a Steady-Sliding (SS) domain (with vanishing amplitude)",
-        statement="Outside the nucleus the chain slides steadily, with vanishing amplitude.",
-        recorded=Verdict.PARTIAL,
-        command="fronts simulate friction --n 31 --c 0.004 --excite 15:17 --t-end 600 --json",
-        evidence=breather,
-        rule=rule_vanishing,
-        methods=(STEPS, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
-                               "the arrivals")),
-        weight=0,
-    ),
-    Claim(
-        key="fig03-front",
-        place="Fig. 3b, section 1.2",
-        quote="the stronger coupling in Figure 3b promotes propagation of the excited state into "
-        "the steady sliding domain",
-        statement="At c = 0.02 stick-slip spreads from the excited first site along the chain.",
-        printed="c = 2 %, N_dof = 31, N_size = 1, τ = 400, 700, 1000",
-        recorded=Verdict.REPRODUCED,
-        command="fronts simulate friction --n 31 --c 0.02 --excite 1 --t-end 1000 --json",
-        evidence=front,
-        rule=rule_front,
-        figure=draw_front,
-        methods=(STEPS, Method("DOP853 with located events on 8 sites to τ = 180", EVENTS,
-                               "the arrivals")),
-        repeats=(
-            Repeat("Abstract", "show propagation along the chain of high amplitude limit cycles "
-                   "for stronger elastic coupling"),
-            Repeat("Introduction", "the appearance of a parametric region where stick-slip "
-                   "oscillations propagates along the chain"),
-            Repeat("Introduction", "Both models have stable regimes of localized solutions and "
-                   "travelling waves"),
-        ),
-    ),
-)  # fmt: skip
+    Claim.beside("fig03-breather", evidence=breather, rule=rule_superimposed, figure=draw_breather),
+    Claim.beside("fig03-vanishing", evidence=breather, rule=rule_vanishing, weight=0),
+    Claim.beside("fig03-front", evidence=front, rule=rule_front, figure=draw_front),
+)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
@@ -31,10 +31,6 @@ felt there, and the sentence is about the chain and not its last sites."""
 KINDS = (("edge", 1), ("edge", 3), ("bulk", 1), ("bulk", 3), ("bulk", 7))
 ASIDE = 0.02
 """Distance from a threshold, relative, at which long runs must be on either side of it."""
-
-BISECTION = Method("bisection of runs from event to event",
-                   "verification.thresholds.spreading:spreading_threshold")  # fmt: skip
-EVENTS = "verification.references.friction_events:run_events"
 
 
 def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> float:
@@ -244,65 +240,8 @@ def rule_divides(e: LongRuns) -> Ruling:
     return fails("beside a threshold a nucleus spreads over a part of the chain and stops.")
 
 
-METHODS = (
-    BISECTION,
-    Method("DOP853 with located events on 5 sites to τ = 400", EVENTS,
-           "the arrivals on both sides of the thresholds of sizes 1 and 3 at the edge"),
-)  # fmt: skip
-
 CLAIMS = (
-    Claim(
-        key="fig04-edge",
-        place="Fig. 4, section 1.3",
-        quote="for “edge” excitation $(c)_{crit}$ drops of about 40% moving from $N_{size} = 1$ "
-        "to $N_{size} > 1$",
-        statement="For edge excitation the critical coupling falls by about 40 % from size 1 on.",
-        printed="about 40 %",
-        recorded=Verdict.REPRODUCED,
-        command="fronts threshold friction --place edge --nucleus 1 --accuracy 2e-5; "
-        "fronts threshold friction --place edge --nucleus 3 --accuracy 2e-5",
-        evidence=thresholds,
-        rule=rule_edge,
-        figure=draw,
-        methods=METHODS,
-        repeats=(Repeat("Caption of Fig. 4", "the critical stiffness for propagation falls of "
-                        "about 40%"),),
-        shared=thresholds,
-    ),
-    Claim(
-        key="fig04-bulk",
-        place="Fig. 4, section 1.3",
-        quote="for “bulk” excitation $(c)_{crit}$ remains almost insensitive to $N_{size}$",
-        statement="For bulk excitation the critical coupling is almost insensitive to the size.",
-        printed="at N_size = 1, 3, 5, 7, 9, N_dof = 31",
-        recorded=Verdict.PARTIAL,
-        command="fronts threshold friction --place bulk --nucleus 1 --accuracy 2e-5; "
-        "fronts threshold friction --place bulk --nucleus 3 --accuracy 2e-5",
-        evidence=thresholds,
-        rule=rule_bulk,
-        methods=METHODS,
-        repeats=(Repeat("Caption of Fig. 4", "In case of bulk excitation […] the critical elastic "
-                        "coupling is almost insensitive to $N_{size}$"),),
-        shared=thresholds,
-    ),
-    Claim(
-        key="fig04-divides",
-        place="Caption of Fig. 4",
-        quote="Below (above) the critical value discrete breather (front propagation) are expected",
-        statement="Below the critical coupling a nucleus stays; above it a front travels.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts threshold friction --place edge --nucleus 3 --definition whole "
-        "--final-time 60000",
-        evidence=long_runs,
-        rule=rule_divides,
-        methods=(BISECTION, Method("DOP853 with located events on 5 sites to τ = 400", EVENTS,
-                                   "the arrivals beside the threshold of edge, size 1")),
-        repeats=(
-            Repeat("Section 1.3", "a stronger coupling promotes propagation of high amplitude "
-                   "vibrations along the chain"),
-            Repeat("Section 1.2", "changing the initial conditions and depending on the elastic "
-                   "coupling strength, different dynamical behaviors are observed"),
-        ),
-        expensive=True,
-    ),
-)  # fmt: skip
+    Claim.beside("fig04-edge", evidence=thresholds, rule=rule_edge, figure=draw, shared=thresholds),
+    Claim.beside("fig04-bulk", evidence=thresholds, rule=rule_bulk, shared=thresholds),
+    Claim.beside("fig04-divides", evidence=long_runs, rule=rule_divides, expensive=True),
+)

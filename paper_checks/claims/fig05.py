@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, arrivals_by_scipy, chain_of, disagreement
 from paper_checks.claims._maps import FEW, REGIONS, LabelledMap
 from paper_checks.report.data_table import long_table
@@ -26,15 +26,6 @@ REFINED = 0.125
 """Part of the spacing to which boundaries are bisected."""
 CHECKED = ((0.095, 1.05, 7), (0.095, 1.45, 1), (0.005, 1.55, 1))
 """c, v_d and the sites that stick by τ = 80: a front, steady sliding, a breather."""
-
-LABELS = Method(
-    "runs from event to event until a rule names the state, each twice, the second "
-    "time perturbed by 1e-6",
-    "verification.maps.state_map:StateTask",
-)
-SCIPY = Method("DOP853 with located events on 7 sites to τ = 80",
-               "verification.references.friction_events:run_events",
-               "the arrivals at three points of the map")  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,38 +175,8 @@ def rule_lasting(e: Lasting) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="fig05-regions",
-        place="Fig. 5, section 1.3",
-        quote="DB solutions exist only for low elastic coupling, as it should be expected. "
-        "Increasing the coupling strength the DB region shrinks and only the two homogenous "
-        "states remain",
-        statement="Breathers exist at low coupling only; their region shrinks as c grows, and two "
-        "states remain.",
-        printed="at N_dof = 31, N_size = 1, c from 0 to 0.1, v_d from 1 to 2",
-        recorded=Verdict.REPRODUCED,
-        command="fronts map friction --c 0.005:0.095:10 --v-d 1.05:1.95:10 --refine 0.125 "
-        "--picture map.png",
-        evidence=state_map,
-        rule=rule_map,
-        figure=draw_map,
-        methods=(LABELS, SCIPY),
-        expensive=True,
+    Claim.beside(
+        "fig05-regions", evidence=state_map, rule=rule_map, figure=draw_map, expensive=True
     ),
-    Claim(
-        key="fig05-after-front",
-        place="Section 1.3, after Fig. 5",
-        quote="for finite size chains, after propagation all the oscillators experience stick-slip "
-        "limit cycles, or, for higher velocity steady-sliding with no vibrations",
-        statement="In the end all oscillators stick-slip or, at higher velocity, all slide.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts map friction --c 0.095 --v-d 1.1:1.9:9",
-        evidence=lasting,
-        rule=rule_lasting,
-        methods=(
-            Method("runs from event to event to τ = 12000",
-                   "verification.runs.friction_integration:FrictionIntegration"),
-            replace(SCIPY, covers="the arrivals at two velocities"),
-        ),
-    ),
-)  # fmt: skip
+    Claim.beside("fig05-after-front", evidence=lasting, rule=rule_lasting),
+)

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
@@ -27,10 +27,6 @@ SCIPY = ((0.02, 300.0), (0.05, 110.0), (0.1, 70.0))
 """Couplings at which the first six sites are run by scipy as well, and for how long."""
 RESIDUAL = 0.02
 """Part of the largest velocity: about the size of a mark in a printed figure."""
-
-FITTED = Method("arrival times of runs from event to event, fitted by a line",
-                "verification.fronts.measure:measure_front")  # fmt: skip
-EVENTS = "verification.references.friction_events:run_events"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,56 +194,18 @@ def rule_no_propagation(e: NoPropagation) -> Ruling:
     return fails("below the threshold other sites stick.")
 
 
-METHODS = (FITTED, Method("DOP853 with located events on 6 sites", EVENTS,
-                          "the arrivals at c = 0.02, 0.05 and 0.1"))  # fmt: skip
-
 CLAIMS = (
-    Claim(
-        key="fig06-linear",
-        place="Fig. 6, section 1.3",
-        quote="scales linearly with the elastic coupling coefficient c (except in the vicinity of "
-        "$c_{crit}$)",
-        statement="Beyond the vicinity of c_crit the velocity of the front is linear in c.",
-        printed="at N_dof = 31, N_size = 1, v_d = 1.25",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front friction --c 0.1 --n 61; fronts front friction --c 1 --n 101",
+    Claim.beside(
+        "fig06-linear",
         evidence=velocities,
         rule=rule_linear,
         figure=draw_velocities,
-        methods=METHODS,
-        repeats=(Repeat("Section 1.3", "rapidly increases and then scales linearly with $c$"),),
         shared=no_propagation,
     ),
-    Claim(
-        key="fig06-threshold",
-        place="Caption of Fig. 6",
-        quote="For $c < c_{crit}$ there is no propagation",
-        statement="Below c_crit there is no propagation.",
-        printed="N_size = 1, edge",
-        recorded=Verdict.REPRODUCED,
-        command="fronts threshold friction --place edge --nucleus 1 --accuracy 2e-5",
-        evidence=no_propagation,
-        rule=rule_no_propagation,
-        methods=(
-            Method("bisection and runs from event to event to τ = 4000",
-                   "verification.thresholds.spreading:spreading_threshold"),
-            Method("DOP853 with located events on 5 sites", EVENTS,
-                   "the arrivals 2 % on either side of the threshold"),
-        ),
-        shared=no_propagation,
+    Claim.beside(
+        "fig06-threshold", evidence=no_propagation, rule=rule_no_propagation, shared=no_propagation
     ),
-    Claim(
-        key="fig06-rapid",
-        place="Fig. 6, section 1.3",
-        quote="after a critical coupling strength is reached, the velocity of propagation "
-        "$\\tilde{v}_{front}$ rapidly increases",
-        statement="Once the critical coupling is reached the velocity increases rapidly.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front friction --c 0.012 --n 31 --accuracy 0.02",
-        evidence=velocities,
-        rule=rule_rapid,
-        methods=METHODS,
-        shared=no_propagation,
-        weight=0,
+    Claim.beside(
+        "fig06-rapid", evidence=velocities, rule=rule_rapid, shared=no_propagation, weight=0
     ),
-)  # fmt: skip
+)

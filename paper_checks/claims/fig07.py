@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, flow
 from paper_checks.claims._orbits import CENTRE, SITES, orbit_of
 from paper_checks.report.data_table import Curves, long_table
@@ -136,42 +136,7 @@ def draw(e: Localised) -> tuple[Picture, ...]:
     return (picture("fig07-breather", figure, long_table(curves)),)
 
 
-METHODS = (
-    Method("periodic orbit by shooting with Taylor series",
-           "verification.breathers.orbits:solve_orbit"),
-    Method("run of (8) with scipy's DOP853", "paper_checks.claims._breathers:flow"),
-)  # fmt: skip
-
 CLAIMS = (
-    Claim(
-        key="fig07-localised",
-        place="Fig. 7, section 2.1",
-        quote="The obtained breather is instantiated by originally placing a single particle close "
-        "to the stable limit cycle",
-        statement="One site placed near the limit cycle gives a localised periodic solution.",
-        printed="at a = 2.5, b = 0.5, c = 0.1, ε = 0.01",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --c 0.1 --method simulation",
-        evidence=localised,
-        rule=rule_localised,
-        figure=draw,
-        methods=METHODS,
-        repeats=(
-            Repeat("Abstract", "Both exhibit discrete breathers […] for low coupling"),
-            Repeat("Conclusions", "In both models, discrete breathers […] are observed for low "
-                   "coupling"),
-        ),
-    ),
-    Claim(
-        key="fig07-decay",
-        place="Fig. 7, section 2.1",
-        quote="a classically localized solution with an exponential decay",
-        statement="The amplitudes of Fig. 7 decay exponentially.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --c 0.1 --method orbit",
-        evidence=localised,
-        rule=rule_decay,
-        methods=METHODS,
-        repeats=(Repeat("Section 2.1, after Eq. (9)", "We assume constant $k_1$ and $k_2$"),),
-    ),
-)  # fmt: skip
+    Claim.beside("fig07-localised", evidence=localised, rule=rule_localised, figure=draw),
+    Claim.beside("fig07-decay", evidence=localised, rule=rule_decay),
+)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
 from paper_checks.claims._orbits import CENTRE, SMALL, averaged_of, orbit_of
 from paper_checks.report.data_table import Curves, long_table
@@ -211,61 +211,18 @@ def draw_assumptions(e: Assumptions) -> tuple[Picture, ...]:
     return (picture("fig08-assumptions", figure, long_table(curves)),)
 
 
-ORBIT = Method("periodic orbits of (8) by shooting", "verification.breathers.orbits:solve_orbit")
-
 CLAIMS = (
-    Claim(
-        key="fig08-amplitudes",
-        place="Fig. 8, section 2.1.3",
-        quote="Numerical verification for the particles $n=0$, $n=1$ is presented in Figure 8 and "
-        "a very good match is observed",
-        statement="The closed form matches the numerical amplitudes of n = 0 and 1 very well.",
-        printed="at a = 2.5, b = 0.5, ε = 0.01",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --c 0.1 --method closed-form",
-        evidence=amplitudes,
-        rule=rule_amplitudes,
-        figure=draw_amplitudes,
-        methods=(
-            ORBIT,
-            Method("scipy's DOP853 over one period", "paper_checks.claims._breathers:flow",
-                   "the orbits at c = 0.1 and 0.19"),
-        ),
-        repeats=(Repeat("Section 2.1.3", "this allows the estimation of the amplitudes of all "
-                        "particles according by the simple expression (38)"),),
+    Claim.beside(
+        "fig08-amplitudes", evidence=amplitudes, rule=rule_amplitudes, figure=draw_amplitudes
     ),
-    Claim(
-        key="fig08-assumptions",
-        place="Eqs. (27), (30), (37)",
-        quote="assumption (27) has to verified for self-consistency through numerical simulations",
-        statement="The frequency is 1 + εc with δ ≪ c, and neighbours lag by π/2.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --c 0.1 --method orbit",
+    Claim.beside(
+        "fig08-assumptions",
         evidence=assumptions,
         rule=rule_assumptions,
         figure=draw_assumptions,
-        methods=(
-            ORBIT,
-            Method("exact breather of the averaged chain",
-                   "verification.breathers.phase_locked:solve"),
-        ),
         shared=assumptions,
     ),
-    Claim(
-        key="fig08-neglected",
-        place="Section 2.1.1, Eq. (28)",
-        quote="By substitution of (27) into (26), we achieve that […] $\\approx$",
-        statement="With (27) the square of δ can be neglected in (26), which gives (28).",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --c 0.1 --method orbit",
-        evidence=assumptions,
-        rule=rule_neglected,
-        methods=(
-            ORBIT,
-            Method("exact breather of the averaged chain",
-                   "verification.breathers.phase_locked:solve", "δ = 0 as ε → 0"),
-        ),
-        weight=0,
-        shared=assumptions,
+    Claim.beside(
+        "fig08-neglected", evidence=assumptions, rule=rule_neglected, weight=0, shared=assumptions
     ),
-)  # fmt: skip
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
 from paper_checks.claims._orbits import SITES, orbit_of
 from paper_checks.report.data_table import long_table
@@ -191,42 +191,8 @@ def rule_escape(e: Escape) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="fig09-multipliers",
-        place="Fig. 9, section 2.1.4",
-        quote="about the value of $c = 0.195$ the two multipliers cross the unit circle, implying "
-        "a loss of stability",
-        statement="At about c = 0.195 two multipliers of the breather cross the unit circle.",
-        printed="0.195",
-        recorded=Verdict.PARTIAL,
-        command="fronts threshold vdp --nucleus 1 --method orbit",
-        evidence=multipliers,
-        rule=rule_multipliers,
-        figure=draw,
-        methods=(
-            Method("variational equations by Taylor series",
-                   "verification.breathers.floquet:approximate_multipliers"),
-            Method("differences of scipy's flow",
-                   "paper_checks.claims._breathers:monodromy_by_differences",
-                   "the three largest at c = 0.19"),
-        ),
-        weight=2,
+    Claim.beside(
+        "fig09-multipliers", evidence=multipliers, rule=rule_multipliers, figure=draw, weight=2
     ),
-    Claim(
-        key="fig09-escape",
-        place="Section 2.1.4, before Fig. 9",
-        quote="loss of stability corresponds to escape of multipliers from the unit circle",
-        statement="Loss of stability corresponds to the escape of multipliers.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --a 2.5 --b 0.5 --c 0.15 --method all",
-        evidence=escape,
-        rule=rule_escape,
-        methods=(
-            Method("multipliers of the periodic orbit by variational equations",
-                   "verification.breathers.orbits:solve_orbit"),
-            Method("runs of (8) by scipy from the perturbed orbit",
-                   "paper_checks.claims._breathers:flow"),
-        ),
-        weight=0,
-    ),
-)  # fmt: skip
+    Claim.beside("fig09-escape", evidence=escape, rule=rule_escape, weight=0),
+)

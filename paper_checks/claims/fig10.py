@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
@@ -152,24 +152,5 @@ def draw(e: InPhase) -> tuple[Picture, ...]:
 
 
 CLAIMS = (
-    Claim(
-        key="fig10-in-phase",
-        place="Fig. 10, section 2.2",
-        quote="We instantiate DBs with different odd nucleus sizes (3, 5, 7, etc) in the “in-phase”"
-        " mode of oscillation, […] until the solution with the required nucleus size reaches "
-        "steady state",
-        statement="Nuclei of 3 and 7 sites prepared in phase reach a steady breather at c = 0.1.",
-        printed="at a = 2.5, b = 0.5, c = 0.1, ε = 0.01",
-        recorded=Verdict.PARTIAL,
-        command="fronts breather --c 0.1 --nucleus 3 --method simulation",
-        evidence=in_phase,
-        rule=rule_in_phase,
-        figure=draw,
-        methods=(
-            Method("runs of the averaged chain", "verification.thresholds.preparation:hold"),
-            Method("run of (8) with scipy's DOP853", "paper_checks.claims._breathers:flow",
-                   "the phase steps of three sites at εt = 12"),
-        ),
-        weight=2,
-    ),
-)  # fmt: skip
+    Claim.beside("fig10-in-phase", evidence=in_phase, rule=rule_in_phase, figure=draw, weight=2),
+)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, monodromy_by_differences
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
@@ -457,99 +457,19 @@ def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     return (picture("fig11-nuclei", figure, long_table(curves)),)
 
 
-ORBIT = Method(
-    "continuation of periodic orbits of (8) through their folds",
-    "verification.thresholds.continuation:breather_threshold",
-)
-RUNS = Method(
-    "bisection of runs of the averaged chain",
-    "verification.thresholds.escape:escape_threshold",
-    "sizes 1, 3 and 5 as ε → 0",
-)
-LOCKED = Method("all phase-locked breathers by Newton's method, with their exponents",
-                "verification.breathers.phase_locked:locked_breathers")  # fmt: skip
-
 CLAIMS = (
-    Claim(
-        key="fig11-values",
-        place="Fig. 11, section 2.2",
-        quote="it starts when the solution with nucleus size of 1 loses stability at $c = 0.1916$ "
-        "and the process ends when the coupling reaches the value of $\\bar{c}_{cr} = 0.2011$",
-        statement="Nuclei of size 1 and 3 are lost at c = 0.1916 and 0.2011.",
-        printed="0.1916, 0.2011",
-        recorded=Verdict.NOT_REPRODUCED,
-        command="fronts threshold vdp --nucleus 1 --method orbit; "
-        "fronts threshold vdp --nucleus 3 --method orbit",
-        evidence=sweeps,
-        rule=rule_values,
-        figure=draw_values,
-        methods=(ORBIT, RUNS),
-        repeats=(
-            Repeat("Section 2.2", "$c_{cr}$ has a limiting value $\\bar{c}_{cr} = 0.2011$ (obtained"
-                   " for nucleus of size 3)"),
-            Repeat("Section 2.2", "the nucleation process occurs for a very narrow range of "
-                   "parameters"),
-        ),
-        shared=folds,
+    Claim.beside(
+        "fig11-values", evidence=sweeps, rule=rule_values, figure=draw_values, shared=folds
     ),
-    Claim(
-        key="fig11-order",
-        place="Fig. 11, section 2.2",
-        quote="it starts when the solution with nucleus size of 1 loses stability […] and the "
-        "process ends when the coupling reaches the value of $\\bar{c}_{cr}$",
-        statement="The breather of size 1 is lost first, that of size 3 last.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts threshold vdp --nucleus 3 --method orbit",
-        evidence=folds,
-        rule=rule_order,
-        methods=(ORBIT, RUNS),
-        shared=folds,
-    ),
-    Claim(
-        key="fig11-converged",
-        place="Fig. 11, section 2.2",
-        quote="The value of $c_{cr}$ converges to a constant value from nucleus size of 5",
-        statement="The critical coupling is constant from nucleus size 5 on.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts threshold vdp --nucleus 5 --method orbit; "
-        "fronts threshold vdp --nucleus 9 --method orbit",
-        evidence=folds,
-        rule=rule_converged,
-        methods=(ORBIT, RUNS),
-        shared=folds,
-    ),
-    Claim(
-        key="fig11-stable",
-        place="Section 2.2",
-        quote="we gradually and slowly increase the bifurcation parameter (in this case $c$) to "
-        "obtain the value of stability loss",
-        statement="Breathers of 3, 5, 7 sites are stable until they lose stability as c grows.",
-        recorded=Verdict.PARTIAL,
-        command="fronts breather --c 0.1 --nucleus 3 --method orbit",
+    Claim.beside("fig11-order", evidence=folds, rule=rule_order, shared=folds),
+    Claim.beside("fig11-converged", evidence=folds, rule=rule_converged, shared=folds),
+    Claim.beside(
+        "fig11-stable",
         evidence=nuclei,
         rule=rule_stable,
         figure=draw_nuclei,
-        methods=(LOCKED, Method("continuation of the averaged chain and its exponents",
-                                "verification.breathers.envelope:solve_envelope_breather",
-                                "the mirror-symmetric breathers at c = 0.1")),
         weight=2,
         expensive=True,
     ),
-    Claim(
-        key="fig11-all-lost",
-        place="Section 2.2",
-        quote="the value of $\\bar{c}_{cr} = 0.2011$, where all possible nuclei lose stability",
-        statement="At c = 0.2011 all possible nuclei have lost stability.",
-        printed="0.2011",
-        recorded=Verdict.REPRODUCED,
-        command="fronts threshold vdp --nucleus 3 --method orbit",
-        evidence=nuclei,
-        rule=rule_all_lost,
-        methods=(LOCKED, Method("runs of the averaged chain from nuclei of random phases",
-                                "verification.runs.envelope_run:run_envelope",
-                                "sizes 1 to 8 at c = 0.2011")),
-        repeats=(Repeat("Section 2.2", "the propagating front becomes the lone stable solution, "
-                        "when all the possible DBs lose stability"),),
-        expensive=True,
-    ),
-)  # fmt: skip
+    Claim.beside("fig11-all-lost", evidence=nuclei, rule=rule_all_lost, expensive=True),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, A, B, arrivals_of_chain
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import new_panels, picture
@@ -103,31 +103,4 @@ def draw(e: Steady) -> tuple[Picture, ...]:
     return (picture("fig12-front", figure, long_table(series)),)
 
 
-CLAIMS = (
-    Claim(
-        key="fig12-steady",
-        place="Fig. 12, section 2.3.1",
-        quote="The spatial form of the chain is plotted at three instances to demonstrate the "
-        "steady propagation",
-        statement="A front runs steadily along the chain, site after site.",
-        printed="at a = 4, b = 0.5, c = 0.6, ε = 0.01; t = 14000, 17000, 20000",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front vdp --a 4 --b 0.5 --c 0.6 --eps 0.01",
-        evidence=steady,
-        rule=rule_steady,
-        figure=draw,
-        methods=(
-            Method("(8) by a Runge-Kutta method of order 8, sites at rest left out",
-                   "verification.runs.simulate:simulate"),
-            Method("scipy's DOP853 on 12 sites",
-                   "paper_checks.claims._fronts:arrivals_of_chain", "the first 8 arrivals"),
-        ),
-        repeats=(
-            Repeat("Section 2.3.1", "successive transition of particles from the trivial "
-                   "equilibrium into the oscillation regime within the stable limit cycle"),
-            Repeat("Abstract", "show propagation along the chain of high amplitude limit cycles"),
-            Repeat("Conclusions", "the discrete breather solution loses stability and high "
-                   "amplitude limit cycles start to propagate and spread within the chain"),
-        ),
-    ),
-)  # fmt: skip
+CLAIMS = (Claim.beside("fig12-steady", evidence=steady, rule=rule_steady, figure=draw),)

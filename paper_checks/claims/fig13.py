@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import (
     EPS,
     A,
@@ -299,51 +299,13 @@ def draw_law(e: Law) -> tuple[Picture, ...]:
 
 
 CLAIMS = (
-    Claim(
-        key="fig13-scaling",
-        place="Fig. 13, section 2.3.1",
-        quote="the scaling of $\\hat{v}$ with respect to coupling $c$ (Figure 13) which turns out "
-        "to be asymptotically linear",
-        statement="The scaled front velocity is asymptotically linear in the coupling.",
-        printed="at a = 4, b = 0.5",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front envelope --a 4 --b 0.5 --c 100 --accuracy 1e-3; "
-        "fronts front vdp --a 4 --b 0.5 --c 3 --accuracy 1e-3",
-        evidence=scaling,
-        rule=rule_scaling,
-        figure=draw,
-        methods=(
-            Method("(8) and (43) run directly, arrival times fitted",
-                   "verification.fronts.measure:measure_front"),
-            Method("scipy's DOP853 on the real reduced chain of quarter-turn phase steps",
-                   "paper_checks.claims._fronts:staggered_velocity", "c = 0.3, 0.6 and 1"),
-        ),
-        repeats=(
-            Repeat("Introduction", "the velocity of propagation can be nearly linearly scaled as a "
-                   "function of the coupling coefficient"),
-            Repeat("Abstract", "above a certain critical coupling, the velocity of propagation "
-                   "scales linearly with the elastic coupling coefficient"),
-            Repeat("Conclusions", "propagate in the chain with a velocity that scales linearly "
-                   "with the elastic coupling coefficient"),
-        ),
-    ),
-    Claim(
-        key="fig13-similar",
-        place="Section 2.3.1, after Fig. 12",
-        quote="This finding is similar to the friction-excited system",
-        statement="The scaling of the front velocity is similar to that of Model I.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front vdp --a 4 --b 0.5 --c 1 --eps 0.01 --accuracy 1e-5",
+    Claim.beside("fig13-scaling", evidence=scaling, rule=rule_scaling, figure=draw),
+    Claim.beside(
+        "fig13-similar",
         evidence=velocity_law,
         rule=rule_law,
         figure=draw_law,
-        methods=(
-            Method("(8) run directly, arrival times fitted",
-                   "verification.fronts.measure:measure_front"),
-            Method("the law for large c, κ from a boundary-value problem without time",
-                   "theory.averaged.front:strong_coupling_front", "c from 100 on"),
-        ),
         expensive=True,
         weight=0,
     ),
-)  # fmt: skip
+)

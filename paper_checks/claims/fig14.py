@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, staggered_velocity
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
@@ -103,24 +103,4 @@ def draw(e: Collapse) -> tuple[Picture, ...]:
     return (picture("fig14-collapse", figure, long_table(curves)),)
 
 
-CLAIMS = (
-    Claim(
-        key="fig14-collapse",
-        place="Fig. 14, section 2.3.1",
-        quote="results obtained for different sets of $a, b$ […], all collapsing on the same line",
-        statement="Velocities for different a and b depend on η = b/a² only.",
-        printed="at c = 0.3",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front envelope --a 4 --b 0.16 --c 0.3; "
-        "fronts front envelope --a 1 --b 0.01 --c 0.3",
-        evidence=collapse,
-        rule=rule_collapse,
-        figure=draw,
-        methods=(
-            Method("(8) run directly, arrival times fitted",
-                   "verification.fronts.measure:measure_front"),
-            Method("scipy's DOP853 on the reduced averaged chain",
-                   "paper_checks.claims._fronts:staggered_velocity", "η = 0.01 and 0.03"),
-        ),
-    ),
-)  # fmt: skip
+CLAIMS = (Claim.beside("fig14-collapse", evidence=collapse, rule=rule_collapse, figure=draw),)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._maps import FEW, REGIONS, LabelledMap
 from paper_checks.report.data_table import long_table
 from paper_checks.report.pictures import new_axes, picture
@@ -255,51 +255,7 @@ def rule_alike(e: Alike) -> Ruling:
     return fails("the two maps do not have the same states in the same places.")
 
 
-SCIPY = Method("(8) by scipy's DOP853, sites on the cycle counted at εt = 60",
-               "verification.references.equations:full_rate",
-               "the labels of Model II at three points")  # fmt: skip
-
 CLAIMS = (
-    Claim(
-        key="fig15-regions",
-        place="Fig. 15, section 2.3.1",
-        quote="a map of the different dynamical states in the system, namely: front-propagation, "
-        "discrete breathers and trivial fixed point",
-        statement="The states met over (η, c) are fronts, breathers and the fixed point.",
-        printed="at 16 oscillators, displacement 6, ε = 0.01",
-        recorded=Verdict.REPRODUCED,
-        command="fronts map vdp --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv --picture map.png",
-        evidence=state_map,
-        rule=rule_map,
-        figure=draw,
-        methods=(
-            Method("(8) by an 8(5,3) Runge-Kutta pair until a rule names the state, each start "
-                   "twice, the second time perturbed by 1e-6",
-                   "verification.maps.state_map:StateTask"),
-            SCIPY,
-        ),
-        expensive=True,
-    ),
-    Claim(
-        key="fig15-alike",
-        place="Section 2.3.1, Fig. 15",
-        quote="Quite remarkably, the map looks qualitatively similar to Figure 5",
-        statement="The map of states of Model II looks qualitatively like that of Model I.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts map friction --c 0:0.1:21 --v-d 1:2:21",
-        evidence=alike,
-        rule=rule_alike,
-        methods=(
-            Method("labels by rules of runs, I from event to event, II by the averaged chain",
-                   "verification.maps.state_map:StateTask"),
-            SCIPY,
-        ),
-        repeats=(
-            Repeat("Abstract", "The two models show very similar dynamical features"),
-            Repeat("Section 2.3.1", "strengthening the assumed link between the two systems"),
-            Repeat("Conclusions", "even if the two models are different, their dynamical behavior "
-                   "share very similar features"),
-        ),
-        expensive=True,
-    ),
-)  # fmt: skip
+    Claim.beside("fig15-regions", evidence=state_map, rule=rule_map, figure=draw, expensive=True),
+    Claim.beside("fig15-alike", evidence=alike, rule=rule_alike, expensive=True),
+)

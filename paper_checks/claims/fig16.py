@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
-from paper_checks.claims._simplified import CHAIN
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
@@ -140,39 +139,9 @@ def draw(e: Profile) -> tuple[Picture, ...]:
     return (picture("fig16-profile", figure, long_table(curves)),)
 
 
-METHODS = (
-    Method("closed integral over one period, with a bound on the tails",
-           "theory.piecewise.profile:front_profile"),
-    replace(CHAIN, covers="the sites from -10 to 10"),
-)  # fmt: skip
-
 CLAIMS = (
-    Claim(
-        key="fig16-admissible",
-        place="Fig. 16, after Eq. (54)",
-        quote="The solution clearly satisfies the admissibility condition",
-        statement="The solution of Fig. 16 satisfies the admissibility condition.",
-        printed="at a = 4, b = 0.5, c = 0.5",
-        recorded=Verdict.REPRODUCED,
-        command="fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png",
-        evidence=profile,
-        rule=rule_admissible,
-        figure=draw,
-        methods=METHODS,
-        shared=profile,
+    Claim.beside(
+        "fig16-admissible", evidence=profile, rule=rule_admissible, figure=draw, shared=profile
     ),
-    Claim(
-        key="fig16-limits",
-        place="Fig. 16, after Eq. (54)",
-        quote="converges to constant values at $\\pm\\infty$ of $\\varphi(\\zeta \\to \\infty) = 0,"
-        "\\ \\varphi(\\zeta \\to -\\infty) = \\varphi_s$",
-        statement="The solution converges to 0 ahead of the front and to φ_s behind it.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts profile --c 0.5 --a 4 --b 0.5 --from -25 --to 25 --json",
-        evidence=profile,
-        rule=rule_limits,
-        methods=METHODS,
-        weight=0,
-        shared=profile,
-    ),
-)  # fmt: skip
+    Claim.beside("fig16-limits", evidence=profile, rule=rule_limits, weight=0, shared=profile),
+)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Picture, Ruling, Verdict
-from paper_checks.claims._simplified import CHAIN, KINETIC
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.report.velocity_plot import (
@@ -300,43 +299,9 @@ def rule_admissibility(e: Admissibility) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="fig17-linear",
-        place="Fig. 17, section 2.3.2",
-        quote="The scaling is asymptotically linear, thus recovering one of the major features of "
-        "model (8)",
-        statement="The velocity of the simplified model is asymptotically linear in c.",
-        printed="at a = 4, b = 0.5",
-        recorded=Verdict.NOT_REPRODUCED,
-        command="fronts kinetic --c 10000 --a 4 --b 0.5  # the exponent is c/v dv/dc",
-        evidence=scaling,
-        rule=rule_scaling,
-        figure=draw_scaling,
-        methods=(KINETIC, replace(CHAIN, covers="c up to 3")),
-        weight=2,
+    Claim.beside(
+        "fig17-linear", evidence=scaling, rule=rule_scaling, figure=draw_scaling, weight=2
     ),
-    Claim(
-        key="fig17-implicit",
-        place="After Eq. (54)",
-        quote="Eq. (54) is an implicit expression for the velocity of propagation $\\hat{v}$ as a "
-        "function of $\\eta$, $c$",
-        statement="(54) is an implicit expression for the velocity.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts kinetic --c 0.445 --a 4 --b 0.5",
-        evidence=implicit,
-        rule=rule_implicit,
-        methods=(KINETIC, CHAIN),
-    ),
-    Claim(
-        key="fig17-condition",
-        place="Section 2.3.2, Eq. (47)",
-        quote="This condition doesn't restrict the scope of the analysis as far as the "
-        "self-consistency is satisfied",
-        statement="Condition (47) loses no front, if solutions are checked for it.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts front piecewise --c 2 --a 4 --b 0.5",
-        evidence=admissibility,
-        rule=rule_admissibility,
-        methods=(KINETIC, CHAIN),
-    ),
-)  # fmt: skip
+    Claim.beside("fig17-implicit", evidence=implicit, rule=rule_implicit),
+    Claim.beside("fig17-condition", evidence=admissibility, rule=rule_admissibility),
+)

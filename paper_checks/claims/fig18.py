@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import staggered_velocity, sum_on_the_line
-from paper_checks.claims._simplified import CHAIN, KINETIC
 from paper_checks.report.data_table import Curves, long_table
 from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.report.velocity_plot import (
@@ -247,47 +246,7 @@ def rule_explicit(e: Explicit) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="fig18-alike",
-        place="Fig. 18, section 2.3.2",
-        quote="The qualitative behavior is similar to the one observed for the VdP system",
-        statement="The dependence of the velocity on η is qualitatively that of the VdP system.",
-        printed="at c = 0.3",
-        recorded=Verdict.REPRODUCED,
-        command="fronts kinetic --c 0.3 --eta 0.001:0.022:100 --out curve.png",
-        evidence=alike,
-        rule=rule_alike,
-        figure=draw,
-        methods=(KINETIC, CHAIN),
-    ),
-    Claim(
-        key="fig18-any",
-        place="Section 2.3.2, after Eq. (54)",
-        quote="It can be solved numerically to find the value of $\\hat{v}$ for any set of "
-        "parameters $\\eta$, $c$",
-        statement="(54) can be solved numerically for the velocity at any set of η and c.",
-        recorded=Verdict.PARTIAL,
-        command="fronts kinetic --c 2 --eta 0.11",
-        evidence=any_set,
-        rule=rule_any_set,
-        methods=(KINETIC, CHAIN),
-    ),
-    Claim(
-        key="fig18-explicit",
-        place="After Eq. (54)",
-        quote="$\\hat{v}$ can't be explicitly extracted due the infinite number of complex roots "
-        "$M^+$",
-        statement="v̂ cannot be extracted explicitly because of the infinite number of roots.",
-        recorded=Verdict.PARTIAL,
-        command="fronts sum --v 0.3 --c 0.5 --method integral",
-        evidence=explicit,
-        rule=rule_explicit,
-        methods=(
-            Method("periodised integral by the trapezoidal rule",
-                   "theory.piecewise.sums.integral:sum_by_integral"),
-            Method("integral over the real line by scipy's adaptive quadrature",
-                   "paper_checks.claims._fronts:sum_on_the_line", "Σ(0.3, 0.5)"),
-        ),
-        weight=0,
-    ),
-)  # fmt: skip
+    Claim.beside("fig18-alike", evidence=alike, rule=rule_alike, figure=draw),
+    Claim.beside("fig18-any", evidence=any_set, rule=rule_any_set),
+    Claim.beside("fig18-explicit", evidence=explicit, rule=rule_explicit, weight=0),
+)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS
 from paper_checks.claims._breathers import A as VDP_A
 from paper_checks.claims._breathers import B as VDP_B
@@ -26,9 +26,6 @@ EXACT = 1e-12
 """Rounding."""
 APART = 1e-3
 """What a wrong reading must differ by, at least."""
-SPRING = Method("eigenfrequencies of five undamped sites by (1) and by (5)",
-                "paper_checks.claims.text_friction:spring")  # fmt: skip
-BY_HAND = Method("computed by hand in a few lines", "paper_checks.claims.text_friction:ends")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -277,95 +274,11 @@ def rule_nucleation(e: Nucleation) -> Ruling:
     return fails("the front does not grow from the nucleus, site after site.")
 
 
-EVENTS = "verification.references.friction_events:run_events"
-EVENT_RUNS = Method(
-    "runs from event to event", "verification.runs.friction_integration:FrictionIntegration"
-)
-
 CLAIMS = (
-    Claim(
-        key="text-patterns",
-        place="Introduction",
-        quote="different localized patterns arose, depending on the initial conditions […] They "
-        "ascribed this multiplicity of solutions to the inherent bi-stability of the “unit cell”",
-        statement="Many localised patterns coexist, because the cell is bistable.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts simulate friction --n 31 --c 0.004 --excite 5,11,12,28 --t-end 1000 --json",
-        evidence=patterns,
-        rule=rule_patterns,
-        methods=(EVENT_RUNS, Method("DOP853 with located events on 7 sites to τ = 60", EVENTS,
-                              "the arrivals from one pattern")),
-    ),
-    Claim(
-        key="text-nucleation",
-        place="Introduction",
-        quote="in both cases, the transition between the localized solution and the propagating "
-        "one, occurs through a nucleation process, which will be explained in details",
-        statement="In both models breathers give way to fronts through a nucleation process.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts simulate friction --c 0.0095 --excite 16 --t-end 4000",
-        evidence=nucleation,
-        rule=rule_nucleation,
-        methods=(EVENT_RUNS, Method("DOP853 with located events on 5 sites to τ = 300", EVENTS,
-                              "the arrivals at one coupling")),
-        repeats=(
-            Repeat("Abstract", "In both models the transition from discrete breathers to "
-                   "propagating limit cycles happens through a nucleation process"),
-            Repeat("Conclusions", "For both models the transition from discrete breathers to "
-                   "propagating limit cycles happens through a nucleation process"),
-        ),
-    ),
-    Claim(
-        key="text-spring",
-        place="Section 1.1, before Eq. (1)",
-        quote="elastically coupled to the nearest-neighbor via a linear spring $c$",
-        statement="Neighbours are coupled by a linear spring c.",
-        printed="c",
-        recorded=Verdict.CORRECTED,
-        command="fronts derive --equation 5",
-        evidence=spring,
-        rule=rule_spring,
-        methods=(SPRING,),
-        weight=0,
-    ),
-    Claim(
-        key="text-length",
-        place="Section 1.1, after Eq. (5)",
-        quote="$\\tilde{v}_{rel} = \\frac{v_{rel}}{\\omega_n x_0}$",
-        statement="The relative velocity is scaled by ω_n x_0.",
-        printed="x_0",
-        recorded=Verdict.CORRECTED,
-        command="fronts derive --equation 5",
-        evidence=length,
-        rule=rule_length,
-        methods=(Method("numerical derivative of a scaled displacement",
-                        "paper_checks.claims.text_friction:length"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-ends",
-        place="Section 1.1, after Eq. (1)",
-        quote="We assume free-free boundary conditions, hence the last oscillator in the chain is "
-        "not coupled with the first",
-        statement="The chain has free ends.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check text-ends",
-        evidence=ends,
-        rule=rule_ends,
-        methods=(BY_HAND,),
-        weight=0,
-    ),
-    Claim(
-        key="text-trapezoid",
-        place="Section 1.1",
-        quote="adopts the trapezoidal rule without numerical damping",
-        statement="The trapezoidal rule of ode23t has no numerical damping.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check text-trapezoid",
-        evidence=trapezoid,
-        rule=rule_trapezoid,
-        methods=(Method("200 turns of an oscillator, and amplification factors",
-                        "paper_checks.claims.text_friction:trapezoid"),),
-        weight=0,
-    ),
-)  # fmt: skip
+    Claim.beside("text-patterns", evidence=patterns, rule=rule_patterns),
+    Claim.beside("text-nucleation", evidence=nucleation, rule=rule_nucleation),
+    Claim.beside("text-spring", evidence=spring, rule=rule_spring, weight=0),
+    Claim.beside("text-length", evidence=length, rule=rule_length, weight=0),
+    Claim.beside("text-ends", evidence=ends, rule=rule_ends, weight=0),
+    Claim.beside("text-trapezoid", evidence=trapezoid, rule=rule_trapezoid, weight=0),
+)

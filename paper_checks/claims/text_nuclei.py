@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Picture, Ruling, Verdict
+from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds, partly
@@ -149,22 +149,12 @@ def draw_to_larger(e: ToLarger) -> tuple[Picture, ...]:
 
 
 CLAIMS = (
-    Claim(
-        key="text-to-larger",
-        place="Section 2.2",
-        quote="the DB with a single particle within the LC, loses stability to DBs with a larger "
-        "nucleus, say 3 or 5, prior to initiation of propagating front",
-        statement="Before a front forms, the breather of one particle gives way to larger ones.",
-        recorded=Verdict.PARTIAL,
-        command="fronts simulate vdp --n 41 --c 0.195 --excite 21 --t-end 100000",
+    Claim.beside(
+        "text-to-larger",
         evidence=to_larger,
         rule=rule_to_larger,
         figure=draw_to_larger,
-        methods=(
-            Method("runs of (8) to εt = 1000 by a method of order 8, at two tolerances",
-                   "verification.breathers.outcome:follow_nucleus"),
-        ),
         weight=2,
         expensive=True,
     ),
-)  # fmt: skip
+)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Ruling, Verdict
+from paper_checks.claim import Claim, Ruling
 from paper_checks.ruling import corrected, fails, holds
 
 A, B = 4.0, 0.5
@@ -164,67 +164,16 @@ def rule_captions(e: Velocities) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="text-gauge",
-        place="Section 2.3.2, before Eq. (43)",
-        quote="Without affecting the generality, we set $\\omega = 1$",
-        statement="ω can be set to 1 in (34) without loss of generality.",
-        printed="ω = 1",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check text-gauge",
-        evidence=gauge,
-        rule=rule_gauge,
-        methods=(Method("runs of (34) with both ω by scipy",
-                        "paper_checks.claims.text_simplified:gauge"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-equilibria",
-        place="Section 2.3.2, before Eq. (44)",
-        quote="still preserving the bi-stable feature of the original model (8). The equilibrium "
-        "values of Eq. (44) correspond to the steady state values at $\\pm\\infty$",
-        statement="(44) keeps the two equilibria of the envelope, with its stitch at φ_us.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check text-equilibria",
-        evidence=equilibria,
-        rule=rule_equilibria,
-        methods=(Method("one site of (44), and the linearised (43), by hand",
-                        "paper_checks.claims.text_simplified:equilibria"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-quantitative",
-        place="Section 2.3.2, after Fig. 16",
-        quote="we don't expect a quantitative match of solution (49), (54) and original model (8)",
-        statement="(49) and (54) do not match the original model quantitatively.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts kinetic --c 0.6 --eta 0.03125",
+    Claim.beside("text-gauge", evidence=gauge, rule=rule_gauge, weight=0),
+    Claim.beside("text-equilibria", evidence=equilibria, rule=rule_equilibria, weight=0),
+    Claim.beside(
+        "text-quantitative",
         evidence=velocities,
         rule=rule_quantitative,
-        methods=(
-            Method("solutions of (54)", "theory.piecewise.kinetic_relation:kinetic_relation"),
-            Method("a run of (44)", "verification.piecewise.simulation:simulate_front",
-                   "the velocity of (44)"),
-        ),
         weight=0,
         shared=velocities,
     ),
-    Claim(
-        key="text-captions",
-        place="Captions of Figs. 17 and 18",
-        quote="for the simplified model (43)",
-        statement="The simplified model of Figs. 17 and 18 is (43).",
-        printed="(43)",
-        recorded=Verdict.CORRECTED,
-        command="fronts front piecewise --c 0.6 --eta 0.03125",
-        evidence=velocities,
-        rule=rule_captions,
-        methods=(
-            Method("solutions of (54)", "theory.piecewise.kinetic_relation:kinetic_relation"),
-            Method("a run of (44)", "verification.piecewise.simulation:simulate_front",
-                   "the velocity of (44)"),
-        ),
-        weight=0,
-        shared=velocities,
+    Claim.beside(
+        "text-captions", evidence=velocities, rule=rule_captions, weight=0, shared=velocities
     ),
-)  # fmt: skip
+)

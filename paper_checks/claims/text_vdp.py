@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from paper_checks.claim import Claim, Method, Repeat, Ruling, Verdict
+from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.claims._closed_form import solutions
 from paper_checks.claims._one_cell import trajectory
@@ -301,111 +301,13 @@ def rule_displays(e: Displays) -> Ruling:
 
 
 CLAIMS = (
-    Claim(
-        key="text-topology",
-        place="Conclusions",
-        quote="the “isolated oscillator”, in both models, has a fixed point surrounded by two "
-        "limit cycles, the inner one being unstable and the outer one being stable",
-        statement="In both models the cell has a fixed point inside two limit cycles.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts cell vdp --a 2.5 --b 0.5; fronts cell friction --v-d 1.25",
-        evidence=cells,
-        rule=rule_cells,
-        methods=(
-            Method("fixed points of return maps, by scipy", "paper_checks.claims.text_vdp:cells"),
-        ),
-        repeats=(
-            Repeat("Section 2", "bi-stable, in a sense of having two dynamic equilibrium states: a "
-                   "limit cycle and a fixed point"),
-            Repeat("Section 2", "These topological characteristics are similar to Model I"),
-        ),
+    Claim.beside("text-topology", evidence=cells, rule=rule_cells),
+    Claim.beside("text-small", evidence=small, rule=rule_small, weight=0),
+    Claim.beside("text-substitution", evidence=substitution, rule=rule_substitution, weight=0),
+    Claim.beside("text-displays", evidence=displays, rule=rule_displays, weight=0),
+    Claim.beside("text-unknowns", evidence=unknowns, rule=rule_unknowns, weight=0),
+    Claim.beside("text-uniquely", evidence=extraction, rule=rule_uniquely, shared=extraction),
+    Claim.beside(
+        "text-extraction", evidence=extraction, rule=rule_extraction, weight=0, shared=extraction
     ),
-    Claim(
-        key="text-small",
-        place="Section 2, after Eq. (8)",
-        quote="where $\\varepsilon \\ll 1$ is a small parameter",
-        statement="ε = 0.01 is a small parameter.",
-        printed="ε ≪ 1",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check text-small",
-        evidence=small,
-        rule=rule_small,
-        methods=(Method("one cell by scipy's DOP853", "paper_checks.claims.text_vdp:small"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-substitution",
-        place="Section 2.1.1, before Eq. (15)",
-        quote="Substitution of (14) into (10) and omitting $O(\\varepsilon^2)$ yields",
-        statement="Equation (15) is (14) put into (10).",
-        printed="(10)",
-        recorded=Verdict.CORRECTED,
-        command="fronts derive --equation 15",
-        evidence=substitution,
-        rule=rule_substitution,
-        methods=(Method("the printed equations compared in computer algebra",
-                        "derivations.judgement:printed"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-displays",
-        place="Sections 2.1.1 and 2.1.2",
-        quote="$\\sin(\\hat{t}+k_2) = \\frac{e^{ik_2}e^{i\\hat{t}} - "
-        "e^{-ik_2}e^{-i\\hat{t}}}{2i}$, $\\Psi_n = \\varphi_n e^{i\\omega t}$",
-        statement="The formulas without a number hold.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts check text-displays",
-        evidence=displays,
-        rule=rule_displays,
-        methods=(Method("evaluation at fifty random values",
-                        "paper_checks.claims.text_vdp:displays"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-unknowns",
-        place="Section 2.1.1, after Eq. (26)",
-        quote="Eq. (26) has three unknowns: $R, k_1, \\omega_1$",
-        statement="(26) has three unknowns.",
-        recorded=Verdict.REPRODUCED,
-        command="fronts derive --equation 26",
-        evidence=unknowns,
-        rule=rule_unknowns,
-        methods=(Method("free symbols of the printed equation", "derivations.judgement:printed"),),
-        weight=0,
-    ),
-    Claim(
-        key="text-uniquely",
-        place="Section 2.1.1, after Eq. (26)",
-        quote="another equation with two unknowns will be derived and will allow to solve the "
-        "system uniquely",
-        statement="(29) and (37) together have one solution.",
-        recorded=Verdict.PARTIAL,
-        command="fronts breather --c 0.1 --method closed-form",
-        evidence=extraction,
-        rule=rule_uniquely,
-        methods=(
-            Method("the branch in closed form", "theory.averaged.breather:solve_breather"),
-            Method("Newton's method from 150 random starts, by scipy",
-                   "paper_checks.claims._closed_form:solutions"),
-        ),
-        shared=extraction,
-    ),
-    Claim(
-        key="text-extraction",
-        place="Section 2.1.3",
-        quote="From Eqs. (29), (37) it is possible to (numerically) extract the values of "
-        "$\\alpha_0$ and $k_1$",
-        statement="α_0 and k_1 can be extracted numerically from (29) and (37).",
-        recorded=Verdict.REPRODUCED,
-        command="fronts breather --c 0.1 --method closed-form",
-        evidence=extraction,
-        rule=rule_extraction,
-        methods=(
-            Method("the branch in closed form", "theory.averaged.breather:solve_breather"),
-            Method("Newton's method from 150 random starts, by scipy",
-                   "paper_checks.claims._closed_form:solutions"),
-        ),
-        weight=0,
-        shared=extraction,
-    ),
-)  # fmt: skip
+)

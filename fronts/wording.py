@@ -17,18 +17,25 @@ WIDTH = 100
 MAX_VALUES = 8
 """Of a longer list these are printed, and how many there are."""
 
-_ERRORS = {"v": "error", "c_crit": "error", "re": "radius", "im": "radius"}
-"""Entries whose error is not called ``<entry>_error``."""
+_MAIN = ("v", "c_crit", "re", "im")
+"""Entries whose error is called ``error`` or ``radius`` where there is no ``<entry>_error``."""
 
 _JUDGED = ("stable", "admissible")
 """Entries of which None says that they were not decided."""
+
+_LAST = ("method", "terms", "steps", "counts", "seconds")
+"""Entries on how the result was found; they follow those on what it is."""
+
+_DIGITS, _IN_LISTS, _BESIDE = 10, 7, 8
+"""Significant digits of a number of which no error is known, of one in a list, and at most of one
+in a table that is not what its rows are about."""
 
 
 def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
     """Return what the command line prints of a result.
 
-    A line for each value, with its error, and a table for each list of rows. The status comes
-    first, with its sentence. What is None is a dash.
+    The status comes first, with its sentence or its reason; then a line for each value, with its
+    error, and a table for each list of rows. What is None has no line.
 
     Parameters
     ----------
@@ -40,33 +47,34 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
     Examples
     --------
     >>> from fronts.piecewise.roots import Root, Roots
-    >>> root = Root(label=0, re=0.1, im=0.2, residual=0.0, radius=1e-15)
+    >>> root = Root(label=0, re=0.25, im=0.5, residual=0.0, radius=1e-15)
     >>> print(in_words(Roots(upper=(root,), lower=(), counted=1, certified=False)))
     upper:
-      label   re   im  residual   radius
-          0  0.1  0.2   0.0e+00  1.0e-15
+      label                 re                 im  residual   radius
+          0  0.250000000000000  0.500000000000000   0.0e+00  1.0e-15
     counted    1
     certified  no
     """
-    entries = {"status": "", **(result.to_dict() if payload is None else payload)}
+    entries = dict(result.to_dict() if payload is None else payload)
+    status = entries.pop("status", None)
     sentence = getattr(getattr(result, "status", None), "sentence", "")
-    if sentence:
-        entries["status"] = f"{entries['status']}: {sentence}"
+    because = sentence or entries.pop("reason", None)
+    head = [] if status is None else [f"{status}: {because}" if because else f"{status}"]
     entries |= {name: "not decided" for name in _JUDGED if entries.get(name, "") is None}
     if type(result).__name__ in CURVES:
         columns = {name: column.tolist() for name, column in result.columns().items()}
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
         listed = {"points", *(name for name in columns if isinstance(entries.get(name), list))}
         entries = {"points": rows} | {n: v for n, v in entries.items() if n not in listed}
-    return "\n".join(_lines({n: v for n, v in entries.items() if v not in ("", [], {})}))
+    shown = [name for name, value in entries.items() if not _empty(value)]
+    shown.sort(key=lambda name: name in _LAST)
+    return "\n".join([*head, *_lines({name: entries[name] for name in shown})])
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
     tables = {name: rows for name, value in entries.items() if (rows := _rows(value))}
     beside = {
-        _error_name(name, entries)
-        for name, each in entries.items()
-        if each is None or isinstance(each, float)
+        _error_name(name, entries) for name, each in entries.items() if isinstance(each, float)
     }
     width = max((len(name) for name in entries if name not in beside | {*tables}), default=0)
     for name, value in entries.items():
@@ -76,34 +84,36 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
         elif name not in beside:
             error = entries.get(_error_name(name, entries))
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
-            yield f"{name:<{width}}  {_text(name, value, 16, error)}{uncertain}"
+            yield f"{name:<{width}}  {_text(name, value, error)}{uncertain}"
 
 
 def _error_name(name: str, entries: Mapping[str, Any]) -> str:
-    own = f"{name}_error"
-    return own if own in entries else _ERRORS.get(name, "")
+    names = (f"{name}_error", *(("error", "radius") if name in _MAIN else ()))
+    return next((each for each in names if each in entries), "")
 
 
 def table_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     r"""Yield rows of the same names as a table, or as several where it would be too wide.
 
-    What does not exist is a dash; what is a list or a mapping itself has no column.
+    What does not exist is a dash; what is a list or a mapping itself has no column, nor has the
+    error of a number beside it, which the digits of that number show.
 
     Examples
     --------
-    >>> print("\n".join(table_lines([{"c": 0.1, "v": 0.25}, {"c": 0.2, "v": None}])))
-        c     v
-      0.1  0.25
-      0.2     -
+    >>> rows = [{"c": 0.1, "v": 0.25, "v_error": 1e-3}, {"c": 0.2, "v": None, "v_error": None}]
+    >>> print("\n".join(table_lines(rows)))
+        c      v
+      0.1  0.250
+      0.2      -
     """
     columns: list[list[str]] = []
+    beside = {f"{name}_error" for name in rows[0]}
     for name in rows[0]:
-        if all(_empty(row[name]) or isinstance(row[name], (list, dict)) for row in rows):
+        if name in beside or all(
+            _empty(row[name]) or isinstance(row[name], (list, dict)) for row in rows
+        ):
             continue
-        cells = [
-            name,
-            *(_text(name, row[name], 10, row.get(_error_name(name, row))) for row in rows),
-        ]
+        cells = [name, *(_cell(name, row) for row in rows)]
         width = max(map(len, cells))
         columns.append([cell.rjust(width) for cell in cells])
     blocks = [columns[:1]]  # each begins with the first column
@@ -114,6 +124,13 @@ def table_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     for block in blocks:
         for line in zip(*block, strict=True):
             yield "  " + "  ".join(line)
+
+
+def _cell(name: str, row: Mapping[str, Any]) -> str:
+    error, value = row.get(_error_name(name, row)), row[name]
+    if error is not None and name not in _MAIN:
+        error = max(error, abs(value) * 10.0**-_BESIDE)
+    return _text(name, value, error)
 
 
 def _empty(value: Any) -> bool:
@@ -131,36 +148,41 @@ def _rows(value: Any) -> list[dict[str, Any]]:
     return value if rows else []
 
 
-def _text(name: str, value: Any, digits: int, error: float | None = None) -> str:
+def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGITS) -> str:
     """Return a value in one line.
 
-    A number has so many digits; with an error fifteen, and none that the error may change by more
-    than one. An error itself has two.
+    A number with an error has at most fifteen digits, and none that the error may change by more
+    than one; without, so many as are said. An error itself has two.
 
     Examples
     --------
-    >>> _text("c", 1151998399.931, 16, 0.016), _text("c", 0.25, 16, 1e-17)
-    ('1151998399.9', '0.25')
+    >>> _text("c", 1151998399.931, 0.016), _text("c", 0.25, 1e-3), _text("c", 0.25)
+    ('1151998399.9', '0.250', '0.25')
     """
     if _empty(value):
         return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        if name in ("lower", "upper"):  # rounded, an enclosure would be none
-            return repr(value)
-        if name.endswith(("error", "radius", "residual")):
-            return f"{value:.1e}"
-        if name.endswith("seconds"):
-            return f"{value:.3g}"
-        if error is not None:
-            digits = next((n for n in range(1, 15) if error * 10.0**n >= abs(value)), 15)
-        return f"{value:.{digits}g}"
+        return _number(name, value, error, digits)
     if isinstance(value, dict):
         parts = ((key, each) for key, each in value.items() if not _empty(each))
-        return ", ".join(f"{key} {_text(key, each, 9)}" for key, each in parts)
+        return ", ".join(f"{key} {_text(key, each)}" for key, each in parts)
     if isinstance(value, list):
-        few = [_text(name, each, 7) for each in value[:MAX_VALUES]]
+        few = [_text(name, each, digits=_IN_LISTS) for each in value[:MAX_VALUES]]
         more = "" if len(value) <= MAX_VALUES else f", … ({len(value)} values)"
         return f"[{', '.join(few)}{more}]"
     return str(value)
+
+
+def _number(name: str, value: float, error: float | None, digits: int) -> str:
+    if name in ("lower", "upper"):  # rounded, an enclosure would be none
+        return repr(value)
+    if name.endswith(("error", "radius", "residual")):
+        return f"{value:.1e}"
+    if name.endswith("seconds"):
+        return f"{value:.3g}"
+    if error is None or not value:
+        return f"{value:.{digits}g}"
+    digits = next((n for n in range(1, 15) if error * 10.0**n >= abs(value)), 15)
+    return f"{value:#.{digits}g}".removesuffix(".")

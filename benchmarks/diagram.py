@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.record import WorkPoint
-from paper_checks.report.pictures import COLOURS, new_panels, picture
 from verification.execution.files import write_bytes
+from verification.pictures.figures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from benchmarks.work_precision import Style
-    from paper_checks.report.data_table import Column
+    from verification.pictures.data_table import Column
 
 _PALE = 0.35
 _SHORT = 24

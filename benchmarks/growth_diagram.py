@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from benchmarks.diagram import plain_decades, whole_decades, write_picture
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import COLOURS, new_panels
+from verification.pictures.data_table import long_table
+from verification.pictures.figures import COLOURS, new_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -234,7 +234,7 @@ def _array(values: list[Any]) -> Any:
 def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     import matplotlib as mpl
 
-    from paper_checks.report.pictures import CHANGING, new_axes
+    from verification.pictures.figures import CHANGING, new_axes
 
     figure, axes = new_axes("page", height=3.6)
     result.plot(axes)

@@ -15,9 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
-from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
+from paper_checks.finding import Erratum, Fault, Finding, Formula
 from paper_checks.prose import words, written
 from paper_checks.ruling import Ruling, Verdict
+from verification.pictures.figures import Picture
 
 __all__ = ["Claim", "Erratum", "Fault", "Finding", "Formula", "Method", "Picture", "Repeat",
            "Ruling", "Verdict"]  # fmt: skip

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from paper_checks.claim import Claim
-from paper_checks.finding import NAME
 from verification.execution.discovery import modules_of
+from verification.pictures.figures import NAME
 
 PACKAGE = "paper_checks.claims"
 """Where the claims of the paper live."""

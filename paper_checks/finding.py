@@ -2,40 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 
 from paper_checks.ruling import Verdict
-
-NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
-"""Form of a claim's key and of a picture's name: both become file names and page anchors."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure of the report.
-
-    Attributes
-    ----------
-    name : str
-        File name without suffix; unique in the report.
-    caption : str
-        What is seen, in a sentence or two; also the alternative text.
-    svg : str
-        The picture, as an SVG document.
-    data : str
-        The numbers behind it, as CSV with a header line.
-    png, pdf : str
-        The same picture in these formats, as base64; may be empty.
-    """
-
-    name: str
-    caption: str
-    svg: str = field(repr=False)
-    data: str = field(repr=False)
-    png: str = field(default="", repr=False)
-    pdf: str = field(default="", repr=False)
+from verification.pictures.figures import Picture
 
 
 @dataclass(frozen=True)

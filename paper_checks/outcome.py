@@ -10,11 +10,12 @@ from typing import Any
 
 from paper_checks.claim import Claim
 from paper_checks.discover import Entry
-from paper_checks.finding import NAME, Finding, Picture
+from paper_checks.finding import Finding
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.ruling import Verdict
 from verification.execution.metadata import now
+from verification.pictures.figures import NAME, Picture
 
 FAILED = "failed"
 """Status of a claim whose judge raised an error."""

@@ -298,9 +298,9 @@ def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys
 
 
 def test_a_map_ends_where_its_grid_ends():
-    from paper_checks.report.pictures import new_axes
     from paper_checks.report.state_picture import draw_states
     from verification.execution.table import table_of
+    from verification.pictures.figures import new_axes
 
     states = table_of(
         [{"c": c, "v_d": v, "label": "front" if c else "breather"}

@@ -17,7 +17,7 @@ ALLOWED = {
     "derivations": {"derivations"},
     "verification": {"theory", "verification"},
     "paper_checks": {"theory", "derivations", "verification", "paper_checks"},
-    "benchmarks": {"theory", "derivations", "verification", "paper_checks", "benchmarks"},
+    "benchmarks": {"theory", "derivations", "verification", "benchmarks"},
     "fronts": {"theory", "derivations", "verification", "paper_checks", "benchmarks", "fronts"},
 }
 

@@ -22,9 +22,9 @@ from fronts.commands.check import STORE
 from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.report import measurements, render
-from paper_checks.report.data_table import Curves, columns_as_csv, long_table
-from paper_checks.report.pictures import new_axes, picture
 from paper_checks.run import sharing
+from verification.pictures.data_table import Curves, columns_as_csv, long_table
+from verification.pictures.figures import new_axes, picture
 
 HERE = Path(__file__).parent
 KEYS = ["fig9-decay", "fig9-monotone", "fig16-speed", "fig16-misprint", "fig16-escape"]
@@ -552,7 +552,7 @@ def test_a_curve_takes_the_place_of_no_other():
 
 def test_claim_records_and_pictures_do_not_import_matplotlib():
     code = (
-        "import sys, paper_checks.claim, paper_checks.report.pictures, fronts.commands.check;"
+        "import sys, paper_checks.claim, verification.pictures.figures, fronts.commands.check;"
         "assert not any(name.startswith('matplotlib') for name in sys.modules)"
     )
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent)}

@@ -10,6 +10,8 @@
     Independent methods that share nothing with the steppers.
 ``quantities``
     The registry of what can be computed, and the stability table over it; ``work_reduction``.
+``pictures``
+    One style of pictures, and the numbers behind them as CSV.
 ``execution``
     How computations are run and stored: files, digests, records, workers, progress, resumption.
 """

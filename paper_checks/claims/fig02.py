@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import corrected, fails, holds
+from verification.pictures.data_table import long_table
+from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell

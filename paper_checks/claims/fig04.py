@@ -10,9 +10,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds, partly, rounding
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_axes, picture
 
 SIZES = (1, 3, 5, 7, 9)
 ACCURACY = 2e-5

@@ -11,10 +11,10 @@ import numpy as np
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, arrivals_by_scipy, chain_of, disagreement
 from paper_checks.claims._maps import FEW, REGIONS, LabelledMap
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import new_axes, picture
 from paper_checks.report.state_picture import draw_states
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import long_table
+from verification.pictures.figures import new_axes, picture
 
 if TYPE_CHECKING:
     pass

@@ -9,9 +9,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_axes, picture
 
 COUPLINGS = (0.011, 0.012, 0.014, 0.017, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1)
 LINEAR_FROM = 0.02

@@ -10,9 +10,9 @@ import numpy as np
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
 from paper_checks.claims._orbits import SITES, orbit_of
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.ruling import agrees, fails, holds, partly
+from verification.pictures.data_table import long_table
+from verification.pictures.figures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,9 +10,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.ruling import fails, holds, partly
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,9 +9,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, A, B, arrivals_of_chain
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import new_panels, picture
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import long_table
+from verification.pictures.figures import new_panels, picture
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

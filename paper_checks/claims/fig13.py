@@ -17,9 +17,9 @@ from paper_checks.claims._fronts import (
     velocity_on_few_sites,
     wave_velocity,
 )
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_axes, new_panels, picture
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
 
 ETA = B / A**2
 AVERAGED = (0.115, 0.12, 0.135, 0.15, 0.175, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4, 2.0,

@@ -8,9 +8,9 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, staggered_velocity
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_axes, picture
 
 C = 0.3
 ETAS = (0.003, 0.004, 0.005, 0.0065, 0.008, 0.01, 0.0125, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04,

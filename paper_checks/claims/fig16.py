@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.report.data_table import Curves, long_table
-from paper_checks.report.pictures import COLOURS, new_panels, picture
 from paper_checks.report.velocity_plot import (
     Curve,
     curve_of,
@@ -19,6 +17,8 @@ from paper_checks.report.velocity_plot import (
     draw_thresholds,
 )
 from paper_checks.ruling import fails, holds
+from verification.pictures.data_table import Curves, long_table
+from verification.pictures.figures import COLOURS, new_panels, picture
 
 if TYPE_CHECKING:
     from verification.piecewise.run import FrontRun

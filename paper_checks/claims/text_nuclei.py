@@ -10,8 +10,8 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B
-from paper_checks.report.pictures import COLOURS, new_axes, picture
 from paper_checks.ruling import fails, holds, partly
+from verification.pictures.figures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
     from verification.breathers.outcome import FollowedNucleus

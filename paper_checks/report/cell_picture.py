@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from paper_checks.report.pictures import COLOURS
+from verification.pictures.figures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

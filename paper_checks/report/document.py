@@ -10,13 +10,14 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from paper_checks.finding import NAME, Erratum
+from paper_checks.finding import Erratum
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.section import Section
 from paper_checks.ruling import Verdict
 from verification.execution.metadata import now, this_machine
+from verification.pictures.figures import NAME
 
 FORMAT = 2
 """Version of the JSON document; raised when a reader of the old one would break."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paper_checks.report.pictures import COLOURS
+from verification.pictures.figures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,6 +1,6 @@
 """What pictures of front velocity have in common: branches of (54), thresholds, runs of the chain.
 
-Matplotlib and the theory are imported on first use, as in ``paper_checks.report.pictures``.
+Matplotlib and the theory are imported on first use, as in ``verification.pictures.figures``.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from paper_checks.report.pictures import COLOURS
+from verification.pictures.figures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

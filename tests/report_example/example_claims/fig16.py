@@ -7,8 +7,8 @@ import numpy as np
 from example_claims._made import Made, made
 from example_claims._trouble import visit
 from paper_checks.claim import Erratum, Fault, Formula, Verdict
-from paper_checks.report.data_table import long_table
-from paper_checks.report.pictures import new_panels, picture
+from verification.pictures.data_table import long_table
+from verification.pictures.figures import new_panels, picture
 
 
 @lru_cache(maxsize=1)

@@ -7,7 +7,7 @@ import numpy as np
 from example_claims._made import Made, made
 from example_claims._trouble import visit
 from paper_checks.claim import Verdict
-from paper_checks.report.pictures import new_axes, picture
+from verification.pictures.figures import new_axes, picture
 
 
 @lru_cache(maxsize=1)

@@ -28,7 +28,7 @@ class Curves(dict[str, "Mapping[str, Column]"]):
 
         Examples
         --------
-        >>> from paper_checks.report.pictures import new_axes
+        >>> from verification.pictures.figures import new_axes
         >>> curves, (_, axes) = Curves(), new_axes()
         >>> line = axes.plot(*curves.add("chain", c=[1, 2], v=[0.5, 0.7]), "o", label="runs")
         >>> columns_as_csv(long_table(curves)).split()

@@ -1,4 +1,4 @@
-"""Pictures of the report: one style, deterministic SVG, and the numbers behind it as CSV.
+"""Pictures: one style, deterministic SVG, and the numbers behind it as CSV.
 
 Matplotlib is imported on first use, so that a claim file may import this module at its top.
 """
@@ -8,15 +8,16 @@ from __future__ import annotations
 import base64
 import io
 import logging
+import re
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from itertools import permutations
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from paper_checks.finding import NAME, Picture
-from paper_checks.report.data_table import columns_as_csv
+from verification.pictures.data_table import columns_as_csv
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from paper_checks.report.data_table import Column
+    from verification.pictures.data_table import Column
 
 Width = Literal["column", "page"]
 
@@ -57,6 +58,35 @@ CHANGING: Mapping[str, tuple[str, ...]] = {
 """Where Matplotlib writes the time of day and its own version unless it is told not to."""
 
 logger = logging.getLogger(__name__)
+
+NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
+"""Form of a claim's key and of a picture's name: both become file names and page anchors."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the report.
+
+    Attributes
+    ----------
+    name : str
+        File name without suffix; unique in the report.
+    caption : str
+        What is seen, in a sentence or two; also the alternative text.
+    svg : str
+        The picture, as an SVG document.
+    data : str
+        The numbers behind it, as CSV with a header line.
+    png, pdf : str
+        The same picture in these formats, as base64; may be empty.
+    """
+
+    name: str
+    caption: str
+    svg: str = field(repr=False)
+    data: str = field(repr=False)
+    png: str = field(default="", repr=False)
+    pdf: str = field(default="", repr=False)
 
 
 def use_style() -> None:

@@ -1,14 +1,13 @@
-"""A map of states as a result with its picture and its comparison, for ``fronts map``."""
+"""A map of states as ``fronts map`` makes it: resumable, and of (8) compared with the average."""
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,74 +17,12 @@ from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from theory.result import Result
 from verification.execution.pool import cluster
 from verification.execution.progress import ProgressCallback
-from verification.maps.state_map import Agreement, StateMap, StateTask, boundary_path, state_map
+from verification.maps.state_map import StateMap, StateTask, boundary_path, state_map
 from verification.runs.excite import StartPoint
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from verification.execution.table import Table
-
 MAX_POINTS = 100_000
-
-
-@dataclass(frozen=True, kw_only=True)
-class ComparedMap(Result):
-    """A map of states, and of (8) how many points of it the averaged chain names alike.
-
-    Attributes
-    ----------
-    found : StateMap
-        The map.
-    held : mapping of str to float, or None
-        Which of a and b is the same for all η, where η is an axis.
-    agreement : Agreement or None
-        Comparison with the averaged chain.
-    """
-
-    found: StateMap
-    held: Mapping[str, float] | None
-    agreement: Agreement | None
-
-    @property
-    def boundary(self) -> Table | None:
-        """Where states change, if that was bisected."""
-        return self.found.boundary
-
-    def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a point."""
-        return self.found.columns()
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Return one row a point, with those columns whose cells are arrays."""
-        return dict(self.found.states.arrays)
-
-    def to_xarray(self) -> xr.Dataset:
-        """Return the states over the axes."""
-        return self.found.to_xarray()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the numbers of points by state, what is undecided, and the run times."""
-        found = self.found
-        compared = None
-        if self.agreement is not None:
-            compared = {"with": "averaged", **self.agreement.to_dict()}
-        payload = {
-            "model": found.task.chain.model,
-            "points": len(found.states),
-            "counts": found.counts,
-            "agreement": compared,
-            "undecided": found.undecided,
-            "longest_time": float(found.states["time"].max()),
-            "boundary_points": None if found.boundary is None else len(found.boundary),
-            "resumed": found.states.resumed,
-            "map_seconds": found.map_seconds,
-            "seconds": found.seconds,
-        }
-        return payload if self.held is None else payload | {"held": dict(self.held)}
 
 
 def mapped(  # noqa: PLR0913  (options of a command, by name)
@@ -104,7 +41,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
     held: str = "b",
     amplitudes: bool = False,
     progress: ProgressCallback | None = None,
-) -> ComparedMap:
+) -> StateMap:
     """Return the state of a chain over a plane of its parameters.
 
     Parameters
@@ -143,7 +80,8 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
 
     Returns
     -------
-    ComparedMap
+    StateMap
+        Of (8) with the comparison with the averaged chain.
 
     Raises
     ------
@@ -185,12 +123,11 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
             progress=progress,
             **values,
         )
-    agreement = None
-    if isinstance(chain, VdpChain):
-        average = dataclasses.replace(task, chain=chain.averaged(), amplitudes=False)
-        agreement = found.agreement(state_map(average, refine=0.0, workers=1, **values))
-    named = {held: float(getattr(chain, held))} if "eta" in axes else None
-    return ComparedMap(found=found, held=named, agreement=agreement)
+    if not isinstance(chain, VdpChain):
+        return found
+    average = replace(task, chain=chain.averaged(), amplitudes=False)
+    agreement = found.agreement(state_map(average, refine=0.0, workers=1, **values))
+    return replace(found, averaged=agreement)
 
 
 def _check_resumption(out: Path | None, resume: bool) -> None:

@@ -268,7 +268,6 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "Ensemble": _ensemble,
     "Front": _front,
     "StateMap": _state_map,
-    "ComparedMap": _state_map,
     "Breather": _breather,
     "BreatherComparison": _breathers,
 }

@@ -18,10 +18,10 @@ import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from verification.execution.columns import Cell, Scalar
 from verification.execution.points import Grid, Point
 from verification.execution.pool import worker_count, worker_pool
 from verification.execution.progress import ProgressCallback
-from verification.execution.sweep import Task, sweep
+from verification.execution.sweep import sweep
 from verification.execution.table import ARRAY_FORMATS, Table
 from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F401  (register)
 from verification.maps.boundary import Bisection, boundary_lines
@@ -283,16 +283,17 @@ class StateMap(Result):
         ``verification.maps.boundary.Bisection``.
     map_seconds, seconds : float
         Wall-clock time of the grid, and of everything.
+    averaged : Agreement or None
+        Of (8), if that was asked for: the comparison with the averaged chain.
     """
 
-    derived: ClassVar[tuple[str, ...]] = ("counts", "undecided")
-
-    task: StateTask = field(metadata={"json": None})
+    task: StateTask
     axes: tuple[str, ...]
-    states: Table = field(metadata={"json": None})
-    boundary: Table | None = field(metadata={"json": None})
+    states: Table
+    boundary: Table | None
     map_seconds: float
     seconds: float
+    averaged: Agreement | None = None
 
     @property
     def counts(self) -> dict[str, int]:
@@ -316,9 +317,34 @@ class StateMap(Result):
         """Return the table of states by column."""
         return self.states.columns()
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return the table of states with those columns whose cells are arrays."""
+        return dict(self.states.arrays)
+
     def to_xarray(self) -> xr.Dataset:
         """Return the states over the axes, as a dataset of xarray."""
         return self.states.to_xarray()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers of points by state, what is undecided, and the run times."""
+        compared = None if self.averaged is None else self.averaged.to_dict()
+        found = {
+            "model": self.task.chain.model,
+            "axes": list(self.axes),
+            "points": len(self.states),
+            "counts": self.counts,
+            "agreement": compared and {"with": "averaged", **compared},
+            "undecided": self.undecided,
+            "longest_time": float(self.states["time"].max()),
+            "boundary_points": None if self.boundary is None else len(self.boundary),
+            "resumed": self.states.resumed,
+            "map_seconds": self.map_seconds,
+            "seconds": self.seconds,
+        }
+        if "eta" in self.axes:
+            held = self.task.held
+            found["held"] = {held: float(getattr(self.task.chain, held))}
+        return found
 
 
 def state_map(
@@ -389,20 +415,23 @@ def state_map(
             "name a file ending in .zarr or .npz",
         )  # fmt: skip
     points = state_points(task, axes)
-    with _pool(workers, len(points)) if executor is None else nullcontext(executor) as pool:
+    count = min(worker_count(workers), len(points))
+    # One pool for both sweeps, so that processes start and load compiled code once.
+    shared: AbstractContextManager[Executor | None] = (
+        nullcontext(executor) if executor is not None or count <= 1 else worker_pool(count)
+    )
+    with shared as pool:
+        how: dict[str, Any] = {
+            "resume": resume, "workers": 1, "executor": pool, "progress": progress,
+        }  # fmt: skip
         dims = {"amplitude": "site"} if task.amplitudes else {}
-        states = _swept(
-            task, points, dims, out=out, resume=resume, executor=pool, progress=progress
-        )
+        states = sweep(task, points, dims=dims, out=out, **how)
         map_seconds = perf_counter() - begin
         boundary = None
         if refine > 0.0:
-            lines = boundary_lines(states, tuple(axes))
-            edge = None if out is None else boundary_path(out)
             bisection = Bisection(task.alone(), refine, predictor=task.average())
-            boundary = _swept(
-                bisection, lines, {}, out=edge, resume=resume, executor=pool, progress=progress
-            )
+            edge = None if out is None else boundary_path(out)
+            boundary = sweep(bisection, boundary_lines(states, tuple(axes)), out=edge, **how)
     return StateMap(
         task=task,
         axes=tuple(axes),
@@ -422,31 +451,3 @@ def boundary_path(out: Path) -> Path:
     'map-boundary.csv'
     """
     return out.with_name(f"{out.stem}-boundary{out.suffix}")
-
-
-def _pool(workers: int | None, points: int) -> AbstractContextManager[Executor | None]:
-    """Return one pool for both sweeps, so that processes start and load compiled code once."""
-    count = min(worker_count(workers), points)
-    return worker_pool(count) if count > 1 else nullcontext()
-
-
-def _swept(
-    task: Task,
-    points: Sequence[Point],
-    dims: Mapping[str, str],
-    *,
-    out: Path | None,
-    resume: bool,
-    executor: Executor | None,
-    progress: ProgressCallback | None,
-) -> Table:
-    return sweep(
-        task,
-        points,
-        dims=dims,
-        out=out,
-        resume=resume,
-        workers=1,
-        executor=executor,
-        progress=progress,
-    )

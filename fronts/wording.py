@@ -83,6 +83,8 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
             yield from table_lines(tables[name])
         elif name not in beside:
             error = entries.get(_error_name(name, entries))
+            if not isinstance(error, float):
+                error = None  # beside digits that are text it is text, with a line of its own
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
             yield f"{name:<{width}}  {_text(name, value, error)}{uncertain}"
 

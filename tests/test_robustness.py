@@ -318,7 +318,7 @@ def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
     neither = {Outcome.REFUSED, Outcome.UNDECIDED, Outcome.UNCHECKED}
     assert {*BAD, Outcome.RIGHT, *neither} == set(Outcome)
     assert not is_clear("two sentences.\nhere.")
-    assert judging.CHECK_SECONDS > 0
+    assert judging.MAX_SECONDS > 0
 
 
 def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]) -> None:

@@ -58,7 +58,7 @@ FloatArray = npt.NDArray[np.float64]
 OUTRUNS = 1.01
 """A front faster than the waves behind it times this is not overtaken."""
 
-MAX_EXCITED = 1000
+EXCITED, MAX_EXCITED = 24, 1000
 
 
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
@@ -335,11 +335,36 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
     found = _settled(wave, request.progress)
     outruns = found.v is not None and found.v > OUTRUNS * waves
     stands = found.v is None or found.v == 0.0
+    if request.left_boundary is LeftBoundary.WAVE and not (outruns or stands):
+        found = _beside_longer_wave(found, wave.accuracy, chain, request)
     if request.left_boundary is LeftBoundary.WAVE or outruns or (stands and waves == 0.0):
         return _front(wave, found, request.left_boundary, outruns)
     free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), doubt=found.v)
     slower = _settled(free, request.progress)
     return _front(free, slower, request.left_boundary, False, found.steps)
+
+
+def _beside_longer_wave(
+    found: Settled, accuracy: float, chain: SmoothChain, request: Request
+) -> Settled:
+    """Return a front overtaken by waves, its error no less than what the left boundary changes.
+
+    The wave that is put to its left lags by a quarter of a turn a site, as the front itself does
+    only where ε is small. With twice as many sites between them another part of it has arrived.
+    """
+    assert found.v is not None
+    assert found.error is not None
+    twice = min(2 * (request.excited or EXCITED), MAX_EXCITED)
+    farther = _prepare_smooth(chain, replace(request, excited=twice), LeftBoundary.WAVE)
+    other = _settled(farther, request.progress)
+    apart = abs(found.v - (other.v or 0.0))
+    steady = apart < accuracy * found.v
+    return replace(
+        found,
+        error=max(found.error, apart),
+        status=found.status if steady else FrontStatus.UNSTEADY,
+        steps=found.steps + other.steps,
+    )
 
 
 @_measured.register
@@ -400,7 +425,7 @@ def _spreading_front(chain: OwnChain, request: Request) -> Front:
 
 
 def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary) -> Preparation:
-    excited = 24 if request.excited is None else request.excited
+    excited = EXCITED if request.excited is None else request.excited
     count_within("excited sites", excited, 4, MAX_EXCITED)
     max_sites = 1000 if request.max_sites is None else request.max_sites
     stall = (60.0 if request.stall_time is None else request.stall_time) * chain.time_unit

@@ -23,12 +23,10 @@ from verification.quantities.quantity import (
     StatedValue,
 )
 from verification.quantities.registry import computation_named
+from verification.references.pace import MAX_SECONDS, TooSlowError
 
 SLACK = 5.0
 """A value is given up after so many times its limit."""
-
-CHECK_SECONDS = 10.0
-"""A reference is given up after so long, of the processor."""
 
 
 class Outcome(StrEnum):
@@ -109,9 +107,11 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
     if seconds > computation.seconds:
         return _row(Outcome.SLOW, f"limit {computation.seconds:g} s", stated, seconds=seconds)
     try:
-        with time_limit(CHECK_SECONDS, of_processor=True):
+        with time_limit(MAX_SECONDS, of_processor=True):
             check = computation.check(values, stated)
-    except (NoReferenceError, ParameterError, PrecisionError, TimeIsUpError) as error:
+    except (
+        NoReferenceError, ParameterError, PrecisionError, TimeIsUpError, TooSlowError
+    ) as error:  # fmt: skip
         return _row(Outcome.UNCHECKED, str(error), stated, seconds=seconds)
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"

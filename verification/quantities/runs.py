@@ -51,9 +51,6 @@ _FIRST_PART, _MAX_PART = 30, 400
 REST = 1e-16
 """Share of the displacement below which a site is at rest."""
 
-_MAX_C = 15.0
-"""Of (43), whose fastest waves turn at the rate 2c, up to which it is followed."""
-
 _STIFF = 30.0
 """Rate of damping in t above which explicit steps are many."""
 
@@ -119,8 +116,6 @@ def _full_by_radau(chain: VdpChain, rate: float, stated: StatedValue) -> Referen
 def _averaged_precisely(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """(43) in complex form, in extended precision."""
     chain = vdp_chain(at)
-    if chain.c > _MAX_C:
-        raise NoReferenceError("too many steps for a reference in Python")
 
     def precise(part: int, tolerance: float) -> PreciseState:
         start = extended(stated.extra[:part])

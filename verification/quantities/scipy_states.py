@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from verification.quantities.quantity import NoReferenceError, ReferenceCheck
 from verification.references.extrapolation import PreciseState
+from verification.references.pace import paced
 
 AnyArray = npt.NDArray[Any]
 
@@ -26,11 +27,13 @@ def last_state(
     ------
     NoReferenceError
         If scipy does not reach the end.
+    TooSlowError
+        If it would take too long.
     """
     from scipy.integrate import solve_ivp
 
     options = {"method": "DOP853", "rtol": rtol, "atol": atol, **options}
-    run = solve_ivp(rate, (0.0, end), start, **options)
+    run = solve_ivp(paced(rate, end), (0.0, end), start, **options)
     if not run.success:
         raise NoReferenceError(run.message)
     return np.asarray(run.y[:, -1])

@@ -17,6 +17,8 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from verification.references.pace import Pace
+
 AnyArray = npt.NDArray[Any]
 Rate = Callable[[Any, AnyArray], AnyArray]
 
@@ -27,8 +29,6 @@ a hundredfold here, outgrow what is gained."""
 TOLERANCE, LOOSER = 1e-17, 1e-16
 """Error a step over the size of the state, of a reference and of the run that it is held against.
 How far they are apart is mostly the error of the looser, and both have their own roundings."""
-
-MAX_EVALUATIONS = 100_000
 
 _ENLARGED = sum(
     math.prod(k * k / abs(k * k - j * j) for j in range(1, COLUMNS + 1) if j != k)
@@ -113,19 +113,17 @@ def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> Prec
     Raises
     ------
     ArithmeticError
-        If a step or the number of evaluations becomes too small or too large: for an explicit
-        method the problem is too stiff.
+        If steps become so small that it would take too long: for an explicit method the problem
+        is too stiff.
     """
     span, t = _as_time(start, end), _as_time(start, 0.0)
-    state, taken, evaluations, size = start, 0, 0, float(np.abs(start).max())
+    state, taken, size, pace = start, 0, float(np.abs(start).max()), Pace()
     step = span / max(1.0, 2.0 * abs(float(span)))
     while abs(t) < abs(span):
         step = span - t if abs(step) >= abs(span - t) else step
         with np.errstate(all="ignore"):  # a step that overflows is refused
             proposed, error = _step(rate, t, state, step)
-        evaluations += COLUMNS * (COLUMNS + 1) + 1
-        if evaluations > MAX_EVALUATIONS:
-            raise ArithmeticError("too stiff for extrapolation in extended precision")
+        pace.check(abs(float(t / span)))
         allowed = tolerance * max(size, float(np.abs(proposed).max()))
         if error <= allowed:
             t, state, taken = t + step, proposed, taken + 1

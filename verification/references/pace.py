@@ -1,0 +1,57 @@
+"""When a reference gives up: as soon as it would, at its pace, take longer than it may.
+
+How many steps a chain needs cannot be told from its parameters to within a factor of thirty, so
+that no limit of radians or steps is a limit of time. What a run has covered so far tells.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+MAX_SECONDS = 10.0
+"""Processor seconds of one check: were one in fifteen as slow as that, a thousand points would take
+ten minutes more."""
+
+_FIRST = 0.05
+"""Share of them for the beginning, where steps may be short."""
+
+
+class TooSlowError(ArithmeticError):
+    """A reference would not be over in time."""
+
+
+class Pace:
+    """The clock of one run, begun when it is made."""
+
+    def __init__(self) -> None:
+        self._begin = time.process_time()
+
+    def check(self, covered: float) -> None:
+        """Go on, with that share of the run behind it.
+
+        Raises
+        ------
+        TooSlowError
+            If the run would take more than `MAX_SECONDS`.
+        """
+        if time.process_time() - self._begin > MAX_SECONDS * (_FIRST + covered):
+            raise TooSlowError(f"too stiff or too long for a reference of {MAX_SECONDS:g} s")
+
+
+def paced(rate: Callable[..., Any], end: float) -> Callable[..., Any]:
+    """Return a right side that refuses to go on at too slow a pace from zero to the end.
+
+    Examples
+    --------
+    >>> paced(lambda t, y: -y, 1.0)(0.5, 2.0)
+    -2.0
+    """
+    pace = Pace()
+
+    def checked(t: float, state: Any) -> Any:
+        pace.check(abs(t / end))
+        return rate(t, state)
+
+    return checked

@@ -86,10 +86,10 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--seconds",
         type=float,
-        default=2.0,
-        help="processor seconds of tests for a change (default 2)",
+        default=0.6,
+        help="processor seconds of tests for a change (default 0.6)",
     )
-    add("--longest", type=float, default=1.0, help="of a test that is asked (default 1)")
+    add("--longest", type=float, default=0.3, help="of a test that is asked (default 0.3)")
     add("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
     add("--minutes", type=float, help="begin no further change after so long")
     add("--list", action="store_true", help="list the changes, run nothing")

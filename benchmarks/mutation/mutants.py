@@ -128,6 +128,15 @@ class Mutant:
         """Whether a default value is changed."""
         return self.change.startswith("default ")
 
+    @property
+    def statement(self) -> ast.stmt:
+        """The statement of the module that holds the place, as it now is."""
+        return next(
+            each for each in reversed(self.tree.body)
+            if min([each.lineno, *(d.lineno for d in getattr(each, "decorator_list", ()))])
+            <= self.line
+        )  # fmt: skip
+
     @contextmanager
     def made(self) -> Iterator[ast.Module]:
         """Give the tree with the change, for as long as the context lasts."""

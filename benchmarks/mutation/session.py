@@ -1,16 +1,14 @@
 """One session of pytest that collects all tests once, and forks a child for each run of some.
 
 A child begins with everything imported and all tests collected. A change is put in place there:
-the functions that live get the changed code, the files stay as they are, and tests run until one
-fails. What was entered while modules were imported has left its results in them. Where no test
-failed, such changes, and those of defaults, classes and constants, are made again with the project
-imported anew, and so are, at once, those of what numba compiles; its store of compiled code is
-never written to.
+the functions, classes and constants that live become as changed, the files stay as they are, and
+tests run until one fails. What is entered or named while modules are imported has left its results
+in them. Where no test failed, such changes are made again with the project imported anew, and so
+are, at once, those of what numba compiles; its store of compiled code is never written to.
 """
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import gc
 import json
@@ -26,13 +24,14 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
+from types import FunctionType
 from typing import Any
 
 import pytest
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.put import fits, names_bound, names_used_on_import, put_statement
 
 LIBRARIES = ("hypothesis.strategies", "numba", "scipy.integrate", "scipy.optimize", "sympy")
 OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--import-mode=importlib",
@@ -69,6 +68,7 @@ class Session:
         self.root, self.names = root, names
         self.items: dict[str, pytest.Item] = {}
         self.on_import: frozenset[str] = frozenset()
+        self._names_on_import: frozenset[str] = frozenset()
         self._living: dict[str, list[FunctionType]] = defaultdict(list)
         self._work: Callable[[], None] = lambda: None
 
@@ -88,6 +88,8 @@ class Session:
         """In the place of running all tests."""
         self.items = {item.nodeid: item for item in session.items}
         self.on_import = frozenset(self.names)
+        files = (path for each in entered.PACKAGES for path in (self.root / each).rglob("*.py"))
+        self._names_on_import = names_used_on_import(files)
         for each in gc.get_objects():
             if isinstance(each, FunctionType):
                 path = os.path.relpath(each.__code__.co_filename, self.root)
@@ -121,14 +123,21 @@ class Session:
         compiled = mutant.function_at in entered.compiled
         if not compiled and self._put(mutant):
             failed = self._first_failing(tests)
-            if failed or not self.made_on_import(mutant):
+            if failed or not self._used_on_import(mutant):
                 return write({"by": failed})
         write({"by": self._anew(mutant, tests, compiled)})
 
     def made_on_import(self, mutant: Mutant) -> bool:
-        """Return whether importing the project leaves results of what is changed."""
+        """Return whether what is changed is made, or entered, while the project is imported."""
         at = mutant.function_at
         return not mutant.first_line or mutant.of_default or at in self.on_import
+
+    def _used_on_import(self, mutant: Mutant) -> bool:
+        """Return whether importing the project leaves results of what is changed elsewhere."""
+        if mutant.first_line:
+            return mutant.function_at in self.on_import
+        bound = names_bound(mutant.statement)
+        return not bound or not bound.isdisjoint(self._names_on_import)
 
     def seconds_to_begin(self, mutant: Mutant) -> float:
         """Return the processor seconds allowed for compiling or importing anew, before tests."""
@@ -156,16 +165,14 @@ class Session:
         return failures.first
 
     def _put(self, mutant: Mutant) -> bool:
-        """Give the living functions the changed code; return whether that could be done."""
-        if mutant.of_default:
-            return False
+        """Give what lives the changed code and values; return whether that could be done."""
         with mutant.made() as tree:
-            if not mutant.first_line:
-                return _put_constant(mutant, tree)
+            if not mutant.first_line or mutant.of_default:
+                return put_statement(sys.modules[dotted(mutant.module)], mutant.statement)
             code = compile(tree, str(self.root / mutant.module), "exec", dont_inherit=True)
         new = [c for c in entered.codes_in(code) if c.co_firstlineno == mutant.first_line]
         living = self._living[mutant.function_at]
-        pairs = [(old, c) for old in living for c in new if _fits(old.__code__, c)]
+        pairs = [(old, c) for old in living for c in new if fits(old.__code__, c)]
         for old, changed in pairs:
             old.__code__ = changed
         return bool(pairs)
@@ -261,43 +268,6 @@ def _spent() -> float:
 
 def _too_long(*_: object) -> None:
     raise TimeoutError("this test is too long to be asked")
-
-
-def _fits(old: CodeType, new: CodeType) -> bool:
-    return old.co_qualname == new.co_qualname and old.co_freevars == new.co_freevars
-
-
-def _put_constant(mutant: Mutant, tree: ast.Module) -> bool:
-    """Give plain data that a module names its changed value, also where it was imported."""
-    module = sys.modules[dotted(mutant.module)]
-    around = [each for each in tree.body if each.lineno <= mutant.line <= (each.end_lineno or 0)]
-    if len(around) != 1 or not isinstance(around[0], ast.Assign | ast.AnnAssign):
-        return False
-    space = dict(vars(module))
-    code = compile(ast.Module([around[0]], []), mutant.module, "exec", dont_inherit=True)
-    exec(code, space)
-    changed = {
-        name: value
-        for name, value in space.items()
-        if name in vars(module) and value is not vars(module)[name] and not name.startswith("__")
-    }
-    if not changed or not all(map(_is_plain, changed.values())):
-        return False
-    for name, value in changed.items():
-        old = vars(module)[name]
-        for other in list(sys.modules.values()):
-            if isinstance(other, ModuleType) and vars(other).get(name) is old:
-                setattr(other, name, value)
-    return True
-
-
-def _is_plain(value: object) -> bool:
-    """Return whether a value is numbers and words, alone or together: no class, no function."""
-    if isinstance(value, dict):
-        return all(map(_is_plain, (*value, *value.values())))
-    if isinstance(value, tuple | list | set | frozenset):
-        return all(map(_is_plain, value))
-    return isinstance(value, int | float | complex | str | None)
 
 
 def dotted(path: str) -> str:

@@ -1,0 +1,109 @@
+"""How a changed statement of a module takes the place of the one that lives."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterable
+from enum import EnumMeta
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+_OF_ITS_OWN = frozenset({"__dict__", "__weakref__", "__module__", "__doc__", "__qualname__",
+                         "__annotations__", "__abstractmethods__", "_abc_impl"})  # fmt: skip
+"""What each class has of its own and a change of its statement leaves as it is."""
+
+
+def names_bound(statement: ast.stmt) -> frozenset[str]:
+    """Return the names that a statement of a module gives to objects.
+
+    Examples
+    --------
+    >>> sorted(names_bound(ast.parse("A, B = 1, 2").body[0])), names_bound(ast.parse("f()").body[0])
+    (['A', 'B'], frozenset())
+    """
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return frozenset({statement.name})
+    stored = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
+    return frozenset(each.id for each in stored if isinstance(each.ctx, ast.Store))
+
+
+def names_used_on_import(files: Iterable[Path]) -> frozenset[str]:
+    """Return the names whose objects statements of modules use: all but those inside functions."""
+    found: set[str] = set()
+
+    def collect(node: ast.AST) -> None:
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute):
+            found.add(node.attr)
+        for field, value in ast.iter_fields(node):
+            inside = isinstance(node, ast.FunctionDef | ast.Lambda) and field == "body"
+            if inside or field in ("annotation", "returns"):
+                continue
+            for each in value if isinstance(value, list) else [value]:
+                if isinstance(each, ast.AST):
+                    collect(each)
+
+    for file in files:
+        collect(ast.parse(file.read_bytes()))
+    return frozenset(found)
+
+
+def put_statement(module: ModuleType, statement: ast.stmt) -> bool:
+    """Run a changed statement of a module, and give what lives its outcome, where it was imported.
+
+    Returns
+    -------
+    bool
+        Whether that could be done: not where a name would be another class, or nothing is named.
+    """
+    space = dict(vars(module))
+    before = {name: space.get(name) for name in names_bound(statement)}
+    code = compile(ast.Module([statement], []), str(module.__file__), "exec", dont_inherit=True)
+    exec(code, space)
+    changed = {name: (old, space[name]) for name, old in before.items() if space[name] is not old}
+    return bool(changed) and all(_replaced(name, *both) for name, both in changed.items())
+
+
+def _replaced(name: str, old: Any, new: Any) -> bool:
+    if isinstance(old, FunctionType) and isinstance(new, FunctionType):
+        return _function(old, new)
+    if isinstance(old, type) and isinstance(new, type):
+        return _class(old, new)
+    for other in list(sys.modules.values()):
+        if isinstance(other, ModuleType) and vars(other).get(name) is old:
+            setattr(other, name, new)
+    return True
+
+
+def _function(old: Any, new: Any) -> bool:
+    if not fits(old.__code__, new.__code__):
+        return False
+    old.__code__, old.__defaults__ = new.__code__, new.__defaults__
+    old.__kwdefaults__ = new.__kwdefaults__
+    return True
+
+
+def _class(old: type, new: type) -> bool:
+    if isinstance(old, EnumMeta):
+        return False
+    for name, value in vars(new).items():
+        here = vars(old).get(name)
+        if name in _OF_ITS_OWN or type(value).__name__ == "member_descriptor":
+            continue
+        if isinstance(here, FunctionType) and isinstance(value, FunctionType):
+            if not _function(here, value):
+                return False
+        elif isinstance(value, classmethod | staticmethod):
+            if here is None or not _function(here.__func__, value.__func__):
+                return False
+        else:
+            type.__setattr__(old, name, value)
+    return True
+
+
+def fits(old: CodeType, new: CodeType) -> bool:
+    """Return whether code can take the place of other code."""
+    return old.co_qualname == new.co_qualname and old.co_freevars == new.co_freevars

@@ -119,7 +119,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     names = entered.install(ROOT)  # before any module of the project is imported
     from benchmarks.mutation.runs import Runs
-    from benchmarks.mutation.session import Session, in_children
+    from benchmarks.mutation.session import Session, forget, in_children
     from benchmarks.mutation.survey import closure, survey, test_files
 
     modules = list(dict.fromkeys(mutant.module for mutant in mutants))
@@ -131,6 +131,10 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     ran: list[Runs] = []
 
     def work() -> None:
+        if any(module.startswith("derivations/") for module in modules):
+            from benchmarks.mutation.derived import DerivationChecks
+
+            session.ask_first = DerivationChecks(names, forget).noticing
         begin = time.monotonic()
         known = survey(session, kept, imported, options.longest, options.jobs)
         took = time.monotonic() - begin

@@ -51,7 +51,7 @@ class Runs:
                 return
             tests = self._asked(mutant)
             take = partial(self._take, mutant, len(mutants))
-            if not tests:
+            if not tests and not self._session.ask_first:
                 take([])
                 continue
             usual = sum(self._survey.seconds[test] for test in tests)

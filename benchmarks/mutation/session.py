@@ -62,6 +62,11 @@ class Session:
         The project.
     names : set of str
         Of functions entered, as :func:`benchmarks.mutation.entered.install` returned it.
+
+    Attributes
+    ----------
+    ask_first : callable or None
+        Names what notices a change that is in place, before any test is run.
     """
 
     def __init__(self, root: Path, names: set[str]) -> None:
@@ -71,6 +76,7 @@ class Session:
         self._names_on_import: frozenset[str] = frozenset()
         self._living: dict[str, list[FunctionType]] = defaultdict(list)
         self._work: Callable[[], None] = lambda: None
+        self.ask_first: Callable[[Mutant], str | None] | None = None
 
     def collect(
         self, files: Sequence[str], modules: Sequence[str], work: Callable[[], None]
@@ -90,6 +96,7 @@ class Session:
         self.on_import = frozenset(self.names)
         files = (path for each in entered.PACKAGES for path in (self.root / each).rglob("*.py"))
         self._names_on_import = names_used_on_import(files)
+        gc.unfreeze()  # conftest.py freezes what collection leaves, and only the rest is listed
         for each in gc.get_objects():
             if isinstance(each, FunctionType):
                 path = os.path.relpath(each.__code__.co_filename, self.root)
@@ -122,10 +129,11 @@ class Session:
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
         compiled = mutant.function_at in entered.compiled
         if not compiled and self._put(mutant):
-            failed = self._first_failing(tests)
+            failed = self.ask_first(mutant) if self.ask_first else None
+            failed = failed or self._first_failing(tests)
             if failed or not self._used_on_import(mutant):
                 return write({"by": failed})
-        write({"by": self._anew(mutant, tests, compiled)})
+        write({"by": self._anew(mutant, tests, compiled) if tests else None})
 
     def made_on_import(self, mutant: Mutant) -> bool:
         """Return whether what is changed is made, or entered, while the project is imported."""
@@ -143,11 +151,13 @@ class Session:
         """Return the processor seconds allowed for compiling or importing anew, before tests."""
         if mutant.function_at in entered.compiled:
             return 120.0
-        return 15.0 if self.made_on_import(mutant) else 2.0
+        return 15.0 if self.made_on_import(mutant) or self.ask_first else 2.0
 
     def _first_failing(
         self, tests: Sequence[str], plugin: object = None, limit: float = 0.0
     ) -> str | None:
+        if not tests:
+            return None
         failures = _Failures()
         manager = self.items[tests[0]].config.pluginmanager
         plugins = [failures, *([plugin] if plugin else [])]
@@ -170,9 +180,14 @@ class Session:
             if not mutant.first_line or mutant.of_default:
                 return put_statement(sys.modules[dotted(mutant.module)], mutant.statement)
             code = compile(tree, str(self.root / mutant.module), "exec", dont_inherit=True)
-        new = [c for c in entered.codes_in(code) if c.co_firstlineno == mutant.first_line]
-        living = self._living[mutant.function_at]
-        pairs = [(old, c) for old in living for c in new if fits(old.__code__, c)]
+        tops = [c for c in entered.codes_in(code) if c.co_firstlineno == mutant.first_line]
+        new = [c for top in tops for c in entered.codes_in(top)]  # with what it has returned before
+        pairs = [
+            (old, c)
+            for c in new
+            for old in self._living[f"{mutant.module}:{c.co_firstlineno}"]
+            if fits(old.__code__, c)
+        ]
         for old, changed in pairs:
             old.__code__ = changed
         return bool(pairs)
@@ -228,12 +243,7 @@ class _Recorder:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self) -> None:
-        for name, module in list(sys.modules.items()):
-            if name.split(".")[0] in entered.PACKAGES and name not in KEPT_WARM:
-                for value in list(vars(module).values()):
-                    # What one test leaves in a cache another would not enter.
-                    if hasattr(value, "cache_clear"):
-                        value.cache_clear()
+        forget()
         self._names.clear()
         self._begin, self._elsewhere = _spent(), 0.0
 
@@ -259,6 +269,15 @@ class _Recorder:
             seconds += took
             entered_ |= more
         return {"seconds": seconds, "entered": sorted(entered_)}
+
+
+def forget() -> None:
+    """Empty all caches of the project: what one test leaves in them another would not enter."""
+    for name, module in list(sys.modules.items()):
+        if name.split(".")[0] in entered.PACKAGES and name not in KEPT_WARM:
+            for value in list(vars(module).values()):
+                if hasattr(value, "cache_clear"):
+                    value.cache_clear()
 
 
 def _spent() -> float:

@@ -1,0 +1,137 @@
+"""What the checks of the derivations say of a change in them, before any test is asked.
+
+All is derived once, and noted which functions the result of each step and its check enter. With a
+change, what enters the changed function is derived and checked again: a step with another result
+is judged by its check, and a check that enters the function must pass its step as before and refuse
+the perturbed equations that it refused.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import sympy as sp
+
+from benchmarks.mutation.mutants import Mutant
+from derivations import catalogue
+from derivations.algebra.steps import Derivation, Derived, Step
+from derivations.cell.envelope import derive_envelope
+from derivations.chain import ChainModel
+from derivations.symbols import a, b
+from tests.test_derivations_checks_can_fail import CELLS, sampled
+
+
+def derivations() -> Iterator[tuple[str, Derivation]]:
+    """Those of the paper's chain, of one with more of everything, and of two cells, made anew."""
+    weight, cubic = sp.symbols("w g", positive=True)
+    other = ChainModel(damping={0: 1, 2: -a, 4: b}, stiffness={3: cubic}, weights=(1, weight))
+    for key in catalogue.LISTING:
+        yield key, catalogue.load(key)
+    for key in ("multiple-scales", "averaging", "second-order"):
+        yield f"{key} of another chain", catalogue.load(key, model=other)
+    for key, texts in CELLS.items():
+        yield f"{key} cell", derive_envelope(*texts).derivation
+
+
+def reached(steps: tuple[Step, ...]) -> dict[Step, None]:
+    """Return the steps with all that they follow from, each after its sources."""
+    found: dict[Step, None] = {}
+    for step in steps:
+        found |= {**reached(tuple(q for q in step.sources if q not in found)), step: None}
+    return found
+
+
+class DerivationChecks:
+    """The derivations as they are, and what each step enters.
+
+    Parameters
+    ----------
+    names : set of str
+        Of functions entered, as :func:`benchmarks.mutation.entered.install` returned it.
+    forget : callable
+        Empties what the project keeps of earlier calls.
+    """
+
+    def __init__(self, names: set[str], forget: Callable[[], None]) -> None:
+        self._names, self._forget = names, forget
+        self._made: list[tuple[Derivation, frozenset[str]]] = []
+        self._result: dict[Step, frozenset[str]] = {}
+        self._check: dict[Step, frozenset[str]] = {}
+        self._refused: dict[Step, list[sp.Basic]] = {}
+        forget()
+        names.clear()
+        for _, made in derivations():
+            self._made.append((made, frozenset(names)))
+            for step in reached(made.steps):
+                self._result[step] = self._entered(lambda step=step: step.result)
+            for step in made.steps:
+                forget()
+                self._check[step] = self._entered(partial(self._judge, step))
+            forget()
+            names.clear()
+
+    def _entered(self, run: Callable[[], object]) -> frozenset[str]:
+        self._names.clear()
+        run()
+        return frozenset(self._names)
+
+    def _judge(self, step: Step) -> None:
+        step.verify()
+        changes = [changed for _, changed in sampled(step)]
+        self._refused[step] = [each for each in changes if not step.verify(each).holds]
+
+    def noticing(self, mutant: Mutant) -> str | None:
+        """Return the step whose check notices a change that is in place, if there is one."""
+        at = mutant.function_at
+        self._forget()
+        for (key, made), (old, building) in zip(derivations(), self._made, strict=True):
+            entering = (
+                self._result[q] | self._check.get(q, frozenset()) for q in reached(old.steps)
+            )
+            if at not in building.union(*entering):
+                continue
+            again = dict(zip(old.steps, made.steps, strict=True))
+            known: dict[Step, bool] = {}
+            other = [q for q in old.steps if not self._is_same(q, again[q], at, known)]
+            named = _texts_around(mutant) if at in building else set()
+            checks = at in building and "checks" in mutant.module
+            asked = [q for q in old.steps if checks or at in self._check[q] or q.name in named]
+            for step in dict.fromkeys((*other, *asked)):
+                new = again[step]
+                if not new.verify().holds:
+                    return f"{key}: {step.name}"
+                if step in asked and any(new.verify(q).holds for q in self._refused[step]):
+                    return f"{key}: {step.name} (perturbed)"
+        return None
+
+    def _is_same(self, old: Step, new: Step, at: str, known: dict[Step, bool]) -> bool:
+        """Whether a step has the result that it had, computed only where it may be another."""
+        if new in known:
+            return known[new]
+        pairs = zip(old.sources, new.sources, strict=False)
+        same = [self._is_same(*pair, at, known) for pair in pairs]
+        if (
+            isinstance(old, Derived)
+            and isinstance(new, Derived)
+            and at not in self._result[old]
+            and old.operations == new.operations
+            and len(same) == len(new.sources) == len(old.sources)
+            and all(same)
+        ):
+            vars(new)["result"] = old.result
+        known[new] = new.result == old.result
+        return known[new]
+
+
+def _texts_around(mutant: Mutant) -> set[str]:
+    """Return the texts in the calls that hold a change: the names of the steps written there."""
+    calls = [node for node in ast.walk(mutant.tree) if isinstance(node, ast.Call)]
+    around = [node for node in calls if node.lineno <= mutant.line <= (node.end_lineno or 0)]
+    parts = [part for node in around for part in ast.walk(node)]
+    return {
+        part.value
+        for part in parts
+        if isinstance(part, ast.Constant) and isinstance(part.value, str)
+    }

@@ -1,0 +1,111 @@
+"""Equations with one thing changed: a sign, a factor, an exponent or an index."""
+
+from collections.abc import Iterator
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.core.relational import Relational
+
+from derivations.algebra.equations import equation
+from derivations.algebra.steps import Step
+from derivations.algebra.sums import SumOver
+
+MOST_OF_A_KIND = 3
+"""Perturbations of each kind a step; long equations are sampled evenly to keep the run short."""
+EVEN = (sp.Abs, sp.cos, sp.cosh)
+SCALE_FREE = (sp.sign, sp.Heaviside)
+
+
+def perturbed(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
+    """The expression with one thing changed, and what was changed."""
+    if isinstance(expression, (AppliedUndef, sp.Derivative)) or not expression.args:
+        return
+    for place, part in enumerate(expression.args):
+        if isinstance(expression, (SumOver, sp.Integral, sp.Sum)) and place:
+            continue  # limits and names of sets
+
+        def rebuilt(new: sp.Basic, place: int = place) -> sp.Basic:
+            return rebuild(expression, place, new)
+
+        factors = factors_for(expression, place)
+        for name, factor in factors:
+            yield f"{name} of {part}", rebuilt(factor * part)
+        if isinstance(expression, sp.Pow) and place == 1 and part.is_Integer and part > 1:
+            yield f"exponent {part}", rebuilt(part + 1)
+        if isinstance(expression, sp.Equality) and (place, part) == (1, 0):
+            named = expression.args[0].is_Symbol
+            yield from [("zero", rebuilt(sp.Integer(1)))] if named else []
+        for name, inner in perturbed(part):
+            yield name, rebuilt(inner)
+    if isinstance(expression, (sp.Equality, sp.Tuple)):
+        yield from misplaced(expression)
+
+
+def tautology(expression: sp.Basic) -> sp.Basic:
+    """The same with each left side on the right as well: true, and it says nothing."""
+    if isinstance(expression, sp.Equality):
+        return equation(expression.lhs, expression.lhs)
+    if isinstance(expression, sp.Tuple):
+        return sp.Tuple(*map(tautology, expression))
+    return expression
+
+
+def factors_for(expression: sp.Basic, place: int) -> list[tuple[str, int]]:
+    """Factors that change the value of ``expression`` when put on its argument."""
+    both = [("sign", -1), ("factor", 2)]
+    part = expression.args[place]
+    if part == 0 or not isinstance(part, sp.Expr):
+        return []
+    if isinstance(expression, sp.Add):
+        return both
+    if isinstance(expression, sp.Function):
+        if isinstance(expression, (sp.re, sp.im)):
+            return both[:1]  # only compared with zero
+        if isinstance(expression, sp.conjugate) or (len(expression.args) > 1 and place):
+            return []
+        if isinstance(expression, EVEN):
+            return both[1:]
+        return both[:1] if isinstance(expression, SCALE_FREE) else both
+    if isinstance(expression, SumOver):
+        return both
+    if isinstance(expression, Relational):
+        other = expression.args[1 - place]
+        if other == 0:
+            return [] if isinstance(expression, sp.Equality) else both[:1]
+        return both
+    return []
+
+
+def rebuild(expression: sp.Basic, place: int, new: sp.Basic) -> sp.Basic:
+    arguments = list(expression.args)
+    arguments[place] = new
+    if isinstance(expression, sp.Equality):
+        return equation(*arguments)
+    if isinstance(expression, (Relational, sp.Contains, sp.Equivalent)):
+        return expression.func(*arguments, evaluate=False)
+    return expression.func(*arguments)
+
+
+def misplaced(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
+    """A right neighbour written for a left one."""
+    for own in sorted(expression.atoms(AppliedUndef), key=str):
+        place = own.args[0]
+        if not place.is_Add or place.args[0] != 1:
+            continue
+        twin = own.func(place - 2, *own.args[1:])
+        if expression.has(twin):
+            yield f"index of {own}", expression.xreplace({own: twin})
+
+
+def sampled(step: Step) -> list[tuple[str, sp.Basic]]:
+    kinds: dict[str, list[tuple[str, sp.Basic]]] = {}
+    kinds["tautology"] = [("tautology", tautology(step.result))]
+    kinds["tautology"] *= kinds["tautology"][0][1] != step.result
+    for name, changed in perturbed(step.result):
+        if changed != step.result:
+            kinds.setdefault(name.split()[0], []).append((name, changed))
+    kept = []
+    for found in kinds.values():
+        stride = max(1, -(-len(found) // MOST_OF_A_KIND))
+        kept += found[::stride]
+    return kept

@@ -175,7 +175,7 @@ class Sum:
 """
 ITS_TESTS = """
 import pytest
-from derivations import small
+from fronts import small
 @pytest.fixture(scope="module")
 def three(): return small.Sum().value
 def test_sum(three): assert three == 3
@@ -193,8 +193,8 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
 ) -> None:
     """And those which no test that passes in its time enters, or that no test is about, are not."""
     for folder, name, text in (
-        ("derivations", "__init__.py", ""),
-        ("derivations", "small.py", CODE),
+        ("fronts", "__init__.py", ""),
+        ("fronts", "small.py", CODE),
         ("tests", "test_small.py", ITS_TESTS),
     ):
         (tmp_path / folder).mkdir(exist_ok=True)
@@ -203,7 +203,7 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
         "import sys; from pathlib import Path; from benchmarks.mutation import __main__ as runner; "
         "runner.ROOT = Path.cwd(); sys.exit(runner.main(sys.argv[1:]))"
     )
-    words = ["derivations/small.py", "--tests", "tests/test_small.py", "--longest", "0.3"]
+    words = ["fronts/small.py", "--tests", "tests/test_small.py", "--longest", "0.3"]
     done = subprocess.run(
         [sys.executable, "-c", run, *words, "--record", "record.json", "--jobs", "1"],
         cwd=tmp_path,
@@ -212,14 +212,14 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     )  # fmt: skip
     assert done.returncode == 1, done.stderr
     record = json.loads((tmp_path / "record.json").read_text(encoding="utf-8"))
-    assert [name.removeprefix("derivations/small.py:") for name in record["open"]] == [
+    assert [name.removeprefix("fronts/small.py:") for name in record["open"]] == [
         "unseen:x + 1 -> x - 1",
         "unseen:x + 1 -> x",
         "unseen:x + 1 -> 1",
         "unseen:1 -> 2",
     ]
     assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 4
-    assert (tmp_path / "derivations" / "small.py").read_text(encoding="utf-8") == CODE
+    assert (tmp_path / "fronts" / "small.py").read_text(encoding="utf-8") == CODE
 
 
 def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:

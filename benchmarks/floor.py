@@ -20,6 +20,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
+from numba import njit
 from scipy.integrate import DOP853
 
 from benchmarks.growth import least_seconds
@@ -28,7 +29,6 @@ from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.sums import arithmetic, axis
 from theory.piecewise.sums.integral import MANY, sums
-from verification.execution.compiled import njit
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.steppers import friction_series

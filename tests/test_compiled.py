@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
+
+from numba.core.dispatcher import Dispatcher
+
+import verification
+from verification.execution.compiled import files_with_compiled_functions
 
 ROOT = Path(__file__).parents[1]
 
@@ -48,6 +55,23 @@ def test_a_change_in_a_called_file_is_seen(tmp_path: Path) -> None:
     assert len(list(cache.glob("compiled-*"))) == 2
 
 
+def test_every_file_with_a_compiled_function_counts_in_the_digest() -> None:
+    """Of all modules of the package, by the kind of object that numba makes."""
+    for found in pkgutil.walk_packages(verification.__path__, "verification."):
+        importlib.import_module(found.name)
+    functions = [
+        value.py_func
+        for name, module in sys.modules.items()
+        if name.startswith("verification.")
+        for value in vars(module).values()
+        if isinstance(value, Dispatcher)
+    ]
+    files = {Path(function.__code__.co_filename) for function in functions}
+    own = {path for path in files if path.is_relative_to(ROOT / "verification")}
+    assert len(own) > 10
+    assert own <= set(files_with_compiled_functions())
+
+
 NOWHERE = """
 import os, sys
 sys.path.insert(0, {folder!r})
@@ -82,8 +106,8 @@ def test_where_nothing_can_be_written_code_is_compiled_into_a_temporary_folder(
 
 def test_a_full_disk_does_not_end_a_computation_that_is_compiled(tmp_path: Path) -> None:
     (tmp_path / "inner.py").write_text(
-        "from verification.execution.compiled import njit\n"
-        "@njit(cache=True)\ndef inner(x):\n    return 2.0 * x\n"
+        "from verification.execution.compiled import outer\n"
+        "@outer(cache=True)\ndef inner(x):\n    return 2.0 * x\n"
     )
     program = (
         "import resource\nfrom inner import inner\n"
@@ -102,11 +126,11 @@ FACTORY = """
 import math
 import sys
 from functools import lru_cache
-from verification.execution.compiled import njit
+from verification.execution.compiled import outer
 
 @lru_cache
 def scaled(factor):
-    @njit
+    @outer()
     def inner(x):  # long enough not to be put into its caller
         total = 0.0
         for n in range(int(x), int(x) + 40):
@@ -126,7 +150,7 @@ def outer_of(factor):
     exec(compile(source, __file__, "exec"), space)
     function = space[f"outer_{factor}"]
     function.__module__ = "factory"
-    return njit(cache=True)(function)
+    return outer(cache=True)(function)
 
 if __name__ == "__main__":
     print(*(outer_of(int(word))(1.0) for word in sys.argv[1:]))

@@ -13,9 +13,11 @@ of another. So the count begins at a random number here.
 from __future__ import annotations
 
 import atexit
+import gc
 import itertools
 import logging
 import os
+import re
 import shutil
 import tempfile
 import time
@@ -32,13 +34,14 @@ from numba.core.compiler import Compiler
 
 from verification.execution.digest import digest_of_files
 
-__all__ = ["COUNTED", "DISTINCT_NAMES", "UNCOUNTED", "inner", "njit", "outer"]
+__all__ = ["COUNTED", "DISTINCT_NAMES", "UNCOUNTED", "OuterCompiler", "inner", "outer"]
 
 logger = logging.getLogger(__name__)
 
 _HOME = Path(__file__).parents[1]
 _PREFIX, _OPTION = "compiled-", "CACHE_DIR"
 _WEEK = 7 * 86400.0
+_DECORATOR = re.compile(rb"\b(njit|inner|outer|fast|vectorised)\b")
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}
 """Options of functions that make no arrays: no references are counted to those that they are given.
@@ -48,16 +51,6 @@ takes more than half of the time. What they call makes none either, unless it is
 COUNTED: dict[str, Any] = {"_nrt": True}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-def outer(**options: Any) -> Callable[[Function], Function]:
-    """Compile what Python calls too."""
-
-    def compiled(function: Function) -> Function:
-        found: Function = njit(**options)(function)
-        return found
-
-    return compiled
 
 
 class _PartOfItsCallers(JITCodeLibrary):
@@ -85,17 +78,45 @@ class _PartOfItsCallers(JITCodeLibrary):
         """Do nothing; a function that uses such objects ends with "missing Environment"."""
 
 
+class OuterCompiler(Compiler):
+    """numba's compiler, without searches for garbage, a tenth of its time: nearly all is in use."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function, and all that it calls and that is not compiled yet."""
+        searching = gc.isenabled()
+        gc.disable()
+        try:
+            compiled: Any = super().compile_extra
+            return compiled(func)
+        finally:
+            if searching:
+                gc.enable()
+
+
 class _InnerCompiler(Compiler):
+    """numba's compiler, without machine code."""
+
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         part: Any = _PartOfItsCallers
         start: Any = super().__init__
         start(typing, target, part(target.codegen(), "inner"), *rest)
 
 
+def outer(**options: Any) -> Callable[[Function], Function]:
+    """Compile what Python calls too."""
+    return _compiled(OuterCompiler, options)
+
+
 def inner(**options: Any) -> Callable[[Function], Function]:
     """Compile what only compiled functions call; it is stored on disk as a part of these."""
-    wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return outer(**options, **wrappers, pipeline_class=_InnerCompiler)
+    return _compiled(
+        _InnerCompiler, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **options}
+    )
+
+
+def _compiled(compiler: type[Compiler], options: dict[str, Any]) -> Callable[[Function], Function]:
+    compiled: Callable[[Function], Function] = njit(**options, pipeline_class=compiler)
+    return compiled
 
 
 def _count_from_random() -> bool:
@@ -118,8 +139,12 @@ def source_digest(folder: Path = _HOME) -> str:
     >>> source_digest() == source_digest()
     True
     """
-    compiled = [path for path in folder.rglob("*.py") if b"njit" in path.read_bytes()]
-    return digest_of_files(folder, compiled)[:16]
+    return digest_of_files(folder, files_with_compiled_functions(folder))[:16]
+
+
+def files_with_compiled_functions(folder: Path = _HOME) -> list[Path]:
+    """Return the Python files in a folder and below in which a compiling decorator is named."""
+    return [path for path in folder.rglob("*.py") if _DECORATOR.search(path.read_bytes())]
 
 
 def keep_compiled_code() -> Path:

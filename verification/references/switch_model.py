@@ -24,7 +24,7 @@ import numpy.typing as npt
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, positive, within
-from verification.execution.compiled import inner, njit
+from verification.execution.compiled import inner, outer
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -263,7 +263,7 @@ def _note_arrivals(arrivals: FloatArray, sticks: IntArray, t: float) -> None:
             arrivals[n] = t
 
 
-@njit(cache=True)
+@outer(cache=True)
 def _trapezoid(rule: _Rule, z: FloatArray, record: _Record) -> float:
     """Integrate from the state z; return the time reached."""
     sticks = np.zeros(z.shape[1], dtype=np.int64)

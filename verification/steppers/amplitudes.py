@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import outer
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def _reach(half: float) -> int:
     return far
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+@outer(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
 def _slopes(
     x: FloatArray, chain: Amplitudes, phases: bool, damping: FloatArray, out: FloatArray
 ) -> None:
@@ -139,7 +139,7 @@ def _slopes(
         out[1, last] += 0.5 * x[0, last - 1]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+@outer(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
 def _advance(x: FloatArray, chain: Amplitudes, phases: bool, h: float, steps: int) -> None:
     """Advance all rows in place by equal steps."""
     K = np.zeros((_STAGES, *x.shape))

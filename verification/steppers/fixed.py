@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
-from verification.execution.compiled import njit
+from verification.execution.compiled import outer
 from verification.steppers.active import FREE, RING
 from verification.steppers.kernel import slope_of
 from verification.steppers.rows import put
@@ -45,7 +45,7 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
 
 @lru_cache(maxsize=16)
 def _loop(step: Step) -> Any:
-    @njit
+    @outer()
     def run(
         x: FloatArray, parameters: FloatArray, left: int, right: int, h: float, steps: int
     ) -> None:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import outer
 from verification.steppers.friction_series import (
     MODE,
     POLYNOMIAL,
@@ -83,7 +83,7 @@ def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
     return float(found[0]), float(found[1]), float(found[2])
 
 
-@njit(cache=True)
+@outer(cache=True)
 def _follow(phase: Phase, found: FloatArray) -> None:
     """Put τ, y and w at the end of the phase into ``found``, which holds 0 and the start."""
     numbers, law, room = phase.numbers, phase.law, phase.room

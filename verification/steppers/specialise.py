@@ -11,7 +11,7 @@ from typing import Any
 
 from numba import cfunc
 
-from verification.execution.compiled import DISTINCT_NAMES
+from verification.execution.compiled import DISTINCT_NAMES, OuterCompiler
 
 
 @lru_cache(maxsize=256)
@@ -56,4 +56,5 @@ def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
     copy = FunctionType(plain.__code__, {**plain.__globals__, **names}, plain.__name__)
     copy.__module__ = plain.__module__
     copy.__qualname__ = f"{plain.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
-    return cfunc(signature, cache=DISTINCT_NAMES, **options)(copy)
+    compiler: dict[str, Any] = {"cache": DISTINCT_NAMES, "pipeline_class": OuterCompiler}
+    return cfunc(signature, **compiler, **options)(copy)

@@ -13,12 +13,12 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import njit
+from verification.execution.compiled import outer
 
 FloatArray = npt.NDArray[np.float64]
 
 
-@njit(cache=True, error_model="numpy")
+@outer(cache=True, error_model="numpy")
 def split_steps(
     state: FloatArray,
     parameters: FloatArray,

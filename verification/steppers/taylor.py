@@ -18,7 +18,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.compiled import inner, njit
+from verification.execution.compiled import inner, outer
 from verification.steppers.active import add_coupling, end_codes
 from verification.steppers.rows import finite, largest, put
 
@@ -172,7 +172,7 @@ def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
                 target[n] = target[n] * h + row[n]
 
 
-@njit(cache=True, error_model="numpy")
+@outer(cache=True, error_model="numpy")
 def taylor_steps(
     model: int,
     state: FloatArray,

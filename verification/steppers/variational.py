@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.execution.compiled import inner, njit
+from verification.execution.compiled import inner, outer
 from verification.steppers.rows import put
 
 Real = NDArray[np.float64]
@@ -239,7 +239,7 @@ class _Series(NamedTuple):
     DV: Real
 
 
-@njit(cache=True)
+@outer(cache=True)
 def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order: int) -> bool:
     """Advance the state and its tangents by all steps; False if the solution is out of range."""
     sites, columns = run.ty.shape

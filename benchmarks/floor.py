@@ -200,7 +200,7 @@ def of_sums(v: np.ndarray, c: np.ndarray, tolerance: float) -> Operations:
     v, c : ndarray, shape (n,)
         Velocities and couplings at which no root is taken away.
     tolerance : float
-        Truncation error wanted.
+        Required truncation error.
     """
     done = Operations()
 

@@ -91,7 +91,7 @@ def follow_front(chain: AveragedChain, couplings: Sequence[float] | FloatArray) 
     chain : AveragedChain
         a and b; its c and N are not used.
     couplings : array_like of float, shape (n,)
-        Where the front is wanted, dimensionless, from 1e-6 to 1e3.
+        Where the front is computed, dimensionless, from 1e-6 to 1e3.
 
     Returns
     -------
@@ -168,7 +168,7 @@ def follow_breather(
     chain : VdpChain or AveragedChain
         a, b, ε, N and ends; its c is not used.
     couplings : array_like of float, shape (n,)
-        Where the breather is wanted, dimensionless, positive.
+        Where the breather is computed, dimensionless, positive.
     nucleus : Nucleus, optional
         Which sites oscillate, and with which phase steps.
     method : {"orbit", "envelope"}, optional

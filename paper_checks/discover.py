@@ -87,9 +87,9 @@ def select(entries: Sequence[Entry], keys: Iterable[str]) -> tuple[Entry, ...]:
     UnknownKeyError
         If a key names nothing; the message suggests the nearest names.
     """
-    wanted = list(keys)
+    asked = list(keys)
     known = {entry.group for entry in entries} | {entry.claim.key for entry in entries}
-    for key in wanted:
+    for key in asked:
         if key not in known:
             near = difflib.get_close_matches(key, sorted(known), n=3)
             hint = f"did you mean {' or '.join(near)}? " if near else ""
@@ -97,7 +97,7 @@ def select(entries: Sequence[Entry], keys: Iterable[str]) -> tuple[Entry, ...]:
                 f"'{key}' is neither a claim nor a group of claims: "
                 f"{hint}'fronts check --list' shows all."
             )
-    if not wanted:
+    if not asked:
         return tuple(entries)
-    chosen = set(wanted)
+    chosen = set(asked)
     return tuple(e for e in entries if e.group in chosen or e.claim.key in chosen)

@@ -55,7 +55,7 @@ class Ruling:
     Raises
     ------
     ValueError
-        If the reason or the part is missing, or there and not wanted.
+        If the reason or the part is missing, or there and not required.
     """
 
     verdict: Verdict

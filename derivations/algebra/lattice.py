@@ -52,10 +52,10 @@ class CloseChain(Operation):
 
     def _at(self, whole: sp.Expr, site: int) -> sp.Expr:
         def neighbour(place: sp.Expr, when: sp.Expr) -> sp.Expr:
-            wanted = int(place.subs(self.index, site))
+            neighbour = int(place.subs(self.index, site))
             if self.ends is Ends.RING:
-                return self.field((wanted - 1) % self.sites + 1, when)
-            return self.field(wanted if 1 <= wanted <= self.sites else site, when)
+                return self.field((neighbour - 1) % self.sites + 1, when)
+            return self.field(neighbour if 1 <= neighbour <= self.sites else site, when)
 
         return whole.replace(self.field, neighbour).doit()
 

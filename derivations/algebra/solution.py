@@ -191,9 +191,9 @@ class PrescribeCoefficients(Operation):
                     if all(sp.diff(demand, own, 2) == 0 for demand in rest)}  # fmt: skip
         back = {dummy: own for own, dummy in stand_in.items()}
         plain = [demand.xreplace(stand_in) for demand in rest]
-        wanted = [stand_in.get(own, own) for own in self.unknowns]
+        unknowns = [stand_in.get(own, own) for own in self.unknowns]
         return [{back.get(own, own): value for own, value in found.items()}
-                for found in sp.solve(plain, wanted, dict=True)]  # fmt: skip
+                for found in sp.solve(plain, unknowns, dict=True)]  # fmt: skip
 
     def _one_by_one(self, rest: list[sp.Expr]) -> dict[sp.Basic, sp.Expr]:
         """Solve the demands in their order for the unknowns in theirs; nothing if they mix."""

@@ -323,12 +323,12 @@ class Checks:
     @staticmethod
     def scales(candidate: sp.Basic) -> Evidence:
         """Displacement, time and force get one unit each."""
-        wanted = {s.y(s.n, s.t): (s.y_tilde(s.n, s.tau), s.y_0), s.tau: (s.t, s.omega_n),
+        expected = {s.y(s.n, s.t): (s.y_tilde(s.n, s.tau), s.y_0), s.tau: (s.t, s.omega_n),
                   s.F: (s.F_tilde, s.F_N)}  # fmt: skip
         found = {part.lhs: part.rhs for part in parts_of(candidate)}
-        holds = set(found) == set(wanted) and all(
+        holds = set(found) == set(expected) and all(
             value(found[own], {new: 1.7, unit: 2.3}) == value(new * unit, {new: 1.7, unit: 2.3})
-            for own, (new, unit) in wanted.items()
+            for own, (new, unit) in expected.items()
         )
         return Evidence(holds, "each quantity is its unit times its scaled value")
 

@@ -58,7 +58,7 @@ def bench(
 
     names = [name for name in quantity if name != GROWTH]
     growth = GROWTH in quantity or not quantity
-    wanted = chosen(names) if names or not quantity else ()
+    selected = chosen(names) if names or not quantity else ()
     if out is not None and not out.is_dir():
         raise UsageError(f"--out {out} is not a folder that exists: make it first.")
     if listing and defaults:
@@ -66,18 +66,18 @@ def bench(
     if listing:
         _refuse("--list measures nothing", quick=quick)
         _refuse("--list reads and writes no record", out=out)
-        return _list(wanted, growth)
+        return _list(selected, growth)
     if defaults:
         _refuse("--defaults measures nothing", quick=quick)
         if GROWTH in quantity:
             raise UsageError(
                 f"--defaults has no default method of growth to judge: leave out {GROWTH}."
             )
-        return _defaults(wanted or all_benchmarks(), out or RESULTS)
+        return _defaults(selected or all_benchmarks(), out or RESULTS)
     folder = out or (None if quick else RESULTS)
     if folder is not None and not os.access(folder, os.W_OK):
         raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")
-    return _measure(wanted, growth, quick, folder)
+    return _measure(selected, growth, quick, folder)
 
 
 def _refuse(why: str, **given: object) -> None:
@@ -104,11 +104,11 @@ def need_source_tree(root: Path) -> None:
         sys.path.insert(0, str(root))
 
 
-def _list(wanted: tuple[WorkPrecision, ...], growth: bool) -> Answer:
+def _list(selected: tuple[WorkPrecision, ...], growth: bool) -> Answer:
     from benchmarks.registry import quantity_of
 
     rows, lines = [], []
-    for benchmark in wanted:
+    for benchmark in selected:
         quantity = quantity_of(benchmark)
         problems = [problem.name for problem in quantity.timed_problems]
         rows.append(
@@ -129,10 +129,10 @@ def _list(wanted: tuple[WorkPrecision, ...], growth: bool) -> Answer:
     return Answer({"quantities": rows}, "\n".join(lines))
 
 
-def _defaults(wanted: tuple[WorkPrecision, ...], folder: Path) -> Answer:
+def _defaults(selected: tuple[WorkPrecision, ...], folder: Path) -> Answer:
     from benchmarks.choice import as_payload, as_text, stored_choices
 
-    rows, missing = stored_choices(wanted, folder)
+    rows, missing = stored_choices(selected, folder)
     if not rows:
         raise UsageError(f"there is no record in {folder}: run 'fronts bench --out {folder}'.")
     text = as_text(rows)
@@ -142,7 +142,7 @@ def _defaults(wanted: tuple[WorkPrecision, ...], folder: Path) -> Answer:
 
 
 def _measure(
-    wanted: tuple[WorkPrecision, ...], growth: bool, quick: bool, folder: Path | None
+    selected: tuple[WorkPrecision, ...], growth: bool, quick: bool, folder: Path | None
 ) -> Answer:
     from benchmarks.choice import stored_choices, write_choices
     from benchmarks.diagram import draw
@@ -152,7 +152,7 @@ def _measure(
 
     records: dict[str, object] = {}
     texts = []
-    for benchmark in wanted:
+    for benchmark in selected:
         record = measured(benchmark, quick, _report)
         records[benchmark.name] = as_payload(record)
         texts.append(as_text(record))
@@ -164,7 +164,7 @@ def _measure(
         payload[GROWTH], text = _growth(quick, folder, _report)
         texts.append(text)
     if folder is not None:
-        if wanted:
+        if selected:
             rows, _ = stored_choices(all_benchmarks(), folder)
             write_choices(rows, folder / "defaults.json")
         texts.append(f"Written to {folder}; 'fronts bench --defaults' judges the default methods.")

@@ -216,11 +216,11 @@ def _chosen(
         raise UsageError(str(error)) from None
     if verdict is None:
         return entries
-    wanted = _verdict(verdict)
-    kept = tuple(entry for entry in entries if entry.claim.recorded is wanted)
+    recorded = _verdict(verdict)
+    kept = tuple(entry for entry in entries if entry.claim.recorded is recorded)
     if not kept:
         where = f"of {', '.join(keys)} " if keys else ""
-        raise UsageError(f"no claim {where}has the verdict '{slug(wanted)}' on record.")
+        raise UsageError(f"no claim {where}has the verdict '{slug(recorded)}' on record.")
     return kept
 
 

@@ -119,7 +119,7 @@ class Controls:
 class Page:
     """One reader's page.
 
-    Calls are carried out in one thread, settings that are no longer wanted are skipped, and each
+    Calls are carried out in one thread, settings that are no longer current are skipped, and each
     picture is shown as soon as its calls are done: the page is at most one update behind a slider
     that is dragged.
     """
@@ -131,7 +131,7 @@ class Page:
         self.status = pn.pane.HTML(stylesheets=[TEXT], margin=(18, 10, 4, 10))
         self.worker = ThreadPoolExecutor(1)
         self.document = pn.state.curdoc
-        self.wanted: Settings | None = None
+        self.current: Settings | None = None
         self.begun = 0.0
         for each in self.controls.all:
             each.param.watch(lambda _: self.follow(), "value")
@@ -153,16 +153,16 @@ class Page:
     def follow(self) -> None:
         """Show what the controls say now."""
         settings = self.controls.settings()
-        if settings != self.wanted:
-            self.wanted, self.begun = settings, perf_counter()
+        if settings != self.current:
+            self.current, self.begun = settings, perf_counter()
             self.worker.submit(self._work, settings)
 
     def _work(self, settings: Settings) -> None:
-        """Carry out the calls; those of several updates only while nothing newer is wanted."""
+        """Carry out the calls; those of several updates only while they are current."""
         found: dict[str, Any] = {}
         try:
             for name, call in calls(settings).items():
-                if self.wanted is not settings and name in ("point", *SLOW):
+                if self.current is not settings and name in ("point", *SLOW):
                     return
                 found[name] = outcome(call)
                 self._later(self._shower(settings, dict(found)))

@@ -172,10 +172,10 @@ def front_profile(
     )
 
 
-def _chosen(branches: tuple[Branch, ...], wanted: int | None) -> Branch:
-    if wanted is not None:
+def _chosen(branches: tuple[Branch, ...], position: int | None) -> Branch:
+    if position is not None:
         last = len(branches)
         remedy = "choose one of these, in ascending v"
-        return branches[count_within("branch", wanted, 1, last, remedy) - 1]
+        return branches[count_within("branch", position, 1, last, remedy) - 1]
     admissible = [each for each in branches if each.admissible]
     return (admissible or list(branches))[-1]

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from theory.parameters import ParameterError, RunError, count_within, decimal
+from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS
 from theory.result import Result
 from verification.execution.progress import ProgressCallback, of_part
 
 if TYPE_CHECKING:
     from theory.piecewise.roots import RootSet
 
-_DOUBLE = 15
-_MAX_DIGITS = 2000
 _MAX_ROOTS = 100_000
 _MAX_DIGITS_OF_ROOTS = 10_000_000
 """Roots times digits in one half-plane, beyond double precision: some minutes."""
@@ -79,7 +78,7 @@ def roots(
     *,
     count: int | None = None,
     extent: float | None = None,
-    digits: int = _DOUBLE,
+    digits: int = DOUBLE,
     certify: bool = False,
     progress: ProgressCallback | None = None,
 ) -> Roots:
@@ -96,7 +95,7 @@ def roots(
     extent : float, optional
         Every root with |Re k| up to this, in place of count.
     digits : int, optional
-        Digits that are wanted, from 1 to 2000.
+        Required digits, from 1 to 2000.
     certify : bool, optional
         Enclose and count the roots in ball arithmetic; needs the extra certify (python-flint).
     progress : callable, optional
@@ -132,7 +131,7 @@ def roots(
 
     v, c = decimal("velocity v", v), decimal("coupling c", c)
     v_, c_ = float(v), float(c)
-    digits = count_within("digits", digits, 1, _MAX_DIGITS)
+    digits = count_within("digits", digits, 1, MAX_DIGITS)
     if count is not None and extent is not None:
         raise ParameterError("extent |Re k|", extent, "absent beside a count", "give one of them")
     number = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
@@ -142,7 +141,7 @@ def roots(
         else roots_within(v_, c_, extent, upper)
         for upper in (True, False)
     ]
-    if digits > _DOUBLE:
+    if digits > DOUBLE:
         most = max(half.labels.size for half in halves)
         remedy = "ask for fewer roots or digits"
         count_within("roots times digits", most * digits, 0, _MAX_DIGITS_OF_ROOTS, remedy)
@@ -151,7 +150,7 @@ def roots(
         halves = [_certified(v_, c_, half, upper=not i) for i, half in enumerate(halves)]
     rows = []
     for i, half in enumerate(halves):
-        if digits <= _DOUBLE:
+        if digits <= DOUBLE:
             rows.append(_in_double(half))
         else:
             shown = of_part(progress, i, len(halves))

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from theory.parameters import ParameterError, count_within, decimal
-
-if TYPE_CHECKING:
-    from theory.piecewise.sums.result import KineticSum
-
-_DOUBLE = 15
-_MAX_DIGITS = 2000
+from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError
 
 
 def sigma(
@@ -38,7 +33,7 @@ def sigma(
         quadrature on the real line; these two work in double precision. Certified: the integral in
         ball arithmetic, whose error is proven (needs the extra certify).
     digits : int, optional
-        Digits after the point that are wanted, from 1 to 2000.
+        Required digits after the point, from 1 to 2000.
 
     Returns
     -------
@@ -64,10 +59,8 @@ def sigma(
     >>> bool(abs(found.value - (-0.28879675619025 + 0.45226875874939j)) < 1e-12)
     True
     """
-    from theory.piecewise.sums.result import PrecisionError
-
     v, c = decimal("velocity v", v), decimal("coupling c", c)
-    digits = count_within("digits", digits, 1, _MAX_DIGITS)
+    digits = count_within("digits", digits, 1, MAX_DIGITS)
     within_double = digits <= 13 or method in ("integral", "series", "certified")
     if not within_double:
         raise ParameterError(
@@ -89,23 +82,23 @@ def _by_series(v: float | str, c: float | str, digits: int) -> KineticSum:
     from theory.piecewise.sums.series import sum_by_roots
 
     found = sum_by_roots(v, c, digits)
-    if digits > _DOUBLE or found.error <= 10.0**-digits:
+    if digits > DOUBLE or found.error <= 10.0**-digits:
         return found
-    return _rounded(sum_by_roots(v, c, _DOUBLE + 1))
+    return _rounded(sum_by_roots(v, c, DOUBLE + 1))
 
 
 def _by_integral(v: float | str, c: float | str, digits: int) -> KineticSum:
-    if digits <= _DOUBLE:
+    if digits <= DOUBLE:
         from theory.piecewise.sums.integral import sum_by_integral
 
-        tolerance = 0.5 * 10.0**-digits if digits < _DOUBLE else 1e-15
+        tolerance = 0.5 * 10.0**-digits if digits < DOUBLE else 1e-15
         found = sum_by_integral(float(v), float(c), tolerance)
         if found.error <= 10.0**-digits:
             return found
     from theory.piecewise.sums.precise import precise_sum_by_integral
 
     found = precise_sum_by_integral(v, c, digits)
-    return found if digits > _DOUBLE else _rounded(found)
+    return found if digits > DOUBLE else _rounded(found)
 
 
 def _by_bessel(v: float | str, c: float | str, digits: int) -> KineticSum:
@@ -130,7 +123,7 @@ def _rounded(found: KineticSum) -> KineticSum:
     """Return a precise sum in double precision, the rounding in its error."""
     value = complex(found.value)
     error = float(found.error) + abs(value) * np.finfo(float).eps
-    return replace(found, value=value, error=float(error), digits=_DOUBLE)
+    return replace(found, value=value, error=float(error), digits=DOUBLE)
 
 
 _SUMS: dict[str, Callable[[float | str, float | str, int], KineticSum]] = {

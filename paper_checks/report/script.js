@@ -40,23 +40,23 @@
   const texts = rows.map((row) => index(
     `${text(row, "place")} ; ${text(row, "claim")} ; ${row.id.replace(/^claim-/, "")}`));
 
-  function matches(entry, wanted) {
-    const numbers = new Set(wanted.named.map((name) => name.split(" ")[1]));
-    return wanted.named.every((name) => entry.named.some((one) => one === name
+  function matches(entry, asked) {
+    const numbers = new Set(asked.named.map((name) => name.split(" ")[1]));
+    return asked.named.every((name) => entry.named.some((one) => one === name
         || (name.startsWith("section ") && one.startsWith(`${name}.`))))
-      && wanted.words.every((word) => numbers.has(word) || (/^\d/.test(word)
+      && asked.words.every((word) => numbers.has(word) || (/^\d/.test(word)
         ? entry.words.includes(word)
         : entry.words.some((one) => one.startsWith(word))));
   }
 
   function apply() {
     const words = plain(place.value);
-    const wanted = index(words);
-    const empty = words !== "" && wanted.words.length === 0;
+    const asked = index(words);
+    const empty = words !== "" && asked.words.length === 0;
     let count = 0;
     rows.forEach((row, i) => {
       const fits = !verdict.value || row.dataset.verdict === verdict.value;
-      row.hidden = !(fits && !empty && matches(texts[i], wanted));
+      row.hidden = !(fits && !empty && matches(texts[i], asked));
       count += row.hidden ? 0 : 1;
     });
     shown.textContent = `${count} of ${rows.length} shown`;

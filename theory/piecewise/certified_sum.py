@@ -41,7 +41,7 @@ from theory.parameters import count_within
 from theory.piecewise.certified_roots import ball_arithmetic
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling
-from theory.piecewise.sums.result import DOUBLE, KineticSum, PrecisionError, stated
+from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError, stated
 
 MAX_POINTS = 2000
 """Equispaced points up to which they are taken; beyond, the adaptive rule."""
@@ -83,7 +83,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
         Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12; a float is the exact
         binary number, a string is read as a decimal, digit for digit.
     digits : int
-        Digits after the point that are wanted, from 1 to 2000.
+        Required digits after the point, from 1 to 2000.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
     (-0.288796756190252 + 0.452268758749395j) True
     """
     start = perf_counter()
-    digits = count_within("digits", digits, 1, 2000)
+    digits = count_within("digits", digits, 1, MAX_DIGITS)
     v_float, c_float = checked_velocity_and_coupling(float(v), float(c))
     flint = ball_arithmetic("a certified sum")
     # Arguments of the exponential as large as c/v, and differences as small as 1/v.
@@ -193,7 +193,7 @@ def needed_points(v: float, c: float, tolerance: float, order: int = 0) -> tuple
     v, c : float
         The largest velocity and coupling meant.
     tolerance : float
-        Absolute error wanted.
+        Required absolute error.
     order : int
         0 for Σ alone, 1 with first derivatives, 2 with ∂²Σ/∂v².
 

@@ -9,9 +9,7 @@ import numpy as np
 
 from theory.parameters import count_within
 from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, labelled_roots
-
-MAX_DIGITS = 2000
-"""Digits that may be asked for."""
+from theory.piecewise.sums.result import MAX_DIGITS
 
 GUARD_DIGITS = 100
 """Digits more that a sum may work in."""

@@ -66,7 +66,7 @@ def front_profile(
     v, c : float
         Front velocity v̂ and coupling, dimensionless.
     tolerance : float
-        Error wanted, from 1e-14 to 0.1.
+        Required error, from 1e-14 to 0.1.
 
     Raises
     ------

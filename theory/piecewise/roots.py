@@ -137,9 +137,9 @@ def labelled_roots(
             if missing.size == 0:
                 break
             for step_of in (_labelled_step, _plain_step):
-                wanted, v_, c_ = labels[missing], v[missing], c[missing]
-                found = _iterate(step_of, start[missing], wanted, v_, c_, upper=upper)
-                good = _inside(found, wanted, upper)
+                required, v_, c_ = labels[missing], v[missing], c[missing]
+                found = _iterate(step_of, start[missing], required, v_, c_, upper=upper)
+                good = _inside(found, required, upper)
                 good &= _radius(found, v_, c_) <= 1e-6 * np.abs(found)
                 k[missing[good]] = found[good]
                 missing = missing[~good]

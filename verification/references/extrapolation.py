@@ -144,8 +144,8 @@ def _change(error: float, allowed: float) -> float:
     if error == 0.0:
         return _MOST
     share = allowed / error if math.isfinite(error) else 0.0
-    wanted: float = _SAFETY * share ** (1.0 / (2 * COLUMNS - 1)) if math.isfinite(share) else 0.0
-    return min(_MOST, max(_LEAST, wanted))
+    required: float = _SAFETY * share ** (1.0 / (2 * COLUMNS - 1)) if math.isfinite(share) else 0.0
+    return min(_MOST, max(_LEAST, required))
 
 
 def _step(rate: Rate, t: Any, state: AnyArray, step: Any) -> tuple[AnyArray, float]:

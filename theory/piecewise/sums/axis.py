@@ -61,11 +61,11 @@ def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
     gap = 0.5 - c * sinh
     lost = -math.expm1(strip - gap / v)
     peak = (2.0 - lost) / (lost * 2.0 * gap)
-    wanted = min(math.log(1.0 + 2.0 * peak / tolerance) / strip, _MAX_POINTS)
+    required = min(math.log(1.0 + 2.0 * peak / tolerance) / strip, _MAX_POINTS)
     unit = 4.0
-    while wanted > 16.0 * unit:
+    while required > 16.0 * unit:
         unit *= 2.0
-    count = max(8, int(unit * math.ceil(wanted / unit)))
+    count = max(8, int(unit * math.ceil(required / unit)))
     return count, 2.0 * peak / math.expm1(count * strip)
 
 
@@ -247,9 +247,9 @@ def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, Floa
     gap = 0.5 - c * np.sinh(strip)
     lost = -np.expm1(strip - gap / v)
     peak = (2.0 - lost) / (lost * 2.0 * gap)
-    wanted = np.minimum(np.log1p(2.0 * peak / tolerance) / strip, _MAX_POINTS)
-    unit = 4.0 * np.exp2(np.maximum(np.ceil(np.log2(wanted / 64.0)), 0.0))
-    counts = np.maximum(unit * np.ceil(wanted / unit), 8.0)
+    required = np.minimum(np.log1p(2.0 * peak / tolerance) / strip, _MAX_POINTS)
+    unit = 4.0 * np.exp2(np.maximum(np.ceil(np.log2(required / 64.0)), 0.0))
+    counts = np.maximum(unit * np.ceil(required / unit), 8.0)
     truncation = 2.0 * peak / np.expm1(counts * strip)
     return np.where(is_plain(v, c, counts), counts, 0.0).astype(np.int64), truncation
 

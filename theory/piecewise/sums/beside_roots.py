@@ -137,11 +137,11 @@ def _roots_beside(
 
 
 def _settle(
-    at: FloatArray, equation: tuple[FloatArray, FloatArray, FloatArray], wanted: FloatArray,
+    at: FloatArray, equation: tuple[FloatArray, FloatArray, FloatArray], required: FloatArray,
     unsettled: FloatArray, fast: dict[str, Any],
 ) -> None:  # fmt: skip
-    """Take steps to the roots that are wanted; write p, sin(p/2) and cos(p/2) as rows."""
-    moving = wanted.copy()
+    """Take steps to the roots that are required; write p, sin(p/2) and cos(p/2) as rows."""
+    moving = required.copy()
     fast["halves"](at)
     for _ in range(_MAX_STEPS):
         fast["step_all"](at, *equation, moving)
@@ -164,17 +164,17 @@ def _axes(
     roots[1:, :2] = roots[0, :2]  # where no pair is taken away
     fast["start_resonant_pairs"](q, rho, roots)
     taken = [(roots[0], every), (roots[1], paired), (roots[2], paired)][: 3 if paired.any() else 1]
-    for at, wanted in taken:
-        _settle(at, equation, wanted, unsettled, fast)
+    for at, required in taken:
+        _settle(at, equation, required, unsettled, fast)
     plan = np.empty((2, n))
     fast["plan_axis"](v, c, tolerance, roots, plan)
     count, truncation = plan
     values, sizes, effects = np.zeros((3, n), dtype=complex), np.zeros((2, n)), np.zeros((8, n))
-    for at, wanted in taken:
+    for at, required in taken:
         power, turn = np.empty((3, n)), np.empty((2, n))
         fast["exponents_on_axis"](count, at, power, turn)
         fast["exponentials"](power)
-        root = (at, np.zeros(n), power, turn, np.full(n, -1.0), wanted, effects)
+        root = (at, np.zeros(n), power, turn, np.full(n, -1.0), required, effects)
         fast["add_effects"](v, c, *root)
         if slopes:
             fast["add_effect_slopes"](v, c, *root)

@@ -34,7 +34,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     v, c : float
         Front velocity v̂ and coupling, dimensionless.
     tolerance : float
-        Error wanted, from 1e-14 to 0.1.
+        Required error, from 1e-14 to 0.1.
 
     Raises
     ------

@@ -49,9 +49,9 @@ def plan_legs(
 ) -> None:
     """Write step, number of nodes, truncation and phase of one leg as rows."""
     for i in range(v.size):
-        wanted = LEG_SHARE * tolerance / (phase_rate(v[i], c[i], second) if slopes else 1.0)
+        required = LEG_SHARE * tolerance / (phase_rate(v[i], c[i], second) if slopes else 1.0)
         far = 2.0 * modulus(complex(0.5, 2.0 * c[i])) if second else 1.0
-        step, count, truncation = leg_nodes(wanted, v[i], c[i] / v[i], far, second)
+        step, count, truncation = leg_nodes(required, v[i], c[i] / v[i], far, second)
         plan[0, i], plan[1, i], plan[2, i] = step, count, truncation
         plan[3, i] = second_phase(v[i], c[i]) if second else 0.0
 
@@ -136,9 +136,9 @@ def clearances(power: FloatArray, halfway: FloatArray, whole: FloatArray) -> Non
 
 def add_effects(
     v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
-    turn: FloatArray, sign: FloatArray, wanted: FloatArray, effects: FloatArray,
+    turn: FloatArray, sign: FloatArray, required: FloatArray, effects: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of the effects of one root each, where wanted, and their roundings."""
+    """Add Re and Im of the effects of one root each, where required, and their roundings."""
     re, im, shifts = effects[0], effects[1], effects[6]
     p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
     power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
@@ -148,17 +148,17 @@ def add_effects(
             root, complex(p_re[i] + along[i], p_im[i]), v[i], c[i],
             complex(power_re[i], power_im[i]), complex(turn_re[i], turn_im[i]), sign[i],
         )  # fmt: skip
-        side = wanted[i] * side_of(p_im[i])
+        side = required[i] * side_of(p_im[i])
         re[i] += side * value.real
         im[i] += side * value.imag
-        shifts[i] += wanted[i] * shift
+        shifts[i] += required[i] * shift
 
 
 def add_effect_slopes(
     v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
-    turn: FloatArray, sign: FloatArray, wanted: FloatArray, effects: FloatArray,
+    turn: FloatArray, sign: FloatArray, required: FloatArray, effects: FloatArray,
 ) -> None:  # fmt: skip
-    """Add the derivatives of the effects of one root each, where wanted, and their roundings."""
+    """Add the derivatives of the effects of one root each, where required, and their roundings."""
     v_re, v_im, by_re, by_im, gains = effects[2], effects[3], effects[4], effects[5], effects[7]
     p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
     power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
@@ -168,12 +168,12 @@ def add_effect_slopes(
             root, complex(p_re[i] + along[i], p_im[i]), v[i], c[i],
             complex(power_re[i], power_im[i]), complex(turn_re[i], turn_im[i]), sign[i],
         )  # fmt: skip
-        side = wanted[i] * side_of(p_im[i])
+        side = required[i] * side_of(p_im[i])
         v_re[i] += side * by_v.real
         v_im[i] += side * by_v.imag
         by_re[i] += side * by_c.real
         by_im[i] += side * by_c.imag
-        gains[i] += wanted[i] * gain
+        gains[i] += required[i] * gain
 
 
 def start_nodes(

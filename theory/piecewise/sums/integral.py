@@ -81,7 +81,7 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     v, c : float
         Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12.
     tolerance : float
-        Error wanted, from 1e-15 to 0.1; the error bound is its truncation plus rounding.
+        Required error, from 1e-15 to 0.1; the error bound is its truncation plus rounding.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def sums(
     v, c : array_like of float
         Front velocity v̂ and coupling, dimensionless, from 1e-20 to 1e20.
     tolerance : float
-        Truncation error wanted, from 1e-15 to 0.1. Points are spent accordingly.
+        Required truncation error, from 1e-15 to 0.1. Points are spent accordingly.
     slopes : bool
         Also return ∂Σ/∂v and ∂Σ/∂c.
     compiled : bool, optional

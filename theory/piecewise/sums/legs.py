@@ -40,15 +40,15 @@ def leg_nodes(
     Beyond u = U ≥ √3 the terms are below 2.7 (1 + 2Y) e^{-q - u²} √m/|A|.
     """
     size = _leg_size(rho, far, second)
-    wanted = math.log(1.0 + max(1.5 * size / tolerance, 1.0))
-    step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / wanted
+    required = math.log(1.0 + max(1.5 * size / tolerance, 1.0))
+    step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / required
     m, q = 0.5 / rho, 0.5 / v
     U = math.sqrt(max(3.0, math.log(1.0 + 4.0 / (math.sqrt(rho) * far * tolerance)) - q))
     count = math.ceil(U / step)
     U = count * step
     rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * math.exp(-q - U * U) / math.pi
     rest *= step / ((1.0 - math.exp(-2.0 * U * step)) * max(0.5 * far, v * U * U))
-    return step, count, tolerance / 1.5 + rest  # size/(e^wanted - 1), and what lies beyond U
+    return step, count, tolerance / 1.5 + rest  # size/(e^required - 1), and what lies beyond U
 
 
 def phase_rate(v: Any, c: Any, second: bool) -> Any:

@@ -21,9 +21,9 @@ import numpy.typing as npt
 from theory.parameters import count_within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
-from theory.piecewise.precise_roots import MAX_DIGITS, exact, precise_roots
+from theory.piecewise.precise_roots import exact, precise_roots
 from theory.piecewise.roots import MAX_LABEL, checked_velocity_and_coupling
-from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
+from theory.piecewise.sums.result import MAX_DIGITS, KineticSum, PrecisionError, stated
 
 _MAX_POINTS = 200_000
 _SPARE = 8

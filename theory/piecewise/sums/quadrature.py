@@ -29,7 +29,7 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     v, c : float
         Front velocity v̂ and coupling, dimensionless.
     tolerance : float
-        Absolute tolerance wanted, from 1e-14 to 0.1. The error returned may be larger.
+        Required absolute tolerance, from 1e-14 to 0.1. The error returned may be larger.
 
     Returns
     -------

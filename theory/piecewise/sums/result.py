@@ -24,6 +24,9 @@ from theory.result import Result
 DOUBLE = 15
 """Digits up to which a value is one in double precision."""
 
+MAX_DIGITS = 2000
+"""Digits that may be required of a root or a sum."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class KineticSum(Result):

@@ -65,9 +65,9 @@ def sum_at(
     v, c : float
         Front velocity v̂ and coupling, positive, dimensionless.
     tolerance : float
-        Truncation error wanted of Σ.
+        Required truncation error of Σ.
     slopes : bool
-        Whether the derivatives are wanted.
+        Whether the derivatives are required.
     """
     count, truncation = plain_points(v, c, tolerance)
     if is_plain(v, c, count):

@@ -26,11 +26,10 @@ import mpmath as mp
 import numpy as np
 
 from theory.parameters import count_within
-from theory.piecewise.precise_roots import MAX_DIGITS, exact, precise_roots
+from theory.piecewise.precise_roots import exact, precise_roots
 from theory.piecewise.roots import MAX_ROOTS, checked_velocity_and_coupling, labelled_roots
-from theory.piecewise.sums.result import KineticSum, PrecisionError, stated
+from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError, stated
 
-_DOUBLE = 15
 _MAX_PRECISE_ROOTS = 20_000
 
 
@@ -62,7 +61,7 @@ class SeriesScene:
 
 
 def sum_by_roots(
-    v: float | str, c: float | str, digits: int = _DOUBLE, upper: bool = True
+    v: float | str, c: float | str, digits: int = DOUBLE, upper: bool = True
 ) -> KineticSum:
     """Return Σ over the roots of one half-plane of 1/(k L_k) (Eq. 53 for the upper one).
 
@@ -72,7 +71,7 @@ def sum_by_roots(
         Front velocity v̂ and coupling, dimensionless. A string is read as a decimal at full
         precision, a float is exactly that binary number.
     digits : int
-        Digits after the point wanted, from 1 to 2000. Up to 15 the roots kept are summed in
+        Required digits after the point, from 1 to 2000. Up to 15 the roots kept are summed in
         double precision.
     upper : bool
         M⁺ or M⁻. The two sums add up to -2.
@@ -96,7 +95,7 @@ def sum_by_roots(
     # e^{-2πρ} = 10^{-digits} and a little; nearer in, the smallest term is no measure of the error.
     corners = max(digits, 10) / 2.7 + 2.0
     for _ in range(6):
-        with mp.workdps(max(digits, _DOUBLE) + 15):
+        with mp.workdps(max(digits, DOUBLE) + 15):
             scene = SeriesScene(exact(v), exact(c), 1 if upper else -1)
             first, last = _kept_labels(scene, corners)
             value, rounding = _kept_terms(scene, first, last, digits)
@@ -107,7 +106,7 @@ def sum_by_roots(
         if uncertain <= mp.mpf(10) ** (-digits):
             break
         corners *= 1.3
-    value = complex(value) if digits <= _DOUBLE else value
+    value = complex(value) if digits <= DOUBLE else value
     terms = last - first + 1
     return KineticSum(
         value=value,
@@ -132,7 +131,7 @@ def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:
             if abs(nu.imag) < distance:
                 reach = math.sqrt(distance**2 - nu.imag**2)
                 first, last = min(first, nu.real - reach), max(last, nu.real + reach)
-    most = MAX_ROOTS if mp.mp.dps <= _DOUBLE + 15 else _MAX_PRECISE_ROOTS
+    most = MAX_ROOTS if mp.mp.dps <= DOUBLE + 15 else _MAX_PRECISE_ROOTS
     if last - first > most:
         raise PrecisionError(
             f"the series at v = {mp.nstr(scene.v, 6)}, c = {mp.nstr(scene.c, 6)} needs "
@@ -144,7 +143,7 @@ def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:
 def _kept_terms(scene: SeriesScene, first: int, last: int, digits: int) -> tuple[Any, Any]:
     """Return the sum of t over the labels, the first and last counted half, and its rounding."""
     labels, upper = np.arange(first, last + 1), scene.sign > 0
-    if digits <= _DOUBLE:
+    if digits <= DOUBLE:
         v, c = float(scene.v), float(scene.c)
         roots = labelled_roots(v, c, labels, upper)
         slope = -1j * (v + c * np.sin(roots.k))

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
+from fronts.answer import UsageError
 from fronts.arguments import decimal, folder, real, real_or_range, site_list, size_or_shape, whole
 from fronts.signatures import REQUIRED, Described, described
 
@@ -189,6 +190,31 @@ class Group:
 def options_of(function: Callable[..., Any]) -> Group:
     """Return every parameter of a function of `fronts.commands` as an option."""
     return Group("", described(function), {}, internal=frozenset({QUIET}))
+
+
+def refuse_beside(question: str, **given: Any) -> None:
+    """Refuse the options that have no meaning beside a question that was asked.
+
+    Parameters
+    ----------
+    question : str
+        Which one, and what it does not do, as in ``"--list judges nothing"``.
+    **given
+        The options by their parameters; None, False and () are absent.
+
+    Raises
+    ------
+    UsageError
+        If one was given.
+    """
+    names = [option(name) for name, value in given.items() if value not in (None, False, ())]
+    if names:
+        raise UsageError(
+            f"{question}: leave out {' and '.join(names)}.",
+            quantity=names[0],
+            allowed=f"absent beside {question.split(maxsplit=1)[0]}",
+            remedy="leave it out",
+        )
 
 
 _OTHERS = {"bool", "choice", "strings"}

@@ -78,11 +78,9 @@ def test_the_exit_code_of_the_work_reductions_is_one_if_a_bound_is_exceeded(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for holds in (True, False):
-        row = SimpleNamespace(
-            reduction=SimpleNamespace(what="", decided="", bound="", test=""),
-            text="", changed="", found=SimpleNamespace(holds=holds), as_dict=dict,
-        )  # fmt: skip
-        monkeypatch.setattr(reductions, "measured_reductions", lambda row=row: [row])
+        row = dict.fromkeys(("what", "decided", "bound", "measured", "changed", "test"), "")
+        made_up = SimpleNamespace(measured=lambda row=row, holds=holds: row | {"holds": holds})
+        monkeypatch.setattr(reductions, "REDUCTIONS", (made_up,))
         assert main(["stress", "--work-reduction"]) == int(not holds)
     capsys.readouterr()
 

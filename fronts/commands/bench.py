@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.options import Folder, option
+from fronts.options import Folder, refuse_beside
 
 if TYPE_CHECKING:
     from benchmarks.work_precision import WorkPrecision
@@ -64,11 +64,11 @@ def bench(
     if listing and defaults:
         raise UsageError("--list and --defaults are two questions: ask one of them.")
     if listing:
-        _refuse("--list measures nothing", quick=quick)
-        _refuse("--list reads and writes no record", out=out)
+        refuse_beside("--list measures nothing", quick=quick)
+        refuse_beside("--list reads and writes no record", out=out)
         return _list(selected, growth)
     if defaults:
-        _refuse("--defaults measures nothing", quick=quick)
+        refuse_beside("--defaults measures nothing", quick=quick)
         if GROWTH in quantity:
             raise UsageError(
                 f"--defaults has no default method of growth to judge: leave out {GROWTH}."
@@ -78,13 +78,6 @@ def bench(
     if folder is not None and not os.access(folder, os.W_OK):
         raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")
     return _measure(selected, growth, quick, folder)
-
-
-def _refuse(why: str, **given: object) -> None:
-    """Refuse what the question asked would pass over in silence."""
-    for name, value in given.items():
-        if value:
-            raise UsageError(f"{why}: leave out {option(name)}.")
 
 
 def need_source_tree(root: Path) -> None:

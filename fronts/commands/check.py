@@ -15,7 +15,7 @@ from pathlib import Path
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_writable
 from fronts.interrupted import resumable
-from fronts.options import Folder, option
+from fronts.options import Folder, refuse_beside
 from fronts.output import with_table
 from paper_checks import discover
 from paper_checks.claim import Verdict
@@ -106,7 +106,8 @@ def check(
     entries = _chosen(every, key, verdict)
     width = shutil.get_terminal_size((100, 24)).columns
     if listing:
-        _refuse(out=out, workers=workers, resume=resume, full=full, record=record)
+        question = "--list judges nothing"
+        refuse_beside(question, out=out, workers=workers, resume=resume, full=full, record=record)
         return _listing(entries, width)
     table = out if out is not None and out.suffix.lower() in TABLES else None
     folder = _checked_folder(None if table else out, resume)
@@ -222,13 +223,6 @@ def _chosen(
         where = f"of {', '.join(keys)} " if keys else ""
         raise UsageError(f"no claim {where}has the verdict '{slug(recorded)}' on record.")
     return kept
-
-
-def _refuse(**given: object) -> None:
-    """Refuse beside ``--list`` what says how claims are judged."""
-    names = " and ".join(option(name) for name, value in given.items() if value)
-    if names:
-        raise UsageError(f"--list judges nothing: leave out {names}.")
 
 
 def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:

@@ -10,7 +10,7 @@ from fronts.answer import Answer, UsageError
 from fronts.arguments import check_seed, given
 from fronts.files import Provenance, check_files, write_result
 from fronts.interrupted import resumable_tables
-from fronts.options import option
+from fronts.options import refuse_beside
 from theory.parameters import count_within
 from verification.execution.metadata import COMMAND_LINE, Code, Metadata
 from verification.execution.progress import Progress
@@ -33,7 +33,7 @@ least twelve a quantity: those whose references are costly get fewer.
 Exit code 1: a stated error was exceeded, or a point gave NaN, crashed or was too slow."""
 
 _MOST_SHOWN = 20
-RESUMABLE = (".csv", ".zarr")
+RESUMABLE = (".csv", ".npz", ".zarr")
 """Tables with every point, which a killed run leaves to go on from."""
 STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
 REDUCTION_CODE = ("verification.work_reduction.table",)
@@ -63,7 +63,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
     seed : int, optional
         Of the points at random (default 0).
     out : Path, optional
-        Write every point to a .csv or .zarr file, the counts to one in .json or .npz.
+        Write every point to a .csv, .npz or .zarr file, the counts to one in .json.
     workers : int, optional
         Processes (default: one a core).
     resume : bool, optional
@@ -86,10 +86,10 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
         "seed": seed,
     }  # fmt: skip
     if work_reduction:
-        _refuse("--work-reduction", **of_points, listing=listing)
+        refuse_beside("--work-reduction tries no points", **of_points, listing=listing)
         return _work_reduction(record)
     if listing:
-        _refuse("--list", **of_points, record=record)
+        refuse_beside("--list tries no points", **of_points, record=record)
         return _list()
     if record and quantity:
         raise UsageError(
@@ -128,7 +128,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
 def _checked_table(out: Path | None, resume: bool, workers: int | None) -> Path | None:
     """Refuse, before any work, what cannot be; return the table of points that can be resumed."""
     if out is not None:
-        check_files([(out, "--out")], filmed=False, formats=(*RESUMABLE, ".json", ".npz"))
+        check_files([(out, "--out")], filmed=False, formats=(*RESUMABLE, ".json"))
     table = out if out is not None and out.suffix.lower() in RESUMABLE else None
     if resume and table is None:
         raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
@@ -150,19 +150,6 @@ def _payload(found: Stability, seed: int) -> dict[str, object]:
         "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
         "seconds": found.table.seconds,
     }
-
-
-def _refuse(question: str, **others: object) -> None:
-    """Refuse beside a question that tries no point what has no meaning for it."""
-    for name, value in others.items():
-        if value not in (None, False, ()):
-            raise UsageError(
-                f"{question} tries no points: leave out {option(name)}.",
-                quantity=option(name),
-                value=value,
-                allowed=f"absent beside {question}",
-                remedy="leave it out",
-            )
 
 
 def _store(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
@@ -236,18 +223,15 @@ def _list() -> Answer:
 
 
 def _work_reduction(record: bool) -> Answer:
-    from verification.work_reduction.table import measured_reductions
+    from verification.work_reduction.table import REDUCTIONS
 
-    rows = measured_reductions()
+    rows = [reduction.measured() for reduction in REDUCTIONS]
     lines = []
     for row in rows:
-        lines.append(f"{row.reduction.what}: {row.reduction.decided}")
-        lines.append(f"    bound: {row.reduction.bound}")
-        lines.append(f"    measured: {row.text}")
-        lines.append(f"    changed: {row.changed}")
-        lines.append(f"    test: {row.reduction.test}")
-    payload: dict[str, object] = {"work_reduction": [row.as_dict() for row in rows]}
+        lines.append(f"{row['what']}: {row['decided']}")
+        lines += [f"    {name}: {row[name]}" for name in ("bound", "measured", "changed", "test")]
+    payload: dict[str, object] = {"work_reduction": rows}
     if record:
         _store("work_reduction", payload, "fronts stress --work-reduction", REDUCTION_CODE)
-    exceeded = not all(row.found.holds for row in rows)
+    exceeded = not all(row["holds"] for row in rows)
     return Answer(payload, "\n".join(lines), exit_code=1 if exceeded else 0)

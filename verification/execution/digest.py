@@ -39,21 +39,6 @@ def digest_of(data: object) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-def digest_of_text(pieces: Iterable[str]) -> str:
-    """Return the digest that `digest_of` gives of a text, which comes in pieces.
-
-    Examples
-    --------
-    >>> digest_of_text(["a", '"b"']) == digest_of('a"b"')
-    True
-    """
-    total = hashlib.sha256(b'"')
-    for piece in pieces:
-        total.update(json.dumps(piece)[1:-1].encode())
-    total.update(b'"')
-    return total.hexdigest()
-
-
 def digest_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
     """Return a digest of named arrays: names, types, shapes and every bit.
 

@@ -22,7 +22,7 @@ from verification.execution.columns import (
     python_rows,
     read_only,
 )
-from verification.execution.digest import digest_of_arrays, digest_of_text
+from verification.execution.digest import digest_of_arrays
 from verification.execution.files import write_by
 from verification.execution.metadata import Metadata
 from verification.execution.record import Record
@@ -174,7 +174,7 @@ class Table(Result):
             "rows": len(self),
             "axes": list(self.axes),
             "dims": {name: list(names) for name, names in self.dims.items()},
-            "digest": self._digest(path, metadata),
+            "digest": digest_of_arrays(self.arrays),
             "seconds": self.seconds,
             "resumed": self.resumed,
         }
@@ -191,21 +191,12 @@ class Table(Result):
 
         def write(part: Path) -> None:
             with part.open("wb") as file:
-                for line in self._written(metadata):
+                for line in self._csv_lines():
                     file.write(line.encode())
+                about = commented(metadata.to_dict(), ("command", "parameters", "versions"))
+                file.write(about.encode())
 
         return write
-
-    def _written(self, metadata: Metadata) -> Iterator[str]:
-        """Yield the lines of CSV, then where the table comes from."""
-        yield from self._csv_lines()
-        yield commented(metadata.to_dict(), ("command", "parameters", "versions"))
-
-    def _digest(self, path: Path, metadata: Metadata) -> str:
-        """Return the digest of what a file of that ending holds."""
-        if path.suffix in ARRAY_FORMATS:
-            return digest_of_arrays(self.arrays)
-        return digest_of_text(self._written(metadata))
 
 
 def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Path], None]:
@@ -278,7 +269,7 @@ def load_table(path: Path) -> Table | None:
             axes=tuple(about["axes"]),
             dims={name: tuple(names) for name, names in about["dims"].items()},
         )
-        return table if about["digest"] == table._digest(path, record.metadata) else None
+        return table if about["digest"] == digest_of_arrays(table.arrays) else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 

@@ -41,6 +41,12 @@ class Comparison:
         """
         return self.changed <= self.bound
 
+    def __str__(self) -> str:
+        if self.bound == 0.0 and self.changed == 0.0:
+            return "nothing"
+        beyond = "" if self.holds else ": the bound is exceeded"
+        return f"{self.changed:.2g}, at most {self.bound:.2g}{beyond}"
+
 
 def timed(compute: Callable[[], T], times: int = 2) -> tuple[T, float]:
     """Return a result and the shortest of some times, in seconds."""

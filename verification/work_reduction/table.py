@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from verification.work_reduction.comparison import Comparison
 from verification.work_reduction.orbits import fewer_steps, harmonics_not_solved_for
@@ -58,46 +59,24 @@ class Reduction:
     compare: Callable[[], Comparison]
     test: str
 
-
-@dataclass(frozen=True)
-class MeasuredReduction:
-    """A reduction, its two costs, and how far the two results are apart."""
-
-    reduction: Reduction
-    found: Comparison
-
-    @property
-    def text(self) -> str:
-        """Both costs and their ratio, in words."""
-        spent, whole = self.found.spent, self.found.whole
-        return (
-            f"{spent:.4g} in place of {whole:.4g} {self.reduction.unit}: {whole / spent:.3g} times"
-        )
-
-    @property
-    def changed(self) -> str:
-        """How far the results are apart, and how far they may be, in words."""
-        found = self.found
-        if found.bound == 0.0 and found.changed == 0.0:
-            return "nothing"
-        beyond = "" if found.holds else ": the bound is exceeded"
-        return f"{found.changed:.2g}, at most {found.bound:.2g}{beyond}"
-
-    def as_dict(self) -> dict[str, object]:
-        """Return all of it as plain values."""
+    def measured(self) -> dict[str, Any]:
+        """Compute both sides now; return both costs, and how far the results are apart."""
+        found = self.compare()
+        spent, whole = found.spent, found.whole
+        times = f"{whole / spent:.3g} times"
         return {
-            "what": self.reduction.what,
-            "decided": self.reduction.decided,
-            "bound": self.reduction.bound,
-            "unit": self.reduction.unit,
-            "spent": self.found.spent,
-            "whole": self.found.whole,
-            "difference": self.found.changed,
-            "difference_allowed": self.found.bound,
-            "holds": self.found.holds,
-            "measured": self.text,
-            "changed": self.changed,
-            "test": self.reduction.test,
+            "what": self.what,
+            "decided": self.decided,
+            "bound": self.bound,
+            "unit": self.unit,
+            "spent": spent,
+            "whole": whole,
+            "difference": found.changed,
+            "difference_allowed": found.bound,
+            "holds": found.holds,
+            "measured": f"{spent:.4g} in place of {whole:.4g} {self.unit}: {times}",
+            "changed": str(found),
+            "test": self.test,
         }
 
 
@@ -210,8 +189,3 @@ REDUCTIONS: tuple[Reduction, ...] = (
         _TESTS + "test_harmonics_not_solved_for_change_less_than_the_error_of_the_orbit",
     ),
 )
-
-
-def measured_reductions() -> tuple[MeasuredReduction, ...]:
-    """Compute both sides of every row now."""
-    return tuple(MeasuredReduction(reduction, reduction.compare()) for reduction in REDUCTIONS)

@@ -44,13 +44,23 @@ def _sum(weights: FloatArray) -> str:
 
 
 def _compiled(text: list[str], **names: Any) -> Any:
-    """Return the compiled function of a text, in which other functions have these names.
-
-    One function with the tableau as constants, since numba takes a tenth of a second for each.
-    """
+    """Return the compiled function of a text, in which other functions have these names."""
     names["__name__"] = __name__
     exec(compile("\n".join(text), __file__, "exec"), names)  # code is stored for a file only
     return fast(names[text[0].partition("(")[0].removeprefix("def ")])
+
+
+_stages = [
+    _compiled(
+        [
+            f"def stage{i}(x, h, K, out):",
+            "    for n in range(x.size):",
+            f"        out[n] = x[n] + h*({_sum(row)})",
+        ]
+    )
+    for i, row in enumerate(_ROWS)
+]
+"""Compiled apart from the step: they are the same for all chains of a process."""
 
 
 @inner(forceinline=True, error_model="numpy")
@@ -73,15 +83,15 @@ def dop853_step(slope: Slope, clock: tuple[int, int] = (0, 0)) -> Step:
     """
     place, forces = clock
     text = ["def step(x, p, left, right, h, K, out):"]
-    for i, (node, row) in enumerate(zip(DOP853.C, _ROWS, strict=False)):
+    for i, node in enumerate(DOP853.C[:STAGES]):
         if forces:
             text += [f"    put_cosines(p, {place}, {forces}, {float(node)!r}*h)"]
         text += [
             f"    slope({'out' if i else 'x'}, p, left, right, K[{i}])",
-            "    for n in range(x.size):",
-            f"        out[n] = x[n] + h*({_sum(row)})",
+            f"    stage{i}(x, h, K, out)",
         ]
-    found: Step = _compiled(text, slope=slope, put_cosines=_put_cosines)
+    stages = {f"stage{i}": stage for i, stage in enumerate(_stages)}
+    found: Step = _compiled(text, slope=slope, put_cosines=_put_cosines, **stages)
     return found
 
 

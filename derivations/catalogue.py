@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from derivations.algebra.errors import DerivationInputError
@@ -35,7 +36,7 @@ WITH_MODEL = tuple(name for name in LISTING if name != "friction")
 
 
 def load(name: str, order: int = 1, model: Any = None) -> Derivation:
-    """Build a derivation; nothing is computed or checked yet.
+    """Build a derivation, of which each step is computed and checked once, when it is asked for.
 
     Parameters
     ----------
@@ -68,13 +69,22 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
             f"left out for '{name}'",
             f"choose one of {', '.join(WITH_MODEL)}",
         )
-    module = importlib.import_module(f"derivations.{LISTING[name][0]}")
-    given = () if model is None else (model,)
-    made: Derivation = module.derive(*given)
+    made: Derivation = _of_paper(name) if model is None else _module(name).derive(model)
     if order == 2 and name in WITH_ORDER:
         from derivations.averaging.second_order import extended
 
-        return extended(made, *given)
+        return extended(made) if model is None else extended(made, model)
+    return made
+
+
+def _module(name: str) -> Any:
+    return importlib.import_module(f"derivations.{LISTING[name][0]}")
+
+
+@lru_cache(maxsize=len(LISTING))
+def _of_paper(name: str) -> Derivation:
+    """Return the derivation for the paper's own chain: its steps keep what they have computed."""
+    made: Derivation = _module(name).derive()
     return made
 
 

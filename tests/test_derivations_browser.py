@@ -85,6 +85,11 @@ def test_each_has_the_size_of_a_formula(drawn):
         assert found["stacked"], name
 
 
+def test_only_matrices_are_wider_than_a_page(drawn):
+    wide = {name for name, found in drawn.items() if found["width"] > 50 * found["em"]}
+    assert wide == {"(42)", "linearisation: Jacobian", "linearisation: Jacobian with free ends"}
+
+
 def test_primes_are_as_large_as_their_letters_and_brackets_stand_close(drawn):
     assert any(found["primes"] for found in drawn.values())
     for name, found in drawn.items():

@@ -60,15 +60,16 @@ def equation_latex(equation: sp.Basic) -> str:
 
 
 def equation_mathml(equation: sp.Basic) -> str:
-    """Presentation MathML, one ``math`` element, made from the LaTeX."""
+    """Presentation MathML, one ``math`` element; a long sum is broken into rows as in LaTeX."""
     rows = [
-        "".join(as_text(inner) for inner in mathml_element(_latex(part), block=True))
+        "".join(as_text(inner) for inner in mathml_element(row, block=True))
         for part in parts_of(equation)
+        for row in _broken(part)
     ]
     body = rows[0]
     if len(rows) > 1:
         cells = "".join(f"<mtr><mtd>{row}</mtd></mtr>" for row in rows)
-        body = f'<mtable displaystyle="true">{cells}</mtable>'
+        body = f'<mtable displaystyle="true" columnalign="left">{cells}</mtable>'
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{body}</math>'
 
 
@@ -207,34 +208,50 @@ def shown(derivation: Derivation, form: str) -> str:
 
 
 def _display(step: Step) -> str:
-    lines = []
-    for part in parts_of(step.result):
-        if isinstance(part, sp.Equality) and not part.has(sp.MatrixBase):
-            lines.append(_broken(part))
-        else:
-            lines.append(f"& \\fitted{{{_latex(part)}}}")
+    rows = [f"& \\fitted{{{row}}}" for part in parts_of(step.result) for row in _broken(part)]
     tag = f" \\tag{{{step.number}}}" if step.number is not None else ""
-    return "\\begin{align*}\n" + " \\\\\n".join(lines) + tag + "\n\\end{align*}"
+    return "\\begin{align*}\n" + " \\\\\n".join(rows) + tag + "\n\\end{align*}"
 
 
-def _broken(equation: sp.Equality) -> str:
-    left, right = displayed(equation, Script.LATEX).args
+def _broken(part: sp.Basic) -> list[str]:
+    """Return LaTeX in rows, each with a few terms of the longer side of an equation."""
+    if not isinstance(part, sp.Equality) or part.has(sp.MatrixBase):
+        return [_latex(part)]
+    left, right = displayed(part, Script.LATEX).args
     if len(sp.Add.make_args(left)) > TERMS_A_LINE and right == 0:
-        return _lines(left) + " = 0"
-    return f"{sp.latex(left)} ={{}} " + _lines(right)
+        *rows, last = _rows_of_terms(left)
+        return [*rows, f"{last} = 0"]
+    first, *rows = _rows_of_terms(right)
+    return [f"{sp.latex(left)} = {first}", *rows]
 
 
-def _lines(total: sp.Expr) -> str:
-    """Return a sum in rows of a few terms; a row that is still too wide is set smaller."""
-    terms = sp.Add.make_args(total)
-    rows = []
-    for start in range(0, len(terms), TERMS_A_LINE):
-        row = ""
-        for place, term in enumerate(terms[start : start + TERMS_A_LINE], start=start):
-            printed = str(sp.latex(term))
-            row += printed if place == 0 or printed.startswith("-") else f"{{}} + {printed}"
-        rows.append(f"& \\fitted{{{row}}}")
-    return " \\\\\n".join(rows)
+def _rows_of_terms(total: sp.Expr) -> list[str]:
+    """Return a sum in rows of a few terms; a factor that is a long sum begins rows of its own."""
+    rows: list[str] = []
+    held = 0
+    for place, term in enumerate(sp.Add.make_args(total)):
+        factor, inner = _factor_and_sum(term)
+        new = [str(sp.latex(term))]
+        if inner is not None:
+            new = _rows_of_terms(inner)
+            new[0], new[-1] = f"{sp.latex(factor)} \\Bigl( {new[0]}", f"{new[-1]} \\Bigr)"
+        if place and not new[0].startswith("-"):
+            new[0] = f"{{}} + {new[0]}"
+        if 0 < held < TERMS_A_LINE and len(new) == 1:
+            rows[-1] += new[0]
+            held += 1
+        else:
+            rows += new
+            held = 1 if len(new) == 1 else 0
+    return rows
+
+
+def _factor_and_sum(term: sp.Expr) -> tuple[sp.Expr, sp.Expr | None]:
+    """Split a product into its long sum and what multiplies it."""
+    for part in sp.Mul.make_args(term):
+        if part != term and len(sp.Add.make_args(part)) > TERMS_A_LINE:
+            return term / part, part
+    return term, None
 
 
 def _latex(part: sp.Basic) -> str:

@@ -144,7 +144,7 @@ def steps() -> str:
                 if step.number is not None
                 else ""
             )
-            + f"</td><td>{equation_mathml(step.result)}</td></tr>"
+            + f'</td><td><div class="formula">{equation_mathml(step.result)}</div></td></tr>'
             for place, step in enumerate(made.steps, start=1)
         )
         parts.append(

@@ -15,6 +15,7 @@ and what to do. The command ``fronts`` is these functions at the shell.
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import sys
@@ -58,42 +59,17 @@ if TYPE_CHECKING:
 
     __version__: str
 
-_HOMES = {
-    "AveragedChain": "theory.chains.vdp",
-    "FrictionCell": "theory.cells.friction",
-    "FrictionChain": "theory.chains.friction",
-    "Nucleus": "theory.chains.nucleus",
-    "OscillatorChain": "theory.chains.oscillator",
-    "ParameterError": "theory.parameters",
-    "PiecewiseChain": "theory.chains.piecewise",
-    "PrecisionError": "theory.piecewise.sums.result",
-    "Progress": "verification.execution.progress",
-    "Result": "theory.result",
-    "RunError": "theory.parameters",
-    "VdpChain": "theory.chains.vdp",
-    "animate": "fronts.animation",
-    "averaging_error": "verification.runs.averaging_error",
-    "breather": "verification.breathers.breather",
-    "cell": "verification.cells.cell",
-    "ensemble": "verification.runs.ensemble",
-    "derivation": "fronts.checking",
-    "derive_cell": "fronts.checking",
-    "follow_breather": "fronts.branches",
-    "follow_front": "fronts.branches",
-    "front_profile": "fronts.piecewise.profile",
-    "judge": "fronts.checking",
-    "kinetic_relation": "fronts.piecewise.kinetic_relation",
-    "roots": "fronts.piecewise.roots",
-    "sigma": "fronts.piecewise.sigma",
-    "stability": "fronts.checking",
-    "threshold": "verification.thresholds.threshold",
-    "excite": "verification.runs.excite",
-    "measure_front": "verification.fronts.measure",
-    "simulate": "verification.runs.simulate",
-    "state_map": "verification.maps.state_map",
-    "sweep": "verification.execution.sweep",
-}
-"""Public name and the module that it comes from."""
+
+def _public_names() -> dict[str, str]:
+    """Return the names that are imported above and their modules, as they are written."""
+    tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    imports = (node for node in block.body if isinstance(node, ast.ImportFrom))
+    return {alias.name: str(node.module) for node in imports for alias in node.names}
+
+
+_HOMES = _public_names()
+"""Public name and the module that it comes from, imported when the name is first used."""
 
 __all__ = [*_HOMES, "__version__"]  # noqa: PLE0604
 

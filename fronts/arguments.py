@@ -187,11 +187,6 @@ def decimal(text: str) -> str:
     return text
 
 
-def given(value: Any, default: Any) -> Any:
-    """Return an option as it was given, or the default of the model that was named."""
-    return default if value is None else value
-
-
 def check_seed(seed: int | None) -> None:
     """Refuse a seed that no generator takes.
 

@@ -272,7 +272,7 @@ def test_command_line_certifies_and_names_the_extra_if_it_is_missing(capsys, mon
     assert velocity["lower"] < answer["branches"][0]["v"] + 1e-13
     assert set(answer["c_fold_enclosure"]) == {"lower", "upper"}
     assert main(shlex.split("kinetic --c 0.5 --eta 0.03125 --certify")) == 0
-    assert "certified: these velocities and no others" in capsys.readouterr().out
+    assert ["certified", "yes"] in map(str.split, capsys.readouterr().out.splitlines())
     for line in ("kinetic --c 0.5 --eta 0.03125 --certify", "sum --v 1 --c 1 --method certified"):
         with monkeypatch.context() as without:
             without.setitem(sys.modules, "flint", None)

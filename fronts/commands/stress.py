@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_seed, given
+from fronts.arguments import check_seed
 from fronts.files import Provenance, check_files, write_result
 from fronts.interrupted import resumable_tables
 from fronts.options import refuse_beside
@@ -100,7 +100,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
             remedy="leave it out",
         )
     check_seed(seed)
-    points, seed = given(points, 1000), given(seed, 0)
+    points, seed = 1000 if points is None else points, seed or 0
     table = _checked_table(out, resume, workers)
     from verification.quantities.robustness import stability
 

@@ -326,21 +326,11 @@ def _read(box: zipfile.ZipFile, name: str, like: npt.NDArray[Any]) -> npt.NDArra
         shape, fortran, dtype = read(entry)
         if shape != like.shape or dtype != like.dtype or (fortran and like.ndim > 1):
             raise ValueError("shape")
-        found = np.empty_like(like, order="C", subok=False)
-        _fill(entry, found)
+        entry.seek(0)
+        found: npt.NDArray[Any] = npy.read_array(entry, allow_pickle=False)
         if entry.read(1):
             raise ValueError("length")
     return found
-
-
-def _fill(entry: Any, array: npt.NDArray[Any]) -> None:
-    view = array.reshape(-1).view(np.uint8).data
-    filled = 0
-    while filled < len(view):
-        count = entry.readinto(view[filled : filled + 2**24])
-        if not count:
-            raise EOFError
-        filled += count
 
 
 def _refusal(

@@ -24,6 +24,7 @@ import numpy.typing as npt
 from theory.chains.chain import Chain
 from theory.parameters import ParameterError, count_within
 from verification.maps.state import FoundState
+from verification.runs.excite import add_noise
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -68,9 +69,9 @@ class StateRules(ABC):
     def start(self, chain: Chain, sites: tuple[int, ...] | None, **options: Any) -> Any:
         """Return a state with some sites excited, by default those of the figure or the middle."""
 
-    @abstractmethod
     def perturbed(self, start: Any, size: float, seed: int) -> Any:
-        """Return the start with noise on every site; ``size`` is relative to the disturbance."""
+        """Return the start with noise on every site, relative to its largest displacement."""
+        return add_noise(start, size * float(np.abs(start).max()), seed)
 
     @abstractmethod
     def find(self, chain: Chain, start: Any, *, end: float, tolerance: float) -> FoundState:

@@ -33,7 +33,7 @@ from theory.parameters import within
 from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState, Reason, State
 from verification.runs import smooth_integration  # noqa: F401  (register)
-from verification.runs.excite import add_noise, excite
+from verification.runs.excite import excite
 from verification.runs.integration import checked_state, integration
 
 FloatArray = npt.NDArray[np.float64]
@@ -61,10 +61,6 @@ class SmoothRules(StateRules):
     def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
         """Return a start at rest but for some sites, by default the middle one."""
         return excite(chain, sites or Nucleus(1).excited(chain.sites), options.get("displacement"))
-
-    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
-        """Return the start with noise relative to its largest displacement."""
-        return add_noise(start, size * float(np.abs(start).max()), seed)
 
     def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
         """Run until the state has a name."""

@@ -38,7 +38,7 @@ from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, positive, within
 from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState, Reason, State
-from verification.runs.excite import add_noise, excite
+from verification.runs.excite import excite
 from verification.runs.state_run import Outcome, Rules, run_to_state
 
 FloatArray = npt.NDArray[np.float64]
@@ -52,14 +52,6 @@ SMALLEST_EPS = 1e-4
 HOLD = 10.0
 WINDOW = 5.0
 STEADY = 1e-5
-
-
-_STATES = {
-    Outcome.UNDECIDED: State.UNDECIDED,
-    Outcome.FRONT: State.FRONT,
-    Outcome.BREATHER: State.BREATHER,
-    Outcome.FIXED_POINT: State.FIXED_POINT,
-}
 
 
 class VanDerPolRules(StateRules):
@@ -80,10 +72,6 @@ class VanDerPolRules(StateRules):
         displacement = options.get("displacement")
         size = DISPLACEMENT if displacement is None else displacement
         return excite(chain, sites or (chain.sites,), size)
-
-    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
-        """Return the start with noise relative to its largest displacement."""
-        return add_noise(start, size * float(np.abs(start).max()), seed)
 
     def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
         """Run until the state has a name."""
@@ -149,7 +137,7 @@ def find_vdp_state(
     run = run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
     undecided = run.outcome is Outcome.UNDECIDED
     return FoundState(
-        state=_STATES[run.outcome],
+        state=State[run.outcome.name],
         reason=Reason.END_TIME if undecided else Reason.DECIDED,
         time=run.time / scale,
         above=run.above,

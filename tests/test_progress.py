@@ -110,37 +110,19 @@ def test_what_comes_from_a_store_says_nothing_of_the_pace(monkeypatch: pytest.Mo
     clock = _Clock()
     monkeypatch.setattr(progress.time, "monotonic", clock)
     monkeypatch.setattr(progress, "Remaining", lambda: Remaining(clock))
-    shown = Progress("claims", steps=70, stream=io.StringIO())
-    shown._bar = _Bar()
+    monkeypatch.setattr(progress, "_in_notebook", lambda: True)
+    with Progress("claims", steps=70, stream=io.StringIO()) as shown:
+        _sixty_stored_and_three_computed(shown, clock)
+    assert shown._remaining.seconds == pytest.approx(7 * 60.0, rel=1e-6)
+
+
+def _sixty_stored_and_three_computed(shown: Progress, clock: _Clock) -> None:
     for place in range(60):
         clock.now += 0.01
         shown.end(f"stored {place}", "reproduced (stored)", computed=False)
     for place in range(3):
         clock.now += 60.0
         shown.end(f"computed {place}", "reproduced")
-    assert shown._remaining.seconds == pytest.approx(7 * 60.0, rel=1e-6)
-
-
-class _Bar:
-    n = 0
-
-    def set_postfix_str(self, text: str) -> None:
-        self.text = text
-
-    def write(self, line: str) -> None:
-        self.line = line
-
-
-def test_in_a_notebook_a_bar_is_moved_and_closed(monkeypatch: pytest.MonkeyPatch) -> None:
-    closed: list[int] = []
-    bar = _Bar()
-    bar.close = lambda: closed.append(bar.n)  # type: ignore[attr-defined]
-    monkeypatch.setattr(progress, "_in_notebook", lambda: True)
-    monkeypatch.setattr(progress, "_notebook_bar", lambda name: bar)
-    with Progress("map", stream=io.StringIO()) as shown:
-        shown.report(0.25)
-        shown.report(0.5)
-    assert closed == [50]
 
 
 def all_of(master: int) -> str:

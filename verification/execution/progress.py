@@ -1,10 +1,10 @@
 """Progress of long computations on standard error.
 
-In a terminal a live line (by rich) says what is running, how much of it is done, and how long it
-will take: the first estimate comes with the second report, so that compiling, which is over by the
-first one, does not count. In a notebook a bar (by tqdm) says the same. Without either, as under
-``nohup`` or in the log of another program, there is a line after ten seconds and then one a minute.
-A progress that is ``quiet``, as that of ``--json``, shows itself in a terminal only.
+In a terminal or a notebook a live line (by rich) says what is running, how much of it is done, and
+how long it will take: the first estimate comes with the second report, so that compiling, which is
+over by the first one, does not count. Without either, as under ``nohup`` or in the log of another
+program, there is a line after ten seconds and then one a minute. A progress that is ``quiet``, as
+that of ``--json``, shows itself in a terminal or a notebook only.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
+from typing import TYPE_CHECKING, TextIO, TypeAlias
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Live
@@ -70,7 +70,6 @@ class Progress:
         self._stream = stream or sys.stderr or _nowhere()
         self._live: Live | None = None
         self._task: TaskID | None = None
-        self._bar: Any = None
         self._logs = not quiet and not _is_terminal(self._stream) and _is_of_system(self._stream)
         self._remaining = Remaining()
         self._begin = time.monotonic()
@@ -81,9 +80,7 @@ class Progress:
         """Number of steps that have ended."""
 
     def __enter__(self) -> Progress:
-        if _in_notebook():
-            self._bar = _notebook_bar(self._name)
-        elif _is_terminal(self._stream):
+        if _in_notebook() or _is_terminal(self._stream):
             self._live = _live_line(self._stream)
             self._task = self._live.add_task(self._name, total=1.0, left="")
             self._live.start()
@@ -98,9 +95,6 @@ class Progress:
         if self._live is not None:
             self._live.stop()
             self._live = None
-        if self._bar is not None:
-            self._bar.close()
-            self._bar = None
 
     def report(self, fraction: float) -> None:
         """Show the fraction done; may be called as often as is convenient."""
@@ -108,9 +102,6 @@ class Progress:
         done = min(max(fraction, 0.0), 1.0)
         if self._live is not None and self._task is not None:
             self._live.update(self._task, completed=done, left=self._left())
-        elif self._bar is not None:
-            self._bar.n = round(100.0 * done)
-            self._bar.set_postfix_str(self._left().removeprefix(", "))
         elif self._logs and time.monotonic() >= self._next_line:
             self._next_line = time.monotonic() + PERIOD
             self._print(f"{self._name}: {100.0 * fraction:.0f} %{self._left()}")
@@ -137,7 +128,7 @@ class Progress:
                 f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {said}"
             )
             self._describe()
-        if self._live is not None or self._bar is not None:
+        if self._live is not None:
             self.report(self.finished / max(self._steps, 1))
 
     def _left(self) -> str:
@@ -155,8 +146,6 @@ class Progress:
     def _print(self, line: str) -> None:
         if self._live is not None:
             self._live.console.print(line, markup=False, highlight=False, soft_wrap=True)
-        elif self._bar is not None:
-            self._bar.write(line)
         elif not self._quiet:
             print(line, file=self._stream, flush=True)
 
@@ -207,7 +196,7 @@ class Remaining:
 
 
 def _live_line(stream: TextIO) -> Live:
-    # Imported here: no command without a terminal needs it.
+    # Imported here: no command without a terminal or a notebook needs it.
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -245,13 +234,3 @@ def _in_notebook() -> bool:
     found = sys.modules.get("IPython")
     shell = None if found is None else found.get_ipython()
     return type(shell).__name__ == "ZMQInteractiveShell"
-
-
-def _notebook_bar(name: str) -> Any:
-    """Return a bar of tqdm in per cent, or None where tqdm is not installed."""
-    try:
-        from tqdm.auto import tqdm
-    except ModuleNotFoundError:
-        return None
-    form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} {postfix}"  # our estimate, not tqdm's
-    return tqdm(total=100, desc=name, bar_format=form, leave=False)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from verification.execution.points import Point, grid
+from verification.execution.points import Grid, Point
 from verification.execution.sweep import sweep
 
 
@@ -98,7 +98,7 @@ def value(point: Point) -> dict[str, float | str]:
     return {"value": 1.0 / (0.1 + point.number("x")), "label": "small" * 20}
 
 
-POINTS = grid(x=range(1, 11), y=[1.5, 2.5])
+POINTS = Grid({"x": range(1, 11), "y": [1.5, 2.5]})
 
 
 def main(out: str, log: str, workers: str) -> None:

@@ -23,7 +23,7 @@ import pytest
 
 from theory.parameters import ParameterError
 from verification.execution.files import FileError
-from verification.execution.points import Point, grid
+from verification.execution.points import Point
 from verification.execution.sweep import SweepError, part_path, sweep
 from verification.execution.table import Table, record_path, table_of
 
@@ -191,7 +191,7 @@ def test_two_sweeps_do_not_write_one_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_failing_point_is_named_and_the_others_are_kept(workers: int, tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
-    points = grid(x=range(1, 8))
+    points = {"x": range(1, 8)}
     with pytest.raises(SweepError, match=r"Point\(x=2\) and 1 other.*no such point") as caught:
         sweep(failing, points, out=out, workers=workers)
     assert [point["x"] for point, _ in caught.value.failures] == [2, 5]
@@ -202,7 +202,7 @@ def test_a_failing_point_is_named_and_the_others_are_kept(workers: int, tmp_path
 def test_a_point_that_kills_its_worker_is_named_and_the_others_are_kept(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     with pytest.raises(SweepError, match=r"Point\(x=4\) could not be computed.*killed") as caught:
-        sweep(sweep_example.dying, grid(x=range(1, 8)), out=out, workers=2)
+        sweep(sweep_example.dying, {"x": range(1, 8)}, out=out, workers=2)
     assert [point["x"] for point, _ in caught.value.failures] == [4]
     assert set(_stored(out)) == {"0", "1", "2", "4", "5", "6"}
 
@@ -263,7 +263,8 @@ def test_a_finished_sweep_is_not_computed_again_unless_its_file_was_changed(
     first = sweep(Slow(str(log)), POINTS, out=out, workers=1)
     again = sweep(Slow(str(log)), POINTS, out=out, workers=1, resume=True)
     assert len(_computed(log)) == len(POINTS)
-    assert again.as_csv().splitlines() == first.as_csv().splitlines() == whole
+    assert list(again.rows()) == list(first.rows())
+    assert _rows(out) == whole
     assert {name: column.dtype for name, column in again.columns().items()} == {
         name: column.dtype for name, column in first.columns().items()
     }
@@ -506,7 +507,7 @@ def test_arrays_have_no_place_in_csv_nor_in_a_data_frame(tmp_path: Path) -> None
         sweep(task, POINTS, out=tmp_path / "out.csv", workers=1)
     assert [path.name for path in tmp_path.iterdir()] == ["log"]  # nothing to go on from
     table = sweep(task, POINTS, workers=1)
-    for use in (table.as_csv, table.to_pandas, table.columns):
+    for use in (table.to_pandas, table.columns):
         with pytest.raises(ParameterError, match="column profile"):
             use()
 

@@ -20,7 +20,7 @@ from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import SeriesScene, tail_sum
-from verification.execution.points import Point, grid
+from verification.execution.points import Point
 from verification.execution.sweep import sweep
 from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.window import travelling_state, truncation_bound
@@ -181,7 +181,7 @@ def process_of(_: Point) -> dict[str, int]:
 
 
 def test_two_workers_allowed_start_no_process_for_one_point() -> None:
-    assert sweep(process_of, grid(x=[1.0]), workers=2)["process"][0] == os.getpid()
+    assert sweep(process_of, {"x": [1.0]}, workers=2)["process"][0] == os.getpid()
 
 
 def test_every_row_names_the_test_that_asserts_its_bound() -> None:

@@ -60,6 +60,11 @@ class Grid(Sequence[Point]):
     ----------
     axes : dict of str to list
         Values by name.
+
+    Examples
+    --------
+    >>> Grid({"eta": [0.1, 0.2], "c": [1, 2]})[1]
+    Point(eta=0.1, c=2)
     """
 
     def __init__(self, axes: Mapping[str, Iterable[Scalar]]) -> None:
@@ -97,17 +102,6 @@ class Grid(Sequence[Point]):
             name: read_only(np.broadcast_to(column_of(name, values)[at], self._shape).ravel())
             for (name, values), at in zip(self.axes.items(), places, strict=True)
         }
-
-
-def grid(**axes: Iterable[Scalar]) -> Grid:
-    """Return every combination of some coordinates, the last one fastest.
-
-    Examples
-    --------
-    >>> grid(eta=[0.1, 0.2], c=[1, 2])[1]
-    Point(eta=0.1, c=2)
-    """
-    return Grid(axes)
 
 
 def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> Sequence[Point]:

@@ -129,23 +129,8 @@ class Table(Result):
         }
         return dataset(variables, ticks)
 
-    def as_csv(self) -> str:
-        r"""Return the table as CSV; floats have the digits that give back the same float.
-
-        Raises
-        ------
-        ParameterError
-            If the cells of a column are arrays.
-
-        Examples
-        --------
-        >>> table_of([{"c": 0.1, "label": "fixed point"}]).as_csv()
-        'c,label\n0.1,fixed point\n'
-        """
-        return "".join(self._csv_lines())
-
     def _csv_lines(self) -> Iterator[str]:
-        columns = self.columns()
+        columns = self.columns()  # floats have the digits that give back the same float
         yield ",".join(columns) + "\n"
         for cells in python_rows(columns):
             yield ",".join(map(str, cells)) + "\n"

@@ -182,10 +182,9 @@ def boundary_lines(table: Table, axes: Sequence[str], label: str = "label") -> t
 
     Examples
     --------
-    >>> from verification.execution.points import grid
     >>> from verification.execution.sweep import sweep
     >>> disc = lambda p: {"label": "in" if p["x"] ** 2 + p["y"] ** 2 < 2.5 else "out"}
-    >>> table = sweep(disc, grid(x=[0.0, 1.0, 2.0], y=[0.0, 1.0]), workers=1)
+    >>> table = sweep(disc, {"x": [0.0, 1.0, 2.0], "y": [0.0, 1.0]}, workers=1)
     >>> lines = boundary_lines(table, ["x", "y"])
     >>> [(line["along"], line["x"], line["y"]) for line in lines]
     [('x', 1.0, 0.0), ('x', 1.0, 1.0)]

@@ -30,7 +30,7 @@ from numba import njit
 from numba.core import caching, config
 from numba.core.bytecode import FunctionIdentity
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 
 from verification.execution.digest import digest_of_files
 
@@ -41,6 +41,15 @@ logger = logging.getLogger(__name__)
 _HOME = Path(__file__).parents[1]
 _PREFIX, _OPTION = "compiled-", "CACHE_DIR"
 _WEEK = 7 * 86400.0
+_SKIPPED = {
+    "with_lifting",
+    "inline_closure_likes",
+    "make_function_op_code_to_jit_function",
+    "inline_inlinables",
+    "find_literally",
+    "literal_unroll",
+    "LiteralPropagation",
+}
 _DECORATOR = re.compile(rb"\b(njit|inner|outer|fast|vectorised)\b")
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}
@@ -78,8 +87,38 @@ class _PartOfItsCallers(JITCodeLibrary):
         """Do nothing; a function that uses such objects ends with "missing Environment"."""
 
 
-class OuterCompiler(Compiler):
-    """numba's compiler, without searches for garbage, a tenth of its time: nearly all is in use."""
+class _Flags(Flags):
+    """Options of a compilation; numba looks what it knows up by them some 50 000 times."""
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._values))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Flags) and bool(self._values == other._values)
+
+
+class _ShortCompiler(Compiler):
+    """numba's compiler, without passes for what functions here do not have."""
+
+    def __init__(  # noqa: PLR0917  (as numba's)
+        self, typing: Any, target: Any, library: Any, args: Any, returned: Any, flags: Any, own: Any
+    ) -> None:
+        start: Any = super().__init__
+        known: Any = _Flags
+        start(typing, target, library, args, returned, known(flags), own)
+
+    def define_pipelines(self) -> list[Any]:
+        """Return numba's passes but those for closures, ``with`` and loops over literals."""
+        whole: Any = super().define_pipelines
+        pipelines: list[Any] = whole()
+        for each in pipelines:
+            each.passes = [step for step in each.passes if step[0].name() not in _SKIPPED]
+            each.finalize()
+        return pipelines
+
+
+class OuterCompiler(_ShortCompiler):
+    """The same, without searches for garbage, a tenth of the time: nearly all is in use."""
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function, and all that it calls and that is not compiled yet."""
@@ -93,13 +132,12 @@ class OuterCompiler(Compiler):
                 gc.enable()
 
 
-class _InnerCompiler(Compiler):
-    """numba's compiler, without machine code."""
+class _InnerCompiler(_ShortCompiler):
+    """The same, without machine code."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         part: Any = _PartOfItsCallers
-        start: Any = super().__init__
-        start(typing, target, part(target.codegen(), "inner"), *rest)
+        super().__init__(typing, target, part(target.codegen(), "inner"), *rest)
 
 
 def outer(**options: Any) -> Callable[[Function], Function]:

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
+import fronts
 from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
 from fronts.catalogue import ALIASES, COMMANDS, Call, Command
@@ -77,7 +78,7 @@ def _run(argv: Sequence[str]) -> int:
         print(_overview())
         return 0
     if argv[0] == "--version":
-        print(f"fronts {_version()}")
+        print(f"fronts {fronts.__version__}")
         return 0
     if argv[0] == "--print-completion":
         print(_completion(argv[1:]))
@@ -272,15 +273,6 @@ def whole_parser() -> argparse.ArgumentParser:
         for model, call in models_of(command).items():
             configure(models.add_parser(model), Bound(call, model))
     return whole
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("excitation-fronts")
-    except PackageNotFoundError:
-        return "not installed: run from its source"
 
 
 def _announce_compilation() -> None:

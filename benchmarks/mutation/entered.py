@@ -53,26 +53,32 @@ def install(root: Path) -> set[str]:
 def _compile_as_written(
     plain: dict[tuple[str, int, str], CodeType], names: set[str], root: Path
 ) -> None:
-    """Hand to numba what is written, and note it."""
+    """Hand to numba what is written, and note it: to its dispatchers and to its C callbacks."""
+    from numba.core.ccallback import CFunc
     from numba.core.dispatcher import Dispatcher
 
-    begin = Dispatcher.__init__
-
-    def initialise(self: Any, py_func: Any, *more: Any, **options: Any) -> None:
-        code = py_func.__code__
+    def as_written(own: Any) -> Any:
+        code = own.__code__
         written = plain.get((code.co_filename, code.co_firstlineno, code.co_qualname))
-        if written is not None and ENTER in code.co_names:
-            place = f"{os.path.relpath(code.co_filename, root)}:{code.co_firstlineno}"
-            names.add(place)
-            compiled.add(place)
-            own = py_func
-            py_func = FunctionType(
-                written, own.__globals__, own.__name__, own.__defaults__, own.__closure__
-            )
-            py_func.__module__, py_func.__qualname__ = own.__module__, own.__qualname__
-        begin(self, py_func, *more, **options)
+        if written is None or ENTER not in code.co_names:
+            return own
+        place = f"{os.path.relpath(code.co_filename, root)}:{code.co_firstlineno}"
+        names.add(place)
+        compiled.add(place)
+        function = FunctionType(
+            written, own.__globals__, own.__name__, own.__defaults__, own.__closure__
+        )
+        function.__module__, function.__qualname__ = own.__module__, own.__qualname__
+        return function
 
-    Dispatcher.__init__ = initialise  # type: ignore[method-assign]
+    def given_what_is_written(begin: Any) -> Any:
+        def initialise(self: Any, py_func: Any, *more: Any, **options: Any) -> None:
+            begin(self, as_written(py_func), *more, **options)
+
+        return initialise
+
+    for each in (Dispatcher, CFunc):
+        each.__init__ = given_what_is_written(each.__init__)  # type: ignore[method-assign]
 
 
 def naming(source: bytes, relative: str) -> ast.Module:

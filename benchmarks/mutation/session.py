@@ -101,6 +101,7 @@ class Session:
             if isinstance(each, FunctionType):
                 path = os.path.relpath(each.__code__.co_filename, self.root)
                 self._living[f"{path}:{each.__code__.co_firstlineno}"].append(each)
+        compile_steppers()
         from verification.execution.digest import digest_of_code
 
         digest_of_code(["paper_checks.discover", "verification.maps.state_map"])
@@ -278,6 +279,23 @@ def forget() -> None:
             for value in list(vars(module).values()):
                 if hasattr(value, "cache_clear"):
                     value.cache_clear()
+
+
+def compile_steppers() -> None:
+    """Let numba compile what steps the chains, or load it, once for all children.
+
+    Each would do it within the seconds of its first test, and that test would count as too long.
+    """
+    from theory.chains.friction import FrictionChain
+    from theory.chains.vdp import AveragedChain, VdpChain
+    from verification.fronts.measure import measure_front
+
+    for chain in (
+        AveragedChain(a=4, b=0.5, c=0.6), VdpChain(a=4, b=0.5, c=0.6),
+        FrictionChain(c=0.02, sites=31),
+    ):  # fmt: skip
+        measure_front(chain)
+    forget()
 
 
 def _spent() -> float:

@@ -13,7 +13,7 @@ from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.session import Answer, Session, Task, dotted, in_children
 
-FILE_SECONDS = 15.0
+FILE_SECONDS = 30.0
 """Processor seconds after which the tests of a file that are left are not recorded."""
 
 EXCLUDED = (

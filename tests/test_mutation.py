@@ -156,6 +156,10 @@ def test_a_package_is_changed_with_the_packages_inside_it() -> None:
 
 CODE = """
 from functools import lru_cache
+from numba import cfunc
+def twice(x):
+    return 2.0 * x
+POINTER = cfunc("float64(float64)")(twice)
 LIMIT = 1e-7
 def inside(x, most=1.0):
     return abs(x) <= most
@@ -182,6 +186,7 @@ def test_sum(three): assert three == 3
 def test_inside(): assert small.inside(1.0) and not small.inside(1.5) and not small.inside(-1.5)
 def test_near(): assert small.near(9e-8) and not small.near(1e-7) and not small.near(-1)
 def test_start(): assert small.START == 6
+def test_twice(): assert small.POINTER.ctypes(3.0) == 6.0
 def test_fails(): assert small.unseen(1) == 3
 def test_long():
     while small.unseen(1): pass

@@ -23,6 +23,7 @@ from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
+from verification.maps.smooth_rules import HOLD, SAMPLES, WINDOW, find_smooth_state
 from verification.maps.state import State
 from verification.maps.state_map import StateTask, compare, state_map, state_points
 from verification.maps.vdp_rules import (
@@ -135,6 +136,31 @@ def test_the_labels_of_the_full_equation_hold_for_the_taylor_stepper(
         if label == "breather":
             # the last half: no change but the ripple of O(ε_eff) within a period
             assert np.ptp(run.amplitude[150:, -1]) < 0.1 * chain.stable_amplitude
+
+
+@pytest.mark.parametrize(
+    ("eta", "c", "label"),
+    [(0.03, 0.6, "front"), (0.03, 0.1, "breather"), (0.12, 0.3, "fixed point")],
+)
+def test_the_rules_of_any_smooth_chain_read_off_what_scipy_finds(
+    eta: float, c: float, label: str
+) -> None:
+    """What they count, sites reached and sites above the unstable cycle, and when they stop."""
+    chain = ENVELOPE.at({"eta": eta, "c": c})
+    assert isinstance(chain, AveragedChain)
+    found = find_smooth_state(chain, excite(chain, [16], DISPLACEMENT))
+    times = np.arange(1, round(found.time * SAMPLES / WINDOW) + 1) * (WINDOW / SAMPLES)
+    above = _chain_by_scipy(ENVELOPE, eta, c, times) > level_of(chain.a, chain.b)
+    assert found.state.value == label
+    assert found.reached == max(1, int(above.any(axis=0).sum()))  # the excited site is above
+    assert found.above == int(above[-SAMPLES:].any(axis=0).sum())
+    assert found.time >= HOLD * WINDOW
+    if label != "fixed point":  # decided when nothing has changed for as long as before
+        late = above[above.shape[0] // 2 :]
+        assert np.array_equal(late.all(axis=0), late.any(axis=0))
+    np.testing.assert_allclose(
+        found.amplitude, _chain_by_scipy(ENVELOPE, eta, c, times)[-1], atol=1e-4
+    )
 
 
 def test_the_compiled_run_follows_scipy() -> None:
@@ -353,6 +379,29 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
 def test_bad_parameters_are_refused(make: object) -> None:
     with pytest.raises(ParameterError):
         make()  # type: ignore[operator]
+
+
+def test_a_refusal_names_the_value_that_was_given() -> None:
+    with pytest.raises(ParameterError, match=r"^displacement = 200\b"):
+        StateTask(chain=FIGURE_15, displacement=200.0)
+    with pytest.raises(ParameterError, match=r"^part of the spacing, refine, = 3\b"):
+        state_map(ENVELOPE, c=[0.1], refine=3.0)
+    with pytest.raises(ParameterError, match=r"^number of sites n = 1001\b"):
+        StateTask(chain=FIGURE_15.replace(sites=1001))
+
+
+def test_a_comparison_says_which_map_named_what() -> None:
+    """The second map is of another displacement, which goes to rest."""
+    one, other = (
+        state_map(replace(ENVELOPE, displacement=y), c=[0.6], eta=[0.03], refine=0.0, workers=1)
+        for y in (DISPLACEMENT, 0.1)
+    )
+    found = compare(one.states, other.states, ("eta", "c"))
+    (row,) = found.differing
+    assert (row["first"], row["second"]) == ("front", "fixed point")
+    assert (found.same, found.total) == (0, 1)
+    assert (row["eta"], row["c"]) == (0.03, 0.6)
+    assert compare(one.states, one.states, ("eta", "c")).differing == ()
 
 
 def test_the_command_writes_map_boundary_stamp_and_picture(

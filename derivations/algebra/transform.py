@@ -146,7 +146,9 @@ class CloseContour(Operation):
         integrand = integral.rhs.function
         upper, lower = self._half_planes(sets)
         at_root = residue_at_root(integrand, named.lhs, k, self.slope)
-        at_zero = sp.residue(integrand.xreplace({named.lhs: named.rhs}), k, 0)
+        at_zero = (k * integrand).xreplace({named.lhs: named.rhs}).subs(k, 0)
+        if at_zero.has(sp.zoo, sp.nan):
+            raise OperationError(f"there is no simple pole at {k} = 0")
         turn = 2 * sp.pi * sp.I
         above = self._sum(turn * at_root, upper)
         below = -turn * at_zero + self._sum(-turn * at_root, lower)

@@ -11,7 +11,7 @@ from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import equals, value
 from derivations.averaging.readings import averaged_breather
 from derivations.cell.polynomial_text import DEEPEST, read_polynomial
-from derivations.front.numbers import Lattice, profile
+from derivations.front.numbers import Lattice, kinetic_sum, profile, roots
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.piecewise.profile import front_profile
@@ -53,6 +53,19 @@ def test_the_profile_by_history_is_that_of_the_integral_at_strong_coupling(zeta:
     v, c = 2.5, 6.0
     exact = front_profile([zeta], v, c, 1e-12)
     assert abs(profile(Lattice(0.5, (c,)), zeta, v) - exact.phi[0]) < 1e-9
+
+
+@pytest.mark.parametrize("springs", [(4.02, 9.08), (5.0, 0.3), (3.0, 4.0, 5.0)])
+def test_roots_at_strong_springs_are_all_there_and_none_is_false(
+    springs: tuple[float, ...],
+) -> None:
+    """With labels from the fourth period on, the sum was off by 0.001 to 0.01."""
+    lattice, v = Lattice(0.5, springs), 0.5
+    found = roots(lattice, v)
+    terms = 1 / (found * lattice.slope(found, v))
+    inside = [terms[abs(found.real) < 2 * np.pi * count + 0.3].sum() for count in (1500, 3000)]
+    # What is left out falls like the inverse of the distance.
+    assert abs(2 * inside[1] - inside[0] - kinetic_sum(lattice, v)) < 1e-6
 
 
 def test_the_sampled_breather_is_that_of_the_averaged_chain() -> None:

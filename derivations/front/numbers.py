@@ -73,36 +73,40 @@ class Lattice:
 def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) -> Any:
     """Return the roots of one half-plane from the left to the right.
 
-    About ``count`` on either side of the imaginary axis, a winding number says that near the
-    origin none is missing.
+    About ``count`` on either side of the imaginary axis: near the origin by Newton's method from a
+    grid, beyond by their labels. Strong springs demand that labels begin farther out. A winding
+    number says that none is missing, out to twice the distance where labels begin.
 
     Raises
     ------
     ArithmeticError
-        If the count disagrees.
+        If the count disagrees, wherever labels begin.
     """
-    edge = 2 * np.pi * 4 + 0.3
     sign = 1.0 if upper else -1.0
-    near = _near(lattice, v, edge, sign)
-    expected = _winding(lattice, v, edge, sign)
-    if len(near) != expected:
-        raise ArithmeticError(
-            f"{len(near)} roots near the origin, the winding number is {expected}"
-        )
     far = _far(lattice, v, count, sign)
-    far = far[np.abs(far.real) >= edge]
-    found = np.concatenate([near, far])
-    return found[np.argsort(found.real)]
+    for periods in (4, 8, 16, 32):
+        edge = 2 * np.pi * periods + 0.3
+        found = np.concatenate([_near(lattice, v, edge, sign), far[np.abs(far.real) >= edge]])
+        inside = np.count_nonzero(np.abs(found.real) < 2 * edge)
+        expected = count_between(lattice, v, -2 * edge, 2 * edge, upper)
+        if inside == expected and _are_zeros(found, lattice, v).all():
+            return found[np.argsort(found.real)]
+    raise ArithmeticError(f"{inside} roots near the origin, the winding number is {expected}")
+
+
+def _are_zeros(k: Any, lattice: Lattice, v: float) -> Any:
+    return np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * (1 + v * np.abs(k)))
 
 
 def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
     """Newton's method from a grid; each root once."""
-    columns, heights = np.linspace(-edge - 1, edge + 1, 160), np.geomspace(0.02, 9, 14)
+    columns = np.linspace(-edge - 1, edge + 1, round(6.3 * edge))
+    heights = np.geomspace(0.02, 9, 14)
     k = (columns[:, None] + 1j * sign * heights[None, :]).ravel()
     with np.errstate(all="ignore"):
         for _ in range(25):
             k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
-        good = np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * (1 + v * np.abs(k)))
+        good = _are_zeros(k, lattice, v)
     k = k[good & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
     found: list[complex] = []
     for each in k:
@@ -125,11 +129,6 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
     for _ in range(3):
         k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
     return k
-
-
-def _winding(lattice: Lattice, v: float, edge: float, sign: float) -> int:
-    """Return the number of roots of a half-plane between -edge and edge."""
-    return count_between(lattice, v, -edge, edge, sign > 0)
 
 
 def count_between(lattice: Lattice, v: float, left: float, right: float, upper: bool) -> int:

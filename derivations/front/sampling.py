@@ -88,8 +88,11 @@ def _find(model: ChainModel, count: int) -> list[Sample]:
     found: list[Sample] = []
     for _ in range(2000):
         values = {q: math.exp(rng.uniform(-4.0, 1.4)) for q in model.parameters}
-        for q in sp.Tuple(model.coupling, *model.weights).free_symbols:
-            values[q] = rng.uniform(0.3, 0.9)  # neither pinned nor beyond the resolution
+        for q in model.parameters:
+            if model.coupling.has(q):
+                values[q] = rng.uniform(0.3, 0.9)  # the checks at strong coupling multiply it
+            elif q in sp.Tuple(*model.weights).free_symbols:
+                values[q] = rng.uniform(0.3, 1.5)  # the history resolves these, times 900
         chain = numbers_of(model, values, rng.uniform(0.05, 0.3))
         cycles = chain.cycles()
         if len(cycles) == 2 and chain.damping[0] > 0 and cycles[0] / cycles[1] < MAX_RATIO:

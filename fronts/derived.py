@@ -50,7 +50,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     with saved, Progress(words[0], quiet=options.json) as live:
         result, parameters = _computed(options, bound, live.report)
     if options.out:
-        write_output(options.out, result, parameters, words)
+        write_output(options.out, result, parameters)
     payload = result.to_dict()
     if isinstance(bound.call, Run):
         payload |= located("fronts.nucleus_evolution:evolution")(result)

@@ -21,7 +21,7 @@ from fronts.answer import UsageError
 from fronts.arguments import check_writable
 from theory.result import Result, optional_package, plain
 from verification.execution.files import write_by
-from verification.execution.metadata import installed_versions
+from verification.execution.metadata import COMMAND_LINE, installed_versions
 from verification.execution.table import commented, zarr_writer
 
 if TYPE_CHECKING:
@@ -31,30 +31,6 @@ PICTURES = (".png", ".svg", ".pdf")
 FILMS = (".gif", ".mp4")
 FORMATS = (".csv", ".json", ".npz", ".zarr", *PICTURES)
 """Of every result; of a run there are films too."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Provenance:
-    """Where a file comes from.
-
-    Attributes
-    ----------
-    command : str
-        The command line, without the names of files.
-    parameters : mapping
-        What was computed, with every default.
-    """
-
-    command: str
-    parameters: Mapping[str, Any]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return command, parameters, and versions of the toolkit and of what it uses."""
-        return {
-            "command": self.command,
-            "parameters": plain(self.parameters),
-            "versions": installed_versions(),
-        }
 
 
 def check_files(
@@ -122,7 +98,7 @@ def _simple(value: Any) -> Any:
     return json.dumps(value) if isinstance(value, (list, tuple, dict)) else value
 
 
-def write_result(path: Path, result: Result, provenance: Provenance) -> None:
+def write_result(path: Path, result: Result, parameters: Mapping[str, Any]) -> None:
     """Write a result in the format that the file's ending names, whole or not at all.
 
     Parameters
@@ -131,8 +107,8 @@ def write_result(path: Path, result: Result, provenance: Provenance) -> None:
         Ends in one of `FORMATS`.
     result : Result
         What to write.
-    provenance : Provenance
-        Where it comes from.
+    parameters : mapping
+        What was computed, with every default; it is written with the command line and the versions.
 
     Raises
     ------
@@ -140,8 +116,13 @@ def write_result(path: Path, result: Result, provenance: Provenance) -> None:
         If there is no table or no picture of such a result.
     """
     writer = _WRITERS.get(path.suffix.lower(), _picture)
+    provenance = {
+        "command": COMMAND_LINE.get(),
+        "parameters": plain(parameters),
+        "versions": installed_versions(),
+    }
     try:
-        write = writer(result, provenance.to_dict())
+        write = writer(result, provenance)
     except TypeError as error:
         raise UsageError(
             f"{path} cannot be written: {error}", quantity="--out", value=path

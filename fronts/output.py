@@ -76,16 +76,13 @@ def check_output(options: argparse.Namespace, filmed: bool) -> None:
         raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two files.")
 
 
-def write_output(
-    out: Sequence[Path], result: Result, parameters: Mapping[str, Any], words: Sequence[str]
-) -> None:
+def write_output(out: Sequence[Path], result: Result, parameters: Mapping[str, Any]) -> None:
     """Write a result to files, each with the command line and the parameters."""
-    from fronts.files import Provenance, write_result
+    from fronts.files import write_result
 
-    shown = Provenance(command=command_line(words), parameters=parameters)
     for path in out:
         if path != parameters.get("out"):  # what can be resumed has been written
-            write_result(path, result, shown)
+            write_result(path, result, parameters)
 
 
 def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, Any]) -> Answer:
@@ -102,12 +99,10 @@ def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, An
     parameters : mapping
         What was asked.
     """
-    from fronts.files import Listing, Provenance, write_result
-    from verification.execution.metadata import COMMAND_LINE
+    from fronts.files import Listing, write_result
 
     found: Any = answer.payload[rows]
-    shown = Provenance(command=COMMAND_LINE.get(), parameters=parameters)
-    write_result(out, Listing(payload=answer.payload, rows=found), shown)
+    write_result(out, Listing(payload=answer.payload, rows=found), parameters)
     return replace(answer, text=beside_files(answer.text, [out]))
 
 

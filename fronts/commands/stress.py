@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_seed
-from fronts.files import Provenance, check_files, write_result
+from fronts.files import check_files, write_result
 from fronts.interrupted import resumable_tables
 from fronts.options import refuse_beside
 from theory.parameters import count_within
-from verification.execution.metadata import COMMAND_LINE, Code, Metadata
+from verification.execution.metadata import Code, Metadata
 from verification.execution.progress import Progress
 from verification.execution.record import Record
 
@@ -116,7 +116,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
         )
     if out is not None and table is None:
         parameters = {"quantities": [*quantity], "points": points, "seed": seed}
-        write_result(out, found, Provenance(command=COMMAND_LINE.get(), parameters=parameters))
+        write_result(out, found, parameters)
     payload = _payload(found, seed)
     if record:
         line = f"fronts stress --points {points} --seed {seed}"

@@ -207,11 +207,13 @@ def refuse_beside(question: str, **given: Any) -> None:
     UsageError
         If one was given.
     """
-    names = [option(name) for name, value in given.items() if value not in (None, False, ())]
-    if names:
+    named = {option(name): each for name, each in given.items() if each not in (None, False, ())}
+    if named:
+        first = next(iter(named))
         raise UsageError(
-            f"{question}: leave out {' and '.join(names)}.",
-            quantity=names[0],
+            f"{question}: leave out {' and '.join(named)}.",
+            quantity=first,
+            value=named[first],
             allowed=f"absent beside {question.split(maxsplit=1)[0]}",
             remedy="leave it out",
         )

@@ -200,6 +200,8 @@ def _resonances(
     c: FloatArray, bounds: tuple[FloatArray, FloatArray], wiggle: FloatArray, refine: float
 ) -> tuple[IntArray, FloatArray]:
     """Return scenes and ln v of resonances narrower than the spacing, and of both their sides."""
+    if c.max(initial=0.0) <= 1.0:  # none is narrow
+        return np.empty(0, dtype=np.int64), np.empty(0)
     places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
     centre, width = c[:, None] * places, widths / refine
     spacing = np.full(centre.shape, _COARSEST / refine)
@@ -371,11 +373,12 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
         inside = (newton >= ta) & (newton <= tb) & (here.by_t != 0)
         new = np.where(inside, newton, 0.5 * (ta + tb))
         rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / np.abs(steep)
-        settled = np.abs(new - t) <= rounding
-        if np.all(settled):
+        open_ = np.flatnonzero(np.abs(new - t) > rounding)
+        if open_.size == 0:
             break
-        t = np.where(settled, t, new)
-        here = relation(owner, t)
+        t[open_] = new[open_]
+        for row, values in zip(here, relation(owner[open_], t[open_]), strict=True):
+            row[open_] = values
     spread, beside = _confirmed_spread(relation, owner, t, here)
     v = np.exp(t)
     along_c, along_target = _errors_along(v, spread, here, beside)

@@ -264,8 +264,11 @@ def _uncertainty(speed: float) -> float:
 
 
 def _mean_points(terms: int, speed: float, c: float) -> int:
-    """Return N with |J_{N-k}(ck/v)| ≤ (e ck/2v(N-k))^{N-k} below 1e-20 for every k ≤ K."""
-    return 1 << math.ceil(math.log2(terms + 60.0 + 3.0 * c * terms / speed))
+    """Return N with |J_n(ck/v)| ≤ (w/n)^n below 1e-20, n = N - k, w = e ck/2v, for every k ≤ K.
+
+    As (1 + x) ln(1 + x) ≥ x, the logarithm of the bound is at most w - n, and 1e-20 is e^{-46.1}.
+    """
+    return 1 << math.ceil(math.log2(terms + 46.1 + 0.5 * math.e * c * terms / speed))
 
 
 def _zeros_within(q: FloatArray, radius: float, uncertainty: float) -> int | None:

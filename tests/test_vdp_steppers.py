@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,7 @@ def reference(
     return as_complex(out.y[:, -1]) if full else np.asarray(out.y[:, -1], dtype=complex)
 
 
+@lru_cache
 def _called(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return what Python can call in place of a function that only compiled ones can."""
 

@@ -95,7 +95,7 @@ class DerivationChecks:
                 continue
             again = {step.name: step for step in made.steps}
             steps = [step for step in old.steps if step.name in again]  # one left out is for tests
-            known: dict[Step, bool] = {}
+            known: dict[tuple[Step, Step], bool] = {}
             other = [q for q in steps if not self._is_same(q, again[q.name], at, known)]
             named = _texts_around(mutant) if at in building else set()
             checks = at in building and "checks" in mutant.module
@@ -108,10 +108,10 @@ class DerivationChecks:
                     return f"{key}: {step.name}, perturbed"
         return None
 
-    def _is_same(self, old: Step, new: Step, at: str, known: dict[Step, bool]) -> bool:
+    def _is_same(self, old: Step, new: Step, at: str, known: dict[tuple[Step, Step], bool]) -> bool:
         """Whether a step has the result that it had, computed only where it may be another."""
-        if new in known:
-            return known[new]
+        if (old, new) in known:
+            return known[old, new]
         pairs = zip(old.sources, new.sources, strict=False)
         same = [self._is_same(*pair, at, known) for pair in pairs]
         if (
@@ -123,8 +123,8 @@ class DerivationChecks:
             and all(same)
         ):
             vars(new)["result"] = old.result
-        known[new] = new.result == old.result
-        return known[new]
+        known[old, new] = new.result == old.result
+        return known[old, new]
 
 
 def _texts_around(mutant: Mutant) -> set[str]:

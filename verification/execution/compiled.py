@@ -190,7 +190,7 @@ def keep_compiled_code() -> Path:
     base = next(base for base in _places() if _can_be_written(base))
     folder = base / f"{_PREFIX}{source_digest(_HOME)}"
     if not folder.exists():
-        logger.info("compiling the steppers: ten seconds or more, once")
+        logger.info("compiling the steppers: some seconds, once")
         for old in base.glob(f"{_PREFIX}*"):
             with suppress(OSError):  # another process may be removing it as well
                 if old.stat().st_mtime < time.time() - _WEEK:

@@ -205,6 +205,10 @@ BENCHMARK = WorkPrecision(
         garbage=1.0,
         floor=1e-40,
     ),
+    reasons={
+        NEWTON: "it says neither which root it has found, nor how far off it may be, nor whether "
+        "one is left out; ours labels every root and bounds its error",
+    },
     first={
         DOUBLE: partial(_double, 0.3, 0.5),
         NEWTON: partial(_newton, 0.3, 0.5, 41, 1),

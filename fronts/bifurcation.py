@@ -30,6 +30,8 @@ class Bifurcation(Result):
         Turning points of the cycles.
     """
 
+    is_curve = True
+
     cell: FrictionCell
     diagram: CellDiagram
 

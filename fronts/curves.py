@@ -48,6 +48,8 @@ class Curve(Result):
         Wall time.
     """
 
+    is_curve = True
+
     along: str
     values: FloatArray = field(metadata={"axis": "value"})
     points: tuple[Result, ...]

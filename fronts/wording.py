@@ -8,9 +8,6 @@ from typing import Any
 
 from theory.result import Result
 
-CURVES = ("Curve", "Branch", "KineticCurve", "Bifurcation")
-"""Classes of results that are shown by their own table of columns."""
-
 WIDTH = 100
 """Letters of a line; the columns of a wider table follow below, so that none is broken."""
 
@@ -61,7 +58,7 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
     because = sentence or entries.pop("reason", None)
     head = [] if status is None else [f"{status}: {because}" if because else f"{status}"]
     entries |= {name: "not decided" for name in _JUDGED if entries.get(name, "") is None}
-    if type(result).__name__ in CURVES:
+    if result.is_curve:
         columns = {name: column.tolist() for name, column in result.columns().items()}
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
         listed = {"points", *(name for name in columns if isinstance(entries.get(name), list))}

@@ -23,6 +23,7 @@ How to write a new result
 4. A picture is a function in `fronts.pictures`, entered there under the name of the class; nothing
    here imports a plotting library.
 5. Where dims do not fit (rows of varying kind), override `Result.columns`.
+6. Where the rows are the points of a curve, say so by ``is_curve = True``.
 
 Examples
 --------
@@ -49,7 +50,6 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
 from enum import Enum
-from html import escape
 from importlib import import_module
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -65,10 +65,11 @@ if TYPE_CHECKING:
 PICTURES = "fronts.pictures"
 """Module with ``draw(result, axes, **style)``; by name, since what draws stands above theory."""
 
+NOTEBOOK = "fronts.notebook"
+"""Module with ``as_html(result)``, by name for the same reason."""
+
 _LONGEST = 60
 """Characters of one value in a repr."""
-_MAX_ROWS = 10
-"""Rows of a table within the table of a result."""
 
 
 class Result:
@@ -78,6 +79,9 @@ class Result:
 
     derived: ClassVar[tuple[str, ...]] = ()
     """Properties that `to_dict` lists after the fields."""
+
+    is_curve: ClassVar[bool] = False
+    """Whether a terminal and a notebook list its points, which are the rows of `columns`."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -210,23 +214,13 @@ class Result:
         return data
 
     def __repr__(self) -> str:
-        shown = (f"{name}={_short(getattr(self, name))}" for name in _shown(self))
+        shown = (f"{name}={summary(getattr(self, name))}" for name in shown_names(self))
         return f"{type(self).__name__}({', '.join(shown)})"
 
     def _repr_html_(self) -> str:
-        """Return a small table for notebooks; what a result holds in its turn is a table in it."""
-        cells = {name: getattr(self, name) for name in _shown(self)}
-        table = ""
-        if type(self).columns is not Result.columns:  # its own rows show what it holds
-            cells = {name: value for name, value in cells.items() if not _records(value)}
-            columns = {name: values.tolist() for name, values in self.columns().items()}
-            table = _as_rows(list(columns), list(zip(*columns.values(), strict=True)))
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{escape(name)}</th>"
-            f"<td style='text-align:left'>{_in_a_cell(value)}</td></tr>"
-            for name, value in cells.items()
-        )
-        return f"<table><caption>{escape(type(self).__name__)}</caption>{rows}</table>{table}"
+        """Return the table that a notebook shows."""
+        table: str = import_module(NOTEBOOK).as_html(self)
+        return table
 
 
 def plain(value: object) -> Any:
@@ -284,7 +278,7 @@ def _fields(result: Result) -> tuple[Field[Any], ...]:
     return fields(result)  # type: ignore[arg-type]  # every Result is a dataclass
 
 
-def _shown(result: Result) -> list[str]:
+def shown_names(result: Result) -> list[str]:
     """Return the names of what is shown: fields, but for those said to be left out, and derived."""
     return [each.name for each in _fields(result) if each.repr] + list(result.derived)
 
@@ -322,7 +316,8 @@ def optional_package(package: str) -> Any:
         raise MissingPackageError(package, "tables", "such a table") from None
 
 
-def _short(value: object) -> str:
+def summary(value: object) -> str:
+    """Return a value on one line: of an array or a collection how much it holds."""
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, float):
@@ -338,47 +333,14 @@ def _short(value: object) -> str:
     if isinstance(value, str):
         return text[: _LONGEST - 1] + "…"
     if isinstance(value, Collection):
-        records = _records(value)
-        kind = type(records[0]).__name__ if records else f"in a {type(value).__name__}"
+        held = records(value)
+        kind = type(held[0]).__name__ if held else f"in a {type(value).__name__}"
         return f"<{len(value)} {kind}>"
     return f"<{type(value).__name__}>"
 
 
-def _in_a_cell(value: object) -> str:
-    """Return a value as HTML: dataclasses of one kind as a table, words as they are."""
-    records = _records(value)
-    if records:
-        first = records[0]
-        names = _shown(first) if isinstance(first, Result) else [x.name for x in fields(first)]
-        return _as_rows(names, [[getattr(each, name) for name in names] for each in records])
-    sentence = getattr(value, "sentence", None)
-    if isinstance(value, Enum) and isinstance(sentence, str):
-        return escape(f"{value.value}: {sentence}")
-    return escape(value if isinstance(value, str) else _short(value))
-
-
-def _records(value: object) -> Sequence[Any]:
+def records(value: object) -> Sequence[Any]:
     """Return a dataclass, or several of one kind, as a sequence; nothing for any other value."""
     several = value if isinstance(value, (tuple, list)) else (value,)
     kinds = {type(each) for each in several}
     return several if len(kinds) == 1 and is_dataclass(kinds.pop()) else ()
-
-
-def _as_rows(names: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Return a table in HTML with a head, the first rows, and how many more there are.
-
-    What a row does not have, which is None or, in a column of numbers, NaN, is left empty.
-    """
-    shown = [[_as_word(value) for value in row] for row in rows[:_MAX_ROWS]]
-    table = "".join(
-        f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in row)}</tr>"
-        for tag, row in zip(("th", *["td"] * len(shown)), (names, *shown), strict=True)
-    )
-    left = len(rows) - len(shown)
-    return f"<table>{table}</table>" + (f"and {left} more" if left else "")
-
-
-def _as_word(value: object) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return ""
-    return value if isinstance(value, str) else _short(value)

@@ -37,6 +37,8 @@ class KineticCurve(Result):
         Wall time.
     """
 
+    is_curve = True
+
     along: str
     points: tuple[KineticRelation, ...]
     seconds: float

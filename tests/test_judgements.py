@@ -14,7 +14,7 @@ import pytest
 from paper_checks import claim as claims
 from paper_checks import outcome as outcomes
 from paper_checks import prose
-from paper_checks.claim import Claim, Method
+from paper_checks.claim import Claim, Method, Repeat
 from paper_checks.discover import Entry, UnknownKeyError, select
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
 from paper_checks.independence import engines
@@ -185,10 +185,32 @@ def test_the_text_of_a_claim_is_beside_the_module_of_its_rule(
 WORDS = """place: Eq. 1
 quote: It holds at $c = 1$.
 statement: It holds.
+printed: c = 1
 recorded: holds only in part
 command: fronts check one  # as printed
 by: runs [verification.runs.simulate:simulate], for c = 1
+by: reading [paper_checks.claims.expectations:rule]
 also: Section 2: it holds: always"""
+
+
+def beside(monkeypatch: pytest.MonkeyPatch, section: str) -> Claim:
+    """Return the claim whose words are in a made-up text."""
+    monkeypatch.setattr(prose, "_sections", lambda _: {"one": section})
+    return Claim.beside("one", rule=holds, evidence=dict, weight=0)
+
+
+def test_the_words_of_a_claim_are_those_of_its_text(monkeypatch: pytest.MonkeyPatch) -> None:
+    claim = beside(monkeypatch, f"{WORDS}\n\nvalue: 1\n")
+    assert claim == Claim(
+        key="one", place="Eq. 1", quote="It holds at $c = 1$.", statement="It holds.",
+        printed="c = 1", recorded=Verdict.PARTIAL, command="fronts check one  # as printed",
+        methods=(Method("runs", "verification.runs.simulate:simulate", "c = 1"),
+                 Method("reading", "paper_checks.claims.expectations:rule")),
+        repeats=(Repeat("Section 2", "it holds: always"),),
+        rule=holds, evidence=dict, weight=0,
+    )  # fmt: skip
+    without_value = beside(monkeypatch, WORDS.replace("printed: c = 1\n", ""))
+    assert without_value == replace(claim, printed=None)
 
 
 @pytest.mark.parametrize(
@@ -198,28 +220,16 @@ also: Section 2: it holds: always"""
         ("statement:", "weight: 2\nstatement:", "the text of one has"),
         ("place: Eq. 1\n", "", "begins with 'place:'"),
         ("[verification.runs.simulate:simulate]", "by simulation", "write it as WORDS"),
+        ("], for c = 1", "] for c = 1", "write it as WORDS"),
         ("only in part", "in part", "not a valid Verdict"),
     ],
 )
-def test_the_words_of_a_claim_are_those_of_its_text_and_must_be_there(
+def test_a_text_without_the_words_of_its_claim_is_refused(
     monkeypatch: pytest.MonkeyPatch, line: str, instead: str, said: str
 ) -> None:
-    def judged() -> Claim:
-        return Claim.beside("one", rule=lambda _: holds(), evidence=dict, weight=0)
-
-    monkeypatch.setattr(prose, "_sections", lambda _: {"one": f"{WORDS}\n\nvalue: 1\n"})
-    claim = judged()
-    assert claim.quote == "It holds at $c = 1$."
-    assert claim.command == "fronts check one  # as printed"
-    assert claim.recorded is Verdict.PARTIAL
-    assert claim.printed is None
-    assert claim.methods == (Method("runs", "verification.runs.simulate:simulate", "c = 1"),)
-    assert [(one.place, one.quote) for one in claim.repeats] == [("Section 2", "it holds: always")]
-    changed = WORDS.replace(line, instead)
-    assert changed != WORDS
-    monkeypatch.setattr(prose, "_sections", lambda _: {"one": changed})
+    assert WORDS.count(line) == 1
     with pytest.raises(ValueError, match=said):
-        judged()
+        beside(monkeypatch, WORDS.replace(line, instead))
 
 
 def test_a_claim_is_of_ordinary_weight_and_computed_in_every_run_unless_it_says_otherwise() -> None:

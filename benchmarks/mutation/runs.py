@@ -76,6 +76,9 @@ class Runs:
     def _take(self, mutant: Mutant, count: int, answers: list[Answer]) -> None:
         by = answers[0]["by"] if answers else None
         self.found[mutant.name] = KILLED if by else SURVIVED
+        if not by:
+            print(f"not noticed: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
+                  file=sys.stderr, flush=True)  # fmt: skip
         if by in self._survey.seconds:
             for place in (mutant.function_at, mutant.module):
                 self._killers[place] = [by, *(t for t in self._killers[place] if t != by)][:5]

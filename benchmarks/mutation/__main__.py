@@ -15,7 +15,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from benchmarks.mutation import entered
-from benchmarks.mutation.mutants import Mutant, mutants_of
+from benchmarks.mutation.mutants import Mutant, by_statement, mutants_of
 from benchmarks.mutation.outcome import Outcome, read_explained
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,6 +24,8 @@ EXAMPLE = """examples:
   python -m benchmarks.mutation theory/piecewise/limits.py --list        the changes, nothing run
   python -m benchmarks.mutation verification paper_checks fronts --part 0.1
       a tenth at random, another one each time
+  python -m benchmarks.mutation derivations/averaging/steps.py --each
+      of each statement one change, chosen at random
   python -m benchmarks.mutation fronts --open fronts.json      what a record left open, again
 
 Changes chosen at random are run in random order, so that those run before the time is over
@@ -41,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     seed = random.SystemRandom().randrange(10**6) if options.seed is None else options.seed
     try:
-        mutants = chosen(ROOT, options.where, options.part, seed)
+        mutants = chosen(ROOT, options.where, options.part, seed, each=options.each)
     except OSError as error:
         print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
         return 2
@@ -51,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.list:
         print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
         return 0
-    whole = options.part == 1.0 and not options.open
+    whole = options.part == 1.0 and not options.open and not options.each
     if not whole:
         print(f"seed {seed}", file=sys.stderr)
         random.Random(seed).shuffle(mutants)
@@ -60,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     outcome = Outcome(mutants, found, explained)
     print(outcome)
     if options.record:
-        names = ("where", "part", "tests", "seconds", "longest")
+        names = ("where", "part", "each", "tests", "seconds", "longest")
         selection = {name: getattr(options, name) for name in names}
         outcome.write(options.record, ROOT, selection if whole else {**selection, "seed": seed})
     # Of a selection only those explanations can be judged that are about its changes.
@@ -80,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("where", nargs="+", help="packages or modules, as theory or theory/piecewise/limits.py")
     add("--part", type=float, default=1.0, help="of each module's changes (default 1)")
+    add("--each", action="store_true", help="one change of each statement, of that part")
     add("--seed", type=int, help="chooses the part (default: another each time)")
     add("--open", type=Path, metavar="RECORD", help="only what it left open")
     add("--compiled", action="store_true", help="also what numba compiles")
@@ -98,7 +101,9 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def chosen(root: Path, where: Sequence[str], part: float, seed: int) -> list[Mutant]:
+def chosen(
+    root: Path, where: Sequence[str], part: float, seed: int, *, each: bool = False
+) -> list[Mutant]:
     """Return the changes asked for, in the order of modules and lines."""
     picked: list[Mutant] = []
     for name in where:
@@ -106,8 +111,10 @@ def chosen(root: Path, where: Sequence[str], part: float, seed: int) -> list[Mut
         for module in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             relative = module.relative_to(root).as_posix()
             all_ = mutants_of(relative, module.read_text(encoding="utf-8"))
+            chance = random.Random(f"{seed}:{relative}")
+            if each:
+                all_ = [chance.choice(of_one) for of_one in by_statement(all_)]
             if part < 1.0:
-                chance = random.Random(f"{seed}:{relative}")
                 kept = set(chance.sample(range(len(all_)), round(part * len(all_))))
                 all_ = [mutant for i, mutant in enumerate(all_) if i in kept]
             picked += all_

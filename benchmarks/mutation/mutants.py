@@ -186,6 +186,24 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     return found
 
 
+def by_statement(mutants: list[Mutant]) -> list[list[Mutant]]:
+    """Return the changes of one module statement by statement, of the innermost that holds each.
+
+    Examples
+    --------
+    >>> source = "def f(x):\\n    y = 2 * x\\n    return y + 1"
+    >>> [[mutant.change for mutant in of_one] for of_one in by_statement(mutants_of("m", source))]
+    [['2 * x -> 2 / x', '2 -> 3'], ['y + 1 -> y - 1', 'y + 1 -> y', 'y + 1 -> 1', '1 -> 2']]
+    """
+    found: dict[ast.stmt, list[Mutant]] = {}
+    nodes = ast.walk(mutants[0].tree) if mutants else ()  # the outer come before the inner
+    statements = [node for node in nodes if isinstance(node, ast.stmt)]
+    for mutant in mutants:
+        around = [q for q in statements if q.lineno <= mutant.line <= (q.end_lineno or 0)]
+        found.setdefault(around[-1], []).append(mutant)
+    return list(found.values())
+
+
 def _short(node: ast.AST) -> str:
     text = " ".join(ast.unparse(node).split())
     return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"

@@ -1,0 +1,121 @@
+"""The checks of a derivation as judges of changes in the code that it enters."""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Iterator
+from pathlib import Path
+from types import CodeType, FunctionType
+from typing import Any
+
+import pytest
+
+from benchmarks.mutation import derived
+from benchmarks.mutation.entered import ENTER, codes_in, naming
+from benchmarks.mutation.mutants import Mutant, mutants_of
+from derivations import catalogue
+
+MODULE = "derivations/small_checks.py"
+SOURCE = '''
+import sympy as sp
+from derivations.algebra.equations import equation
+from derivations.algebra.operations import Operation
+from derivations.algebra.steps import Draft, Evidence
+
+p, q = sp.symbols("p q")
+
+def factor():
+    return 2
+
+def unread():
+    return 5
+
+class Multiply(Operation):
+    def __call__(self, source):
+        return equation(source.lhs, factor() * source.rhs)
+
+class Write(Operation):
+    def __call__(self, source):
+        return equation(source.lhs, source.rhs + 1 - 1)
+
+def given(candidate):
+    return Evidence(candidate == equation(p, q), "as given")
+
+def twice(candidate):
+    return Evidence(abs(candidate.rhs.subs(q, 0.25) - 0.5) < 1e-9, "a quarter and a half")
+
+def derive(more=True):
+    draft = Draft()
+    draft.model("start", equation(p, q), "a model", check=given)
+    draft.derived("twice", Multiply(), "start", check=twice)
+    draft.derived("twice in other words", Write(), "twice", check=twice)
+    if more:
+        draft.derived("once more", Write(), "twice in other words", check=twice)
+    return draft.finished("small", "a model and its double")
+'''
+
+PASSED = {
+    "unread:5 -> 6": "nothing enters it",
+    "twice:1e-09 -> 1e-06": "the tolerance is a matter of tests",
+    "twice:abs(candidate.rhs.subs(q, 0.25) - 0.5) < 1e-09 -> "
+    "abs(candidate.rhs.subs(q, 0.25) - 0.5) <= 1e-09": "no equation is at the edge",
+    "derive:more": "a step is left out: which there are is a matter of tests",
+    "derive:draft.finished('small', 'a model and its double') -> "
+    "draft.finished('a model and its double', 'small')": "no check reads the title",
+}
+"""Changes that no check notices, and why."""
+
+
+class _Living:
+    """The module as it lives, and what it enters."""
+
+    def __init__(self) -> None:
+        self.names: set[str] = set()
+        self.functions: dict[int, FunctionType] = {}
+        builtins.__dict__[ENTER] = self.names.add
+        scope: dict[str, Any] = {"__name__": "small_checks"}
+        exec(compile(naming(SOURCE.encode(), MODULE), MODULE, "exec"), scope)
+        self.derive = scope["derive"]
+        for each in list(scope.values()):
+            for own in (each, *vars(each).values()) if isinstance(each, type) else (each,):
+                if isinstance(own, FunctionType) and own.__code__.co_filename == MODULE:
+                    self.functions[own.__code__.co_firstlineno] = own
+
+    def derivations(self) -> Iterator[tuple[str, Any]]:
+        yield "small", self.derive()
+
+    def with_change(self, mutant: Mutant) -> tuple[FunctionType, CodeType]:
+        """Put a change in place; return the function and what it was."""
+        with mutant.made() as tree:
+            code = compile(tree, MODULE, "exec")
+        (new,) = (c for c in codes_in(code) if c.co_firstlineno == mutant.first_line and
+                  c.co_name == mutant.function.rpartition(".")[2])  # fmt: skip
+        own = self.functions[mutant.first_line]
+        before, own.__code__ = own.__code__, new
+        return own, before
+
+
+def _noticed(monkeypatch: pytest.MonkeyPatch) -> dict[str, str | None]:
+    monkeypatch.setitem(builtins.__dict__, ENTER, None)  # as it was, afterwards
+    living = _Living()
+    monkeypatch.setattr(derived, "derivations", living.derivations)
+    checks = derived.DerivationChecks(living.names, lambda: None)
+    found: dict[str, str | None] = {}
+    for mutant in mutants_of(MODULE, SOURCE):
+        if mutant.first_line and not mutant.of_default:
+            own, before = living.with_change(mutant)
+            try:
+                found[mutant.name.removeprefix(f"{MODULE}:")] = checks.noticing(mutant)
+            except Exception as error:  # noqa: BLE001 - a child of the run answers with its type
+                found[mutant.name.removeprefix(f"{MODULE}:")] = type(error).__name__
+            finally:
+                own.__code__ = before
+    return found
+
+
+def test_a_check_notices_each_change_that_it_can_and_no_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = _noticed(monkeypatch)
+    assert len(found) > 20
+    assert {name for name, by in found.items() if by is None} == set(PASSED)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import builtins
 from collections.abc import Iterator
-from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -13,10 +12,9 @@ import pytest
 from benchmarks.mutation import derived
 from benchmarks.mutation.entered import ENTER, codes_in, naming
 from benchmarks.mutation.mutants import Mutant, mutants_of
-from derivations import catalogue
 
 MODULE = "derivations/small_checks.py"
-SOURCE = '''
+SOURCE = """
 import sympy as sp
 from derivations.algebra.equations import equation
 from derivations.algebra.operations import Operation
@@ -44,22 +42,24 @@ def given(candidate):
 def twice(candidate):
     return Evidence(abs(candidate.rhs.subs(q, 0.25) - 0.5) < 1e-9, "a quarter and a half")
 
-def derive(more=True):
+def derive():
     draft = Draft()
     draft.model("start", equation(p, q), "a model", check=given)
     draft.derived("twice", Multiply(), "start", check=twice)
     draft.derived("twice in other words", Write(), "twice", check=twice)
-    if more:
-        draft.derived("once more", Write(), "twice in other words", check=twice)
+    draft.derived("once more", Write(), "twice in other words", check=twice)
     return draft.finished("small", "a model and its double")
-'''
+"""
 
+_AGAIN = "draft.derived(Write(), 'once more', 'twice in other words', check=twice)"
+_LAST = "draft.derived('once more', Write(), 'twice in other words', check=twice)"
+_BOUND = "abs(candidate.rhs.subs(q, 0.25) - 0.5) <{} 1e-09"
 PASSED = {
     "unread:5 -> 6": "nothing enters it",
-    "twice:1e-09 -> 1e-06": "the tolerance is a matter of tests",
-    "twice:abs(candidate.rhs.subs(q, 0.25) - 0.5) < 1e-09 -> "
-    "abs(candidate.rhs.subs(q, 0.25) - 0.5) <= 1e-09": "no equation is at the edge",
-    "derive:more": "a step is left out: which there are is a matter of tests",
+    "twice:1e-09 -> 1e-06": "how narrow a check is, is a matter of tests",
+    f"twice:{_BOUND.format('')} -> {_BOUND.format('=')}": "no equation is at the edge",
+    f"derive:{_LAST} -> ...": "a step is left out, and nothing follows from it",
+    f"derive:{_LAST} -> {_AGAIN}": "a step has another name, and nothing follows from it",
     "derive:draft.finished('small', 'a model and its double') -> "
     "draft.finished('a model and its double', 'small')": "no check reads the title",
 }
@@ -102,14 +102,14 @@ def _noticed(monkeypatch: pytest.MonkeyPatch) -> dict[str, str | None]:
     checks = derived.DerivationChecks(living.names, lambda: None)
     found: dict[str, str | None] = {}
     for mutant in mutants_of(MODULE, SOURCE):
-        if mutant.first_line and not mutant.of_default:
-            own, before = living.with_change(mutant)
-            try:
-                found[mutant.name.removeprefix(f"{MODULE}:")] = checks.noticing(mutant)
-            except Exception as error:  # noqa: BLE001 - a child of the run answers with its type
-                found[mutant.name.removeprefix(f"{MODULE}:")] = type(error).__name__
-            finally:
-                own.__code__ = before
+        name = mutant.name.removeprefix(f"{MODULE}:")
+        own, before = living.with_change(mutant)
+        try:
+            found[name] = checks.noticing(mutant)
+        except Exception as error:  # a child of a run answers with its type
+            found[name] = type(error).__name__
+        finally:
+            own.__code__ = before
     return found
 
 
@@ -117,5 +117,10 @@ def test_a_check_notices_each_change_that_it_can_and_no_other(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = _noticed(monkeypatch)
-    assert len(found) > 20
     assert {name for name, by in found.items() if by is None} == set(PASSED)
+    # What is changed is noticed where it enters first, and a looser check by what it refused.
+    assert found["factor:2 -> 3"] == "small: twice"
+    assert found["Write.__call__:1 -> 2 #2"] == "small: twice in other words"
+    assert found["given:equation(p, q) -> equation(q, p)"] == "small: start"
+    looser = "abs(candidate.rhs.subs(q, 0.25) - 0.5) -> candidate.rhs.subs(q, 0.25) - 0.5"
+    assert found[f"twice:{looser}"] == "small: twice, perturbed"

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mutation.__main__ import chosen
-from benchmarks.mutation.mutants import mutants_of
+from benchmarks.mutation.mutants import by_statement, mutants_of
 from benchmarks.mutation.outcome import KILLED, SURVIVED, Outcome, matches, read_explained
 from benchmarks.mutation.session import Answer, Task, in_children
 from benchmarks.mutation.survey import closure
@@ -152,6 +152,18 @@ def test_tests_are_found_by_what_they_import(file: str) -> None:
 def test_a_package_is_changed_with_the_packages_inside_it() -> None:
     found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0)}
     assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
+
+
+def test_of_each_statement_one_change_is_chosen() -> None:
+    path = "derivations/averaging/steps.py"
+    whole = mutants_of(path, (ROOT / path).read_text(encoding="utf-8"))
+    found = chosen(ROOT, [path], 1.0, 0, each=True)
+    assert {mutant.name for mutant in found} < {mutant.name for mutant in whole}
+    own = [[mutant.name for mutant in of_one] for of_one in by_statement(whole)]
+    assert [sum(mutant.name in names for mutant in found) for names in own] == [1] * len(own)
+    steps = [names for names in own if any(".derived('balance'," in name for name in names)]
+    assert len(steps) == 1
+    assert not any(".derived('balance in parts'" in name for name in steps[0])
 
 
 CODE = """

@@ -187,11 +187,11 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
 
 
 def by_statement(mutants: list[Mutant]) -> list[list[Mutant]]:
-    """Return the changes of one module statement by statement, of the innermost that holds each.
+    r"""Return the changes of one module statement by statement, of the innermost that holds each.
 
     Examples
     --------
-    >>> source = "def f(x):\\n    y = 2 * x\\n    return y + 1"
+    >>> source = "def f(x):\n    y = 2 * x\n    return y + 1"
     >>> [[mutant.change for mutant in of_one] for of_one in by_statement(mutants_of("m", source))]
     [['2 * x -> 2 / x', '2 -> 3'], ['y + 1 -> y - 1', 'y + 1 -> y', 'y + 1 -> 1', '1 -> 2']]
     """

@@ -23,7 +23,10 @@ def package(tmp_path, monkeypatch):
     home.mkdir()
     (home / "__init__.py").write_text("")
     (home / "deep.py").write_text('"""What."""\n\n\ndef f(x):\n    """Say."""\n    return x + 1\n')
-    (home / "top.py").write_text("def g(x):\n    from timed_code.deep import f\n    return f(x)\n")
+    (home / "top.py").write_text(
+        "from timed_code import later\n\n\n"
+        "def g(x):\n    from timed_code.deep import f\n    return f(x)\n"
+    )
     (home / "other.py").write_text("N = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     yield home
@@ -45,6 +48,7 @@ def package(tmp_path, monkeypatch):
         ("__init__.py", "print('imported')\n", True),
         ("other.py", "N = 2\n", False),
         ("top.py", "def g(x):\n    return x\n", True),
+        ("later.py", "N = 1\n", True),  # what was imported may have been a name, and is a module
     ],
 )
 def test_what_makes_a_record_stale(package, file, text, stale):
@@ -80,6 +84,33 @@ def test_a_record_that_names_no_code_is_stale():
 )
 def test_the_shape_of_code_keeps_what_it_does_and_nothing_else(one, other, alike):
     assert (shape(ast.parse(one)) == shape(ast.parse(other))) is alike
+
+
+def test_an_import_counts_wherever_it_stands_but_for_types(tmp_path):
+    path = tmp_path / "module.py"
+    path.write_text("""
+try:
+    import p.a
+except ImportError:
+    import p.b
+else:
+    from . import c
+finally:
+    from ..q import d
+for _ in ():
+    match 1:
+        case 1:
+            with open(""):
+                import p.e
+if TYPE_CHECKING:
+    import p.f
+else:
+    lambda: None
+    import p.g
+""")
+    names, computed = imports_of(path, "r.s")
+    assert set(names) == {"p.a", "p.b", "r.s", "r.s.c", "r.q", "r.q.d", "p.e", "p.g"}
+    assert not computed
 
 
 def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():

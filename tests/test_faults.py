@@ -16,10 +16,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +31,8 @@ from paper_checks.ruling import holds
 from paper_checks.run import run
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
-from verification.execution import checkpoint, digest
+from verification.execution import checkpoint
 from verification.execution.checkpoint import run_to_end
-from verification.execution.digest import digest_of_code
 from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import SweepError, sweep
@@ -140,21 +138,6 @@ def _saved_at_each_step(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("verification.execution.files.os.fsync", lambda _: None)
     monkeypatch.setattr(checkpoint, "SAVE_PERIOD", -1.0)
     monkeypatch.setattr(checkpoint, "SAVE_SHARE", 0.0)
-
-
-@cache
-def _digest_of_code(roots: frozenset[str], packages: frozenset[str]) -> str:
-    return digest_of_code(roots, packages)
-
-
-@pytest.fixture(autouse=True)
-def _code_stays_what_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Read the source once: at each of some thousand runs it is most of what they cost."""
-
-    def known(roots: Iterable[str], packages: Iterable[str]) -> str:
-        return _digest_of_code(frozenset(roots), frozenset(packages))
-
-    monkeypatch.setattr(digest, "digest_of_code", known)
 
 
 @pytest.mark.parametrize(

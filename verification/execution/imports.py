@@ -7,6 +7,7 @@ import functools
 import importlib.util
 import os
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
@@ -97,21 +98,59 @@ def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
     package : str
         Dotted name of the package it is in, for relative imports.
     """
+    source = _source(path)
+    found: dict[str, None] = {}
+    for level, module, members in source.imports:
+        above = package.split(".")[: 1 - level or None] if level else []
+        home = ".".join([*above, *filter(None, [module])])
+        found |= dict.fromkeys((home, *(f"{home}.{member}" for member in members)))
+    return tuple(found), source.computed
+
+
+def code_of(path: Path) -> str:
+    """Return what a file does, see `shape`; read once for as long as it does not change."""
+    return _source(path).code
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Source:
+    """What is asked of a file: code, imports (level, module, members), whether names are computed.
+
+    Attributes
+    ----------
+    code : str
+        What it does, see `shape`.
+    imports : tuple of (int, str or None, tuple of str)
+        Dots of a relative import, module, and what is imported from it, which may be modules.
+    computed : bool
+        Whether it imports by computed names.
+    """
+
+    code: str
+    imports: tuple[tuple[int, str | None, tuple[str, ...]], ...]
+    computed: bool
+
+
+def _source(path: Path) -> _Source:
     status = path.stat()
-    return _imports_of(path, package, status.st_mtime_ns, status.st_size)
+    return _read(path, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=4096)
-def _imports_of(
-    path: Path, package: str, _changed: int, _size: int
-) -> tuple[tuple[str, ...], bool]:
-    tree = ast.parse(path.read_bytes(), str(path))
-    names = tuple(dict.fromkeys(_names(tree, package)))
-    return names, _imports_by_computed_name(tree)
+def _read(path: Path, _changed: int, _size: int) -> _Source:
+    text = path.read_bytes()
+    tree = ast.parse(text, str(path))
+    return _Source(
+        code=shape(tree),
+        imports=tuple(_imports(tree)),
+        # Looked for in few files only: the tree of all is a third of what a digest costs.
+        computed=any(name in text for name in (b"import_module", b"__import__"))
+        and _imports_by_computed_name(tree),
+    )
 
 
-def _names(tree: ast.Module, package: str) -> Iterator[str]:
-    """Every name that may be a module; what is none is dropped later."""
+def _imports(tree: ast.Module) -> Iterator[tuple[int, str | None, tuple[str, ...]]]:
+    """Yield what may be modules, wherever it is imported; what is none is dropped later."""
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
@@ -119,13 +158,12 @@ def _names(tree: ast.Module, package: str) -> Iterator[str]:
             waiting.extend(node.orelse)
             continue
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            yield from ((0, alias.name, ()) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            above = package.split(".")[: 1 - node.level or None] if node.level else []
-            home = ".".join([*above, *filter(None, [node.module])])
-            yield home
-            yield from (f"{home}.{alias.name}" for alias in node.names)
-        waiting.extend(ast.iter_child_nodes(node))
+            yield node.level, node.module, tuple(alias.name for alias in node.names)
+        for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+            inner = getattr(node, block, ())
+            waiting.extend(inner if isinstance(inner, list) else ())
 
 
 def _imports_by_computed_name(tree: ast.Module) -> bool:
@@ -133,17 +171,6 @@ def _imports_by_computed_name(tree: ast.Module) -> bool:
     names = (each.attr if isinstance(each, ast.Attribute) else getattr(each, "id", "")
              for each in called)  # fmt: skip
     return any(name in ("import_module", "__import__") for name in names)
-
-
-def code_of(path: Path) -> str:
-    """Return what a file does, see `shape`; read once for as long as it does not change."""
-    status = path.stat()
-    return _code_of(path, status.st_mtime_ns, status.st_size)
-
-
-@functools.lru_cache(maxsize=4096)
-def _code_of(path: Path, _changed: int, _size: int) -> str:
-    return shape(ast.parse(path.read_bytes(), str(path)))
 
 
 def shape(node: ast.AST) -> str:
@@ -157,11 +184,13 @@ def shape(node: ast.AST) -> str:
     True
     """
     parts: list[str] = []
-    for name, value in ast.iter_fields(node):
+    for name in node._fields:
+        value = getattr(node, name, None)
         if value is None or value == [] or name in _NO_CODE:
             continue
         several = value if isinstance(value, list) else [value]
-        parts.append(f"{name}=[{','.join(_part(each) for each in several if not _is_text(each))}]")
+        inner = [_part(each) for each in several if not _is_text(each)]
+        parts.append(f"{name}=[{','.join(inner)}]")
     return f"{type(node).__name__}({';'.join(parts)})"
 
 

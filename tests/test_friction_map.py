@@ -104,7 +104,8 @@ def test_a_label_found_in_the_second_half_does_not_count() -> None:
     time = float(sure["time"])
     assert (sure["label"], sure["why"]) == ("front", "decided")
     assert replace(SHORT, end=1.9 * time)(point)["why"] == "end time"
-    assert replace(SHORT, end=2.1 * time)(point)["label"] == "front"
+    # windows are 40 long, without rounding: what is found by half of the end time counts
+    assert replace(SHORT, end=2.0 * time)(point)["label"] == "front"
 
 
 def test_a_breather_on_an_unstable_background_is_not_decided() -> None:

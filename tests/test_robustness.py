@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,10 +16,12 @@ from fronts.cli import main
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import judging
+from verification.quantities.friction import cycle_by_scipy, stable_cycle
 from verification.quantities.judging import BAD, Outcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
 from verification.quantities.registry import computation_named
 from verification.quantities.robustness import points_of, stability
+from verification.references.pace import MAX_SECONDS
 
 QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
 POINTS = {
@@ -124,6 +127,44 @@ def test_what_a_costly_reference_cannot_confirm_it_does_not_refute() -> None:
     found = judge(computation_named("run-friction"), sliding)
     assert found["outcome"] == Outcome.UNDECIDED.value, found
     assert float(found["distance"]) < float(found["uncertainty"])
+
+
+CELL = {"v_d": 1.0, "v0": 0.5, "xi": 0.05, "mu_st": 1.0}
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {**CELL, "v0": 1e-4},
+        {**CELL, "v_d": 2.0, "v0": 1e-6, "mu_st": 2.2},
+        {**CELL, "v_d": 5e-3, "v0": 1.2, "xi": 1e-3},
+        {**CELL, "v_d": 1e-5, "v0": 100.0, "mu_st": 0.6},  # slides: 2 xi is above its slope
+    ],
+)
+def test_cycles_on_thin_friction_curves_and_slow_belts_are_held_against_scipy(
+    values: Mapping[str, float],
+) -> None:
+    """No limit of v_d or v0 keeps scipy from them: it gives up where it is too slow."""
+    assert judge(computation_named("cycle-friction"), values)["outcome"] == Outcome.RIGHT.value
+
+
+@pytest.mark.parametrize("belt", [1e-3, 0.012, 1.0])
+def test_a_cycle_that_is_denied_is_seen_however_long_its_stick_phase(belt: float) -> None:
+    """The second release of a slow belt comes after thousands of τ; that it sticks is enough."""
+    denied = StatedValue(value=np.zeros(2), error=0.0, note="no cycle")
+    values = {**CELL, "v_d": belt, "mu_st": 5.0}
+    assert stable_cycle(values).value[0] > 0.0
+    check = cycle_by_scipy(values, denied)
+    assert judging.compared(denied.error, check) is Outcome.EXCEEDED
+
+
+def test_a_belt_too_slow_for_scipy_is_left_unchecked_at_once() -> None:
+    values = {**CELL, "v_d": 1e-8, "v0": 1e-6}
+    begin = time.process_time()
+    found = judge(computation_named("cycle-friction"), values)
+    assert found["outcome"] == Outcome.UNCHECKED.value
+    assert "too stiff or too long" in str(found["said"])
+    assert time.process_time() - begin < 0.3 * MAX_SECONDS  # 0.05 of it are the first part
 
 
 def test_the_reference_of_a_running_front_knows_its_velocity() -> None:

@@ -273,6 +273,27 @@ def test_the_chain_needs_no_more_digits_for_a_label(eta: float, c: float) -> Non
     assert FULL(point)["label"] == replace(FULL, tolerance=1e-8)(point)["label"]
 
 
+def test_of_the_averaged_chain_only_amplitudes_decide_whether_it_rests() -> None:
+    """Σ|φ|² is below the unstable cycle's at the start, so it rests; (8) has springs besides."""
+    task = StateTask(chain=FIGURE_15.averaged()).at({"eta": 0.05, "c": 0.3})
+    size = math.sqrt(0.9 / task.sites) * level_of(task.a, task.b)
+    alternating = np.zeros((2, task.sites))
+    alternating[0] = size * (-1.0) ** np.arange(task.sites)
+    found = find_vdp_state(task, alternating)
+    assert (found.state, found.time, found.steps) == (State.FIXED_POINT, 0.0, 0)
+    stiff = StateTask(chain=FIGURE_15).at({"eta": 0.05, "c": 1e3})
+    assert find_vdp_state(stiff, alternating, end=1.0).steps > 0
+
+
+def test_boundaries_are_bisected_to_a_sixteenth_of_the_spacing_if_nothing_else_is_said() -> None:
+    chain = FIGURE_15.averaged()
+    found = state_map(chain, eta=[0.05], c=[0.1, 0.14], workers=1)
+    assert found.boundary is not None
+    (row,) = found.boundary.rows()
+    width = float(row["high"]) - float(row["low"])
+    assert width == pytest.approx(0.04 / 16.0, rel=1e-9)
+
+
 def test_bisection_finds_both_sides_of_a_third_label() -> None:
     def task(point: Point) -> dict[str, str]:
         x = point.number("x")

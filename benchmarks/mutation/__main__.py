@@ -104,18 +104,24 @@ def _parser() -> argparse.ArgumentParser:
 def chosen(
     root: Path, where: Sequence[str], part: float, seed: int, *, each: bool = False
 ) -> list[Mutant]:
-    """Return the changes asked for, in the order of modules and lines."""
+    """Return the changes asked for, in the order of modules and lines.
+
+    Of a package without its ``__main__``, which runs when it is imported.
+    """
     picked: list[Mutant] = []
     for name in where:
         path = root / name
         for module in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             relative = module.relative_to(root).as_posix()
+            if path.is_dir() and module.name == "__main__.py":
+                continue
             all_ = mutants_of(relative, module.read_text(encoding="utf-8"))
             chance = random.Random(f"{seed}:{relative}")
             if each:
                 all_ = [chance.choice(of_one) for of_one in by_statement(all_)]
             if part < 1.0:
-                kept = set(chance.sample(range(len(all_)), round(part * len(all_))))
+                count = int(part * len(all_) + chance.random())  # of a short module, at times one
+                kept = set(chance.sample(range(len(all_)), count))
                 all_ = [mutant for i, mutant in enumerate(all_) if i in kept]
             picked += all_
     return picked
@@ -139,6 +145,9 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     ran: list[Runs] = []
 
     def work() -> None:
+        for module, library in session.missing.items():
+            print(f"{module} is left out: {library} is not installed", file=sys.stderr)
+        mutants[:] = [mutant for mutant in mutants if mutant.module not in session.missing]
         if any(module.startswith("derivations/") for module in modules):
             from benchmarks.mutation.derived import DerivationChecks
 

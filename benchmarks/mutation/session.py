@@ -65,6 +65,8 @@ class Session:
 
     Attributes
     ----------
+    missing : dict
+        By module that cannot be imported, the library that is not installed here.
     ask_first : callable or None
         Names what notices a change that is in place, before any test is run.
     """
@@ -72,6 +74,7 @@ class Session:
     def __init__(self, root: Path, names: set[str]) -> None:
         self.root, self.names = root, names
         self.items: dict[str, pytest.Item] = {}
+        self.missing: dict[str, str] = {}
         self.on_import: frozenset[str] = frozenset()
         self._names_on_import: frozenset[str] = frozenset()
         self._living: dict[str, list[FunctionType]] = defaultdict(list)
@@ -83,8 +86,15 @@ class Session:
     ) -> int:
         """Import modules, collect the tests of files, do the work; return pytest's exit code."""
         self._work = work
-        for name in (*LIBRARIES, *map(dotted, modules)):
+        for name in LIBRARIES:
             import_module(name)
+        for module in modules:
+            try:
+                import_module(dotted(module))
+            except ModuleNotFoundError as error:
+                if str(error.name).split(".")[0] in entered.PACKAGES:
+                    raise
+                self.missing[module] = str(error.name)
         with tempfile.TemporaryDirectory(prefix="fronts-mutation-") as temporary:
             options = [*OPTIONS, f"--basetemp={temporary}/pytest"]
             os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = temporary

@@ -20,6 +20,7 @@ from scipy.optimize import brentq
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
 from verification.references.equations import dynamic_friction, load
+from verification.references.pace import Pace
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -66,6 +67,7 @@ def run_events(
     times: FloatArray | None = None,
     tolerance: float = 1e-13,
     longest_step: float = 0.05,
+    pace: Pace | None = None,
 ) -> EventRun:
     """Run (5) from τ = 0 to ``t_end``, every event located.
 
@@ -83,6 +85,8 @@ def run_events(
         Relative tolerance of DOP853; the absolute one is a tenth of it.
     longest_step : float
         Longest step. The dense output is of order 7: this is what makes it exact enough.
+    pace : Pace, optional
+        Gives up where the run would take too long; by default it takes its time.
 
     Raises
     ------
@@ -90,6 +94,8 @@ def run_events(
         If a number is out of range.
     ArithmeticError
         If DOP853 fails, or a site starts exactly on an event.
+    TooSlowError
+        If the pace is too slow.
 
     Examples
     --------
@@ -120,6 +126,8 @@ def run_events(
             complaint = solver.step()
             if complaint is not None:
                 raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}: {complaint}")
+            if pace is not None:
+                pace.check(solver.t / t_end)
             dense = solver.dense_output()
             event = _earliest(law, dense, modes, float(solver.t_old), float(solver.t))
             reached = float(solver.t) if event is None else event

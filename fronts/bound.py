@@ -173,6 +173,8 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
             kind: Callable[[str], Any] = real
             if isinstance(bound.call, Map):
                 kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
+            elif isinstance(bound.call, Measurement):
+                kind, words = real_or_range, f"{words}; or low:high:count"
             group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
     if bound.start.parameters:
         bound.start.declare(parser.add_argument_group("the start"))

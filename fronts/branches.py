@@ -1,7 +1,7 @@
-"""Branches of solutions in the coupling, through their folds: fronts of (43), and breathers.
+"""Branches of solutions through their folds: fronts of (43) in c or in η, and breathers in c.
 
 `fronts.follow_front` and `fronts.follow_breather`, and what the shell makes of ``--c low:high:n``
-where the method is one that can be followed.
+and ``--eta low:high:n`` where the method is one that can be followed.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -20,17 +20,22 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, ascending, count_within, need_instance
 from theory.result import Result
 
+if TYPE_CHECKING:
+    from verification.fronts.result import Front
+
 FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Turn(Result):
-    """Where a branch turns back in c.
+    """Where a branch turns back.
 
     Attributes
     ----------
-    c, error : float
-        Coupling of the fold, and a bound on its error.
+    c, eta : float
+        Coupling and η = b/a² of the fold, dimensionless.
+    error : float
+        Bound on the error of that of them along which the branch was followed.
     place : int
         Points of the branch before it.
     height : float
@@ -38,6 +43,7 @@ class Turn(Result):
     """
 
     c: float
+    eta: float
     error: float
     place: int
     height: float
@@ -45,25 +51,30 @@ class Turn(Result):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Branch(Curve):
-    """Solutions in order along a branch: at each coupling that was asked for, folds passed or not.
+    """Solutions in order along a branch: at each value that was asked for, folds passed or not.
 
     Attributes
     ----------
     along, values, points, seconds
-        As of `fronts.curves.Curve`; a coupling stands here once for each solution there.
+        As of `fronts.curves.Curve`; a value stands here once for each solution there.
     folds : tuple of Turn
         Where the branch turns back.
     c_pin, c_pin_error : float or None
-        Of fronts: up to this fold of fronts at rest they are pinned, and its error.
+        Of fronts along c: up to this fold of fronts at rest they are pinned, and its error.
+    eta_pin, eta_pin_error : float or None
+        Of fronts along η: from this fold of fronts at rest on they are pinned, and its error; None
+        if it is not from 1e-3 to 0.11.
     square_root : float or None
-        Of fronts: the limit of v/√(c - c_pin).
+        Of fronts: the limit of v/√(c - c_pin), or of v/√(η_pin - η).
     kappa : float or None
-        Of fronts: v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling.
+        Of fronts along c: v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling.
     """
 
     folds: tuple[Turn, ...] = ()
     c_pin: float | None = None
     c_pin_error: float | None = None
+    eta_pin: float | None = None
+    eta_pin_error: float | None = None
     square_root: float | None = None
     kappa: float | None = None
 
@@ -78,33 +89,40 @@ class Branch(Curve):
     def to_dict(self) -> dict[str, Any]:
         """Return the points, the folds, and of fronts the two ends of the branch."""
         found = super().to_dict() | {"folds": [fold.to_dict() for fold in self.folds]}
-        names = ("c_pin", "c_pin_error", "square_root", "kappa")
+        names = ("c_pin", "c_pin_error", "eta_pin", "eta_pin_error", "square_root", "kappa")
         ends = {name: getattr(self, name) for name in names}
         return found | {name: value for name, value in ends.items() if value is not None}
 
 
-def follow_front(chain: AveragedChain, couplings: Sequence[float] | FloatArray) -> Branch:
-    """Follow the front of (43) as a travelling wave through a range of couplings.
+def follow_front(
+    chain: AveragedChain,
+    couplings: Sequence[float] | FloatArray | None = None,
+    *,
+    etas: Sequence[float] | FloatArray | None = None,
+) -> Branch:
+    """Follow the front of (43) as a travelling wave through a range of c, or of η.
 
     Parameters
     ----------
     chain : AveragedChain
-        a and b; its c and N are not used.
-    couplings : array_like of float, shape (n,)
+        a, b and c, of which those that vary are not used; nor is N.
+    couplings : array_like of float, shape (n,), optional
         Where the front is computed, dimensionless, from 1e-6 to 1e3.
+    etas : array_like of float, shape (n,), optional
+        In place of couplings: η = b/a², from 1e-3 to 0.11, of chains with this a.
 
     Returns
     -------
     Branch
-        Points are `Front`, from the largest coupling down, with v, its error, and in ``detail`` the
+        Points are `Front`, from the largest value down, with v, its error, and in ``detail`` the
         multipliers; v = 0 where the front is pinned.
 
     Raises
     ------
     ParameterError
-        If a coupling, or η, is out of range.
+        If a coupling, or η, is out of range, or both are given.
     RunError
-        If a front is slower than 1e-3: within some 1e-5 of c_pin.
+        If a front is slower than 1e-3: within some 1e-5 of where it is pinned.
 
     References
     ----------
@@ -118,39 +136,89 @@ def follow_front(chain: AveragedChain, couplings: Sequence[float] | FloatArray) 
     ([0.722566456, 0.344982869, 0.0], ())
     >>> round(branch.c_pin, 9)
     0.101944386
+    >>> branch = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0.15), etas=[0.03125, 0.08])
+    >>> [round(point.v, 9) for point in branch.points], round(branch.eta_pin, 9)
+    ([0.122963889, 0.0], 0.059829802)
     """
-    from theory.averaged.front import strong_coupling_front
+    need_instance("chain", chain, (AveragedChain,), "take chain.averaged() where there is one")
+    if etas is None:
+        return _fronts(chain, "c", ascending("coupling c", couplings))
+    if couplings is not None:
+        remedy = "follow one parameter at a time"
+        raise ParameterError("couplings", couplings, "absent beside etas", remedy)
+    return _fronts(chain, "eta", ascending("eta = b/a^2", etas))
+
+
+def _fronts(chain: AveragedChain, along: Literal["c", "eta"], values: Sequence[float]) -> Branch:
+    """Return the fronts at ascending values of c or η."""
     from verification.fronts.follow import follow_front_wave
     from verification.fronts.measure import wave_front
-    from verification.fronts.resting import static_fold
+
+    def at(value: float) -> AveragedChain:
+        return chain.replace(c=value) if along == "c" else chain.replace(b=value * chain.a**2)
 
     begin = perf_counter()
-    need_instance("chain", chain, (AveragedChain,), "take chain.averaged() where there is one")
-    chains = [chain.replace(c=c) for c in ascending("coupling c", couplings)]
-    rest = static_fold(chain.eta)
-    pinned = [wave_front(each) for each in chains if each.c <= rest.c]
-    moving = [each.c for each in chains if each.c > rest.c]
+    ends, pinned = (_ends_in_c if along == "c" else _ends_in_eta)(chain, values)
+    moving = [value for value in values if value not in pinned]
+    # From the largest value down: fronts rest at small c, and at large η.
+    before = 0 if along == "c" else len(pinned)
     folds: list[Turn] = []
-    waves: list[Result] = []
+    fronts: list[tuple[float, Front]] = []
     if moving:
-        found = follow_front_wave(moving, chain.eta)
-        waves = [wave_front(chain.replace(c=wave.c), wave) for wave in found.fronts]
-        folds = [
-            Turn(c=float(fold.c), error=float(fold.error), place=place, height=float(fold.u[-1]))
-            for fold, place in found.folds
-        ]
-    points = [*waves, *reversed(pinned)]
+        found = follow_front_wave(moving, chain.eta if along == "c" else chain.c, along)
+        followed = [(getattr(wave, along), wave) for wave in found.fronts]
+        fronts = [(value, wave_front(at(value), wave)) for value, wave in followed]
+        for fold, place in found.folds:
+            there = at(float(fold.c))
+            folds.append(
+                Turn(
+                    c=there.c,
+                    eta=there.eta,
+                    error=float(fold.error),
+                    place=before + place,
+                    height=float(fold.u[-1]),
+                )
+            )
+    resting = [(value, wave_front(at(value))) for value in reversed(pinned)]
+    rows = [*resting, *fronts] if before else [*fronts, *resting]
     return Branch(
-        along="c",
-        values=np.array([point.to_dict()["chain"]["c"] for point in points]),
-        points=tuple(points),
+        along=along,
+        values=np.array([value for value, _ in rows]),
+        points=tuple(front for _, front in rows),
         seconds=perf_counter() - begin,
         folds=tuple(folds),
-        c_pin=rest.c,
-        c_pin_error=rest.error,
-        square_root=rest.square_root,
-        kappa=strong_coupling_front(chain.eta).kappa,
+        **ends,
     )
+
+
+def _ends_in_c(
+    chain: AveragedChain, couplings: Sequence[float]
+) -> tuple[dict[str, float], list[float]]:
+    """Return the two ends of a branch in c, and the couplings at which fronts are pinned."""
+    from theory.averaged.front import strong_coupling_front
+    from verification.fronts.resting import static_fold
+
+    rest = static_fold(chain.eta)
+    ends = {
+        "c_pin": rest.c,
+        "c_pin_error": rest.error,
+        "square_root": rest.square_root,
+        "kappa": strong_coupling_front(chain.eta).kappa,
+    }
+    return ends, [c for c in couplings if c <= rest.c]
+
+
+def _ends_in_eta(
+    chain: AveragedChain, etas: Sequence[float]
+) -> tuple[dict[str, float], list[float]]:
+    """Return the end of a branch in η, and those η at which fronts are pinned."""
+    from verification.fronts.resting import pinning_eta, static_fold
+
+    pin = pinning_eta(chain.c)
+    if pin is None:  # c_pin rises with η: all rest or all travel
+        return {}, list(etas) if chain.c <= static_fold(etas[0]).c else []
+    ends = {"eta_pin": pin.eta, "eta_pin_error": pin.error, "square_root": pin.square_root}
+    return ends, [eta for eta in etas if eta >= pin.eta]
 
 
 def follow_breather(
@@ -220,6 +288,7 @@ def follow_breather(
         folds=tuple(
             Turn(
                 c=float(fold.c),
+                eta=chain.eta,
                 error=float(fold.error),
                 place=place,
                 height=float(there.outward[0]),
@@ -232,10 +301,12 @@ def follow_breather(
 def front_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
 ) -> Branch | None:
-    """Return the branch of waves of (43) in c; None for runs, or along another parameter."""
-    if along != "c" or options.get("method") != "wave":
+    """Return the branch of waves of (43) in c or η; None for runs, or along another parameter."""
+    if options.get("method") != "wave":
         return None
-    return follow_front(chains[0], values)
+    if along == "eta":
+        return follow_front(chains[0], etas=values)
+    return follow_front(chains[0], values) if along == "c" else None
 
 
 def breather_branch(

@@ -218,6 +218,7 @@ COMMANDS: dict[str, Command] = {
   fronts front averaged --c 0.6 --a 4 --b 0.5
   fronts front averaged --c 0.6 --eta 0.03125 --method wave
   fronts front averaged --c 0.05:2:40 --eta 0.03125 --method wave --out branch.png
+  fronts front averaged --c 0.15 --eta 0.01:0.08:36 --method wave --out branch.png
   fronts front vdp --c 0.6 --a 4 --b 0.5 --eps 0.01 --json
   fronts front vdp --c 0.5:2:7 --a 4 --b 0.5 --workers 2 --out fig13.png
   fronts front friction --c 0.02 --n 101

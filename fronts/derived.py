@@ -92,7 +92,7 @@ def _computed(
             along = _range_of(fields)
             if along is not None:
                 values = values_of(fields[along])
-                chains = _along(new_chain, fields, along, values)
+                chains = _along(bound, fields, along, values)
                 found = located(traced)(chains, along, values, **arguments) if traced else None
                 if found is None:
                     from fronts.curves import curve
@@ -166,12 +166,17 @@ def _grid(
 
 
 def _along(
-    new_chain: type[Chain], fields: Mapping[str, Any], along: str, values: Sequence[float]
+    bound: Bound, fields: Mapping[str, Any], along: str, values: Sequence[float]
 ) -> list[Chain]:
     """Return the chains along one parameter; both ends are checked before any work."""
-    first, last = (new_chain(**{**fields, along: value}) for value in (values[0], values[-1]))
-    between = [new_chain(**{**fields, along: value}) for value in values[1:-1]]
-    return [first, *between, last]
+    name = "b" if along == "eta" and bound.takes_eta else along
+    fixed = {each: value for each, value in fields.items() if each != along}
+
+    def at(value: float) -> Chain:
+        return bound.chain(**fixed, **{name: value})  # type: ignore[misc]
+
+    first, last = at(values[0]), at(values[-1])
+    return [first, *map(at, values[1:-1]), last]
 
 
 def _refuse_other_methods(
@@ -200,7 +205,10 @@ def _parameters_of(chain: Any) -> dict[str, Any]:
 
 
 def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
-    """Return the fields with a and b from η, where that was given in their place."""
+    """Return the fields with a and b from η, where that was given in their place.
+
+    A range of η stays a field of this name, with a = 1.
+    """
     if not bound.takes_eta:
         return fields
     eta = getattr(options, "eta", None)
@@ -212,6 +220,13 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
         raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
     from theory.cells.vdp import checked_eta
 
+    if is_range(eta):
+        checked_eta(eta[0])
+        return {
+            **{name: each for name, each in fields.items() if name != "b"},
+            "a": 1.0,
+            "eta": eta,
+        }
     return {**fields, "a": 1.0, "b": checked_eta(eta)}
 
 

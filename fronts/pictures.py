@@ -142,11 +142,15 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
     name = next(each for each in BRANCHES if each in table)
     words = [point.to_dict().get("stable") is not False for point in result.points]
     nodes: list[Any] = list(zip(result.values, table[name].astype(float), words, strict=True))
-    turns = [(fold.place, (fold.c, fold.height, None)) for fold in result.folds]
-    if result.c_pin is not None:
-        turns.append((sum(node[0] > result.c_pin for node in nodes), (result.c_pin, 0.0, None)))
+    along = result.along
+    turns = [(fold.place, (getattr(fold, along), fold.height, None)) for fold in result.folds]
+    pin = getattr(result, f"{along}_pin")
+    if pin is not None:
+        turns.append((sum(node[0] > pin for node in nodes), (pin, 0.0, None)))
+        turns.sort(key=lambda turn: turn[0])
+    symbol = "η" if along == "eta" else along
     for place, node in reversed(turns):
-        axes.axvline(node[0], color="0.5", lw=0.8, label=f"fold, c = {node[0]:.6g}")
+        axes.axvline(node[0], color="0.5", lw=0.8, label=f"fold, {symbol} = {node[0]:.6g}")
         nodes.insert(place, node)
     for kind, line in ((True, "-"), (False, "--")):
         look = {"color": BLUE if kind else VERMILION, "ls": line, "lw": 1.2, **style}
@@ -159,7 +163,7 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
         if shown:
             axes.plot(*zip(*shown, strict=True), "o", ms=2.5, color=look["color"])
     axes.legend()
-    axes.set(xlabel=LABELS["c"], ylabel=LABELS.get(name, name))
+    axes.set(xlabel=LABELS[along], ylabel=LABELS.get(name, name))
 
 
 def _breather(result: Any, axes: Axes, **style: Any) -> None:

@@ -17,10 +17,11 @@ from fronts.cli import main
 from theory.averaged.front import strong_coupling_front
 from theory.parameters import ParameterError
 from verification.breathers import phase_locked
+from verification.continuation.branch import Fold
 from verification.continuation.newton import BranchPoint, NotConvergedError
-from verification.fronts import wave
+from verification.fronts import follow, wave
 from verification.fronts.follow import follow_front_wave
-from verification.fronts.resting import static_fold
+from verification.fronts.resting import pinning_eta, static_fold
 from verification.fronts.wave import NoFrontError, front_wave
 from verification.references.front_wave import front_velocity
 from verification.steppers.amplitudes import Amplitudes, with_disturbances
@@ -245,6 +246,23 @@ def test_the_derivatives_of_the_period_map_are_those_of_its_differences() -> Non
     assert value[-1] == u[window.left] - window.unstable
 
 
+def test_the_derivative_of_the_period_map_by_eta_is_that_of_its_differences() -> None:
+    window = wave.Window.started(0.6, ETA, "eta")
+    system, u = window.system(), window.guess
+    by_eta = system(u, ETA)[2]
+    step = 1e-7
+    ahead, behind = system(u, ETA + step)[0], system(u, ETA - step)[0]
+    assert np.abs(by_eta).max() > 1.0
+    assert np.abs((ahead - behind) / (2.0 * step) - by_eta).max() < 1e-6
+    alone = wave.Window.started(0.6, ETA).system()
+    assert all(
+        np.array_equal(x, y) for x, y in zip(system(u, ETA)[:2], alone(u, 0.6)[:2], strict=True)
+    )
+    for outside in (0.0, -0.01, 0.125, float("nan")):
+        with pytest.raises(NotConvergedError, match="no front"):
+            system(u, outside)
+
+
 def test_it_is_the_front_of_the_running_chain() -> None:
     chain = fr.AveragedChain(a=4, b=0.5, c=0.6)
     run = fr.measure_front(chain, accuracy=1e-5)
@@ -309,6 +327,82 @@ def test_the_branch_of_fronts_is_made_of_fronts() -> None:
         fr.follow_front(fr.VdpChain(a=4, b=0.5, c=0), [0.4])
 
 
+def test_the_branch_in_eta_is_made_of_the_fronts_of_each_eta() -> None:
+    """Each beside differences along the wave, which share no code with it, and a running chain."""
+    chain = fr.AveragedChain(a=4, b=1, c=0.6)
+    branch = fr.follow_front(chain, etas=[0.1, 0.01, 0.05])
+    assert branch.along == "eta"
+    assert branch.values.tolist() == [0.1, 0.05, 0.01]
+    assert branch.folds == ()
+    assert branch.eta_pin is None  # c is above c_pin at every eta
+    for eta, point in zip(branch.values, branch.points, strict=True):
+        assert point.chain.b == pytest.approx(16.0 * eta, rel=1e-15)
+        coarse, fine = (front_velocity(0.6, float(eta), m, behind=30) for m in (80, 112))
+        assert abs(point.v - fine) <= point.error + abs(fine - coarse) + 1e-13
+        assert point.error < 1e-10
+        alone = front_wave(0.6, float(eta))
+        assert abs(point.v - alone.v) <= point.error + alone.error
+        assert point.detail.stable is alone.stable is True
+        assert point.detail.eta == eta
+        nearest = np.abs(point.detail.multipliers[0] - alone.multipliers[0])
+        assert nearest < 1e-6
+    run = fr.measure_front(branch.points[1].chain, accuracy=1e-5)
+    assert abs(run.v - branch.points[1].v) < run.error < 1e-4
+
+
+@pytest.mark.parametrize("c", [0.05, 0.15])
+def test_fronts_travel_up_to_an_eta_and_slow_down_by_a_square_root(c: float) -> None:
+    pin = pinning_eta(c)
+    assert pin is not None
+    below, above = (static_fold(pin.eta + d * (pin.error + 1e-13)).c for d in (-2.0, 2.0))
+    assert below < c < above
+    far, near = (
+        front_wave(c, pin.eta * (1.0 - d)).v / math.sqrt(d * pin.eta) for d in (1e-2, 1e-3)
+    )
+    # The next term is of order η_pin - η, √(η_pin - η) of the first: √10 times less.
+    assert (far - pin.square_root) / (near - pin.square_root) == pytest.approx(10**0.5, rel=0.15)
+
+
+def test_c_pin_rises_with_eta_at_the_rate_of_its_differences() -> None:
+    step = 1e-5
+    ahead, behind = static_fold(0.05 + step), static_fold(0.05 - step)
+    difference = (ahead.c - behind.c) / (2.0 * step)
+    assert static_fold(0.05).slope == pytest.approx(difference, rel=1e-7)
+
+
+@pytest.mark.parametrize(("c", "travels"), [(0.01, False), (0.3, True)])
+def test_beyond_the_range_of_eta_all_fronts_rest_or_all_travel(c: float, travels: bool) -> None:
+    assert pinning_eta(c) is None
+    branch = fr.follow_front(fr.AveragedChain(a=1, b=0.02, c=c), etas=[0.01, 0.1])
+    assert [point.v > 0.0 for point in branch.points] == [travels] * 2
+    assert branch.values.tolist() == [0.1, 0.01]
+    assert "eta_pin" not in branch.to_dict()
+
+
+def test_a_fold_of_the_branch_has_both_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No branch of fronts that was tried has one; a made-up fold stands before its front."""
+    found = follow_front_wave([0.02], 0.15, "eta")
+    fold = Fold(0.05, 1e-12, np.array([0.5, 0.125]), 3)
+    folded = replace(found, folds=((fold, 0),))
+    monkeypatch.setattr(follow, "follow_front_wave", lambda *_: folded)
+    chain = fr.AveragedChain(a=2, b=1, c=0.15)
+    branch = fr.follow_front(chain, etas=[0.02, 0.07, 0.08])
+    assert branch.values.tolist() == [0.08, 0.07, 0.02]
+    (turn,) = branch.folds
+    assert (turn.c, turn.eta, turn.error) == (0.15, 0.05, 1e-12)
+    assert (turn.place, turn.height) == (2, 0.125)
+    branch.plot()
+
+
+def test_one_parameter_is_followed() -> None:
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.6)
+    with pytest.raises(ParameterError, match="absent beside etas"):
+        fr.follow_front(chain, [0.4], etas=[0.02])
+    for etas, said in (([], "sequence"), ([0.02, 0.12], "0.11"), ([5e-4, 0.02], "0.001")):
+        with pytest.raises(ParameterError, match=said):
+            fr.follow_front(chain, etas=etas)
+
+
 def test_a_breather_is_followed_through_its_fold() -> None:
     """Both sheets solve (43) as another module writes it, and meet in the fold of the threshold."""
     a, b = 2.5, 0.5
@@ -354,5 +448,12 @@ def test_the_shell_follows_branches(capsys: pytest.CaptureFixture[str], tmp_path
     head, fold = map(str.split, folds.splitlines()[:2])
     assert fold[head.index("c")].startswith("0.1907")
     assert (tmp_path / "branch.png").exists()
+    words = ["front", "averaged", "--c", "0.15", "--eta", "0.02:0.08:3", "--method", "wave"]
+    assert main([*words, "--json", "--out", str(tmp_path / "eta.png")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [point["eta"] for point in found["points"]] == [0.08, 0.05, 0.02]
+    assert [point["status"] for point in found["points"]] == ["pinned", "steady", "steady"]
+    assert found["points"][1]["chain"]["b"] == 0.05
+    assert found["eta_pin"] == pinning_eta(0.15).eta
     single = "front averaged --c 0.6 --eta 0.03125 --method wave"
     assert main(f"{single} --tolerance 1e-9".split()) == 2

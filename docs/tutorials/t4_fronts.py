@@ -34,6 +34,14 @@ for point in branch.points:
 print(f"pinned up to c = {branch.c_pin:.9f}; above it v ≈ {branch.square_root:.3f} √(c − c_pin)")
 
 # %%
+# Followed in η at a fixed coupling, it ends in the same way.
+
+branch = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0.15), etas=[0.01, 0.03125, 0.05, 0.0595])
+for eta, point in zip(branch.values, branch.points, strict=True):
+    print(f"η = {eta:.5f}: v = {point.v:.12f}, stable: {point.detail.stable}")
+print(f"pinned from η = {branch.eta_pin:.9f} on")
+
+# %%
 # The full chain (8) has nearly the same velocity: averaging neglects terms of order ε.
 
 for eps in (0.02, 0.01, 0.005):

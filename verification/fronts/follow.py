@@ -1,4 +1,4 @@
-"""The branch of fronts of (43) in c, by pseudo-arclength."""
+"""The branch of fronts of (43) in c or in η, by pseudo-arclength."""
 
 from __future__ import annotations
 
@@ -8,50 +8,60 @@ from time import perf_counter
 
 from verification.continuation.branch import Fold, Steps, solutions_at, trace
 from verification.continuation.newton import COUPLING_WEIGHT, NotConvergedError, solve_at
+from verification.fronts.resting import need_eta
 from verification.fronts.wave import FrontWave, NoFrontError, Window
+from verification.steppers.amplitudes import Parameter
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrontBranch:
-    """Fronts of (43) at one η, in order along their branch.
+    """Fronts of (43) at one η or at one c, in order along their branch.
 
     Attributes
     ----------
     fronts : tuple of FrontWave
-        At the couplings that were asked for, c descending.
+        At the values that were asked for, descending.
     folds : tuple of (Fold, int)
-        Where the branch turns back in c, and how many fronts are before it. None was found for any
-        η that was tried.
+        Where the branch turns back, and how many fronts are before it; ``c`` of a fold is the
+        parameter that was followed. None was found for any c and η that were tried.
     """
 
     fronts: tuple[FrontWave, ...]
     folds: tuple[tuple[Fold, int], ...]
 
 
-def follow_front_wave(couplings: Sequence[float], eta: float) -> FrontBranch:
-    """Return the fronts at several couplings, by pseudo-arclength from the largest one down.
+def follow_front_wave(values: Sequence[float], other: float, along: Parameter = "c") -> FrontBranch:
+    """Return the fronts at several couplings or several η, by pseudo-arclength.
+
+    The branch begins at the largest value: that of c has the longest window, and η too.
 
     Parameters
     ----------
-    couplings : sequence of float
-        At least one, all above c_pin.
-    eta : float
-        η = b/a², from 1e-3 to 0.11.
+    values : sequence of float
+        Couplings above c_pin, or η from 1e-3 to 0.11 and below η_pin; at least one.
+    other : float
+        η where couplings are followed, c where η is.
+    along : {"c", "eta"}, optional
+        Which is followed.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range.
     NoFrontError
-        If the front at the largest coupling is pinned, or a front is slower than 1e-3.
+        If the front at the largest value is pinned, or a front is slower than 1e-3.
     """
     begin = perf_counter()
-    required = sorted(map(float, couplings))
-    window = Window.started(required[-1], eta)
+    required = sorted(map(float, values))
+    if along == "eta":
+        need_eta(required[0])
+    window = Window.started(
+        *((required[-1], other) if along == "c" else (other, required[-1])), along
+    )
     system = window.system()
     try:
         start = solve_at(system, window.guess, required[-1])
-        # An end just below the last coupling, so that it is passed.
+        # An end just below the last value, so that it is passed.
         longest = max(2.0, COUPLING_WEIGHT * (required[-1] - required[0]) / 8.0)
         steps = Steps(length=0.1, longest=longest, most=2000, turns=3)
         branch = trace(system, start, required[0] * (1.0 - 1e-12), None, steps)

@@ -7,6 +7,8 @@ kernel φ on the right and ψ on the left, ψ·φ = 1, and along φ the chain dr
     x' = α (c - c_pin) + β x²,     α = ψ·∂F/∂c,   β = ½ ψ·F''[φ, φ],
 
 so that a site takes a time π/√(αβ(c - c_pin)) to pass: v = (√(αβ)/π) √(c - c_pin) + O(c - c_pin).
+
+c_pin rises with η, by dc_pin/dη = -(ψ·∂F/∂η)/α: at a given c fronts travel below an η_pin.
 """
 
 from __future__ import annotations
@@ -18,12 +20,13 @@ from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from theory.cells.vdp import ETA_END
 from theory.parameters import RunError, within
 from verification.continuation.branch import Fold, Steps, trace
 from verification.continuation.newton import System, solve_at
-from verification.steppers.amplitudes import Amplitudes, rate
+from verification.steppers.amplitudes import Amplitudes, rate, rate_by
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -47,6 +50,8 @@ class StaticFold:
         Bound on its error, from a longer window and from rounding.
     square_root : float
         The limit of v/√(c - c_pin) above it.
+    slope : float
+        dc_pin/dη.
     r : ndarray of float, shape (N,)
         √a times the amplitudes of the sites there.
     """
@@ -56,6 +61,7 @@ class StaticFold:
     c: float
     error: float
     square_root: float
+    slope: float
     r: FloatArray
 
     @property
@@ -64,15 +70,19 @@ class StaticFold:
         return self.c
 
 
-def amplitudes_of(c: float, eta: float) -> Amplitudes:
-    """Return the chain of amplitudes at these parameters.
+def need_eta(eta: float) -> None:
+    """Refuse an η out of range.
 
     Raises
     ------
     ParameterError
-        If η is out of range.
+        If it is not from 1e-3 to 0.11.
     """
     within("eta = b/a^2", eta, _SMALLEST_ETA, _LARGEST_ETA, "measure the front on a running chain")
+
+
+def amplitudes_of(c: float, eta: float) -> Amplitudes:
+    """Return the chain of amplitudes at these parameters, 0 < η < 1/8."""
     return Amplitudes(c, eta, (1.0 + math.sqrt(1.0 - eta / ETA_END)) / eta)
 
 
@@ -103,13 +113,59 @@ def static_fold(eta: float) -> StaticFold:
     >>> round(fold.c, 9), fold.error < 1e-12
     (0.101944386, True)
     """
+    need_eta(eta)
     chain = amplitudes_of(0.0, eta)
     shorter, longer = (_fold(chain, *window) for window in _WINDOWS)
+    square_root, slope = _beside(chain, longer)
     return StaticFold(
         c=float(longer.c),
         error=float(2.0 * abs(longer.c - shorter.c) + longer.error),
-        square_root=_square_root(chain, longer),
+        square_root=square_root,
+        slope=slope,
         r=longer.u * math.sqrt(chain.square),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PinningEta:
+    """Up to which η the fronts of (43) travel at a given coupling.
+
+    Attributes
+    ----------
+    eta, error : float
+        η_pin, and a bound on its error.
+    square_root : float
+        The limit of v/√(η_pin - η) below it.
+    """
+
+    eta: float
+    error: float
+    square_root: float
+
+
+@lru_cache(maxsize=64)
+def pinning_eta(c: float) -> PinningEta | None:
+    """Return η_pin(c), at which c_pin(η) = c; None if it is not from 1e-3 to 0.11.
+
+    Parameters
+    ----------
+    c : float
+        Coupling, dimensionless.
+
+    Examples
+    --------
+    >>> pin = pinning_eta(0.101944386)
+    >>> round(pin.eta, 7), pin.error < 1e-11
+    (0.03125, True)
+    """
+    if not static_fold(_SMALLEST_ETA).c < c < static_fold(_LARGEST_ETA).c:
+        return None
+    eta = float(brentq(lambda eta: static_fold(eta).c - c, _SMALLEST_ETA, _LARGEST_ETA, xtol=1e-14))
+    there = static_fold(eta)
+    return PinningEta(
+        eta=eta,
+        error=2e-14 + (abs(there.c - c) + there.error) / there.slope,
+        square_root=there.square_root * math.sqrt(there.slope),
     )
 
 
@@ -129,19 +185,17 @@ def _at_rest(chain: Amplitudes, sites: int) -> System:
     def system(rho: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         s = chain.square * rho * rho
         slope = 0.5 - 0.375 * s + 0.3125 * chain.eta * s * s
-        return rate(rho, chain._replace(c=c)), 0.5 * c * shifts - np.diag(slope), _by_c(rho)
+        return (
+            rate(rho, chain._replace(c=c)),
+            0.5 * c * shifts - np.diag(slope),
+            rate_by(rho, chain, "c"),
+        )
 
     return system
 
 
-def _by_c(rho: FloatArray) -> FloatArray:
-    whole = np.concatenate([[1.0], rho, [0.0]])
-    found: FloatArray = 0.5 * (whole[:-2] - whole[2:])
-    return found
-
-
-def _square_root(chain: Amplitudes, fold: Fold) -> float:
-    """Return √(αβ)/π."""
+def _beside(chain: Amplitudes, fold: Fold) -> tuple[float, float]:
+    """Return √(αβ)/π and dc_pin/dη."""
     rho = fold.u
     matrix = _at_rest(chain, rho.size)(rho, fold.c)[1]
     left, _, right = np.linalg.svd(matrix)
@@ -149,5 +203,6 @@ def _square_root(chain: Amplitudes, fold: Fold) -> float:
     psi = psi / (psi @ phi)
     # The second derivative of -ρg(ρ).
     bend = chain.square * rho * (0.75 - 1.25 * chain.eta * chain.square * rho * rho)
-    alpha, beta = psi @ _by_c(rho), 0.5 * psi @ (bend * phi * phi)
-    return math.sqrt(float(alpha * beta)) / math.pi
+    alpha, beta = float(psi @ rate_by(rho, chain, "c")), float(0.5 * psi @ (bend * phi * phi))
+    slope = -float(psi @ rate_by(rho, chain, "eta")) / alpha
+    return math.sqrt(alpha * beta) / math.pi, slope

@@ -29,13 +29,14 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from theory.cells.vdp import ETA_END, threshold_ratio
+from theory.cells.vdp import ETA_END, threshold_ratio, threshold_ratio_slope
 from theory.parameters import RunError, within
 from theory.result import Result
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
-from verification.fronts.resting import amplitudes_of, static_fold
+from verification.fronts.resting import amplitudes_of, need_eta, static_fold
 from verification.steppers.amplitudes import (
     Amplitudes,
+    Parameter,
     advanced,
     rate,
     steps_in,
@@ -160,17 +161,49 @@ def front_wave(c: float, eta: float) -> FrontWave:
 
 @dataclass(frozen=True)
 class Window:
-    """Sites around a front: ``left`` of them behind the one that passes the unstable cycle."""
+    """Sites around a front: ``left`` of them behind the one that passes the unstable cycle.
+
+    Its fronts are followed in c, or in η: ``along`` names which.
+    """
 
     chain: Amplitudes
-    unstable: float
-    attraction: float
     left: int
     right: int
     guess: FloatArray
+    along: Parameter = "c"
+
+    @property
+    def unstable(self) -> float:
+        """ρ on the unstable cycle."""
+        return threshold_ratio(self.chain.eta)
+
+    @property
+    def attraction(self) -> float:
+        """Rate at which the stable cycle attracts."""
+        root = math.sqrt(1.0 - self.chain.eta / ETA_END)
+        return (1.0 + root) * root / (4.0 * self.chain.eta)
+
+    @property
+    def place(self) -> float:
+        """Value of the parameter in which its fronts are followed."""
+        return self.chain.c if self.along == "c" else self.chain.eta
+
+    def at(self, value: float) -> Window:
+        """Return the same sites at another value of the parameter.
+
+        Raises
+        ------
+        NotConvergedError
+            If no front has it.
+        """
+        if not 0.0 < value < (math.inf if self.along == "c" else ETA_END):
+            raise NotConvergedError(f"there is no front at {self.along} = {value:.6g}.")
+        if self.along == "c":
+            return replace(self, chain=self.chain._replace(c=value))
+        return replace(self, chain=amplitudes_of(self.chain.c, value))
 
     @classmethod
-    def started(cls, c: float, eta: float) -> Window:
+    def started(cls, c: float, eta: float, along: Parameter = "c") -> Window:
         """Run the chain from a step until the intervals between its sites settle.
 
         Raises
@@ -180,14 +213,12 @@ class Window:
         NoFrontError
             If no site was joined for long.
         """
-        chain = amplitudes_of(0.0, eta)
-        chain = chain._replace(c=within("coupling c", c, 1e-6, LARGEST_COUPLING))
-        root = math.sqrt(1.0 - eta / ETA_END)
-        attraction = (1.0 + root) * root / (4.0 * eta)
+        need_eta(eta)
+        chain = amplitudes_of(within("coupling c", c, 1e-6, LARGEST_COUPLING), eta)
+        wide = cls(chain, 0, 0, np.empty(0), along)
         width = max(1.0, math.cbrt(c))
-        left = 14 + math.ceil(10.0 * width * max(1.0, 2.0 / attraction))
-        right = 12 + math.ceil(30.0 * width)
-        wide = cls(chain, threshold_ratio(eta), attraction, left, right, np.empty(0))
+        left = 14 + math.ceil(10.0 * width * max(1.0, 2.0 / wide.attraction))
+        wide = replace(wide, left=left, right=12 + math.ceil(30.0 * width))
         rho, v = wide._run_to_a_front()
         return replace(wide, guess=np.append(rho, v))._resized(v, _DEPTHS[0])
 
@@ -259,30 +290,37 @@ class Window:
         )
 
     def system(self, finer: float = 1.0) -> System:
-        """Return F(u, c) with u = (ρ, v): ρ_{n+1}(1/v) - ρ_n = 0 and the phase condition."""
+        """Return F(u, p) with u = (ρ, v): ρ_{n+1}(1/v) - ρ_n = 0 and the phase condition.
+
+        The parameter p is c or η, as ``along`` says.
+        """
         sites = self.left + self.right
 
-        def system(u: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        def system(u: FloatArray, value: float) -> tuple[FloatArray, FloatArray, FloatArray]:
             rho, v = u[:-1], float(u[-1])
-            if not (v > 0.2 * SLOWEST and c > 0.0 and np.abs(rho).max() < 3.0):
-                raise NotConvergedError(f"no front of velocity {v:.3g} was found at c = {c:.6g}.")
-            chain = self.chain._replace(c=c)
-            end, by_c, matrix = with_disturbances(
-                rho, chain, 1.0 / v, self._steps_in(1.0 / v, finer)
+            if not (v > 0.2 * SLOWEST and np.abs(rho).max() < 3.0):
+                raise NotConvergedError(
+                    f"no front of velocity {v:.3g} was found at {self.along} = {value:.6g}."
+                )
+            here = self.at(value)
+            steps = here._steps_in(1.0 / v, finer)
+            end, by_parameter, matrix = with_disturbances(
+                rho, here.chain, 1.0 / v, steps, along=self.along
             )
-            value = np.append(_moved_on(end) - rho, rho[self.left] - self.unstable)
+            off = np.append(_moved_on(end) - rho, rho[self.left] - here.unstable)
             slope = np.zeros((sites + 1, sites + 1))
             slope[:sites, :sites] = _moved_on(matrix) - np.eye(sites)
-            slope[:sites, sites] = -_moved_on(rate(end, chain)) / v**2
+            slope[:sites, sites] = -_moved_on(rate(end, here.chain)) / v**2
             slope[sites, self.left] = 1.0
-            return value, slope, np.append(_moved_on(by_c), 0.0)
+            turn = 0.0 if self.along == "c" else -threshold_ratio_slope(value)
+            return off, slope, np.append(_moved_on(by_parameter), turn)
 
         return system
 
     def described(self, point: BranchPoint, begin: float) -> FrontWave:
         """Solve once more, on a longer window with finer steps, and measure that front."""
         first = float(point.u[-1])
-        here = replace(self, chain=self.chain._replace(c=point.c), guess=point.u)
+        here = replace(self.at(point.c), guess=point.u)
         wider = here._resized(first, _DEPTHS[1])
         last = solve_at(wider.system(_FINER), wider.guess, point.c)
         rho, v = last.u[:-1], float(last.u[-1])
@@ -299,16 +337,16 @@ class Window:
         others = others[np.argsort(-np.abs(others))][:_LISTED]
         phase = float(np.abs(phases).max())
         return FrontWave(
-            c=point.c,
-            eta=self.chain.eta,
+            c=here.chain.c,
+            eta=here.chain.eta,
             v=v,
             error=2.0 * abs(v - first) + last.correction + rounding,
-            r=rho * math.sqrt(self.chain.square),
+            r=rho * math.sqrt(here.chain.square),
             crossing=wider.left,
             stable=bool(abs(others[0]) < 1.0 and phase < 1.0 + _NEUTRAL),
             multipliers=others.astype(complex),
             phase_multiplier=phase,
-            continuum=math.exp(-min(0.5, self.attraction) / v),
+            continuum=math.exp(-min(0.5, here.attraction) / v),
             trivial=float(abs(amplitudes[trivial] - 1.0)),
             iterations=point.iterations + last.iterations,
             steps=steps,

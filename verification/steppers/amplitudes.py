@@ -5,6 +5,9 @@ With φ_n = (-i)^n (r_n + i s_n) e^{icT}, r and s real, ρ = r/r_s and s small,
     ρ_n' = (c/2)(ρ_{n-1} - ρ_{n+1}) - ρ_n g(ρ_n),    g = ½(1 - r²/4 + η r⁴/8),   r = r_s ρ,
 
 the amplitudes on their own; their disturbances have d(ρg)/dρ in place of g, and s has g itself.
+In ρ, g = ½(1 - ρ²)(1 - ρ²/r(η)²) with the ratio r(η) of the two cycles, so that
+
+    ∂ρ_n'/∂c = ½(ρ_{n-1} - ρ_{n+1}),    ∂ρ_n'/∂η = -(r'(η)/r(η)³) ρ_n³(1 - ρ_n²).
 
 Equal steps of DOP853, one row of sites for the amplitudes and one for each disturbance. The step of
 ``runge_kutta`` turns each row of the tableau into code of its own, which for a right-hand side like
@@ -18,15 +21,17 @@ E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import DOP853
 
+from theory.cells.vdp import threshold_ratio, threshold_ratio_slope
 from verification.execution.compiled import outer
 
 FloatArray = npt.NDArray[np.float64]
+Parameter = Literal["c", "eta"]
 
 _STAGES = DOP853.n_stages
 _TABLEAU = np.vstack([DOP853.A[:_STAGES, :_STAGES], DOP853.B])
@@ -57,18 +62,39 @@ def rate(rho: FloatArray, chain: Amplitudes) -> FloatArray:
     return found
 
 
+def weights(chain: Amplitudes, along: Parameter) -> tuple[float, float]:
+    """Return those of ½(ρ_{n-1} - ρ_{n+1}) and of ρ_n³(1 - ρ_n²) in ∂ρ_n'/∂c or ∂ρ_n'/∂η."""
+    if along == "c":
+        return 1.0, 0.0
+    return 0.0, -threshold_ratio_slope(chain.eta) / threshold_ratio(chain.eta) ** 3
+
+
+def rate_by(rho: FloatArray, chain: Amplitudes, along: Parameter) -> FloatArray:
+    """Return the derivative of ρ' by c or by η, shape (N,)."""
+    of_spring, of_damping = weights(chain, along)
+    whole = np.concatenate([[1.0], rho, [0.0]])
+    spring = 0.5 * (whole[:-2] - whole[2:])
+    found: FloatArray = of_spring * spring + of_damping * rho**3 * (1.0 - rho * rho)
+    return found
+
+
 def advanced(rho: FloatArray, chain: Amplitudes, time: float, steps: int) -> FloatArray:
     """Return the amplitudes after a time, shape (N,)."""
     rows = rho[None, :].copy()
-    _advance(rows, chain, False, time / steps, steps)
+    _advance(rows, chain, False, weights(chain, "c"), time / steps, steps)
     found: FloatArray = rows[0]
     return found
 
 
 def with_disturbances(
-    rho: FloatArray, chain: Amplitudes, time: float, steps: int, phases: bool = False
+    rho: FloatArray,
+    chain: Amplitudes,
+    time: float,
+    steps: int,
+    phases: bool = False,
+    along: Parameter = "c",
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the amplitudes after a time, their derivative by c, and the matrix of disturbances.
+    """Return the amplitudes after a time, their derivative by c or η, and how disturbances grow.
 
     Parameters
     ----------
@@ -82,6 +108,8 @@ def with_disturbances(
         Number of equal steps.
     phases : bool, optional
         Disturbances s of the phases in place of those of the amplitudes.
+    along : {"c", "eta"}, optional
+        What the derivative is by.
 
     Returns
     -------
@@ -95,7 +123,7 @@ def with_disturbances(
     rows[0] = rho
     column = np.arange(sites)
     rows[2 + column % width, column] = 1.0
-    _advance(rows, chain, phases, time / steps, steps)
+    _advance(rows, chain, phases, weights(chain, along), time / steps, steps)
     first = np.clip(column - width // 2, 0, sites - width)
     nearby = first[:, None] + np.arange(width)
     matrix = np.zeros((sites, sites))
@@ -114,9 +142,14 @@ def _reach(half: float) -> int:
 
 @outer(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
 def _slopes(
-    x: FloatArray, chain: Amplitudes, phases: bool, damping: FloatArray, out: FloatArray
+    x: FloatArray,
+    chain: Amplitudes,
+    phases: bool,
+    by: tuple[float, float],
+    damping: FloatArray,
+    out: FloatArray,
 ) -> None:
-    """Put the derivatives into ``out``: amplitudes, their derivative by c, disturbances."""
+    """Put the derivatives into ``out``: amplitudes, theirs by a parameter, disturbances."""
     rows, sites = x.shape
     half, last = 0.5 * chain.c, sites - 1
     for n in range(sites):
@@ -133,14 +166,22 @@ def _slopes(
             out[k, n] = half * (x[k, n - 1] - x[k, n + 1]) - damping[n] * x[k, n]
         out[k, last] = half * x[k, last - 1] - damping[last] * x[k, last]
     if rows > 1:
-        out[1, 0] += 0.5 * (1.0 - x[0, 1])
-        for n in range(1, last):
-            out[1, n] += 0.5 * (x[0, n - 1] - x[0, n + 1])
-        out[1, last] += 0.5 * x[0, last - 1]
+        for n in range(sites):
+            left = x[0, n - 1] if n > 0 else 1.0
+            right = x[0, n + 1] if n < last else 0.0
+            square = x[0, n] * x[0, n]
+            out[1, n] += by[0] * 0.5 * (left - right) + by[1] * x[0, n] * square * (1.0 - square)
 
 
 @outer(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _advance(x: FloatArray, chain: Amplitudes, phases: bool, h: float, steps: int) -> None:
+def _advance(
+    x: FloatArray,
+    chain: Amplitudes,
+    phases: bool,
+    by: tuple[float, float],
+    h: float,
+    steps: int,
+) -> None:
     """Advance all rows in place by equal steps."""
     K = np.zeros((_STAGES, *x.shape))
     stage, damping = np.zeros(x.shape), np.zeros(x.shape[1])
@@ -156,7 +197,7 @@ def _advance(x: FloatArray, chain: Amplitudes, phases: bool, h: float, steps: in
                     for n in range(y.size):
                         room[n] += weight * row[n]
             if i < _STAGES:
-                _slopes(stage, chain, phases, damping, K[i])
+                _slopes(stage, chain, phases, by, damping, K[i])
         for n in range(y.size):
             y[n] = room[n]
 

@@ -181,6 +181,7 @@ BAD = [
     "simulate friction --c 0.02 --excite 1 --t-end 1e300",
     "simulate friction --c 0.02 --excite 1 --t-end 9 --mu-st 0.5",
     "simulate friction --c 0.02 --excite 1 --t-end 9 --v-d 0",
+    "simulate friction --c 0.02 --excite 1 --t-end 9 --v-d 1e300",
     "check nosuchclaim",
     "nosuchcommand",
 ]

@@ -16,8 +16,8 @@ from functools import cached_property
 from theory.cells.friction_law import FrictionCurve, FrictionLaw
 from theory.parameters import ParameterError, real_number
 
-LARGEST = 1e300
-"""Largest velocity or coefficient: beyond, sums of them would leave double precision."""
+LARGEST = 1e9
+"""Largest velocity or coefficient: beyond, round-off of y hides the cycles."""
 
 
 @dataclass(frozen=True, kw_only=True)

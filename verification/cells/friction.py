@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from theory.cells.friction import FrictionCell
+from theory.cells.friction import LARGEST, FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from theory.parameters import ParameterError, within
 from verification.cells.friction_cycles import (
@@ -32,8 +32,8 @@ from verification.runs.comparison import COARSER
 
 FloatArray = npt.NDArray[np.float64]
 
-_SLOWEST_BELT, _FASTEST_BELT = 1e-9, 1e9
-"""Beyond these a cycle and the round-off of y can no longer be distinguished."""
+_SLOWEST_BELT = 1e-9
+"""Below, a cycle and the round-off of y can no longer be distinguished."""
 _FASTEST_STRIBECK, _TRIED = 10.0, 60
 """v_d over v_s up to which the first cycle is looked for, and at how many velocities."""
 
@@ -68,7 +68,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
             "steady sliding is a cycle, and none is stable", "add damping or a viscous part",
         )  # fmt: skip
     within("tolerance", tolerance, 1e-14, 1e-4)
-    within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, _FASTEST_BELT)
+    within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, LARGEST)
     limits = cycle_velocities(cell, tolerance)
     coarse_limits = cycle_velocities(cell, COARSER * tolerance)
     first, end = limits

@@ -80,7 +80,7 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
         onsite = 0.5 - 2j * c * math.sin(0.5 * x / v) ** 2
         return 1.0 / (onsite * onsite + x * x)
 
-    total, error = 1.0 / end + 0j, largest / (2.0 * end**3)
+    parts, error = [1.0 / end + 0j], largest / (2.0 * end**3)
     for low, high in itertools.pairwise(edges):
         part, estimate, _ = quad(
             integrand,
@@ -92,9 +92,11 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
             limit=2000,
             full_output=True,  # and no warning: the estimate says it
         )
-        total += part
+        parts.append(part)
         error += 2.0 * (abs(estimate.real) + abs(estimate.imag))
-    value = complex(total) / np.pi - 1.0
+    # Tens of thousands of pieces, added one by one, would round by more than the estimates say.
+    total = complex(math.fsum(np.real(parts)), math.fsum(np.imag(parts)))
+    value = total / np.pi - 1.0
     return KineticSum(
         value=value,
         error=error / np.pi + 1e-15,

@@ -14,11 +14,8 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
-from verification.breathers.own import (
-    integrate_with_tangents,
-    shooting_system,
-    solve_own_orbit,
-)
+from verification.breathers.orbits import shooting_system
+from verification.breathers.own import integrate_with_tangents, solve_own_orbit
 from verification.breathers.periodic_motion import largest_displacements
 from verification.continuation.newton import solve_at
 from verification.references.equations import pull_matrix

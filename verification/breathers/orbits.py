@@ -1,7 +1,9 @@
-"""True periodic orbits of the chain (8): shooting with variational equations.
+"""True periodic orbits: shooting with variational equations.
 
 The unknowns are the state X(0) and the period; the equations X(period) - X(0) = 0 and y = 0 at the
-centre of the nucleus. Starts come from the breather of the averaged chain, y = Im φ, ẏ = Re φ.
+centre of the nucleus. What a kind of chain has of its own are its `flow`, its `chain_rate`, its
+`steps_for` a period and `start_of_orbits`: here those of the chain (8), whose starts come from the
+breather of the averaged chain, y = Im φ, ẏ = Re φ; ``own`` registers those of any oscillators.
 """
 
 from __future__ import annotations
@@ -10,9 +12,9 @@ import cmath
 import contextlib
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import singledispatch
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError, RunError
 from verification.breathers.envelope import solve_envelope_breather
@@ -98,13 +101,26 @@ class Orbit:
         return 2.0 * math.pi / self.period
 
 
-def chain_rate(state: Real, chain: VdpChain) -> Real:
+@singledispatch
+def flow(chain: Any, start: Real, duration: float, steps: int) -> Flow:
+    """Return the motion from a start over a time, with its variations, by so many equal steps.
+
+    Raises
+    ------
+    ParameterError
+        If the motion grows beyond all bounds.
+    """
+    return integrate_variations(chain, start, duration, steps)
+
+
+@singledispatch
+def chain_rate(chain: Any, state: Real) -> Real:
     """Return the right side of (40), the chain (8) as a first-order system.
 
     Examples
     --------
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=2)
-    >>> chain_rate(np.array([1.0, 0.0, 0.0, 2.0]), chain).tolist()
+    >>> chain_rate(chain, np.array([1.0, 0.0, 0.0, 2.0])).tolist()
     [0.0, 2.0, -1.001, -0.019]
     """
     sites = chain.sites
@@ -114,7 +130,8 @@ def chain_rate(state: Real, chain: VdpChain) -> Real:
     return np.concatenate([v, -y - chain.eps * (chain.c * springs + damping)])
 
 
-def steps_for(chain: VdpChain) -> int:
+@singledispatch
+def steps_for(chain: Any) -> int:
     """Return Taylor steps a period for errors near 1e-12: more where ε max|damping| is larger.
 
     Raises
@@ -138,23 +155,25 @@ def steps_for(chain: VdpChain) -> int:
     return STEPS + math.ceil(STEPS * stiffness)
 
 
-def shooting_system(chain: VdpChain, centre: int, steps: int | None = None) -> System:
+def shooting_system(
+    chain: VdpChain | OscillatorChain, centre: int, steps: int | None = None
+) -> System:
     """Return F(u, c) with u = (X, period): X(period) - X = 0 and y = 0 at the centre."""
     sites = chain.sites
     count = steps or steps_for(chain)
 
     def system(u: Real, c: float) -> tuple[Real, Real, Real]:
-        here = replace(chain, c=abs(c))
+        here = chain.replace(c=abs(c))
         try:
-            flow = integrate_variations(here, u[:-1], float(u[-1]), count)
+            end = flow(here, u[:-1], float(u[-1]), count)
         except ParameterError as error:
             raise NotConvergedError(str(error)) from None
-        value = np.append(flow.state - u[:-1], u[centre])
+        value = np.append(end.state - u[:-1], u[centre])
         slope = np.zeros((2 * sites + 1, 2 * sites + 1))
-        slope[:-1, :-1] = flow.monodromy - np.eye(2 * sites)
-        slope[:-1, -1] = chain_rate(flow.state, here)
+        slope[:-1, :-1] = end.monodromy - np.eye(2 * sites)
+        slope[:-1, -1] = chain_rate(here, end.state)
         slope[-1, centre] = 1.0
-        return value, slope, np.append(flow.by_c, 0.0)
+        return value, slope, np.append(end.by_c, 0.0)
 
     return system
 
@@ -177,7 +196,7 @@ def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> Real:
 
 
 def orbit_branch(
-    chain: VdpChain,
+    chain: VdpChain | OscillatorChain,
     nucleus: Nucleus,
     c_end: float = 2.0,
     *,
@@ -197,8 +216,9 @@ def orbit_branch(
     return trace(system, point, c_end, monitor, FIRST_STEPS)
 
 
+@singledispatch
 def start_of_orbits(
-    chain: VdpChain, nucleus: Nucleus, c_end: float, steps: int | None = None
+    chain: Any, nucleus: Nucleus, c_end: float, steps: int | None = None
 ) -> BranchPoint:
     """Return an orbit at small c.
 
@@ -234,35 +254,25 @@ def _from_small_eps(
     return solve_at(system, guess, chain.c)
 
 
-def leading_frequency(chain: VdpChain, u: Real) -> float:
-    """Return the frequency of the leading multiplier at (X, period), per unit T."""
+def leading_frequency(chain: VdpChain | OscillatorChain, u: Real) -> float:
+    """Return |arg μ|/(ε period) of the leading multiplier at (X, period), per unit T."""
     period = float(u[-1])
-    flow = integrate_variations(chain, u[:-1], period, steps_for(chain))
-    return frequency_of_leader(flow, period, chain.eps)
+    found = flow(chain, u[:-1], period, steps_for(chain))
+    leader = floquet_multipliers(found.monodromy, period, chain.eps).leader
+    return abs(cmath.phase(leader)) / (chain.eps * period)
 
 
-def frequency_of_leader(flow: Flow, period: float, eps: float) -> float:
-    """Return |arg μ|/(ε period) of the leading multiplier of a flow over a period, per unit T."""
-    leader = floquet_multipliers(flow.monodromy, period, eps).leader
-    return abs(cmath.phase(leader)) / (eps * period)
-
-
-def stability_monitor(chain: VdpChain, nucleus: Nucleus, steps: int | None = None) -> Monitor:
+def stability_monitor(
+    chain: VdpChain | OscillatorChain, nucleus: Nucleus, steps: int | None = None
+) -> Monitor:
     """Return a monitor of (growth, own-parity growth, other-parity growth) less `MARGINAL`."""
     count = steps or steps_for(chain)
 
-    def flow(u: Real, c: float) -> Flow:
-        return integrate_variations(replace(chain, c=c), u[:-1], float(u[-1]), count)
-
-    return growth_monitor(flow, nucleus, chain.eps)
-
-
-def growth_monitor(flow: Callable[[Real, float], Flow], nucleus: Nucleus, eps: float) -> Monitor:
-    """Return a monitor as `stability_monitor` does, of any chain, from its flow over a period."""
-
     def monitor(u: Real, c: float) -> tuple[float, ...]:
-        parity = _parity(u[:-1], nucleus, u.size // 2)
-        found = floquet_multipliers(flow(u, c).monodromy, float(u[-1]), eps, parity=parity)
+        period = float(u[-1])
+        matrix = flow(chain.replace(c=c), u[:-1], period, count).monodromy
+        parity = _parity(u[:-1], nucleus, chain.sites)
+        found = floquet_multipliers(matrix, period, chain.eps, parity=parity)
         own = found.growth if found.symmetric is None else found.symmetric
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - MARGINAL, own - MARGINAL, other - MARGINAL
@@ -311,74 +321,53 @@ def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int | None = None) 
 
 
 def describe_orbit(
-    chain: VdpChain,
+    chain: VdpChain | OscillatorChain,
     nucleus: Nucleus,
     point: BranchPoint,
     started: float,
     *,
     steps: int | None = None,
     fold: Fold | None = None,
+    split: bool = True,
 ) -> Orbit:
-    """Measure an orbit that has been solved for: amplitudes, harmonics, multipliers, error."""
-    here, centre = replace(chain, c=point.c), nucleus.centre(chain.sites)
-    count = steps or steps_for(chain)
-    return measured_orbit(
-        point,
-        partial(integrate_variations, here),
-        shooting_system(here, centre, 2 * count),
-        count,
-        eps=chain.eps,
-        parity=_parity(point.u[:-1], nucleus, chain.sites),
-        fold=fold,
-        started=started,
-    )
-
-
-def measured_orbit(
-    point: BranchPoint,
-    integrate: Callable[[Real, float, int], Flow],
-    finer: System,
-    count: int,
-    *,
-    eps: float,
-    parity: int = 0,
-    fold: Fold | None = None,
-    started: float,
-) -> Orbit:
-    """Measure an orbit of any chain that has been solved for.
+    """Measure an orbit that has been solved for: amplitudes, harmonics, multipliers, error.
 
     Parameters
     ----------
+    chain, nucleus
+        Of the orbit; the coupling is that of the point.
     point : BranchPoint
         State and period.
-    integrate : callable
-        From a state, a time and a number of steps to a `Flow`.
-    finer : System
-        The equations at twice the steps, which show the error.
-    count : int
-        Steps a period with which it was solved for.
-    eps, parity
-        As of `floquet_multipliers`.
-    fold : Fold, optional
-        Of its branch, where that was followed.
     started : float
         ``time.perf_counter()`` at the beginning.
+    steps : int, optional
+        Steps a period with which it was solved for; twice as many show the error.
+    fold : Fold, optional
+        Of its branch, where that was followed.
+    split : bool, optional
+        Split the multipliers by reflection where the nucleus is mirror-symmetric; not where the
+        chain may not be.
     """
+    here, count = chain.replace(c=point.c), steps or steps_for(chain)
     state, period = point.u[:-1], float(point.u[-1])
-    coarse = integrate(state, period, count)
-    fine = integrate(state, period, max(SAMPLES, 2 * count))
+    coarse = flow(here, state, period, count)
+    fine = flow(here, state, period, max(SAMPLES, 2 * count))
+    finer = shooting_system(here, nucleus.centre(chain.sites), 2 * count)
     value, slope, _ = finer(point.u, point.c)
     step = np.linalg.solve(slope, value)
-    nearer = integrate(state - step[:-1], period - float(step[-1]), count)
+    nearer = flow(here, state - step[:-1], period - float(step[-1]), count)
     # Of the matrix: what a halved step changes, and what the error of the orbit does.
     change = float(sum(np.abs(each.monodromy - coarse.monodromy).max() for each in (fine, nearer)))
+    parity = _parity(state, nucleus, chain.sites) if split else 0
     return Orbit(
         status=BreatherStatus.EXISTS,
         state=state,
         duration=period,
         amplitudes=largest_displacements(fine.samples),
         harmonics=first_harmonics(fine.samples),
-        multipliers=floquet_multipliers(fine.monodromy, period, eps, parity=parity, error=change),
+        multipliers=floquet_multipliers(
+            fine.monodromy, period, chain.eps, parity=parity, error=change
+        ),
         residual=float(np.abs(coarse.state - state).max()),
         error=float(np.abs(step).max()) + point.correction,
         fold=fold,

@@ -1,9 +1,8 @@
-"""Periodic orbits of any chain or network of oscillators, with their Floquet multipliers.
+"""What ``orbits`` needs of any chain or network of oscillators: its flow, its steps, its starts.
 
-The unknowns and equations are those of ``orbits``: the state X and the period; X(period) - X = 0
-and y = 0 at the centre. The start is a run of the chain until the nucleus has settled, so that
-what is found is near a stable breather. The variational equations are stepped beside the motion by
-the weights of DOP853 at equal steps, all sites at once.
+The start is a run of the chain until the nucleus has settled, so that what is found is near a
+stable breather. The variational equations are stepped beside the motion by the weights of DOP853 at
+equal steps, all sites at once.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ from __future__ import annotations
 import math
 import time
 from contextlib import suppress
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +18,8 @@ from scipy.integrate import DOP853
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
-from verification.breathers.orbits import FIRST_STEPS, STARTS, Orbit, measured_orbit
-from verification.continuation.branch import Branch, Monitor, trace
-from verification.continuation.newton import NotConvergedError, System, solve_at
+from verification.breathers import orbits
+from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.variational import Flow
@@ -36,6 +33,7 @@ SETTLED = 40.0
 """Time in units of ``time_unit`` after which the nucleus has settled or is lost."""
 
 
+@orbits.flow.register
 def integrate_with_tangents(
     chain: OscillatorChain, start: Real, duration: float, steps: int
 ) -> Flow:
@@ -56,6 +54,11 @@ def integrate_with_tangents(
     -------
     Flow
         State, monodromy matrix, derivative by c, and displacements before each step.
+
+    Raises
+    ------
+    ParameterError
+        If the motion overflows.
     """
     count, h = chain.sites, duration / steps
     columns = np.zeros((2 * count, 2 * count + 2))
@@ -63,12 +66,18 @@ def integrate_with_tangents(
     columns[:, 1:-1] = np.eye(2 * count)
     samples = np.zeros((steps, count))
     stages = np.zeros((DOP853.n_stages, *columns.shape))
-    for step in range(steps):
-        samples[step] = columns[:count, 0]
-        for i in range(DOP853.n_stages):
-            inner = np.tensordot(DOP853.A[i, :i], stages[:i], axes=1)
-            stages[i] = _rate(chain, columns + h * inner)
-        columns = columns + h * np.tensordot(DOP853.B, stages, axes=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for step in range(steps):
+            samples[step] = columns[:count, 0]
+            for i in range(DOP853.n_stages):
+                inner = np.tensordot(DOP853.A[i, :i], stages[:i], axes=1)
+                stages[i] = _rate(chain, columns + h * inner)
+            columns = columns + h * np.tensordot(DOP853.B, stages, axes=1)
+    if not np.all(np.isfinite(columns)):
+        raise ParameterError(
+            "coupling c", chain.c, "one at which the motion does not overflow within a period",
+            "take a smaller one",
+        )  # fmt: skip
     return Flow(columns[:, 0], columns[:, 1:-1], columns[:, -1], samples, steps)
 
 
@@ -94,6 +103,12 @@ def _rate(chain: OscillatorChain, columns: Real) -> Real:
     return out
 
 
+@orbits.chain_rate.register
+def _(chain: OscillatorChain, state: Real) -> Real:
+    return _rate(chain, state[:, None].repeat(2, axis=1))[:, 0]
+
+
+@orbits.steps_for.register
 def steps_for(chain: OscillatorChain) -> int:
     """Return steps a period: more where ε max|h| on the cycle is larger."""
     (cycle,) = [each for each in chain.cell.cycles if each.amplitude == chain.stable_amplitude]
@@ -101,25 +116,6 @@ def steps_for(chain: OscillatorChain) -> int:
     y, v = cycle.amplitude * np.sin(angle), cycle.velocity * np.cos(angle)
     h = chain.cell.damping_at(y, v)
     return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
-
-
-def shooting_system(chain: OscillatorChain, centre: int, steps: int) -> System:
-    """Return F(u, c) with u = (X, period): X(period) - X = 0 and y = 0 at the centre."""
-    size = 2 * chain.sites
-
-    def system(u: Real, c: float) -> tuple[Real, Real, Real]:
-        here = chain.replace(c=abs(c))
-        with np.errstate(over="ignore", invalid="ignore"):
-            flow = integrate_with_tangents(here, u[:-1], float(u[-1]), steps)
-        if not np.all(np.isfinite(flow.monodromy)):
-            raise NotConvergedError("the motion overflowed: take a smaller coupling.")
-        slope = np.zeros((size + 1, size + 1))
-        slope[:-1, :-1] = flow.monodromy - np.eye(size)
-        slope[:-1, -1] = _rate(here, flow.state[:, None].repeat(2, axis=1))[:, 0]
-        slope[-1, centre] = 1.0
-        return np.append(flow.state - u[:-1], u[centre]), slope, np.append(flow.by_c, 0.0)
-
-    return system
 
 
 def check_orbits(chain: OscillatorChain) -> None:
@@ -139,34 +135,21 @@ def check_orbits(chain: OscillatorChain) -> None:
         )
 
 
-def own_branch(
-    chain: OscillatorChain, nucleus: Nucleus, monitor: Monitor | None = None, c_end: float = 2.0
-) -> Branch:
-    """Follow the orbit to which a nucleus settles at small c through its fold.
-
-    Raises
-    ------
-    ParameterError
-        If it settles at no small coupling.
-    """
+@orbits.start_of_orbits.register
+def _(
+    chain: OscillatorChain, nucleus: Nucleus, c_end: float, steps: int | None = None
+) -> BranchPoint:
     check_orbits(chain)
-    system = shooting_system(chain, nucleus.centre(chain.sites), steps_for(chain))
-    for c in STARTS:
+    system = orbits.shooting_system(chain, nucleus.centre(chain.sites), steps)
+    for c in orbits.STARTS:
         with suppress(NotConvergedError, ParameterError):
-            point = solve_at(system, _settled_start(chain.replace(c=c), nucleus), c)
-            return trace(system, point, c_end, monitor, FIRST_STEPS)
+            return solve_at(system, _settled_start(chain.replace(c=c), nucleus), c)
     raise ParameterError(
         "pattern", repr(nucleus.pattern), "one that is stable at small couplings", "take another"
     )
 
 
-def flow_at(chain: OscillatorChain, u: Real, c: float) -> Flow:
-    """Return the flow over a period at (X, period) and a coupling."""
-    here = chain.replace(c=c)
-    return integrate_with_tangents(here, u[:-1], float(u[-1]), steps_for(chain))
-
-
-def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> Orbit:
+def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> orbits.Orbit:
     """Solve for the periodic orbit to which a nucleus settles.
 
     Parameters
@@ -185,17 +168,9 @@ def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> Orbit:
     check_orbits(chain)
     if chain.c == 0.0:
         raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
-    centre, count = nucleus.centre(chain.sites), steps_for(chain)
-    system = shooting_system(chain, centre, count)
+    system = orbits.shooting_system(chain, nucleus.centre(chain.sites))
     point = solve_at(system, _settled_start(chain, nucleus), chain.c)
-    return measured_orbit(
-        point,
-        partial(integrate_with_tangents, chain),
-        shooting_system(chain, centre, 2 * count),
-        count,
-        eps=chain.eps,
-        started=started,
-    )
+    return orbits.describe_orbit(chain, nucleus, point, started, split=False)
 
 
 def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> Real:

@@ -161,7 +161,7 @@ def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[flo
     period = guess
     for _ in range(6):
         after = integrate_chain(chain, state, period, steps, ORDER).state
-        along = chain_rate(after, chain)
+        along = chain_rate(chain, after)
         change = float(along @ (after - state)) / float(along @ along)
         period -= change
         if abs(change) < 1e-13:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import envelope as envelope_breather
-from verification.breathers import exponents, orbits, own
+from verification.breathers import exponents, orbits, own  # noqa: F401  (register)
 from verification.continuation.branch import Branch, Crossing, Monitor, first_crossing
 from verification.continuation.newton import System
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
@@ -134,23 +133,13 @@ class _Path(NamedTuple):
 
 def _followed(chain: Any, nucleus: Nucleus, *, monitored: bool = True) -> _Path:
     centre = nucleus.centre(chain.sites)
-    if isinstance(chain, OscillatorChain):
-        steps, flow = own.steps_for(chain), partial(own.flow_at, chain)
-        monitor = orbits.growth_monitor(flow, nucleus, chain.eps)
-        return _Path(
-            own.own_branch(chain, nucleus, monitor if monitored else None),
-            own.shooting_system(chain, centre, steps),
-            monitor,
-            own.shooting_system(chain, centre, 2 * steps),
-            lambda u, c: orbits.frequency_of_leader(flow(u, c), float(u[-1]), chain.eps),
-        )
-    if isinstance(chain, VdpChain):
+    if isinstance(chain, VdpChain | OscillatorChain):
         return _Path(
             orbits.orbit_branch(chain, nucleus, monitored=monitored),
             orbits.shooting_system(chain, centre),
             orbits.stability_monitor(chain, nucleus),
             orbits.shooting_system(chain, centre, 2 * orbits.steps_for(chain)),
-            lambda u, c: orbits.leading_frequency(replace(chain, c=c), u),
+            lambda u, c: orbits.leading_frequency(chain.replace(c=c), u),
         )
     return _Path(
         envelope_breather.envelope_branch(chain, nucleus, monitored=monitored),

@@ -43,11 +43,11 @@ from verification.quantities.judging import BAD, Outcome, RobustnessTask, is_cle
 from verification.quantities.quantity import (
     Axis,
     Computation,
-    NoReferenceError,
     ReferenceCheck,
     StatedValue,
 )
 from verification.quantities.registry import computation_named
+from verification.references.pace import NoReferenceError
 from verification.runs import state_run
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition

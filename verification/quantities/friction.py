@@ -21,7 +21,6 @@ from theory.parameters import RunError
 from verification.quantities.chains import friction_cell, friction_chain
 from verification.quantities.quantity import (
     Computation,
-    NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
@@ -29,7 +28,7 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.runs import REST
 from verification.quantities.scipy_states import at_all_sites, moving_sites
-from verification.references.pace import Pace
+from verification.references.pace import NoReferenceError, Pace
 
 if TYPE_CHECKING:
     from verification.references.friction_events import EventRun
@@ -111,14 +110,11 @@ def _events(
 ) -> EventRun:
     from verification.references.friction_events import run_events
 
-    try:
-        with np.errstate(all="ignore"):  # scipy tries steps that overflow
-            return run_events(
-                chain, start, end, times=np.array([end]),
-                tolerance=accuracy[0], longest_step=accuracy[1], pace=Pace(),
-            )  # fmt: skip
-    except ArithmeticError as error:
-        raise NoReferenceError(str(error)) from None
+    with np.errstate(all="ignore"):  # scipy tries steps that overflow
+        return run_events(
+            chain, start, end, times=np.array([end]),
+            tolerance=accuracy[0], longest_step=accuracy[1], pace=Pace(),
+        )  # fmt: skip
 
 
 def friction_state(at: Mapping[str, float]) -> StatedValue:

@@ -25,14 +25,13 @@ from verification.quantities.quantity import (
     MAX_UNCERTAINTY,
     Axis,
     Computation,
-    NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
     axes,
 )
 from verification.references.equations import amplitude_of, as_state, full_rate, quarter_turn_rate
-from verification.references.pace import Pace
+from verification.references.pace import NoReferenceError, Pace
 
 FloatArray = npt.NDArray[np.float64]
 

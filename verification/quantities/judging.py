@@ -18,12 +18,11 @@ from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.quantity import (
     MAX_UNCERTAINTY,
     Computation,
-    NoReferenceError,
     ReferenceCheck,
     StatedValue,
 )
 from verification.quantities.registry import computation_named
-from verification.references.pace import MAX_SECONDS, TooSlowError
+from verification.references.pace import MAX_SECONDS, NoReferenceError
 
 SLACK = 5.0
 """A value is given up after so many times its limit."""
@@ -109,9 +108,7 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
     try:
         with time_limit(MAX_SECONDS, of_processor=True):
             check = computation.check(values, stated)
-    except (
-        NoReferenceError, ParameterError, PrecisionError, TimeIsUpError, TooSlowError
-    ) as error:  # fmt: skip
+    except (NoReferenceError, ParameterError, PrecisionError, TimeIsUpError) as error:
         return _row(Outcome.UNCHECKED, str(error), stated, seconds=seconds)
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"

@@ -205,10 +205,6 @@ class ReferenceCheck:
         return cls(distance=0.0 if held else math.inf, method=method)
 
 
-class NoReferenceError(ArithmeticError):
-    """No other method reaches this point."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Computation:
     """One method or model of a quantity, and the points at which it is tried.

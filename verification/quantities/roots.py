@@ -14,12 +14,12 @@ from theory.piecewise.root_count import count_in_strips
 from theory.piecewise.roots import MAX_LABEL, labelled_roots
 from verification.quantities.quantity import (
     Computation,
-    NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
     axes,
 )
+from verification.references.pace import NoReferenceError
 from verification.references.piecewise import dispersion, dispersion_slope
 
 _TERMS = 400

@@ -18,7 +18,6 @@ from verification.quantities.chains import vdp_chain
 from verification.quantities.quantity import (
     Axis,
     Computation,
-    NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
@@ -41,6 +40,7 @@ from verification.references.equations import (
     full_rate,
 )
 from verification.references.extrapolation import PreciseState, extended, integrate
+from verification.references.pace import NoReferenceError
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -148,12 +148,9 @@ def _where_it_moves(
     first = _FIRST_PART + 1.2 * reach
     if min(first, sites) > _MAX_PART:
         raise NoReferenceError("motion leaves the part that a reference in Python follows")
-    try:
-        part = moving_sites(at_rest, sites, round(first), _MAX_PART)
-        tight = precise(part, extrapolation.TOLERANCE)
-        looser = precise(min(sites, part + _FIRST_PART // 2), extrapolation.LOOSER)
-    except ArithmeticError as error:
-        raise NoReferenceError(str(error)) from None
+    part = moving_sites(at_rest, sites, round(first), _MAX_PART)
+    tight = precise(part, extrapolation.TOLERANCE)
+    looser = precise(min(sites, part + _FIRST_PART // 2), extrapolation.LOOSER)
     tight, looser = (replace(x, value=at_all_sites(x.value, sites)) for x in (tight, looser))
     return precisely(stated.value, tight.beside(looser))
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from verification.quantities.quantity import NoReferenceError, ReferenceCheck
+from verification.quantities.quantity import ReferenceCheck
 from verification.references.extrapolation import PreciseState
-from verification.references.pace import paced
+from verification.references.pace import NoReferenceError, paced
 
 AnyArray = npt.NDArray[Any]
 

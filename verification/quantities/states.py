@@ -15,7 +15,6 @@ from verification.quantities.chains import vdp_chain
 from verification.quantities.quantity import (
     Axis,
     Computation,
-    NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
@@ -28,7 +27,7 @@ from verification.references.equations import (
     damping,
     full_rate,
 )
-from verification.references.pace import paced
+from verification.references.pace import NoReferenceError, paced
 
 _SITES = 16
 _AFTER, _CHECKS = 40.0, 200

@@ -18,13 +18,13 @@ from theory.piecewise.sums.result import KineticSum
 from theory.piecewise.sums.series import sum_by_roots
 from verification.quantities.quantity import (
     Computation,
-    NoReferenceError,
     Quantity,
     ReferenceCheck,
     StatedValue,
     axes,
     whole,
 )
+from verification.references.pace import NoReferenceError
 from verification.references.piecewise import static_sum
 
 Method = Callable[[float, float, Any], KineticSum]

@@ -68,7 +68,7 @@ def precise_state(rate: Rate, start: AnyArray, end: float) -> PreciseState:
 
     Raises
     ------
-    ArithmeticError
+    TooSlowError
         If the problem is too stiff for an explicit method.
 
     Examples
@@ -112,7 +112,7 @@ def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> Prec
 
     Raises
     ------
-    ArithmeticError
+    TooSlowError
         If steps become so small that it would take too long: for an explicit method the problem
         is too stiff.
     """

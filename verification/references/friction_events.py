@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
 from verification.references.equations import dynamic_friction, load
-from verification.references.pace import Pace
+from verification.references.pace import NoReferenceError, Pace
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -92,7 +92,7 @@ def run_events(
     ------
     ParameterError
         If a number is out of range.
-    ArithmeticError
+    NoReferenceError
         If DOP853 fails, or a site starts exactly on an event.
     TooSlowError
         If the pace is too slow.
@@ -125,7 +125,7 @@ def run_events(
         while event is None and solver.status == "running":
             complaint = solver.step()
             if complaint is not None:
-                raise ArithmeticError(f"DOP853 failed at tau = {solver.t:.6g}: {complaint}")
+                raise NoReferenceError(f"DOP853 failed at tau = {solver.t:.6g}: {complaint}")
             if pace is not None:
                 pace.check(solver.t / t_end)
             dense = solver.dense_output()
@@ -210,7 +210,7 @@ def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -
     found = []
     for n in range(modes.size):
         if np.all(values[:, n] <= 0.0) and values[-1, n] < -_BEYOND:
-            raise ArithmeticError(f"site {n + 1} starts on an event: start off it")
+            raise NoReferenceError(f"site {n + 1} starts on an event: start off it")
         for k in range(_CHECKS):
             if values[k, n] > 0.0 >= values[k + 1, n]:
                 found.append(_located(law, dense, modes, n, low=times[k], high=times[k + 1]))

@@ -18,8 +18,12 @@ _FIRST = 0.05
 """Share of them for the beginning, where steps may be short."""
 
 
-class TooSlowError(ArithmeticError):
-    """A reference would not be over in time."""
+class NoReferenceError(ArithmeticError):
+    """A reference does not reach this point; the message says why."""
+
+
+class TooSlowError(NoReferenceError):
+    """It would not be over in time."""
 
 
 class Pace:

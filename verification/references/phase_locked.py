@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from verification.references.equations import averaged_damping, pull
 from verification.references.extrapolation import PreciseState, extended
+from verification.references.pace import NoReferenceError
 
 AnyArray = npt.NDArray[Any]
 Defect = Callable[[AnyArray], AnyArray]
@@ -46,7 +47,7 @@ def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSt
 
     Raises
     ------
-    ArithmeticError
+    NoReferenceError
         If Newton's method does not converge.
 
     Examples
@@ -85,7 +86,7 @@ def locked_fold(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSta
 
     Raises
     ------
-    ArithmeticError
+    NoReferenceError
         If Newton's method does not converge.
     """
     centre, keep, whole = int(np.argmax(np.abs(phi))), *_mirrored(phi.size)
@@ -158,4 +159,4 @@ def _newton(defect: Defect, x: AnyArray) -> tuple[AnyArray, AnyArray]:
         if moved == 0.0 or (last < 1e-12 * float(np.abs(x).max()) and moved > 0.1 * last):
             return x, inverse
         last = moved
-    raise ArithmeticError("Newton's method does not converge in extended precision")
+    raise NoReferenceError("Newton's method does not converge in extended precision.")

@@ -36,7 +36,7 @@ from verification.execution.sweep import sweep
 from verification.execution.time_limit import TimeIsUpError
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Watch
-from verification.maps import friction_rules, smooth_rules
+from verification.maps import friction_rules, smooth_rules, state_run
 from verification.maps.state import Reason, State
 from verification.quantities import judging, robustness
 from verification.quantities.judging import BAD, Outcome, RobustnessTask, is_clear, judge
@@ -48,7 +48,6 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
-from verification.runs import state_run
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
 from verification.thresholds.spreading import Spreading, spreading_threshold, spreads

@@ -26,6 +26,7 @@ from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import State
 from verification.maps.state_map import StateTask, compare, state_map, state_points
+from verification.maps.state_run import at_rest_for_ever
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,
@@ -36,7 +37,6 @@ from verification.maps.vdp_rules import (
 from verification.references.equations import amplitude_of, as_state, averaged_rate, full_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
-from verification.runs.state_run import at_rest_for_ever
 from verification.steppers.fixed import fixed_steps
 
 FULL, ENVELOPE = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))

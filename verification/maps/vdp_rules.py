@@ -10,7 +10,7 @@ front
     all sites were above the level at once by half of that, and never fewer than half of them since.
 fixed point
     The chain is certain to go to rest, by a norm or an energy that can only fall from here on:
-    see ``verification.runs.state_run.at_rest_for_ever``.
+    see ``verification.maps.state_run.at_rest_for_ever``.
 breather
     From some time to twice that time no site's amplitude varied by more than ``STEADY`` times the
     level within any window of length ``WINDOW``, none passed the level, and some sites, not all,
@@ -27,7 +27,6 @@ error of 1e-6 would show beside ``STEADY``.
 from __future__ import annotations
 
 import math
-from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -37,9 +36,9 @@ from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, positive, within
 from verification.maps.rules import RULES, StateRules
-from verification.maps.state import FoundState, Reason, State
+from verification.maps.state import FoundState
+from verification.maps.state_run import Rules, run_to_state
 from verification.runs.excite import excite
-from verification.runs.state_run import Outcome, Rules, run_to_state
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -119,7 +118,6 @@ def find_vdp_state(
     >>> str(find_vdp_state(chain, excite(chain, [16], 6.0)).state)
     'front'
     """
-    begin = perf_counter()
     positive("end time", end)
     within("tolerance", tolerance, 1e-13, 1e-3)
     _check(chain)
@@ -134,17 +132,7 @@ def find_vdp_state(
         window=WINDOW * scale,
         settled=STEADY * (level if math.isfinite(level) else 1.0),
     )
-    run = run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
-    undecided = run.outcome is Outcome.UNDECIDED
-    return FoundState(
-        state=State[run.outcome.name],
-        reason=Reason.END_TIME if undecided else Reason.DECIDED,
-        time=run.time / scale,
-        above=run.above,
-        steps=run.steps,
-        amplitude=run.amplitude,
-        seconds=perf_counter() - begin,
-    )
+    return run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
 
 
 def _check(chain: VanDerPolChain) -> None:

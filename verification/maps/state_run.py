@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
+from time import perf_counter
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.chains.chain import SmoothChain
 from verification.execution.compiled import UNCOUNTED, inner, outer
+from verification.maps.state import FoundState, Reason, State
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE
 from verification.steppers.rows import put
@@ -23,20 +24,9 @@ from verification.steppers.runge_kutta import Step
 FloatArray = npt.NDArray[np.float64]
 
 
-class Outcome(IntEnum):
-    """What a run was stopped by."""
-
-    UNDECIDED = 0
-    FRONT = 1
-    BREATHER = 2
-    FIXED_POINT = 3
-
-
-_FRONT, _BREATHER, _FIXED_POINT = (
-    int(Outcome.FRONT),
-    int(Outcome.BREATHER),
-    int(Outcome.FIXED_POINT),
-)
+_FRONT, _BREATHER, _FIXED_POINT = 1, 2, 3
+_STATES = State.UNDECIDED, State.FRONT, State.BREATHER, State.FIXED_POINT
+"""By what the stop condition returns."""
 
 SAMPLES = 16
 """Samples in each window."""
@@ -87,20 +77,6 @@ class Rules:
     hold: float
     window: float
     settled: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class StateRun:
-    """How a run ended: outcome, time, sites above the level at the last sample, steps, amplitudes.
-
-    ``amplitude`` is √(y² + w²) of every site at the end, shape (N,).
-    """
-
-    outcome: Outcome
-    time: float
-    above: int
-    steps: int
-    amplitude: FloatArray
 
 
 @outer(cache=True, **UNCOUNTED)
@@ -258,7 +234,7 @@ def named_state(  # noqa: PLR0917  (as a Condition)
     room: FloatArray,
     memory: FloatArray,
 ) -> int:
-    """Return the outcome; ``memory`` is laid out in ``_LEVEL`` and the names after it."""
+    """Return the place in `_STATES`; ``memory`` is laid out in ``_LEVEL`` and what follows."""
     sites = after.size // 2
     oscillates = memory[_OSCILLATES] > 0.0
     rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0
@@ -281,8 +257,11 @@ def named_state(  # noqa: PLR0917  (as a Condition)
 
 def run_to_state(
     chain: SmoothChain, start: npt.ArrayLike, rules: Rules, end: float, tolerance: float
-) -> StateRun:
+) -> FoundState:
     """Step until the state of the chain is certain.
+
+    The time of the result is in units of the chain's `time_unit`; its ``above`` is of the last
+    sample.
 
     Parameters
     ----------
@@ -302,7 +281,7 @@ def run_to_state(
     RunError
         If a step becomes too short or a number is not finite.
     """
-    sites = chain.sites
+    begin, sites = perf_counter(), chain.sites
     memory = np.zeros(_SITES + 2 * sites)
     memory[: _OSCILLATES + 1] = (
         rules.level, rules.quiet, rules.stiffness, rules.hold, rules.window, rules.settled,
@@ -322,18 +301,19 @@ def run_to_state(
         memory=memory,
     )
     if at_rest_for_ever(np.ravel(run.state), rules.stiffness, rules.quiet):
-        return StateRun(
-            outcome=Outcome.FIXED_POINT, time=0.0, above=0, steps=0, amplitude=run.amplitude
-        )
-    while not run.finished:
-        run.advance(_BUDGET)
-    outcome = Outcome(run.outcome)
-    if outcome is Outcome.UNDECIDED and 0.0 <= 2.0 * memory[_LASTING] <= end:
-        outcome = Outcome.FRONT
-    return StateRun(
-        outcome=outcome,
-        time=run.time * chain.kernel_rate,
+        state = State.FIXED_POINT
+    else:
+        while not run.finished:
+            run.advance(_BUDGET)
+        state = _STATES[run.outcome]
+        if state is State.UNDECIDED and 0.0 <= 2.0 * memory[_LASTING] <= end:
+            state = State.FRONT
+    return FoundState(
+        state=state,
+        reason=Reason.END_TIME if state is State.UNDECIDED else Reason.DECIDED,
+        time=run.time * chain.kernel_rate / (chain.time_unit * chain.kernel_rate),
         above=int(memory[_ABOVE]),
         steps=run.counts["steps"],
         amplitude=run.amplitude,
+        seconds=perf_counter() - begin,
     )

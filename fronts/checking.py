@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import sympy as sp
 
     from derivations.algebra.steps import Derivation, Evidence, Step
-    from derivations.cell.cycles import LimitCycle
+    from derivations.averaging.cycles import LimitCycle
     from derivations.cell.envelope import Envelope
     from paper_checks.outcome import Outcome
     from verification.quantities.robustness import Stability

@@ -67,14 +67,12 @@ from derivations.algebra.rearrangement import (
 )
 from derivations.algebra.roots import CountAbove, ParametriseRadical, RootTerm, SquareModulus
 from derivations.algebra.solution import (
-    DecayAtRoot,
     PrescribeCoefficients,
     RatioOfAmplitudes,
     SelectRoot,
     SolveFor,
     SolveLimits,
     SolveOscillator,
-    StationaryAmplitudes,
 )
 from derivations.algebra.steps import Derived, Draft, Evidence, Given, Kind
 from derivations.algebra.substitution import (
@@ -99,8 +97,8 @@ from derivations.algebra.transform import (
     LayOnRealAxis,
     SumOverPeriods,
 )
-from derivations.cell.steps import FindCycles, GrowthRates, RatioOfCycles
-from derivations.cell.symbols import radius, ratio
+from derivations.averaging.cycles import FindCycles, GrowthRates, RatioOfCycles
+from derivations.averaging.symbols import radius, ratio
 from derivations.symbols import epsilon
 
 p, q, e, w, v = sp.symbols("p q e w v", positive=True)
@@ -109,11 +107,10 @@ k, name, other_name, rate, root = sp.symbols("k name other_name rate root")
 n = sp.Symbol("n", integer=True)
 y, small, profile = (sp.Function(letter, real=True) for letter in ("y", "small", "g"))
 z, F, L = (sp.Function(letter) for letter in ("z", "F", "L"))
-f, r = sp.Function("f", real=True)(t), sp.Function("r", positive=True)(t)
+f = sp.Function("f", real=True)(t)
 here = y(n, t)
 z_here = z(n, t)
 upper, lower = sp.symbols("upper lower")
-RATE = equation(r.diff(t), r * (r**2 - 1) * (4 - r**2))
 SQUARES = sp.Tuple(equation(p**2, 1), equation(q**2, 4))
 BAND = equation(w**2, 1 + 2 * q * (1 - sp.cos(k)))
 SLOPES = sp.symbols("w_1 w_2 w_3")
@@ -387,9 +384,6 @@ CASES = {
         equation(name, 0),
     ),
     # cycles of a cell, at amplitudes 1 and 2
-    "stationary amplitudes": (StationaryAmplitudes(r, (p, q)), (RATE,), SQUARES),
-    "decay, outer": (DecayAtRoot(r, 1, name), (RATE, SQUARES), equation(name, 24)),
-    "decay, inner": (DecayAtRoot(r, 0, name), (RATE, SQUARES), equation(name, -6)),
     "ratio of amplitudes": (RatioOfAmplitudes(2), (SQUARES,), equation(2 * p / q, 1)),
     "select a root": (
         SelectRoot("a positive value", lambda value: value.real > 0, {q: (1.0, 2.0)}),
@@ -401,12 +395,22 @@ CASES = {
         (RADIUS,),
         sp.Tuple(equation(sp.Symbol("r_1"), 1), equation(sp.Symbol("r_2"), 2)),
     ),
+    "squares of two cycles": (FindCycles((p, q)), (RADIUS,), SQUARES),
+    "cycles with letters, in the lowest power": (
+        FindCycles((p, q)),
+        (equation(radius.diff(t), -epsilon * radius * (radius**4 - e) * (radius**4 - 9 * e)),),
+        sp.Tuple(equation(p**2, sp.sqrt(e)), equation(q**2, 3 * sp.sqrt(e))),
+    ),
     "growth of cycles": (
-        GrowthRates(),
+        GrowthRates(epsilon),
         (RADIUS, sp.Tuple(equation(sp.Symbol("r_1"), 1), equation(sp.Symbol("r_2"), 2))),
         sp.Tuple(
             equation(sp.Symbol("lambda_1"), sp.Rational(3, 4)), equation(sp.Symbol("lambda_2"), -3)
         ),
+    ),
+    "growth of cycles given by their squares": (
+        GrowthRates(names=(name, -rate)), (RADIUS, SQUARES),
+        sp.Tuple(equation(name, 3 * epsilon / 4), equation(-rate, -3 * epsilon)),
     ),
     "ratio of cycles": (RatioOfCycles(), (RADIUS,), equation(ratio, HALF)),
     # finite chains
@@ -619,7 +623,12 @@ def test_every_operation_is_tested_by_itself():
         (ParametriseRadical(p, q), (equation(name, q),)),
         (TakeBranch(u > 0), (equation(name, sp.Piecewise((p, u < 0), (q, True))),)),
         (CountAbove(k, 0, name), (equation(L(k), sp.cos(k)), equation(rate, x), equation(rate, 1))),
-        (StationaryAmplitudes(r, (p, q)), (equation(r.diff(t), r * (1 - r**2)),)),
+        (FindCycles((p, q)), (equation(radius.diff(t), epsilon * radius * (1 - radius**2)),)),
+        (FindCycles((p, q)), (equation(RADIUS.lhs, -RADIUS.rhs),)),
+        (
+            FindCycles((p, q)),
+            (equation(radius.diff(t), -epsilon * radius * (1 + e * radius**2 - radius**4)),),
+        ),
         (
             SelectRoot("x", lambda value: True, {q: (1.0,)}),
             (sp.Tuple(equation(p, q), equation(p, -q)),),

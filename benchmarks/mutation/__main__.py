@@ -151,7 +151,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         if any(module.startswith("derivations/") for module in modules):
             from benchmarks.mutation.derived import DerivationChecks
 
-            session.ask_first = DerivationChecks(names, forget).noticing
+            session.ask_first = DerivationChecks(names, forget)
         begin = time.monotonic()
         known = survey(session, kept, imported, options.longest, options.jobs)
         took = time.monotonic() - begin

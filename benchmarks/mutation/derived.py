@@ -9,7 +9,9 @@ the perturbed equations that it refused.
 from __future__ import annotations
 
 import ast
+import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 
 import sympy as sp
@@ -43,6 +45,16 @@ def reached(steps: tuple[Step, ...], found: dict[Step, None]) -> dict[Step, None
     return found
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Made:
+    """A derivation as it is: what building it and all of it enters, and how long all of it took."""
+
+    derivation: Derivation
+    building: frozenset[str]
+    entered: frozenset[str]
+    seconds: float
+
+
 class DerivationChecks:
     """The derivations as they are, and what each step enters.
 
@@ -56,12 +68,13 @@ class DerivationChecks:
 
     def __init__(self, names: set[str], forget: Callable[[], None]) -> None:
         self._names, self._forget = names, forget
-        self._made: list[tuple[Derivation, frozenset[str], frozenset[str]]] = []
+        self._made: list[_Made] = []
         self._result: dict[Step, frozenset[str]] = {}
         self._check: dict[Step, frozenset[str]] = {}
         self._refused: dict[Step, list[sp.Basic]] = {}
         forget()
         names.clear()
+        begin = time.process_time()
         for _, made in derivations():
             building = frozenset(names)
             every = reached(made.steps, {})
@@ -72,9 +85,14 @@ class DerivationChecks:
                 self._check[step] = self._entered(partial(self._judge, step))
             results = frozenset().union(*(self._result[step] for step in every))
             checks = frozenset().union(*(self._check[step] for step in made.steps))
-            self._made.append((made, building, building | results | checks))
+            entered = building | results | checks
+            end = time.process_time()
+            self._made.append(
+                _Made(derivation=made, building=building, entered=entered, seconds=end - begin)
+            )
             forget()
             names.clear()
+            begin = end
 
     def _entered(self, run: Callable[[], object]) -> frozenset[str]:
         self._names.clear()
@@ -86,20 +104,34 @@ class DerivationChecks:
         changes = [changed for _, changed in sampled(step)]
         self._refused[step] = [each for each in changes if not step.verify(each).holds]
 
+    def seconds(self, mutant: Mutant) -> float:
+        """Return the processor seconds in which all that enters a changed function was judged."""
+        places = self._places(mutant)
+        return sum(made.seconds for made in self._made if places & made.entered)
+
+    def _places(self, mutant: Mutant) -> frozenset[str]:
+        """Return the changed function; for a change outside any, all functions of its module."""
+        if mutant.first_line:
+            return frozenset({mutant.function_at})
+        own = f"{mutant.module}:"
+        return frozenset(q for made in self._made for q in made.entered if q.startswith(own))
+
     def noticing(self, mutant: Mutant) -> str | None:
         """Return the step whose check notices a change that is in place, if there is one."""
-        at = mutant.function_at
+        places = self._places(mutant)
         self._forget()
-        for (key, made), (old, building, entered) in zip(derivations(), self._made, strict=True):
-            if at not in entered:
+        for (key, made), before in zip(derivations(), self._made, strict=True):
+            if not places & before.entered:
                 continue
             again = {step.name: step for step in made.steps}
-            steps = [step for step in old.steps if step.name in again]  # one left out is for tests
+            # One that is left out is for tests.
+            steps = [step for step in before.derivation.steps if step.name in again]
             known: dict[tuple[Step, Step], bool] = {}
-            other = [q for q in steps if not self._is_same(q, again[q.name], at, known)]
-            named = _texts_around(mutant) if at in building else set()
-            checks = at in building and "checks" in mutant.module
-            asked = [q for q in steps if checks or at in self._check[q] or q.name in named]
+            other = [q for q in steps if not self._is_same(q, again[q.name], places, known)]
+            asked = [q for q in steps if places & self._check[q]]
+            if places & before.building:  # a check may be made otherwise
+                named = _texts_around(mutant) & again.keys()
+                asked = [q for q in steps if not named or q in asked or q.name in named]
             for step in dict.fromkeys((*other, *asked)):
                 new = again[step.name]
                 if not new.verify().holds:
@@ -108,16 +140,18 @@ class DerivationChecks:
                     return f"{key}: {step.name}, perturbed"
         return None
 
-    def _is_same(self, old: Step, new: Step, at: str, known: dict[tuple[Step, Step], bool]) -> bool:
+    def _is_same(
+        self, old: Step, new: Step, places: frozenset[str], known: dict[tuple[Step, Step], bool]
+    ) -> bool:
         """Whether a step has the result that it had, computed only where it may be another."""
         if (old, new) in known:
             return known[old, new]
         pairs = zip(old.sources, new.sources, strict=False)
-        same = [self._is_same(*pair, at, known) for pair in pairs]
+        same = [self._is_same(*pair, places, known) for pair in pairs]
         if (
             isinstance(old, Derived)
             and isinstance(new, Derived)
-            and at not in self._result[old]
+            and not places & self._result[old]
             and old.operations == new.operations
             and len(same) == len(new.sources) == len(old.sources)
             and all(same)

@@ -25,13 +25,16 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.put import fits, names_bound, names_used_on_import, put_statement
+
+if TYPE_CHECKING:
+    from benchmarks.mutation.derived import DerivationChecks
 
 LIBRARIES = ("hypothesis.strategies", "numba", "scipy.integrate", "scipy.optimize", "sympy")
 OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--import-mode=importlib",
@@ -67,8 +70,8 @@ class Session:
     ----------
     missing : dict
         By module that cannot be imported, the library that is not installed here.
-    ask_first : callable or None
-        Names what notices a change that is in place, before any test is run.
+    ask_first : DerivationChecks or None
+        Says what notices a change that is in place, before any test is run.
     """
 
     def __init__(self, root: Path, names: set[str]) -> None:
@@ -79,7 +82,7 @@ class Session:
         self._names_on_import: frozenset[str] = frozenset()
         self._living: dict[str, list[FunctionType]] = defaultdict(list)
         self._work: Callable[[], None] = lambda: None
-        self.ask_first: Callable[[Mutant], str | None] | None = None
+        self.ask_first: DerivationChecks | None = None
 
     def collect(
         self, files: Sequence[str], modules: Sequence[str], work: Callable[[], None]
@@ -140,7 +143,7 @@ class Session:
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
         compiled = mutant.function_at in entered.compiled
         if not compiled and self._put(mutant):
-            failed = self.ask_first(mutant) if self.ask_first else None
+            failed = self.ask_first.noticing(mutant) if self.ask_first else None
             failed = failed or self._first_failing(tests)
             if failed or not self._used_on_import(mutant):
                 return write({"by": failed})
@@ -159,10 +162,14 @@ class Session:
         return not bound or not bound.isdisjoint(self._names_on_import)
 
     def seconds_to_begin(self, mutant: Mutant) -> float:
-        """Return the processor seconds allowed for compiling or importing anew, before tests."""
+        """Return the processor seconds allowed for what comes before or beside tests.
+
+        That is compiling, importing anew, or twice the usual time of checks of derivations.
+        """
         if mutant.function_at in entered.compiled:
             return 120.0
-        return 15.0 if self.made_on_import(mutant) or self.ask_first else 2.0
+        checks = self.ask_first.seconds(mutant) if self.ask_first else 0.0
+        return 2.0 * checks + (15.0 if self.made_on_import(mutant) else 2.0)
 
     def _first_failing(
         self, tests: Sequence[str], plugin: object = None, limit: float = 0.0

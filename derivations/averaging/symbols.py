@@ -15,6 +15,10 @@ r = sp.Function("r")
 A_n = sp.Symbol("A_n", positive=True)
 square = sp.Symbol("s", positive=True)
 """Square of the amplitude of φ at a site."""
+radius = sp.Function("r", positive=True)(t)
+"""Amplitude of an isolated cell."""
+ratio = sp.Symbol("ratio", positive=True)
+"""|φ_us| / |φ_s|."""
 squares = sp.symbols("s_0:8", positive=True)
 divided = sp.Symbol("H", real=True)
 """Divided difference of the damping over several sites."""

@@ -11,11 +11,17 @@ import sympy as sp
 from derivations.algebra.equations import equation
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.steps import Derivation
+from derivations.averaging.cycles import (
+    LimitCycle,
+    damping_mean,
+    limit_cycles,
+    ratio_of_cycles,
+    shown,
+)
 from derivations.averaging.symbols import phi, square
-from derivations.cell.cycles import LimitCycle, limit_cycles, ratio_of_cycles, shown
 from derivations.cell.polynomial_input import Coefficients, coefficients, number, values_of
 from derivations.cell.results import Compiled, KineticRelation
-from derivations.cell.steps import damping_mean, derive, shift_mean
+from derivations.cell.steps import derive, shift_mean
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon, n, t
 

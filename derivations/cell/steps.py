@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy as sp
 
 from derivations.algebra.amplitudes import FindModulation, Route
-from derivations.algebra.equations import equation, parts_of
+from derivations.algebra.equations import equation
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.operations import Operation
 from derivations.algebra.oscillation import RealAndImaginaryParts
@@ -16,11 +13,19 @@ from derivations.algebra.rearrangement import Divide, Take
 from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Check, Derivation, Draft
 from derivations.algebra.substitution import Substitute
+from derivations.averaging.cycles import (
+    FindCycles,
+    GrowthRates,
+    RatioOfCycles,
+    damping_mean,
+    limit_cycles,
+    ratio_of_cycles,
+    shown,
+)
 from derivations.averaging.second_order import steps as second_order
-from derivations.averaging.symbols import phi, square
+from derivations.averaging.symbols import phi, radius, ratio, square
 from derivations.cell.checks import CellChecks
-from derivations.cell.cycles import limit_cycles, ratio_of_cycles, shown
-from derivations.cell.symbols import angle, radius, ratio
+from derivations.cell.symbols import angle
 from derivations.chain import ChainModel
 from derivations.front.steps import derive as derive_front
 from derivations.front.symbols import ratio as front_ratio
@@ -31,59 +36,9 @@ from derivations.symbols import c, epsilon, i, n, t
 # fmt: off
 
 
-def damping_mean(amplitude: sp.Basic) -> sp.Expr:
-    """Return H(s) of an amplitude equation ``r' = -(eps r/2) H(r^2)``."""
-    return sp.expand(-2 * amplitude.rhs / (epsilon * radius)).subs(radius, sp.sqrt(square))
-
-
 def shift_mean(frequency: sp.Basic) -> sp.Expr:
     """Return Omega(s) of the frequency ``1 + eps Omega(r^2)``, from ``psi' = eps Omega(r^2)``."""
     return sp.expand(frequency.rhs / epsilon).subs(radius, sp.sqrt(square))
-
-
-@dataclass(frozen=True)
-class FindCycles(Operation):
-    """All amplitudes at which the amplitude of a cell stays constant."""
-
-    phrase: ClassVar[str] = (
-        "solve {sources} for constant amplitudes other than zero: the limit cycles"
-    )
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``r_1 = …``, inner to outer."""
-        (amplitude,) = sources
-        cycles = limit_cycles(damping_mean(amplitude))
-        return sp.Tuple(*(equation(sp.Symbol(f"r_{place}"), cycle.amplitude)
-                          for place, cycle in enumerate(cycles, start=1)))
-
-
-@dataclass(frozen=True)
-class GrowthRates(Operation):
-    """Growth rate of a small change of the amplitude of each cycle, a unit of eps t."""
-
-    phrase: ClassVar[str] = "linearise {first} about {others}"
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``lambda_1 = …`` for the cycles of the second source."""
-        amplitude, cycles = sources
-        slope = sp.diff(amplitude.rhs.subs(radius, square) / epsilon, square)
-        return sp.Tuple(*(
-            equation(sp.Symbol(f"lambda_{place}"), sp.simplify(slope.subs(square, part.rhs)))
-            for place, part in enumerate(parts_of(cycles), start=1)
-        ))
-
-
-@dataclass(frozen=True)
-class RatioOfCycles(Operation):
-    """Ratio of the unstable to the stable cycle of a cell with two of them."""
-
-    phrase: ClassVar[str] = "divide the unstable by the stable cycle of {sources}"
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``|phi_us|/|phi_s| = …``."""
-        (amplitude,) = sources
-        mean = damping_mean(amplitude)
-        return equation(ratio, ratio_of_cycles(mean, limit_cycles(mean), {}))
 
 
 def derive(given: ChainModel, order: int = 1, *, front: bool = True) -> Derivation:
@@ -144,7 +99,7 @@ def _cycles(draft: Draft, given: ChainModel, *, front: bool) -> None:
     draft.derived("cycles", FindCycles(), "amplitude of the cell", check=checks.cycles(known),
                   note="Each exists where its amplitude is real")
     kinds = ", ".join(cycle.stability or "stable where negative" for cycle in known)
-    draft.derived("growth rates", GrowthRates(), "amplitude of the cell", "cycles",
+    draft.derived("growth rates", GrowthRates(epsilon), "amplitude of the cell", "cycles",
                   check=checks.growth(known), note=f"In order: {kinds}")
     try:
         ratio_of_cycles(mean, known, given.damping)

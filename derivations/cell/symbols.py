@@ -6,9 +6,5 @@ import sympy as sp
 
 from derivations.symbols import t
 
-radius = sp.Function("r", positive=True)(t)
-"""Amplitude of the cell."""
 angle = sp.Function("psi", real=True)(t)
-"""Its phase in the rotating frame."""
-ratio = sp.Symbol("ratio", positive=True)
-"""|φ_us| / |φ_s|."""
+"""Phase of the cell in the rotating frame."""

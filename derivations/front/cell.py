@@ -8,19 +8,16 @@ from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Linearise
 from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.rearrangement import Divide, Form, Rewrite, Subtract, Take
-from derivations.algebra.solution import (
-    DecayAtRoot,
-    RatioOfAmplitudes,
-    SolveFor,
-    StationaryAmplitudes,
-)
+from derivations.algebra.solution import RatioOfAmplitudes, SolveFor
 from derivations.algebra.steps import Draft
 from derivations.algebra.substitution import Eliminate, Substitute, TakeBranch, alike
+from derivations.averaging.cycles import FindCycles, GrowthRates
 from derivations.chain import ChainModel
 from derivations.front.checks_cell import CellChecks
 from derivations.front.symbols import (
     deviation,
     eta,
+    growth_inside,
     phase,
     phi,
     phi_s,
@@ -67,9 +64,11 @@ def steps(draft: Draft, chain: ChainModel) -> None:
     forcing = forcing_parameter(chain)
     if forcing is None:
         return
-    draft.derived("cycles", StationaryAmplitudes(radius, (sp.Abs(phi_us), sp.Abs(phi_s))),
+    draft.derived("cycles", FindCycles((sp.Abs(phi_us), sp.Abs(phi_s))),
                   "amplitude of the cell", check=checks.cycles)
-    draft.derived("radial decay on the cycle", DecayAtRoot(radius, 1, radial_rate),
+    growth = GrowthRates(names=(growth_inside, -radial_rate))
+    draft.derived("radial decay on the cycle",
+                  (growth, Take(1), SolveFor(radial_rate), Rewrite(Form.CANCELLED)),
                   "amplitude of the cell", "cycles", check=checks.radial_decay)
     draft.derived("ratio of the cycles", RatioOfAmplitudes(2), "cycles",
                   check=checks.ratio)

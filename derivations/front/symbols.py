@@ -5,6 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derivations.algebra.sums import SumOver
+from derivations.averaging import symbols as averaging
 from derivations.symbols import a, b, c, epsilon, n, t
 from derivations.transcription.latex_reader import Notation
 
@@ -25,8 +26,9 @@ c_pin, c_retreat = sp.symbols("c_pin c_retreat", positive=True)
 p = sp.Symbol("p", positive=True)
 V = sp.Symbol("V", positive=True)
 kappa, long_wave = sp.symbols("kappa L_infinity")
-radius = sp.Function("r", positive=True)(t)
+radius = averaging.radius
 phase = sp.Function("vartheta", real=True)(t)
+growth_inside = sp.Symbol("lambda_us", positive=True)
 radial_rate = sp.Symbol("lambda_r", positive=True)
 deviation = sp.Function("u")(t)
 x = sp.Symbol("x", real=True)

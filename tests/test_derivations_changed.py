@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import builtins
 from collections.abc import Iterator
-from types import CodeType, FunctionType
+from contextlib import contextmanager
+from types import FunctionType
 from typing import Any
 
 import pytest
@@ -21,9 +22,10 @@ from derivations.algebra.operations import Operation
 from derivations.algebra.steps import Draft, Evidence
 
 p, q = sp.symbols("p q")
+TWO = 2
 
 def factor():
-    return 2
+    return TWO
 
 def unread():
     return 5
@@ -42,22 +44,30 @@ def given(candidate):
 def twice(candidate):
     return Evidence(abs(candidate.rhs.subs(q, 0.25) - 0.5) < 1e-9, "a quarter and a half")
 
+def near(size):
+    def check(candidate):
+        return Evidence(abs(candidate.rhs.subs(q, 0.5) - size) < 1e-9, "a half and one")
+    return check
+
 def derive():
     draft = Draft()
+    size = 1.0
     draft.model("start", equation(p, q), "a model", check=given)
     draft.derived("twice", Multiply(), "start", check=twice)
     draft.derived("twice in other words", Write(), "twice", check=twice)
-    draft.derived("once more", Write(), "twice in other words", check=twice)
+    draft.derived("once more", Write(), "twice in other words", check=near(size))
     return draft.finished("small", "a model and its double")
 """
 
-_AGAIN = "draft.derived(Write(), 'once more', 'twice in other words', check=twice)"
-_LAST = "draft.derived('once more', Write(), 'twice in other words', check=twice)"
-_BOUND = "abs(candidate.rhs.subs(q, 0.25) - 0.5) <{} 1e-09"
+_AGAIN = "draft.derived(Write(), 'once more', 'twice in other words', check=near(size))"
+_LAST = "draft.derived('once more', Write(), 'twice in other words', check=near(size))"
+_BOUND = "abs(candidate.rhs.subs(q, {}) - {}) <{} 1e-09"
 PASSED = {
     "unread:5 -> 6": "nothing enters it",
     "twice:1e-09 -> 1e-06": "how narrow a check is, is a matter of tests",
-    f"twice:{_BOUND.format('')} -> {_BOUND.format('=')}": "no equation is at the edge",
+    f"twice:{_BOUND.format(0.25, 0.5, '')} -> {_BOUND.format(0.25, 0.5, '=')}": "none is there",
+    "near.check:1e-09 -> 1e-06": "the same",
+    f"near.check:{_BOUND.format(0.5, 'size', '')} -> {_BOUND.format(0.5, 'size', '=')}": "the same",
     f"derive:{_LAST} -> ...": "a step is left out, and nothing follows from it",
     f"derive:{_LAST} -> {_AGAIN}": "a step has another name, and nothing follows from it",
     "derive:draft.finished('small', 'a model and its double') -> "
@@ -75,24 +85,32 @@ class _Living:
         builtins.__dict__[ENTER] = self.names.add
         scope: dict[str, Any] = {"__name__": "small_checks"}
         exec(compile(naming(SOURCE.encode(), MODULE), MODULE, "exec"), scope)
-        self.derive = scope["derive"]
+        self.scope = scope
         for each in list(scope.values()):
             for own in (each, *vars(each).values()) if isinstance(each, type) else (each,):
                 if isinstance(own, FunctionType) and own.__code__.co_filename == MODULE:
                     self.functions[own.__code__.co_firstlineno] = own
 
     def derivations(self) -> Iterator[tuple[str, Any]]:
-        yield "small", self.derive()
+        yield "small", self.scope["derive"]()
 
-    def with_change(self, mutant: Mutant) -> tuple[FunctionType, CodeType]:
-        """Put a change in place; return the function and what it was."""
+    @contextmanager
+    def with_change(self, mutant: Mutant) -> Iterator[None]:
+        """Put a change in place, and what was there back again."""
         with mutant.made() as tree:
             code = compile(tree, MODULE, "exec")
-        (new,) = (c for c in codes_in(code) if c.co_firstlineno == mutant.first_line and
-                  c.co_name == mutant.function.rpartition(".")[2])  # fmt: skip
+        if not mutant.first_line:
+            changed: dict[str, Any] = {"__name__": "small_checks"}
+            exec(code, changed)
+            before, self.scope["TWO"] = self.scope["TWO"], changed["TWO"]
+            yield
+            self.scope["TWO"] = before
+            return
+        new = {c.co_qualname: c for c in codes_in(code)}
         own = self.functions[mutant.first_line]
-        before, own.__code__ = own.__code__, new
-        return own, before
+        old, own.__code__ = own.__code__, new[own.__qualname__]
+        yield
+        own.__code__ = old
 
 
 def _noticed(monkeypatch: pytest.MonkeyPatch) -> dict[str, str | None]:
@@ -103,13 +121,12 @@ def _noticed(monkeypatch: pytest.MonkeyPatch) -> dict[str, str | None]:
     found: dict[str, str | None] = {}
     for mutant in mutants_of(MODULE, SOURCE):
         name = mutant.name.removeprefix(f"{MODULE}:")
-        own, before = living.with_change(mutant)
-        try:
-            found[name] = checks.noticing(mutant)
-        except Exception as error:  # a child of a run answers with its type
-            found[name] = type(error).__name__
-        finally:
-            own.__code__ = before
+        with living.with_change(mutant):
+            try:
+                found[name] = checks.noticing(mutant)
+            except Exception as error:  # a child of a run answers with its type
+                found[name] = type(error).__name__
+        assert (checks.seconds(mutant) > 0.0) == (mutant.function != "unread")
     return found
 
 
@@ -119,8 +136,12 @@ def test_a_check_notices_each_change_that_it_can_and_no_other(
     found = _noticed(monkeypatch)
     assert {name for name, by in found.items() if by is None} == set(PASSED)
     # What is changed is noticed where it enters first, and a looser check by what it refused.
-    assert found["factor:2 -> 3"] == "small: twice"
+    multiplied = "factor() * source.rhs -> factor() / source.rhs"
+    assert found[f"Multiply.__call__:{multiplied}"] == "small: twice"
     assert found["Write.__call__:1 -> 2 #2"] == "small: twice in other words"
     assert found["given:equation(p, q) -> equation(q, p)"] == "small: start"
+    # Outside functions, and what a check is made from.
+    assert found["<module>:2 -> 3"] == "small: twice"
+    assert found["derive:1.0 -> 2.0"] == "small: once more"
     looser = "abs(candidate.rhs.subs(q, 0.25) - 0.5) -> candidate.rhs.subs(q, 0.25) - 0.5"
     assert found[f"twice:{looser}"] == "small: twice, perturbed"

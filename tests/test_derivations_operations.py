@@ -22,7 +22,6 @@ from derivations.algebra.amplitudes import (
 from derivations.algebra.balance import BalancePower
 from derivations.algebra.dispersion import (
     AtFastestWave,
-    DifferentiateDispersion,
     EnvelopeOfWave,
     FastestWave,
 )
@@ -68,7 +67,6 @@ from derivations.algebra.rearrangement import (
 from derivations.algebra.roots import CountAbove, ParametriseRadical, RootTerm, SquareModulus
 from derivations.algebra.solution import (
     PrescribeCoefficients,
-    RatioOfAmplitudes,
     SelectRoot,
     SolveFor,
     SolveLimits,
@@ -97,7 +95,7 @@ from derivations.algebra.transform import (
     LayOnRealAxis,
     SumOverPeriods,
 )
-from derivations.averaging.cycles import FindCycles, GrowthRates, RatioOfCycles
+from derivations.averaging.cycles import FindCycles, GrowthRates, RatioOfAmplitudes, RatioOfCycles
 from derivations.averaging.symbols import radius, ratio
 from derivations.symbols import epsilon
 
@@ -276,7 +274,8 @@ CASES = {
         equation(L(k), sp.I * k + 2 * sp.cos(k)),
     ),
     "differentiate": (
-        Differentiate(k, name), (equation(L(k), p * k**2),), equation(name, 2 * p * k),
+        Differentiate(L(k), k, (name,)), (equation(L(k), p * k**2),),
+        equation(name, 2 * p * k),
     ),
     # solving
     "solve for an angle": (
@@ -446,7 +445,7 @@ CASES = {
     ),
     # dispersion: w² = 1 + 2 q (1 - cos k)
     "group velocity": (
-        DifferentiateDispersion(w, k, SLOPES[:2]),
+        Differentiate(w, k, SLOPES[:2]),
         (BAND,),
         sp.Tuple(
             equation(SLOPES[0], q * sp.sin(k) / w),
@@ -455,12 +454,12 @@ CASES = {
     ),
     "fastest wave": (
         FastestWave(w, k),
-        (DifferentiateDispersion(w, k, SLOPES)(BAND), BAND),
+        (Differentiate(w, k, SLOPES)(BAND), BAND),
         FASTEST,
     ),
     "at the fastest wave": (
         AtFastestWave(w, k),
-        (DifferentiateDispersion(w, k, SLOPES)(BAND), BAND, FASTEST),
+        (Differentiate(w, k, SLOPES)(BAND), BAND, FASTEST),
         sp.Tuple(
             equation(SLOPES[0], (sp.sqrt(1 + 4 * q) - 1) / 2),
             equation(SLOPES[2], (1 - sp.sqrt(1 + 4 * q)) / 2),

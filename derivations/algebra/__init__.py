@@ -4,13 +4,13 @@
 ``operations``      what an operation is, and how it says what it did
 ``substitution``    substitute, eliminate, take a branch, change variables, enter a moving frame
 ``rearrangement``   join and take, divide, isolate, rewrite, powers, coefficients, derivatives
-``solution``        solve for symbols, angles and oscillations; prescribe coefficients; cycles
+``solution``        solve for symbols, angles and oscillations; prescribe coefficients
 ``expansion``       time scales, expansion in a small parameter, limits, linearising
 ``oscillation``     harmonics, secular terms, averages, real and imaginary parts, square and add
 ``balance``         the mean power of a harmonic motion
 ``amplitudes``      modulation equations to second order; ``modulation`` and ``harmonics`` compute
 ``lattice``         close a chain, write it to first order, insert a plane wave
-``dispersion``      group velocity, its maximum, the envelope of a wave
+``dispersion``      the largest group velocity, the envelope of a wave
 ``transform``       Fourier transform, contours, integrals over a period; ``sums`` over roots
 ``roots``           count roots; terms at a root; square roots of complex numbers
 ``steps``           `Given` and `Derived` steps, checks, derivations and how they are written down

@@ -1,4 +1,4 @@
-"""Operations on a dispersion relation: group velocity, its maximum, and the envelope of a wave."""
+"""Operations on a dispersion relation: the largest group velocity, and the envelope of a wave."""
 
 from __future__ import annotations
 
@@ -8,48 +8,8 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derivations.algebra.equations import equation, left_minus_right, parts_of
+from derivations.algebra.equations import equation, parts_of
 from derivations.algebra.operations import Operation, OperationError
-
-
-@dataclass(frozen=True)
-class DifferentiateDispersion(Operation):
-    """Derivatives of the frequency with respect to the wavenumber, implicitly.
-
-    Attributes
-    ----------
-    frequency, wavenumber : Symbol
-        omega and k.
-    names : tuple of Symbol
-        What the first and the higher derivatives are called.
-    """
-
-    phrase: ClassVar[str] = "differentiate {sources} implicitly: {names}"
-    frequency: sp.Symbol
-    wavenumber: sp.Symbol
-    names: tuple[sp.Symbol, ...]
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = derivative`` in terms of omega, k and the lower derivatives."""
-        (source,) = sources
-        held = sp.Function("omega_of")(self.wavenumber)
-        current = left_minus_right(source).subs(self.frequency, held)
-        known: dict[sp.Basic, sp.Basic] = {}
-        out = []
-        for order, name in enumerate(self.names, start=1):
-            current = current.diff(self.wavenumber)
-            highest = held.diff((self.wavenumber, order))
-            known[highest] = name
-            plain = current.subs(dict(sorted(known.items(), key=_by_order))).subs(
-                held, self.frequency
-            )
-            (found,) = sp.solve(plain, name)
-            out.append(equation(name, sp.expand(found)))
-        return sp.Tuple(*out)
-
-
-def _by_order(pair: tuple[sp.Basic, sp.Basic]) -> int:
-    return -int(pair[0].derivative_count)
 
 
 @dataclass(frozen=True)
@@ -63,8 +23,6 @@ class FastestWave(Operation):
     ----------
     frequency, wavenumber : Symbol
         omega and k.
-    parameter : Symbol
-        The parameter at whose value ``probe`` the admissible root is told from the others.
     """
 
     phrase: ClassVar[str] = (

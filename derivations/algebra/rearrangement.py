@@ -296,24 +296,37 @@ def with_cosines(expression: sp.Expr) -> sp.Expr:
 
 @dataclass(frozen=True)
 class Differentiate(Operation):
-    """Differentiate the right side, and name its derivative.
+    """Derivatives of a quantity that an equation defines, implicitly where it is not alone.
 
     Attributes
     ----------
+    quantity : Expr
+        What is differentiated: a symbol, or a function of the variable.
     variable : Symbol
         The variable.
-    name : Symbol
-        What the derivative is called.
+    names : tuple of Symbol
+        What the first and the higher derivatives are called.
     """
 
-    phrase: ClassVar[str] = "differentiate {sources} with respect to {variable}"
+    phrase: ClassVar[str] = "differentiate {sources} with respect to {variable}: {names}"
+    quantity: sp.Expr
     variable: sp.Symbol
-    name: sp.Symbol
+    names: tuple[sp.Symbol, ...]
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = derivative``."""
+        """Return ``name = derivative`` in the variable, the quantity and lower derivatives."""
         (source,) = sources
-        return equation(self.name, sp.diff(source.rhs, self.variable))
+        held = sp.Function("held")(self.variable)
+        current = left_minus_right(source).subs(self.quantity, held)
+        known: dict[sp.Basic, sp.Basic] = {}
+        out = []
+        for order, name in enumerate(self.names, start=1):
+            current = current.diff(self.variable)
+            known = {held.diff((self.variable, order)): name, **known}  # the highest first
+            plain = current.subs(known).subs(held, self.quantity)
+            (found,) = sp.solve(plain, name)
+            out.append(equation(name, sp.expand(found)))
+        return system(tuple(out))
 
 
 @dataclass(frozen=True)

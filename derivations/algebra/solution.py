@@ -1,4 +1,4 @@
-"""Solving: equations for symbols and angles, limits and coefficients that are demanded, cycles."""
+"""Solving: equations for symbols and angles, limits and coefficients that are demanded."""
 
 from __future__ import annotations
 
@@ -243,25 +243,3 @@ class SolveLimits(Operation):
         if len(found) != 1:
             raise OperationError("the limits do not determine the constants")
         return equation(law.lhs, law.rhs.subs(found[0]))
-
-
-@dataclass(frozen=True)
-class RatioOfAmplitudes(Operation):
-    """Divide the inner by the outer amplitude.
-
-    Attributes
-    ----------
-    factor : int
-        What the ratio is multiplied by on both sides.
-    """
-
-    phrase: ClassVar[str] = "divide the inner by the outer amplitude of {sources}"
-    factor: int = 1
-
-    def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``factor inner / outer = factor sqrt(ratio of squares)``."""
-        (source,) = sources
-        inner, outer = parts_of(source)
-        named = inner.lhs.base / outer.lhs.base
-        value = sp.sqrt(sp.cancel(sp.together(inner.rhs / outer.rhs)))
-        return equation(self.factor * named, self.factor * value)

@@ -240,3 +240,25 @@ class RatioOfCycles(Operation):
         (amplitude,) = sources
         mean = damping_mean(amplitude)
         return equation(ratio, ratio_of_cycles(mean, limit_cycles(mean), {}))
+
+
+@dataclass(frozen=True)
+class RatioOfAmplitudes(Operation):
+    """Divide the inner by the outer amplitude.
+
+    Attributes
+    ----------
+    factor : int
+        What the ratio is multiplied by on both sides.
+    """
+
+    phrase: ClassVar[str] = "divide the inner by the outer amplitude of {sources}"
+    factor: int = 1
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return ``factor inner / outer = factor sqrt(ratio of squares)``."""
+        (source,) = sources
+        inner, outer = parts_of(source)
+        named = inner.lhs.base / outer.lhs.base
+        value = sp.sqrt(sp.cancel(sp.together(inner.rhs / outer.rhs)))
+        return equation(self.factor * named, self.factor * value)

@@ -8,10 +8,10 @@ from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Linearise
 from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.rearrangement import Divide, Form, Rewrite, Subtract, Take
-from derivations.algebra.solution import RatioOfAmplitudes, SolveFor
+from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Draft
 from derivations.algebra.substitution import Eliminate, Substitute, TakeBranch, alike
-from derivations.averaging.cycles import FindCycles, GrowthRates
+from derivations.averaging.cycles import FindCycles, GrowthRates, RatioOfAmplitudes
 from derivations.chain import ChainModel
 from derivations.front.checks_cell import CellChecks
 from derivations.front.symbols import (

@@ -140,7 +140,7 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
                   check=checks.transformed)
     draft.derived("dispersion", TakeCoefficient(phi_hat(k), L(k)), "transformed front",
                   check=checks.dispersion, number=50)
-    draft.derived("slope of the dispersion", Differentiate(k, L_k), "dispersion",
+    draft.derived("slope of the dispersion", Differentiate(L(k), k, (L_k,)), "dispersion",
                   check=checks.slope)
     draft.derived("slope on the roots", (Eliminate((v,), {L(k): 0}), Rewrite(Form.EXPANDED)),
                   "slope of the dispersion", "dispersion", check=checks.slope_on_roots, number=51,

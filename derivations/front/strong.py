@@ -16,7 +16,6 @@ import sympy as sp
 
 from derivations.algebra.dispersion import (
     AtFastestWave,
-    DifferentiateDispersion,
     EnvelopeOfWave,
     FastestWave,
 )
@@ -24,7 +23,7 @@ from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Limit, Linearise
 from derivations.algebra.lattice import InsertPlaneWave
 from derivations.algebra.oscillation import RealAndImaginaryParts
-from derivations.algebra.rearrangement import Divide, Form, Rewrite, Take
+from derivations.algebra.rearrangement import Differentiate, Divide, Form, Rewrite, Take
 from derivations.algebra.solution import PrescribeCoefficients, SolveFor
 from derivations.algebra.steps import Draft
 from derivations.algebra.substitution import EnterMovingFrame, Substitute
@@ -66,7 +65,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                    Take(0), SolveFor(omega**2)), "chain near rest", check=checks.linear_waves,
                   note="the imaginary part, the damping, is part of the local rate")
     draft.derived("derivatives of the frequency",
-                  DifferentiateDispersion(omega, q, (w_1, w_2, w_3)), "linear waves",
+                  Differentiate(omega, q, (w_1, w_2, w_3)), "linear waves",
                   check=checks.frequency_derivatives)
     _outer(draft, checks)
     if chain.reach == 1 and chain.coupling.is_positive:

@@ -9,6 +9,7 @@ from derivations import catalogue
 from derivations.algebra.steps import Derived, Given, Kind
 from derivations.cell.envelope import derive_envelope
 from derivations.cell.steps import derive as derive_cell
+from derivations.chain import ChainModel
 from derivations.graph import graph_of, key_of, svg
 
 GIVEN = {Kind.MODEL, Kind.DEFINITION, Kind.ANSATZ}
@@ -135,3 +136,15 @@ def test_the_picture_is_well_formed_and_shows_every_number(derivations):
     for node in root.iter():
         if node.tag.endswith("}rect") and node.get("x"):
             assert 0 <= float(node.get("x")) < width
+
+
+def test_a_derivation_is_called_by_its_name_and_has_a_title_besides(derivations):
+    made = [*derivations, derive_cell(derive_envelope("y**2 - 1").model)]
+    assert [each.key for each in made] == [*catalogue.NUMBERED, "second-order", "cell"]
+    assert all(each.title[0].isupper() and " " in each.title for each in made)
+
+
+@pytest.mark.parametrize(("damping", "left_out"), [({0: -1, 2: 1}, True), ({0: 1, 4: 1}, False)])
+def test_sites_are_too_many_where_the_averaged_damping_is_not_linear(damping, left_out):
+    made = catalogue.load("averaging", model=ChainModel(damping=damping))
+    assert ("too many sites" not in {step.name for step in made.steps}) == left_out

@@ -28,8 +28,6 @@ from paper_checks.report.document import (
     pictures_listed,
     to_json,
 )
-from paper_checks.report.measurements import stored_sections
-from paper_checks.report.render import measurements_page, page
 from paper_checks.report.table import duration, entries_as_text
 from paper_checks.report.terminal import report_as_text
 from paper_checks.run import run as judge_all
@@ -170,6 +168,9 @@ def _judged(
             progress=_Reporter(shown),
         )
     seconds = time.perf_counter() - start
+    # What writes the report imports SymPy and the chains; judging does not.
+    from paper_checks.report.measurements import stored_sections
+
     measurements = stored_sections() if len(entries) == len(every) else ()
     return make_report(
         outcomes, seconds=seconds, available=len(every), versions=versions, source=source,
@@ -261,6 +262,8 @@ def _checked_folder(folder: Path | None, resume: bool) -> Path | None:
 
 def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
     """Write the report; remove what an earlier report left here, and return how much."""
+    from paper_checks.report.render import measurements_page, page
+
     document = json.dumps(payload, indent=2, ensure_ascii=False, allow_nan=False)
     files: dict[str, str | bytes] = {
         **picture_files(report),

@@ -1,11 +1,17 @@
-"""Which modules pytest leaves out, and no search for garbage in what it has collected.
+"""Which modules pytest leaves out, no search for garbage, and which tests share a process.
 
 Left out are modules of an optional extra that is not installed here. Collecting makes millions of
 objects that live to the end: looking through them took a third of it, and time in every test after.
+Where several processes test, each takes whole files; those that ask for the derivations of the
+paper go to one of them, since deriving and checking all takes ten seconds a process.
 """
 
 import gc
 from importlib.util import find_spec
+from pathlib import PurePath
+from typing import Any
+
+import pytest
 
 collect_ignore = (
     [] if find_spec("panel") else ["fronts/explore/page.py", "fronts/explore/pictures.py"]
@@ -21,3 +27,22 @@ def pytest_collection_finish() -> None:
     """Search again, and leave out what has been collected."""
     gc.freeze()
     gc.enable()
+
+
+DERIVING = ("test_derivations", "test_errata", "test_transcription")
+"""How the names of the files begin whose tests ask for the derivations of the paper."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Hand out whole files, those that derive together."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Sharing(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.partition("::")[0]
+            return DERIVING[0] if PurePath(file).name.startswith(DERIVING) else file
+
+    return Sharing(config, log)

@@ -15,11 +15,20 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mutation.__main__ import chosen
+from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import by_statement, mutants_of
-from benchmarks.mutation.outcome import KILLED, SURVIVED, Outcome, matches, read_explained
-from benchmarks.mutation.session import Answer, Task, in_children
-from benchmarks.mutation.survey import closure
+from benchmarks.mutation.outcome import (
+    KILLED,
+    SURVIVED,
+    UNREACHED,
+    Outcome,
+    matches,
+    read_explained,
+)
+from benchmarks.mutation.session import Answer, Task, dotted, in_children
+from benchmarks.mutation.survey import closures
 from benchmarks.mutation.survey import test_files as files_with_tests
+from verification.execution.imports import closure
 
 ROOT = Path(__file__).parents[1]
 SOURCE = '''
@@ -103,14 +112,18 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
     mutants = mutants_of("m.py", JUDGEMENT)[:9]
     found = dict.fromkeys((mutant.name for mutant in mutants[:-1]), KILLED)
     found[mutants[0].name] = found[mutants[1].name] = SURVIVED
+    found[mutants[2].name] = UNREACHED
     outcome = Outcome(mutants, found, {mutants[0].name: "because"})
     outcome.write(tmp_path / "m.json", ROOT, {"part": 1.0})
     record = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
     assert record["counts"]["all"] == record["counts"]["m.py"]
     assert record["counts"]["all"] == {
-        "chosen": 9, "run": 8, "noticed": 6, "explained": 1, "open": 1,
+        "chosen": 9, "run": 8, "noticed": 5, "explained": 1, "open": 2, "unreached": 1,
     }  # fmt: skip
-    assert record["open"] == [mutants[1].name]
+    assert record["open"] == [mutants[1].name, mutants[2].name]
+    assert record["unreached"] == [mutants[2].name]
+    said = str(outcome).splitlines()[-2:]
+    assert [line.split(" m.py")[0] for line in said] == ["NOT NOTICED", "NOT REACHED"]
     assert record["explained"] == {mutants[0].name: "because"}
 
 
@@ -142,11 +155,17 @@ def test_an_explanation_that_is_not_needed_is_named() -> None:
     assert Outcome(mutants, found, explained).stale == ["m.py:f:0 ..."]
 
 
-@pytest.mark.parametrize("file", ["tests/test_theory_sums.py", "theory/piecewise/limits.py"])
+@pytest.mark.parametrize(
+    "file", ["tests/test_theory_sums.py", "theory/piecewise/limits.py", "tests/test_checkpoint.py"]
+)
 def test_tests_are_found_by_what_they_import(file: str) -> None:
     assert file in files_with_tests(ROOT)
-    assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= closure(ROOT, file)
-    assert not any(name.startswith("derivations") for name in closure(ROOT, file))
+    found = closures(ROOT, [file, "tests/test_chains.py"])[file]
+    packages = (*PACKAGES, "benchmarks", "tests")
+    alone = closure(dotted(file), packages).values()
+    assert found == {path.relative_to(ROOT).as_posix() for path in alone}
+    assert file in found
+    assert len(found) > 5
 
 
 def test_a_package_is_changed_with_the_packages_inside_it() -> None:

@@ -134,10 +134,10 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     names = entered.install(ROOT)  # before any module of the project is imported
     from benchmarks.mutation.runs import Runs
     from benchmarks.mutation.session import Session, forget, in_children
-    from benchmarks.mutation.survey import closure, survey, test_files
+    from benchmarks.mutation.survey import closures, survey, test_files
 
     modules = list(dict.fromkeys(mutant.module for mutant in mutants))
-    imported = {file: closure(ROOT, file) for file in options.tests or test_files(ROOT)}
+    imported = closures(ROOT, options.tests or test_files(ROOT))
     imported = {file: near for file, near in imported.items() if near & set(modules)}
     mark = sha256(str(ROOT).encode()).hexdigest()[:8]
     kept = Path(tempfile.gettempdir()) / f"fronts-mutation-{mark}.jsonl"
@@ -145,7 +145,8 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     ran: list[Runs] = []
 
     def work() -> None:
-        for module, library in session.missing.items():
+        for module in session.missing.keys() & set(modules):
+            library = session.missing[module]
             print(f"{module} is left out: {library} is not installed", file=sys.stderr)
         mutants[:] = [mutant for mutant in mutants if mutant.module not in session.missing]
         if any(module.startswith("derivations/") for module in modules):
@@ -168,7 +169,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         with suppress(KeyboardInterrupt):  # what was run until then is reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
 
-    code = session.collect(list(imported), modules, work)
+    code = session.collect(list(imported), work)
     if not ran:
         sys.exit(f"mutation: no tests were collected; pytest's exit code is {code}.")
     return mutants, ran[0].found

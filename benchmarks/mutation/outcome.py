@@ -1,4 +1,8 @@
-"""What became of the changes: noticed, explained in ``explained.toml``, or left open."""
+"""What became of the changes: noticed, explained in ``explained.toml``, or left open.
+
+Open are also those that no test was asked about, because the tests that enter what is changed take
+longer than a test may: they are counted apart, and want longer tests or quicker ones.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,8 @@ from typing import Any
 
 from benchmarks.mutation.mutants import Mutant
 
-KILLED, SURVIVED = "killed", "survived"
+KILLED, SURVIVED, UNREACHED = "killed", "survived", "unreached"
+"""A test fails; none fails; none that may be asked enters what is changed."""
 
 
 def read_explained(path: Path) -> dict[str, str]:
@@ -40,7 +45,7 @@ class Outcome:
     mutants : sequence of Mutant
         The changes chosen.
     found : mapping
-        `KILLED` or `SURVIVED` by name of each that was run.
+        `KILLED`, `SURVIVED` or `UNREACHED` by name of each that was run.
     explained : mapping
         Reasons by forms of names.
 
@@ -57,13 +62,18 @@ class Outcome:
         self.why = {
             m.name: next((explained[form] for form in explained if matches(form, m.name)), None)
             for m in mutants
-            if found.get(m.name) == SURVIVED
+            if found.get(m.name) in (SURVIVED, UNREACHED)
         }
 
     @property
     def open(self) -> list[Mutant]:
         """The changes that are not explained."""
         return [m for m in self.mutants if m.name in self.why and self.why[m.name] is None]
+
+    @property
+    def unreached(self) -> list[Mutant]:
+        """Those of the open ones that no test was asked about: all that enter them are longer."""
+        return [mutant for mutant in self.open if self.found[mutant.name] == UNREACHED]
 
     @property
     def stale(self) -> list[str]:
@@ -84,13 +94,14 @@ class Outcome:
     def _count(self, mutants: Sequence[Mutant]) -> dict[str, int]:
         ran = [mutant.name for mutant in mutants if mutant.name in self.found]
         missed = [name for name in ran if name in self.why]
-        open_ = sum(self.why[name] is None for name in missed)
+        left = [name for name in missed if self.why[name] is None]
         return {
             "chosen": len(mutants),
             "run": len(ran),
             "noticed": len(ran) - len(missed),
-            "explained": len(missed) - open_,
-            "open": open_,
+            "explained": len(missed) - len(left),
+            "open": len(left),
+            "unreached": sum(self.found[name] == UNREACHED for name in left),
         }
 
     def __str__(self) -> str:
@@ -98,7 +109,9 @@ class Outcome:
         lines = [f"{'module':44}" + "".join(f"{word:>10}" for word in self.counts()["all"])]
         for name, row in self.counts().items():
             lines.append(f"{name:44}" + "".join(f"{count:10}" for count in row.values()))
-        lines += [f"NOT NOTICED {m.module}:{m.line} {m.function}: {m.change}" for m in self.open]
+        for m in self.open:
+            said = "NOT REACHED" if self.found[m.name] == UNREACHED else "NOT NOTICED"
+            lines.append(f"{said} {m.module}:{m.line} {m.function}: {m.change}")
         return "\n".join(lines)
 
     def write(self, path: Path, root: Path, selection: Mapping[str, Any]) -> None:
@@ -112,5 +125,6 @@ class Outcome:
             "counts": self.counts(),
             "explained": {name: why for name, why in self.why.items() if why},
             "open": [mutant.name for mutant in self.open],
+            "unreached": [mutant.name for mutant in self.unreached],
         }
         path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.outcome import KILLED, SURVIVED
+from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
 from benchmarks.mutation.session import Answer, Session, Task
 from benchmarks.mutation.survey import Survey
 
@@ -32,7 +32,7 @@ class Runs:
     Attributes
     ----------
     found : dict
-        ``killed`` or ``survived`` by name of the change.
+        ``killed``, ``survived`` or ``unreached`` by name of the change.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Runs:
             if time.monotonic() > until:
                 return
             tests = self._asked(mutant)
-            take = partial(self._take, mutant, len(mutants))
+            take = partial(self._take, mutant, len(mutants), bool(tests))
             if not tests and not self._session.ask_first:
                 take([])
                 continue
@@ -73,11 +73,12 @@ class Runs:
                 picked.append(test)
         return picked or reaching[:1]
 
-    def _take(self, mutant: Mutant, count: int, answers: list[Answer]) -> None:
+    def _take(self, mutant: Mutant, count: int, asked: bool, answers: list[Answer]) -> None:
         by = answers[0]["by"] if answers else None
-        self.found[mutant.name] = KILLED if by else SURVIVED
+        self.found[mutant.name] = KILLED if by else SURVIVED if asked else UNREACHED
         if not by:
-            print(f"not noticed: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
+            said = "noticed" if asked else "reached"
+            print(f"not {said}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
                   file=sys.stderr, flush=True)  # fmt: skip
         if by in self._survey.seconds:
             for place in (mutant.function_at, mutant.module):
@@ -85,7 +86,7 @@ class Runs:
         now = time.monotonic()
         if now - self._shown > 10.0 or len(self.found) == count:
             self._shown = now
-            missed = sum(status == SURVIVED for status in self.found.values())
+            missed = sum(status != KILLED for status in self.found.values())
             ahead = (now - self._begin) / len(self.found) * (count - len(self.found)) / 60.0
             print(f"[{len(self.found)}/{count}] {missed} not noticed, {ahead:.0f} min left",
                   file=sys.stderr, flush=True)  # fmt: skip

@@ -36,8 +36,8 @@ from benchmarks.mutation.put import fits, names_bound, names_used_on_import, put
 if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
 
-LIBRARIES = ("hypothesis.strategies", "numba", "scipy.integrate", "scipy.optimize", "sympy")
-OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--import-mode=importlib",
+LIBRARIES = ("numba", "scipy.integrate", "scipy.optimize", "sympy")
+OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--tb=native", "--import-mode=importlib",
            "-p", "no:cacheprovider", "-p", "no:faulthandler",
            "-o", "tmp_path_retention_policy=none")  # fmt: skip
 KEPT_WARM = frozenset({"verification.execution.imports"})
@@ -84,14 +84,21 @@ class Session:
         self._work: Callable[[], None] = lambda: None
         self.ask_first: DerivationChecks | None = None
 
-    def collect(
-        self, files: Sequence[str], modules: Sequence[str], work: Callable[[], None]
-    ) -> int:
-        """Import modules, collect the tests of files, do the work; return pytest's exit code."""
+    def collect(self, files: Sequence[str], work: Callable[[], None]) -> int:
+        """Import the project, collect the tests of files, do the work; return pytest's exit code.
+
+        What a child imports would be compiled in each child again.
+        """
         self._work = work
         for name in LIBRARIES:
             import_module(name)
-        for module in modules:
+        from hypothesis import Phase, settings
+
+        # An example that fails is enough; to look for the simplest one takes minutes.
+        first_one = (Phase.explicit, Phase.generate)
+        settings.register_profile("mutation", phases=first_one, database=None)
+        settings.load_profile("mutation")
+        for module in self._modules():
             try:
                 import_module(dotted(module))
             except ModuleNotFoundError as error:
@@ -103,12 +110,17 @@ class Session:
             os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = temporary
             return int(pytest.main([*options, *files], plugins=[self]))
 
+    def _modules(self) -> list[str]:
+        """Return all modules of the project but those that run when they are imported."""
+        found = (path for each in entered.PACKAGES for path in (self.root / each).rglob("*.py"))
+        paths = sorted(path for path in found if path.name != "__main__.py")
+        return [path.relative_to(self.root).as_posix() for path in paths]
+
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """In the place of running all tests."""
         self.items = {item.nodeid: item for item in session.items}
         self.on_import = frozenset(self.names)
-        files = (path for each in entered.PACKAGES for path in (self.root / each).rglob("*.py"))
-        self._names_on_import = names_used_on_import(files)
+        self._names_on_import = names_used_on_import(self.root / each for each in self._modules())
         gc.unfreeze()  # conftest.py freezes what collection leaves, and only the rest is listed
         for each in gc.get_objects():
             if isinstance(each, FunctionType):

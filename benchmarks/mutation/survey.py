@@ -82,14 +82,41 @@ def test_files(root: Path) -> list[str]:
     return [path.relative_to(root).as_posix() for path in (*tests, *modules)]
 
 
-def closure(root: Path, file: str) -> frozenset[str]:
-    """Return the files of the project that a file imports, directly or not, itself included."""
-    from verification.execution.imports import closure as closure_of
+def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
+    """Return by file the files of the project that it imports, directly or not, itself included.
 
-    packages = (*PACKAGES, "benchmarks", "tests")
-    return frozenset(
-        path.relative_to(root).as_posix() for path in closure_of(dotted(file), packages).values()
-    )
+    As `verification.execution.imports.closure` of each, but no module is looked for twice.
+    """
+    from verification.execution.imports import imports_of, source_of
+
+    place: dict[str, str] = {}
+    direct: dict[str, tuple[str, ...]] = {}
+
+    def read(name: str) -> None:
+        top = name.partition(".")[0]
+        path = source_of(name) if top in (*PACKAGES, "benchmarks", "tests") else None
+        direct[name] = ()
+        if path is not None:
+            place[name] = path.relative_to(root).as_posix()
+            parent = name.rpartition(".")[0]
+            names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
+            whole = (root / top).rglob("*.py") if computed and source_of(top) else ()
+            below = (dotted(each.relative_to(root).as_posix()) for each in whole)
+            direct[name] = (parent, *names, *below)
+
+    def reached(file: str) -> frozenset[str]:
+        found: set[str] = set()
+        waiting = [dotted(file)]
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                if name not in direct:
+                    read(name)
+                waiting.extend(direct[name])
+        return frozenset(place[name] for name in found if name in place)
+
+    return {file: reached(file) for file in files}
 
 
 def survey(
@@ -128,7 +155,8 @@ def survey(
 
     def tasks() -> Iterator[Task]:
         here = Path(__file__).parent  # how it is recorded decides what is found
-        runner = digest_of_files(here, here.glob("*.py"))
+        recording = (here / f"{name}.py" for name in ("entered", "session", "survey"))
+        runner = digest_of_files(here, recording)
         for file, files in imported.items():
             read = digest_of_files(root, [root / each for each in files])
             key = digest_of([read, runner, limit])

@@ -17,7 +17,7 @@ from derivations.chain import ChainModel
 from derivations.friction.model import PAPER as FRICTION
 from derivations.friction.steps import derive as derive_friction
 from derivations.friction.symbols import d, eta_c, k, m
-from derivations.front.cell import forcing_parameter
+from derivations.front.cell import eliminated, forcing_parameter
 from derivations.symbols import a, b, c
 
 w = sp.Symbol("w", positive=True)
@@ -125,3 +125,18 @@ def test_one_parameter_is_left_of_a_damping_with_powers_0_p_and_2p(powers, found
     model = ChainModel(damping=dict(zip(powers, sp.symbols("h:4", positive=True), strict=False)))
     low, middle, top = sp.symbols("h:3", positive=True)
     assert forcing_parameter(model) == (low * top / middle**2 if found else None)
+
+
+def test_one_letter_of_the_top_coefficient_gives_way_to_the_parameter():
+    assert eliminated(ChainModel(damping={0: 1, 2: -a, 4: b * w})) == (b,)
+    assert eliminated(ChainModel(damping={0: 1, 2: -a, 4: 2})) == ()
+
+
+def test_a_chain_is_the_same_however_its_coefficients_are_written_down():
+    model = ChainModel(damping={4: 0, 2: 1, 0: -1}, stiffness={3: 0}, weights=(1, 0.5), coupling=2)
+    other = ChainModel(damping={0: sp.Integer(-1), 2: sp.Integer(1)}, coupling=2, weights=(1, 0.5))
+    assert model == other
+    assert hash(model) == hash(other)
+    assert list(model.damping) == [0, 2]
+    numbers = (*model.damping.values(), model.coupling, *model.weights)
+    assert all(isinstance(value, sp.Expr) for value in numbers)

@@ -77,8 +77,8 @@ def derive(chain: FrictionModel = PAPER) -> Derivation:
 def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
     falling = mu_far + mu_fall * chain.decay(sp.Abs(v_rel) / v_0)
     law = sp.Tuple(
-        equation(F, -sp.sign(v_rel) * F_N * mu(v_rel)), sp.Ne(v_rel, 0, evaluate=False),
-        sp.Le(sp.Abs(F), mu_st * F_N, evaluate=False), equation(v_rel, 0),
+        equation(F, -sp.sign(v_rel) * F_N * mu(v_rel)), sp.Ne(v_rel, 0),
+        sp.Le(sp.Abs(F), mu_st * F_N), equation(v_rel, 0),
     )
     scales = sp.Tuple(equation(y(n, t), y_0 * y_tilde(n, tau)), equation(tau, omega_n * t),
                       equation(F, F_N * F_tilde))

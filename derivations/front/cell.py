@@ -86,7 +86,7 @@ def comparison(draft: Draft, chain: ChainModel) -> None:
     """Write down what (44) keeps of (43), and what it drops."""
     checks = CellChecks(chain)
     size, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
-    below, above = (side(size, threshold, evaluate=False) for side in (sp.Lt, sp.Gt))
+    below, above = (side(size, threshold) for side in (sp.Lt, sp.Gt))
     draft.derived("averaged chain near rest", Linearise({phi: phi}, at_rest=True),
                   "averaged chain at unit frequency",
                   check=checks.near_rest)

@@ -89,8 +89,7 @@ def two_lines(chain: ChainModel) -> sp.Eq:
          for j, weight in enumerate(chain.weights, start=1)), sp.S.Zero)
     size, threshold = sp.Abs(own), sp.Abs(phi_us)
     branches = sp.Piecewise(
-        (own, sp.Lt(size, threshold, evaluate=False)),
-        (own - phi_s, sp.Gt(size, threshold, evaluate=False)), evaluate=False,
+        (own, sp.Lt(size, threshold)), (own - phi_s, sp.Gt(size, threshold)), evaluate=False
     )
     rest = chain.damping.get(0, sp.S.Zero)
     return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * springs,
@@ -107,7 +106,7 @@ def travelling_wave(reach: int) -> sp.Tuple:
 
 
 def _half_plane(side: type[sp.Rel]) -> sp.ConditionSet:
-    condition = sp.And(equation(L(k), 0), side(sp.im(k), 0, evaluate=False), evaluate=False)
+    condition = sp.And(equation(L(k), 0), side(sp.im(k), 0), evaluate=False)
     return sp.ConditionSet(k, condition, sp.S.Complexes)
 
 
@@ -122,8 +121,7 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
     draft.ansatz("travelling wave", travelling_wave(chain.reach),
                  "a travelling wave that does not turn its phase on the way", check=checks.moving,
                  number=46)
-    once = sp.Equivalent(sp.Gt(sp.Abs(own), sp.Abs(phi_us), evaluate=False),
-                         sp.Lt(zeta, 0, evaluate=False), evaluate=False)
+    once = sp.Equivalent(sp.Gt(sp.Abs(own), sp.Abs(phi_us)), sp.Lt(zeta, 0), evaluate=False)
     draft.ansatz("one passage", once, "each site passes the threshold once, at ζ = 0",
                  check=checks.admissible, number=47)
     draft.definition("slow velocity", equation(speed, epsilon * v), "the velocity a unit of εt",

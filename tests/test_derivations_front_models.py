@@ -138,5 +138,6 @@ def test_a_chain_is_the_same_however_its_coefficients_are_written_down():
     assert model == other
     assert hash(model) == hash(other)
     assert list(model.damping) == [0, 2]
+    assert ChainModel(damping={0: 1}, coupling=0, weights=(1,)).weights == ()
     numbers = (*model.damping.values(), model.coupling, *model.weights)
     assert all(isinstance(value, sp.Expr) for value in numbers)

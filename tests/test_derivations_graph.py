@@ -148,3 +148,11 @@ def test_a_derivation_is_called_by_its_name_and_has_a_title_besides(derivations)
 def test_sites_are_too_many_where_the_averaged_damping_is_not_linear(damping, left_out):
     made = catalogue.load("averaging", model=ChainModel(damping=damping))
     assert ("too many sites" not in {step.name for step in made.steps}) == left_out
+
+
+@pytest.mark.parametrize("key", catalogue.WITH_ORDER)
+def test_to_second_order_the_steps_of_the_second_order_follow_those_of_the_first(key):
+    first, second = catalogue.load(key).steps, catalogue.load(key, order=2).steps
+    assert second[: len(first)] == first
+    _, *names = [step.name for step in catalogue.load("second-order").steps]  # without (8)
+    assert [step.name for step in second[len(first) :]] == names

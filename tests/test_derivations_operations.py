@@ -411,6 +411,11 @@ CASES = {
         GrowthRates(names=(name, -rate)), (RADIUS, SQUARES),
         sp.Tuple(equation(name, 3 * epsilon / 4), equation(-rate, -3 * epsilon)),
     ),
+    "ratio of cycles with letters": (
+        RatioOfCycles(),
+        (equation(radius.diff(t), -epsilon * radius * (radius**2 - e) * (radius**2 - 9 * e)),),
+        equation(ratio, sp.Rational(1, 3)),
+    ),
     "ratio of cycles": (RatioOfCycles(), (RADIUS,), equation(ratio, HALF)),
     # finite chains
     "free ends": (

@@ -33,7 +33,7 @@ def derivations() -> Iterator[tuple[str, Derivation]]:
         yield key, catalogue.load(key)
     for key in ("multiple-scales", "averaging", "second-order"):
         yield f"{key} of another chain", catalogue.load(key, model=other)
-    for damping, stiffness in (("1 - a*y**2 + b*y**4", None), ("y**2 - 1", "k2*y**2 + k3*y**3")):
+    for damping, stiffness in (("2 - a*y**2 + b*y**4", None), ("y**2 - 1", "k2*y**2 + k3*y**3")):
         yield f"cell with {damping}", derive_envelope(damping, stiffness).derivation
 
 

@@ -308,7 +308,9 @@ class Checks:
 
     @staticmethod
     def scaled_law(candidate: sp.Basic) -> Evidence:
-        """Force (6): that of (3) over F_N at the velocity in dimensions."""
+        """Force (6): that of (3) over F_N at the velocity in dimensions, which only mu has."""
+        if candidate.replace(s.mu, lambda _: sp.S.One).has(s.F_N, s.omega_n, s.y_0):
+            return Evidence(False, "a quantity with a dimension stands outside of mu")
         point = {s.mu_st: _STATIC, s.F_N: 1.7, s.omega_n: 1.3, s.y_0: 0.6}
         return _is_law(candidate, point, (s.F_tilde, s.v_tilde_rel),
                        unit=1.0, limit=_STATIC, velocity=1.3 * 0.6)  # fmt: skip

@@ -91,7 +91,7 @@ def two_lines(chain: ChainModel) -> sp.Eq:
     branches = sp.Piecewise(
         (own, sp.Lt(size, threshold)), (own - phi_s, sp.Gt(size, threshold)), evaluate=False
     )
-    rest = chain.damping.get(0, sp.S.Zero)
+    rest = chain.damping.get(0, 0)
     return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * springs,
                     -HALF * epsilon * rest * branches)
 

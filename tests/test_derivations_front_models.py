@@ -12,12 +12,14 @@ import sympy as sp
 
 from derivations import catalogue
 from derivations.algebra.equations import same
+from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.steps import Kind
 from derivations.chain import ChainModel
 from derivations.friction.model import PAPER as FRICTION
 from derivations.friction.steps import derive as derive_friction
 from derivations.friction.symbols import d, eta_c, k, m
 from derivations.front.cell import eliminated, forcing_parameter
+from derivations.linearisation.steps import derive as derive_linearisation
 from derivations.symbols import a, b, c
 
 w = sp.Symbol("w", positive=True)
@@ -141,3 +143,10 @@ def test_a_chain_is_the_same_however_its_coefficients_are_written_down():
     assert ChainModel(damping={0: 1}, coupling=0, weights=(1,)).weights == ()
     numbers = (*model.damping.values(), model.coupling, *model.weights)
     assert all(isinstance(value, sp.Expr) for value in numbers)
+
+
+def test_a_ring_has_no_site_that_is_a_neighbour_twice():
+    model = CHAINS["next-nearest"]
+    with pytest.raises(DerivationInputError, match="at least 5"):
+        derive_linearisation(model, 4)
+    assert derive_linearisation(model, 5).steps

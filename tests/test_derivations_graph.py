@@ -152,7 +152,9 @@ def test_sites_are_too_many_where_the_averaged_damping_is_not_linear(damping, le
 
 @pytest.mark.parametrize("key", catalogue.WITH_ORDER)
 def test_to_second_order_the_steps_of_the_second_order_follow_those_of_the_first(key):
-    first, second = catalogue.load(key).steps, catalogue.load(key, order=2).steps
+    extended = catalogue.load(key, order=2)
+    assert extended.key == key
+    first, second = catalogue.load(key).steps, extended.steps
     assert second[: len(first)] == first
     _, *names = [step.name for step in catalogue.load("second-order").steps]  # without (8)
     assert [step.name for step in second[len(first) :]] == names

@@ -11,6 +11,7 @@ import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -131,11 +132,19 @@ def models() -> dict[str, type[Chain]]:
 
 
 def models_of(command: Command) -> dict[str, Call]:
-    """Return the calls of a command by model, those of further registered models included."""
+    """Return the calls of a command by model, those of further registered models included.
+
+    A model without a number of sites is not among them: it is endless, and nothing runs it.
+    """
     calls = {model: call for model, call in command.calls.items() if model != EVERY}
     if EVERY in command.calls:
-        calls |= {model: command.calls[EVERY] for model in models() if model not in calls}
+        further = (model for model in models() if model not in calls)
+        calls |= {model: command.calls[EVERY] for model in further if _has_sites(models()[model])}
     return calls
+
+
+def _has_sites(chain: type[Chain]) -> bool:
+    return "sites" in signature(chain).parameters
 
 
 def located(where: str) -> Callable[..., Any]:

@@ -119,7 +119,7 @@ class Command:
 
 
 EVERY = "*"
-"""Any registered model."""
+"""Any further registered model with a number of sites."""
 
 ALIASES = {"envelope": "averaged"}
 """Other names of models."""
@@ -167,7 +167,7 @@ _OF_BISECTION = ("final_time", "accuracy", "lowest", "highest", "tests", "displa
 _VDP_THRESHOLD = Measurement(
     function=_THRESHOLD,
     fixed={"c": 0.0, "sites": 31},
-    presets={**_FIG_7, "method": "envelope"},
+    presets=_FIG_7,
     only={
         "perturbation": "sweep",
         "seed": "sweep",

@@ -203,6 +203,19 @@ def test_options_are_those_of_the_model():
     assert "method" in {each.name for each in bound_to("threshold vdp").own.parameters}
 
 
+@pytest.mark.parametrize("command", ["simulate", "map", "threshold"])
+def test_a_chain_without_an_end_is_offered_where_something_answers_only(command):
+    assert "piecewise" not in bound.models_of(COMMANDS[command])
+    assert {"chain", "averaged-chain"} <= set(bound.models_of(COMMANDS[command]))
+
+
+def test_the_threshold_of_a_model_is_that_of_the_function(called):
+    # the envelope has no eps: as a default it answered for (43) where (8) was named
+    (chain, *_), options, _ = called("threshold vdp --eps 0.1")
+    assert chain.eps == 0.1
+    assert options.get("method") is None
+
+
 @pytest.mark.parametrize(
     ("line", "needed"),
     [

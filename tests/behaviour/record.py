@@ -93,10 +93,10 @@ breather-none | breather --c 0.3 --method envelope | beyond the fold
 breather-simulation | breather --c 0.1 --method simulation --n 7 | a run
 breather-eta | breather --c 0.1 --a 2.5 --b 1 | refused: no cycles
 breather-signs | breather --c 0.1 --nucleus 3 --pattern=+ | refused
-threshold-envelope | threshold vdp --nucleus 3 | by continuation
+threshold-envelope | threshold vdp --nucleus 3 --method envelope | by continuation
 threshold-orbit | threshold vdp --nucleus 1 --method orbit | in (8)
-threshold-steep | threshold vdp --nucleus 1 --a 4 | other damping
-threshold-edge | threshold vdp --nucleus 1 --place edge | at the end
+threshold-steep | threshold vdp --nucleus 1 --a 4 --method envelope | other damping
+threshold-edge | threshold vdp --nucleus 1 --place edge --method envelope | at the end
 threshold-closed | threshold vdp --nucleus 1 --method closed-form | (29), (37)
 threshold-sweep | threshold vdp --nucleus 1 --method sweep | slow growth of c
 threshold-friction | threshold friction --place edge --nucleus 1 --n 11 --t-end 300 \

@@ -14,7 +14,7 @@ from theory.status import Status
 class CellStatus(Status):
     """Which states of a cell are stable."""
 
-    BISTABLE = "bistable", "rest (steady sliding) and the large cycle are both stable."
+    BISTABLE = "bistable", "the equilibrium and the large cycle are both stable."
     CYCLE = "stick-slip only", "the stick-slip cycle is stable, steady sliding is not."
     SLIDING = "steady sliding only", "steady sliding is stable, and there is no stick-slip cycle."
     REST = "rest only", "rest is stable, and there is no cycle."

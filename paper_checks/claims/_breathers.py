@@ -15,23 +15,15 @@ def flow(state: Real, c: float, duration: float, tolerance: float = 1e-11) -> Re
     """Integrate (8) with free ends by DOP853; (2N,) or (2N, M) for M runs at once."""
     from scipy.integrate import solve_ivp
 
+    from theory.chains.vdp import VdpChain
+    from verification.references.equations import full_rate
+
     start = np.asarray(state, dtype=float)
-    sites, shape = start.shape[0] // 2, start.shape
-
-    def rate(_: float, flat: Real) -> Real:
-        x = flat.reshape(shape)
-        y, v = x[:sites], x[sites:]
-        pull = np.zeros_like(y)
-        pull[1:] += y[1:] - y[:-1]
-        pull[:-1] += y[:-1] - y[1:]
-        force = -y - EPS * (c * pull + v * (1.0 - A * y**2 + B * y**4))
-        out: Real = np.concatenate([v, force]).ravel()
-        return out
-
+    rate = full_rate(VdpChain(a=A, b=B, c=c, eps=EPS, sites=start.shape[0] // 2))
     run = solve_ivp(
         rate, (0.0, duration), start.ravel(), method="DOP853", rtol=tolerance, atol=tolerance
     )
-    return np.asarray(run.y[:, -1], dtype=float).reshape(shape)
+    return np.asarray(run.y[:, -1], dtype=float).reshape(start.shape)
 
 
 def monodromy_by_differences(state: Real, c: float, period: float, step: float = 1e-6) -> Real:

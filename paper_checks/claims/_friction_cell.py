@@ -8,21 +8,18 @@ It knows nothing of the chain's integrator, so that either can be held against t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-MU_ST, MU_D, V_0, XI = 1.0, 0.5, 0.5, 0.05
+from theory.cells.friction import FrictionCell
+from verification.references.equations import dynamic_friction
+
+CELL = FrictionCell()
 """Parameters (7)."""
 
 Real = NDArray[np.float64]
-
-
-def friction(speed: float) -> float:
-    """Return μ of (2), corrected, at a relative speed."""
-    return MU_D + (MU_ST - MU_D) * math.exp(-abs(speed) / V_0)
 
 
 def slip_rate(belt: float) -> Callable[[float, Real], list[float]]:
@@ -30,7 +27,7 @@ def slip_rate(belt: float) -> Callable[[float, Real], list[float]]:
 
     def rate(_: float, state: Real) -> list[float]:
         y, w = state
-        return [w, -2.0 * XI * w - y + friction(belt - w)]
+        return [w, -2.0 * CELL.xi * w - y + float(dynamic_friction(abs(belt - w), CELL))]
 
     return rate
 
@@ -60,7 +57,7 @@ def highest_after_slip(belt: float) -> float:
         _Event(lambda state: state[1] - belt, 1.0),
         _Event(lambda state: rate(0.0, state)[1], -1.0),
     )
-    start = [MU_ST - 2.0 * XI * belt, belt - 1e-12]
+    start = [CELL.mu_st - 2.0 * CELL.xi * belt, belt - 1e-12]
     run = solve_ivp(
         rate, (0.0, 50.0), start, method="DOP853", events=events, rtol=1e-11, atol=1e-13
     )
@@ -80,9 +77,9 @@ def averaged_damping(belt: float) -> tuple[Real, Real]:
     for low, high, sign in ((0.0, overtakes, -1.0), (overtakes, np.pi, 1.0)):
         angles = 0.5 * (low + high) + 0.5 * (high - low) * nodes
         slip = np.abs(belt - amplitudes * np.cos(angles))
-        force = sign * (MU_D + (MU_ST - MU_D) * np.exp(-slip / V_0))
+        force = sign * dynamic_friction(slip, CELL)
         total += (0.5 * (high - low) * weights * force * np.cos(angles)).sum(axis=1)
-    return amplitudes[:, 0], XI * amplitudes[:, 0] - total / np.pi
+    return amplitudes[:, 0], CELL.xi * amplitudes[:, 0] - total / np.pi
 
 
 def averaged_front(belt: float, c: float = 1.0, sites: int = 200) -> float:

@@ -22,13 +22,10 @@ def arrivals_of_chain(c: float, sites: int, end: float, level: float, start: flo
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq
 
-    def rate(_: float, x: Real) -> Real:
-        y, v = x[:sites], x[sites:]
-        pull = np.zeros(sites)
-        pull[1:] += y[1:] - y[:-1]
-        pull[:-1] += y[:-1] - y[1:]
-        return np.concatenate([v, -y - EPS * (c * pull + v * (1.0 - A * y**2 + B * y**4))])
+    from theory.chains.vdp import VdpChain
+    from verification.references.equations import full_rate
 
+    rate = full_rate(VdpChain(a=A, b=B, c=c, eps=EPS, sites=sites))
     x = np.zeros(2 * sites)
     x[0] = start
     arrivals = np.full(sites, np.nan)
@@ -87,20 +84,18 @@ def velocity_on_few_sites(c: float, sites: int = 160, filled: int = 40) -> float
     """
     from scipy.integrate import solve_ivp
 
-    root = np.sqrt(1.0 - 8.0 * B / A**2)
-    on_cycle, level = np.sqrt(A / B * (1.0 + root)), np.sqrt(A / B * (1.0 - root))
+    from theory.chains.vdp import VdpChain
+    from verification.references.equations import full_rate
 
-    def rate(_: float, x: Real) -> Real:
-        y, w = x[:sites], x[sites:]
-        stretch = np.diff(y)
-        pull = np.append(0.0, stretch) - np.append(stretch, 0.0)
-        return np.concatenate([w, -y - EPS * (c * pull + w * (1.0 - A * y**2 + B * y**4))])
-
+    chain = VdpChain(a=A, b=B, c=c, eps=EPS, sites=sites)
+    on_cycle, level = chain.stable_amplitude, chain.unstable_amplitude
     x = np.zeros(2 * sites)
     turn = 0.5 * np.pi * np.arange(filled)
     x[:filled], x[sites : sites + filled] = on_cycle * np.cos(turn), on_cycle * np.sin(turn)
     end = 1.5 * (sites - filled) / (EPS * wave_velocity(c))
-    run = solve_ivp(rate, (0.0, end), x, method="DOP853", rtol=1e-7, atol=1e-8, max_step=0.5)
+    run = solve_ivp(
+        full_rate(chain), (0.0, end), x, method="DOP853", rtol=1e-7, atol=1e-8, max_step=0.5
+    )
     size = np.hypot(run.y[:sites], run.y[sites:])
     watched = np.arange((sites + filled) // 2, sites - 8)
     if np.any(size[watched].max(axis=1) < level):
@@ -120,13 +115,16 @@ def staggered_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
     """
     from scipy.integrate import solve_ivp
 
-    root = np.sqrt(1.0 - 8.0 * b / a**2)
-    on_cycle, level = np.sqrt(a / b * (1.0 + root)), np.sqrt(a / b * (1.0 - root))
+    from theory.chains.vdp import AveragedChain
+    from verification.references.equations import quarter_turn_rate
 
-    def rate(_: float, r: Real) -> Real:
-        padded = np.concatenate([[on_cycle], r, [0.0]])
-        damping = 0.5 * r * (1.0 - a * r**2 / 4.0 + b * r**4 / 8.0)
-        out: Real = 0.5 * c * (padded[:-2] - padded[2:]) - damping
+    chain = AveragedChain(a=a, b=b, c=c, sites=sites)
+    on_cycle, level = chain.stable_amplitude, chain.unstable_amplitude
+    free = quarter_turn_rate(chain)
+
+    def rate(t: float, r: Real) -> Real:
+        out = free(t, r)
+        out[0] += 0.5 * c * on_cycle
         return out
 
     start = np.where(np.arange(sites) < sites // 4, on_cycle, 0.0)

@@ -55,14 +55,6 @@ def _scipy(
     )
 
 
-def _measured(run: EventRun) -> tuple[float, float]:
-    """Return period and time in stick of the last cycle of a run, from its events."""
-    begins = run.log[run.log[:, 2] == 0, 0]
-    ends = run.log[run.log[:, 2] == 1, 0]
-    began = begins[begins < ends[-1]][-1]
-    return float(ends[-1] - ends[-2]), float(ends[-1] - began)
-
-
 @dataclass(frozen=True, kw_only=True)
 class TwoStates:
     """Both states of the cell at v_d = 1.25."""
@@ -92,7 +84,9 @@ def two_states() -> TwoStates:
     cell = orbits.cell
     cycle = _scipy(cell, 2.0, 40.0)
     rest = _scipy(cell, 1.0, SETTLED, 8001, rough=True)
-    period, stick = _measured(cycle)
+    if cycle.last_cycle is None:
+        raise ArithmeticError("the cell of Fig. 2 does not stick twice in scipy's run")
+    period, stick = cycle.last_cycle
     step = 5e-3
     inside, outside = (
         _scipy(cell, edge, LONG, 3, rough=True).log.size > 0
@@ -400,16 +394,8 @@ def switch_model() -> SwitchModel:
                 chain, np.array([[stable.max], [0.0]]), 40.0 * stable.period, band=band,
                 relative=relative, absolute=absolute, samples=100_001,
             )  # fmt: skip
-            rows.append(_switch_period(run.times, run.velocity) / stable.period - 1.0)
+            rows.append(run.period / stable.period - 1.0)
     return SwitchModel(defaults=rows[2], tight=rows[5], order=math.log10(rows[3] / rows[4]))
-
-
-def _switch_period(times: np.ndarray, velocity: np.ndarray) -> float:
-    v = velocity[:, 0]
-    k = np.flatnonzero((v[:-1] > 0.0) & (v[1:] <= 0.0))
-    turns = times[k] + v[k] / (v[k] - v[k + 1]) * (times[1] - times[0])
-    half = turns.size // 2
-    return float((turns[-1] - turns[half]) / (turns.size - 1 - half))
 
 
 def rule_switch_model(e: SwitchModel) -> Ruling:

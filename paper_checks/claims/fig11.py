@@ -16,8 +16,6 @@ from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from verification.breathers.phase_locked import LockedBranch
 
 ODD = (1, 3, 5, 7, 9)
@@ -308,10 +306,14 @@ def nuclei() -> Nuclei:
         if other.exponents is None:
             raise ArithmeticError(f"no breather of size {n} at c = 0.1")
         by_envelope[n] = other.exponents.growth
-        at = {c: _outward_breather(n, c) for c in MIRRORED_AT if n > 1 or c == 0.1}
+        at = {
+            c: phase_locked.outward_breather(n, c, A, B) for c in MIRRORED_AT if n > 1 or c == 0.1
+        }
         here[n] = phase_locked.growth_rate(at[0.1], 0.1, A, B)
         if n > 1:
-            mirrored[n] = max(_growth_mirrored(u, c) for c, u in at.items())
+            mirrored[n] = max(
+                phase_locked.growth_rate(u, c, A, B, mirrored=True) for c, u in at.items()
+            )
     return Nuclei(
         branches={
             n: tuple(Ended(c_end=each.c_end, stable=each.stable) for each in found)
@@ -323,32 +325,6 @@ def nuclei() -> Nuclei:
         orbit_growth=_orbit_growth(branches[6]),
         seeded_runs=_seeded_runs(),
     )
-
-
-def _outward_breather(n: int, c: float) -> NDArray[np.float64]:
-    """Return the mirror-symmetric breather of odd size, every step outwards -π/2, as unknowns."""
-    from verification.breathers import phase_locked
-
-    outward = np.where(np.arange(n - 1) < (n - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
-    start = phase_locked.start_from(outward, A, B, phase_locked.START)
-    for here in np.linspace(phase_locked.START, c, 1 + round((c - phase_locked.START) / 0.002)):
-        found = phase_locked.solve(start, float(here), A, B)
-        if found is None:
-            raise ArithmeticError(f"no mirror-symmetric breather of size {n} at c = {c:g}")
-        start = found
-    return start
-
-
-def _growth_mirrored(u: NDArray[np.float64], c: float) -> float:
-    """Return the largest growth rate of perturbations that are the same on both sides."""
-    from verification.breathers import phase_locked
-
-    matrix = phase_locked.jacobian(u, c, A, B)[:-1, :-1]
-    sites = matrix.shape[0] // 2
-    half = (np.eye(sites) + np.eye(sites)[::-1])[:, : (sites + 1) // 2]
-    even = np.kron(np.eye(2), half / np.linalg.norm(half, axis=0))
-    rates = np.linalg.eigvals(even.T @ matrix @ even)
-    return float(np.delete(rates, np.argmin(np.abs(rates))).real.max())
 
 
 def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:

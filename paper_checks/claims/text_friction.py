@@ -14,7 +14,6 @@ from paper_checks.claims._breathers import EPS
 from paper_checks.claims._breathers import A as VDP_A
 from paper_checks.claims._breathers import B as VDP_B
 from paper_checks.claims._friction import SITES, chain_of, disagreement
-from paper_checks.claims._friction_cell import friction
 from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
@@ -86,14 +85,15 @@ class Ends:
 
 def ends() -> Ends:
     """Pull a uniform chain by free ends, and by (1) with missing neighbours at zero."""
-    c, sliding = 0.02, np.full(SITES, friction(1.25))
-    literal = 2.0 * np.eye(SITES) - np.eye(SITES, k=1) - np.eye(SITES, k=-1)
-    free = literal.copy()
-    free[0, 0] = free[-1, -1] = 1.0
-    return Ends(
-        free=float(np.abs(c * free @ sliding).max()),
-        literal=float(np.abs(c * literal @ sliding).max()),
+    from theory.chains.ends import Ends as At
+    from verification.references.equations import pull
+
+    chain = chain_of(0.02)
+    sliding = np.full(SITES, chain.cell.steady_sliding)
+    free, literal = (
+        float(np.abs(chain.c * pull(sliding, each)).max()) for each in (At.FREE, At.LITERAL)
     )
+    return Ends(free=free, literal=literal)
 
 
 def rule_ends(e: Ends) -> Ruling:

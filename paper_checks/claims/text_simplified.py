@@ -53,13 +53,11 @@ def gauge() -> Gauge:
 
 def _rate_34(phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
     """Return dφ/d(εt) of (34) for any ω, free ends."""
-    pull = np.zeros_like(phi)
-    pull[1:] += phi[1:] - phi[:-1]
-    pull[:-1] += phi[:-1] - phi[1:]
-    size = np.abs(phi) ** 2
-    damping = 1.0 - A * size / (4 * omega**2) + B * size**2 / (8 * omega**4)
+    from verification.references.equations import averaged_damping, pull
+
+    damping = averaged_damping(np.abs(phi) / omega, A, B)
     frame = 1j * (omega - 1.0 / omega) / (2.0 * eps)
-    rate: np.ndarray = 0.5j * c / omega * pull - 0.5 * phi * damping - frame * phi
+    rate: np.ndarray = 0.5j * c / omega * pull(phi) - 0.5 * phi * damping - frame * phi
     return rate
 
 

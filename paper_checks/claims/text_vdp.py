@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.claims._closed_form import solutions
-from paper_checks.claims._one_cell import trajectory
 from paper_checks.ruling import corrected, fails, holds, partly
 
 SETS = ((2.5, 0.5), (4.0, 0.5))
@@ -36,15 +37,32 @@ class Cells:
     sticks: bool
 
 
+def _trajectory(
+    rate: Callable[[float, NDArray[np.float64]], list[float]], end: float, start: list[float]
+) -> Callable[[float], NDArray[np.float64]]:
+    """Return (y, y') as a function of time from 0 to ``end``."""
+    from scipy.integrate import solve_ivp
+
+    run = solve_ivp(
+        rate, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-13, dense_output=True
+    )
+    dense = run.sol
+    if dense is None:
+        raise ArithmeticError("the integrator kept no solution.")
+    return lambda time: np.asarray(dense(time), dtype=float)
+
+
 def _turn(a: float, b: float, height: float) -> float:
     """Return the next largest y after one of the given height, for one cell of (8)."""
     from scipy.optimize import brentq
 
+    from verification.references.equations import damping
+
     def rate(_: float, state: np.ndarray) -> list[float]:
         y, w = state
-        return [w, -y - EPS * w * (1.0 - a * y * y + b * y**4)]
+        return [w, -y - EPS * w * damping(y, a, b)]
 
-    run = trajectory(rate, 9.0, [height, 0.0])
+    run = _trajectory(rate, 9.0, [height, 0.0])
     return float(run(brentq(lambda t: run(t)[1], 5.0, 8.0))[0])
 
 
@@ -53,7 +71,7 @@ def cells() -> Cells:
     """Find the cycles of one cell of either model as fixed points, and their stability."""
     from scipy.optimize import brentq
 
-    from paper_checks.claims._friction_cell import friction, highest_after_slip, slip_rate
+    from paper_checks.claims._friction_cell import CELL, highest_after_slip, slip_rate
 
     rows: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
     off = []
@@ -66,13 +84,12 @@ def cells() -> Cells:
             slope = (_turn(a, b, cycle + 1e-4) - _turn(a, b, cycle - 1e-4)) / 2e-4
             found.append((cycle, slope))
             off.append(abs(cycle / predicted - 1.0))
-    belt = 1.25
-    centre = friction(belt)
+    belt, centre = CELL.v_d, CELL.steady_sliding
 
     def after(w: float, turns: int = 1) -> float:
         """Return ẏ at the centre after some turns of slip."""
         for _ in range(turns):
-            run = trajectory(slip_rate(belt), 7.5, [centre, w])
+            run = _trajectory(slip_rate(belt), 7.5, [centre, w])
             w = float(run(brentq(lambda t, run=run: run(t)[0] - centre, 5.2, 7.4))[1])
         return w
 
@@ -113,6 +130,7 @@ def small() -> Small:
     from scipy.integrate import solve_ivp
 
     from theory.chains.vdp import VdpChain, effective_epsilon
+    from verification.references.equations import damping
 
     ripples = []
     for a, b in SETS:
@@ -122,7 +140,7 @@ def small() -> Small:
             def rate(_: float, x: np.ndarray, a: float = a, b: float = b,
                      eps: float = eps) -> list[float]:  # fmt: skip
                 y, w = x
-                return [w, -y - eps * w * (1.0 - a * y * y + b * y**4)]
+                return [w, -y - eps * w * damping(y, a, b)]
 
             settle = 2.5 / eps  # the slower cycle forgets e^{-7} of its start
             high = math.sqrt(a / b * (1.0 + math.sqrt(1.0 - 8.0 * b / a**2)))

@@ -13,7 +13,7 @@ that either can be held against the other.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -141,9 +141,18 @@ def solve(guess: Real, c: float, a: float, b: float, rounds: int = 40) -> Real |
     return None
 
 
-def growth_rate(u: Real, c: float, a: float, b: float) -> float:
-    """Return the largest real part of the exponents, the zero of the phase left out."""
-    rates = np.linalg.eigvals(jacobian(u, c, a, b)[:-1, :-1])
+def growth_rate(u: Real, c: float, a: float, b: float, *, mirrored: bool = False) -> float:
+    """Return the largest real part of the exponents, the zero of the phase left out.
+
+    With ``mirrored`` of perturbations alone that are the same on both sides.
+    """
+    matrix = jacobian(u, c, a, b)[:-1, :-1]
+    if mirrored:
+        sites = matrix.shape[0] // 2
+        half = (np.eye(sites) + np.eye(sites)[::-1])[:, : (sites + 1) // 2]
+        even = np.kron(np.eye(2), half / np.linalg.norm(half, axis=0))
+        matrix = even.T @ matrix @ even
+    rates = np.linalg.eigvals(matrix)
     return float(np.delete(rates, np.argmin(np.abs(rates))).real.max())
 
 
@@ -188,15 +197,7 @@ def locked_breathers(
     grid : int, optional
         Starting values of δ from 0 to π, for even sizes.
     """
-    found: list[LockedBreather] = []
-    for steps in phase_patterns(size, grid):
-        u = solve(start_from(steps, a, b, c), c, a, b)
-        if u is None or not _is_nucleus(u, size, a, b):
-            continue
-        here = _breather(u, size, c, a, b)
-        if not any(_same(here.phi, other.phi) for other in found):
-            found.append(here)
-    return found
+    return _distinct(phase_patterns(size, grid), size, a, b, c)
 
 
 def family(size: int, a: float, b: float, *, c: float = START) -> list[LockedBreather]:
@@ -205,20 +206,29 @@ def family(size: int, a: float, b: float, *, c: float = START) -> list[LockedBre
     For large sizes, where all signs are too many: every second step keeps one sign throughout
     (running) or changes it at the middle (mirrored), and so does δ.
     """
-    found: list[LockedBreather] = []
     links = size - 1
-    middle = links // 2
+    patterns = []
     for delta in np.linspace(0.0, np.pi, 25):
         for mirrored, sense, side in itertools.product((False, True), (1.0, -1.0), (1.0, -1.0)):
             steps = np.where(np.arange(links) % 2 == 0, sense * delta, side * 0.5 * np.pi)
             if mirrored:
-                steps[:middle] *= -1.0
-            u = solve(start_from(steps, a, b, c), c, a, b)
-            if u is None or not _is_nucleus(u, size, a, b):
-                continue
-            here = _breather(u, size, c, a, b)
-            if not any(_same(here.phi, other.phi) for other in found):
-                found.append(here)
+                steps[: links // 2] *= -1.0
+            patterns.append(steps)
+    return _distinct(patterns, size, a, b, c)
+
+
+def _distinct(
+    patterns: Iterable[Real], size: int, a: float, b: float, c: float
+) -> list[LockedBreather]:
+    """Return the breathers of a size to which patterns of phase steps lead, each once."""
+    found: list[LockedBreather] = []
+    for steps in patterns:
+        u = solve(start_from(steps, a, b, c), c, a, b)
+        if u is None or not _is_nucleus(u, size, a, b):
+            continue
+        here = _breather(u, size, c, a, b)
+        if not any(_same(here.phi, other.phi) for other in found):
+            found.append(here)
     return found
 
 
@@ -328,10 +338,29 @@ def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBrea
     ArithmeticError
         If it ends before.
     """
-    u = _unknowns(start)
-    for here in np.linspace(start.c, c, max(2, round(abs(c - start.c) / 0.004)))[1:]:
-        found = solve(u, float(here), a, b)
-        if found is None:
-            raise ArithmeticError(f"the breather of size {start.size} ends before c = {c:g}")
-        u = found
+    couplings = np.linspace(start.c, c, max(2, round(abs(c - start.c) / 0.004)))[1:]
+    u = _solved_along(_unknowns(start), couplings, start.size, a, b)
     return _breather(u, start.size, c, a, b)
+
+
+def outward_breather(size: int, c: float, a: float, b: float) -> Real:
+    """Return the unknowns of the mirror-symmetric breather of odd size, every step outwards -π/2.
+
+    Raises
+    ------
+    ArithmeticError
+        If it ends before.
+    """
+    outward = np.where(np.arange(size - 1) < (size - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
+    couplings = np.linspace(START, c, 1 + round((c - START) / 0.002))
+    return _solved_along(start_from(outward, a, b, START), couplings, size, a, b)
+
+
+def _solved_along(u: Real, couplings: Real, size: int, a: float, b: float) -> Real:
+    """Return the unknowns at the last of some couplings, each solved from the one before."""
+    for c in couplings.tolist():
+        found = solve(u, c, a, b)
+        if found is None:
+            raise ArithmeticError(f"the breather of size {size} ends before c = {couplings[-1]:g}")
+        u = found
+    return u

@@ -69,7 +69,7 @@ def stable_cycle(at: Mapping[str, float]) -> StatedValue:
 
 def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Let the belt carry the cell to its release, and locate every event on scipy's DOP853."""
-    from verification.references.friction_events import BEGINS, ENDS
+    from verification.references.friction_events import BEGINS
 
     cell = friction_cell(at)
     period = float(stated.value[0])
@@ -77,30 +77,20 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
     carried = 0.5 * float(stated.value[1]) or min(0.01, cell.mu_st / cell.v_d)
     start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
 
-    def times(end: float, accuracy: tuple[float, float]) -> list[FloatArray]:
-        """Return when stick ends and when it begins."""
-        log = _events(FrictionChain.of(cell, c=0.0, sites=1), start, end, accuracy).log
-        return [log[log[:, 2] == kind, 0] for kind in (ENDS, BEGINS)]
-
-    def found(accuracy: tuple[float, float]) -> FloatArray | None:
-        """Return the last period and stick time, None where the cell never sticks twice."""
-        ends, begins = times(2.2 * period, accuracy)
-        if ends.size < 2 or begins.size < 1:
-            return None
-        return np.array([ends[-1] - ends[-2], ends[-1] - begins[begins < ends[-1]][-1]])
+    def run(end: float, accuracy: tuple[float, float]) -> EventRun:
+        return _events(FrictionChain.of(cell, c=0.0, sites=1), start, end, accuracy)
 
     if not period:
         # Whoever sticks again is carried to the same release: that is a cycle, however long it
         # takes. Oscillations may be no larger than v_d, and tolerances must be small beside it.
         small = max(min(_ROUGH[0], 1e-6 * cell.v_d), _TIGHT[0])
-        _, begins = times(_SLIP, (small, _ROUGH[1]))
-        return ReferenceCheck.exact(begins.size == 0, _BY)
-    true, looser = found(_TIGHT), found(_LOOSE)
+        return ReferenceCheck.exact(run(_SLIP, (small, _ROUGH[1])).when(BEGINS).size == 0, _BY)
+    true, looser = (run(2.2 * period, each).last_cycle for each in (_TIGHT, _LOOSE))
     if true is None or looser is None:
         return ReferenceCheck.exact(False, _BY)
     return ReferenceCheck(
         distance=float(np.abs(true - stated.value).max()),
-        uncertainty=float(np.abs(true - looser).max()),
+        uncertainty=float(np.abs(np.subtract(true, looser)).max()),
         method=_BY,
     )
 

@@ -58,6 +58,19 @@ class EventRun:
     evaluations: int
     seconds: float
 
+    def when(self, kind: int) -> FloatArray:
+        """Return τ of the events of a kind, of every site."""
+        found: FloatArray = self.log[self.log[:, 2] == kind, 0]
+        return found
+
+    @property
+    def last_cycle(self) -> tuple[float, float] | None:
+        """Period and time in stick of the last cycle of one site; None if it never stuck twice."""
+        ends, begins = self.when(ENDS), self.when(BEGINS)
+        if ends.size < 2 or begins.size < 1:
+            return None
+        return float(ends[-1] - ends[-2]), float(ends[-1] - begins[begins < ends[-1]][-1])
+
 
 def run_events(
     chain: FrictionChain,

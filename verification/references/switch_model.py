@@ -68,6 +68,15 @@ class SwitchRun:
     reached: float
     seconds: float
 
+    @property
+    def period(self) -> float:
+        """Mean time from one maximum of y of the first site to the next, over the second half."""
+        v = self.velocity[:, 0]
+        k = np.flatnonzero((v[:-1] > 0.0) & (v[1:] <= 0.0))
+        turns = self.times[k] + v[k] / (v[k] - v[k + 1]) * (self.times[1] - self.times[0])
+        half = turns.size // 2
+        return float((turns[-1] - turns[half]) / (turns.size - 1 - half))
+
 
 def run_switch(
     chain: FrictionChain,

@@ -8,34 +8,51 @@ package has no records, and then no such section.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
-from paper_checks.report.method_sections import defaults, first_calls, problems
-from paper_checks.report.section import Diagram, Failure, Json, Section, origin_of, warned
+from paper_checks.report.section import Diagram, Failure, Json, Origin, Section, origin_of, warned
+from verification.quantities.registry import all_quantities
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
+
+Records = Mapping[str, Json]
+Columns = Mapping[str, Callable[..., str]]
+"""What makes each cell of a line, by the head of the column."""
 
 
 def stored_sections() -> tuple[Section, ...]:
     """Read the sections for which there are records; none where there is no folder."""
     folder = RESULTS
     records = {path.stem: _read(path) for path in sorted(folder.glob("*.json"))}
-    makers: tuple[Callable[[Mapping[str, Json], Path], Section | None], ...] = (
-        _speed,
-        lambda records, _: first_calls(records),
-        lambda records, _: defaults(records),
-        lambda records, _: problems(records),
-        _growth,
-        _stability,
-        _work_reduction,
-    )
+    makers = (_speed, _first_calls, _defaults, _problems, _growth, _stability, _work_reduction)
     return tuple(section for maker in makers if (section := maker(records, folder)))
 
 
 def _read(path: Path) -> Json:
     content: Json = json.loads(path.read_text(encoding="utf-8"))
     return content
+
+
+def _section(
+    key: str, title: str, lead: str, *, records: Records, lines: Iterable[object], columns: Columns
+) -> Section:
+    """Return a table with one row for each line; its lead names the records that are stale."""
+    return Section(
+        key,
+        title,
+        warned(lead, records),
+        tuple(columns),
+        tuple(tuple(cell(line) for cell in columns.values()) for line in lines),
+        tuple(origin_of(record) for record in records.values()),
+    )
+
+
+def _known(value: float | None, spec: str, unit: str = "") -> str:
+    """Write a number; a dash for what is not known."""
+    return "-" if value is None else f"{value:{spec}}{unit}"
 
 
 def _diagram(name: str, record: Json, folder: Path) -> Diagram | None:
@@ -51,144 +68,246 @@ def _diagram(name: str, record: Json, folder: Path) -> Diagram | None:
     return Diagram(name, picture.read_text(encoding="utf-8"), failures, data)
 
 
-def _speed(records: Mapping[str, Json], folder: Path) -> Section | None:
+def _speed(records: Records, folder: Path) -> Section | None:
     measured = {name: record for name, record in records.items() if "targets" in record}
     if not measured:
         return None
-    rows = [
-        (
-            name,
-            target["claim"],
-            f"{target['relation']} {target['limit']:g} {target['unit']}".strip(),
-            "-" if target["measured"] is None else f"{target['measured']:.3g}",
-            target["verdict"],
-        )
-        for name, record in measured.items()
-        for target in record["targets"]
-        if target["limit"] is not None
-    ]
-    diagrams = (_diagram(name, record, folder) for name, record in measured.items())
-    return Section(
+    found = _section(
         "speed",
         "Error against run time",
-        warned(
-            "Each quantity by our methods and by what a user would otherwise pick, in one run. The "
-            "table has what was promised; the diagrams have every setting of every method. Pale "
-            "marks are settings that another one of the same method beats.",
-            measured,
+        "Each quantity by our methods and by what a user would otherwise pick, in one run. The "
+        "table has what was promised; the diagrams have every setting of every method. Pale "
+        "marks are settings that another one of the same method beats.",
+        records=measured,
+        lines=(
+            {"quantity": name, **target}
+            for name, record in measured.items()
+            for target in record["targets"]
+            if target["limit"] is not None
         ),
-        ("Quantity", "What is compared", "Required", "Measured", "Verdict"),
-        tuple(rows),
-        tuple(origin_of(record) for record in measured.values()),
-        tuple(diagram for diagram in diagrams if diagram),
+        columns={
+            "Quantity": lambda x: x["quantity"],
+            "What is compared": lambda x: x["claim"],
+            "Required": lambda x: f"{x['relation']} {x['limit']:g} {x['unit']}".strip(),
+            "Measured": lambda x: _known(x["measured"], ".3g"),
+            "Verdict": lambda x: x["verdict"],
+        },
+    )
+    diagrams = (_diagram(name, record, folder) for name, record in measured.items())
+    return replace(found, diagrams=tuple(diagram for diagram in diagrams if diagram))
+
+
+def _first_calls(records: Records, folder: Path) -> Section | None:
+    """Return what the methods cost before their first value."""
+    measured = {name: record for name, record in records.items() if record.get("first_calls")}
+    if not measured:
+        return None
+    return _section(
+        "first-calls",
+        "First calls",
+        "What a method costs before it gives its first value, each in a process of its own. "
+        "Cold: nothing was compiled before. Loaded: the next process, which finds on disk what "
+        "the first one compiled. Again: the second call there. Seconds of the wall; what the "
+        "benchmark itself imports before is not counted.",
+        records=measured,
+        lines=(
+            {"quantity": name, **call}
+            for name, record in measured.items()
+            for call in record["first_calls"]
+        ),
+        columns={
+            "Quantity": lambda x: x["quantity"],
+            "Method": lambda x: x["method"],
+            "Cold": lambda x: _known(x["cold"], ".2g", " s"),
+            "Loaded": lambda x: _known(x["loaded"], ".2g", " s"),
+            "Again": lambda x: _known(x["again"], ".2g", " s"),
+            "No value because": lambda x: x["reason"],
+        },
     )
 
 
-def _growth(records: Mapping[str, Json], folder: Path) -> Section | None:
+def _defaults(records: Records, folder: Path) -> Section | None:
+    """Return where each default is the fastest, and why it is the default elsewhere."""
+    if "defaults" not in records:
+        return None
+    choices = records["defaults"]["choices"]
+    named = dict.fromkeys(choice["quantity"] for choice in choices)
+    dates = sorted({choice["recorded"] for choice in choices})
+    found = _section(
+        "defaults",
+        "The default methods",
+        "At each error asked for, is the default the fastest? Where it is not, the table says "
+        "what is, by how much, and why the default is the default all the same. Methods that "
+        "solve another problem are in the diagrams and are not compared.",
+        records={name: records[name] for name in named if name in records},
+        lines=choices,
+        columns={
+            "Quantity": lambda x: x["quantity"],
+            "Test problem": lambda x: x["problem"],
+            "Default": lambda x: x["default"],
+            "Fastest at errors": lambda x: _decades(x["fastest"]) or "nowhere",
+            "Another one is faster at": lambda x: _rivals(x["beaten"]) or "nowhere",
+            "Why it is the default all the same": lambda x: _listed(x.get("reasons", {})),
+            "Solve another problem": lambda x: _listed(x.get("others", {})),
+        },
+    )
+    origin = Origin("fronts bench --defaults", f"{dates[0]} to {dates[-1]}", "as above")
+    return replace(found, origins=(origin,))
+
+
+def _problems(records: Records, folder: Path) -> Section | None:
+    """Return the test problems with their references."""
+    measured = {name: record for name, record in records.items() if "agreement" in record}
+    if not measured:
+        return None
+
+    def apart(quantity: str, problem: str) -> str:
+        return _known(measured.get(quantity, {}).get("agreement", {}).get(problem), ".0e")
+
+    return _section(
+        "problems",
+        "The test problems",
+        "Where the quantities are computed by tests, benchmarks and the stability table, and how "
+        "the true value is known there: the independent method, to what accuracy, and how far the "
+        "two references were apart where error and run time were measured.",
+        records=measured,
+        lines=((each, problem) for each in all_quantities() for problem in each.test_problems),
+        columns={
+            "Quantity": lambda x: x[0].name,
+            "Problem": lambda x: x[1].name,
+            "Tags": lambda x: ", ".join(x[1].tags),
+            "Parameters": lambda x: ", ".join(f"{k} = {v:.6g}" for k, v in x[1].values.items()),
+            "Reference": lambda x: x[0].reference,
+            "To within": lambda x: f"{x[0].accuracy:.0e}",
+            "Measured apart": lambda x: apart(x[0].name, x[1].name),
+        },
+    )
+
+
+def _growth(records: Records, folder: Path) -> Section | None:
     if "growth" not in records:
         return None
     record = records["growth"]
-    rows = []
-    for line in record["lines"]:
-        memory = line["memory_exponent"]
-        rows.append(
-            (
-                line["name"],
-                f"{line['size_name']}, {line['sizes'][0]:g} to {line['sizes'][-1]:g}",
-                f"{line['seconds'][0]:.2g} to {line['seconds'][-1]:.2g} s",
-                f"{line['exponent']:.2f}",
-                f"{line['expected']:g}: {line['why']}",
-                line.get("remark", ""),
-                "-" if memory is None else f"{memory:.2f}",
-            )
-        )
-    diagram = _diagram("growth", record, folder)
-    return Section(
+    found = _section(
         "growth",
         "Cost as the work grows",
-        warned("Time is fitted by a power of the size.", {"growth": record}),
-        ("What", "Size", "Time", "Power", "Expected", "Why they differ", "Power of memory"),
-        tuple(rows),
-        (origin_of(record),),
-        (diagram,) if diagram else (),
+        "Time is fitted by a power of the size.",
+        records={"growth": record},
+        lines=record["lines"],
+        columns={
+            "What": lambda x: x["name"],
+            "Size": lambda x: f"{x['size_name']}, {x['sizes'][0]:g} to {x['sizes'][-1]:g}",
+            "Time": lambda x: f"{x['seconds'][0]:.2g} to {x['seconds'][-1]:.2g} s",
+            "Power": lambda x: f"{x['exponent']:.2f}",
+            "Expected": lambda x: f"{x['expected']:g}: {x['why']}",
+            "Why they differ": lambda x: x.get("remark", ""),
+            "Power of memory": lambda x: _known(x["memory_exponent"], ".2f"),
+        },
     )
+    diagram = _diagram("growth", record, folder)
+    return replace(found, diagrams=(diagram,) if diagram else ())
 
 
 OUTCOMES = ("right", "refused", "undecided", "unchecked", "exceeded", "nan", "crash", "slow")
 
 
-def _tried_over(line: Json) -> tuple[str, str]:
-    """Return what the quantity is and its ranges; a record from before they were kept has none."""
-    ends = f" ({line['ends']})" if line.get("ends") else ""
-    return line.get("what", ""), line.get("over", "") + ends
-
-
-def _stability(records: Mapping[str, Json], folder: Path) -> Section | None:
+def _stability(records: Records, folder: Path) -> Section | None:
     if "stability" not in records:
         return None
     record = records["stability"]
-    rows = [
-        (
-            line["quantity"],
-            *_tried_over(line),
-            str(line["points"]),
-            *(str(line["counts"].get(outcome, "-")) for outcome in OUTCOMES),
-            f"{line['slowest']:.2g} s",
-        )
-        for line in record["quantities"]
-    ]
-    total = (
-        "all",
-        "",
-        "",
-        str(record["points"]),
-        *(str(record["counts"].get(one, "-")) for one in OUTCOMES),
-        "",
-    )
-    return Section(
+    total = {"quantity": "all", "points": record["points"], "counts": record["counts"]}
+    return _section(
         "stability",
         "Stiff and extreme cases",
-        warned(
-            "Every quantity over all decades of its parameters, at the test problems, at the "
-            "corners and at random, each value held against another method. Undecided: that one is "
-            "too uncertain to confirm the error stated. Unchecked: no other method reaches there. "
-            "The last four kinds must be zero: a stated error exceeded, not a number, a crash, "
-            "slower than its limit. Where a range ends before its parameter does, the reason is "
-            "beside it.",
-            {"the table": record},
-        ),
-        ("Quantity", "What", "Over", "Points", *(one.capitalize() for one in OUTCOMES), "Slowest"),
-        (*rows, total),
-        (origin_of(record),),
+        "Every quantity over all decades of its parameters, at the test problems, at the "
+        "corners and at random, each value held against another method. Undecided: that one is "
+        "too uncertain to confirm the error stated. Unchecked: no other method reaches there. "
+        "The last four kinds must be zero: a stated error exceeded, not a number, a crash, "
+        "slower than its limit. Where a range ends before its parameter does, the reason is "
+        "beside it.",
+        records={"the table": record},
+        lines=[*record["quantities"], total],
+        columns={
+            "Quantity": lambda x: x["quantity"],
+            "What": lambda x: x.get("what", ""),
+            "Over": lambda x: x.get("over", "") + (f" ({x['ends']})" if x.get("ends") else ""),
+            "Points": lambda x: str(x["points"]),
+            **{
+                one.capitalize(): lambda x, one=one: str(x["counts"].get(one, "-"))
+                for one in OUTCOMES
+            },
+            "Slowest": lambda x: f"{x['slowest']:.2g} s" if "slowest" in x else "",
+        },
     )
 
 
-def _work_reduction(records: Mapping[str, Json], folder: Path) -> Section | None:
+def _work_reduction(records: Records, folder: Path) -> Section | None:
     if "work_reduction" not in records:
         return None
     record = records["work_reduction"]
-    return Section(
+    return _section(
         "work-reduction",
         "What is not computed",
-        warned(
-            "What is truncated or not computed, how the code decides, and the bound on what that "
-            "changes. Each case was computed with the omission and without it, to the same "
-            "accuracy: how far the two results were apart, how far they could be (by the bound, "
-            "and by the error of the result without the omission where it has one), and both "
-            "costs. The test asserts the bound in other cases too.",
-            {"the table": record},
-        ),
-        ("What", "How it is decided", "Bound", "Changed", "Cost", "Test"),
-        tuple(
-            (
-                row["what"],
-                row["decided"],
-                row["bound"],
-                row["changed"],
-                row["measured"],
-                row["test"],
-            )
-            for row in record["work_reduction"]
-        ),
-        (origin_of(record),),
+        "What is truncated or not computed, how the code decides, and the bound on what that "
+        "changes. Each case was computed with the omission and without it, to the same "
+        "accuracy: how far the two results were apart, how far they could be (by the bound, "
+        "and by the error of the result without the omission where it has one), and both "
+        "costs. The test asserts the bound in other cases too.",
+        records={"the table": record},
+        lines=record["work_reduction"],
+        columns={
+            "What": lambda x: x["what"],
+            "How it is decided": lambda x: x["decided"],
+            "Bound": lambda x: x["bound"],
+            "Changed": lambda x: x["changed"],
+            "Cost": lambda x: x["measured"],
+            "Test": lambda x: x["test"],
+        },
     )
+
+
+def _listed(sentences: Mapping[str, str]) -> str:
+    """Write what is said of each method; a dash where nothing is."""
+    return "; ".join(f"{by}: {said}" for by, said in sentences.items()) or "-"
+
+
+def _rivals(beaten: Iterable[Json]) -> str:
+    """Write which methods are faster than the default, at which errors and by what factor."""
+    rivals: dict[str, list[Json]] = {}
+    for one in beaten:
+        rivals.setdefault(one["by"], []).append(one)
+    texts = []
+    for rival, ones in rivals.items():
+        factors = [one["factor"] for one in ones if one["factor"] is not None]
+        texts.append(f"{_decades(one['error'] for one in ones)}: {rival}")
+        if factors:
+            low, high = f"{min(factors):.2g}", f"{max(factors):.2g}"
+            texts[-1] += f", {low} times" if low == high else f", {low} to {high} times"
+        if len(factors) < len(ones):
+            texts[-1] += ", and the default does not get so far"
+    return "; ".join(texts)
+
+
+def _decades(errors: Iterable[float]) -> str:
+    """Write powers of ten, runs of neighbours as ranges.
+
+    Examples
+    --------
+    >>> _decades([1e-3, 1e-4, 1e-5, 1e-8])
+    '10⁻³ to 10⁻⁵, 10⁻⁸'
+    """
+    runs: list[list[float]] = []
+    for error in errors:
+        if runs and abs(runs[-1][-1] / error - 10.0) < 0.1:
+            runs[-1].append(error)
+        else:
+            runs.append([error])
+    return ", ".join(
+        _power(run[0]) + (f" to {_power(run[-1])}" if len(run) > 1 else "") for run in runs
+    )
+
+
+def _power(value: float) -> str:
+    """Write a power of ten."""
+    exponent = str(round(math.log10(value)))
+    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -86,12 +86,12 @@ class Ends:
 def ends() -> Ends:
     """Pull a uniform chain by free ends, and by (1) with missing neighbours at zero."""
     from theory.chains.ends import Ends as At
-    from verification.references.equations import pull
+    from verification.references.equations import pull_matrix
 
-    chain = chain_of(0.02)
-    sliding = np.full(SITES, chain.cell.steady_sliding)
+    c, sliding = 0.02, np.full(SITES, chain_of(0.02).cell.steady_sliding)
     free, literal = (
-        float(np.abs(chain.c * pull(sliding, each)).max()) for each in (At.FREE, At.LITERAL)
+        float(np.abs(c * pull_matrix(SITES, each) @ sliding).max())
+        for each in (At.FREE, At.LITERAL)
     )
     return Ends(free=free, literal=literal)
 

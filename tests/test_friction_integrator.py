@@ -22,6 +22,7 @@ from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
+from verification.steppers import friction
 from verification.steppers.friction_series import _polish
 
 CELL = FrictionCell()
@@ -99,6 +100,16 @@ def assert_error_bounds(
     assert rough.error is not None
     assert np.abs(rough.y - exact.y).max() <= rough.error
     assert np.abs(rough.velocity - exact.velocity).max() <= rough.error
+
+
+def test_a_whole_number_as_the_end_is_the_same_run_and_compiles_nothing() -> None:
+    chain, start, _ = SCENES["three"]
+    ends = [simulate(chain, start, 2.0).states]
+    compiled: Any = friction._advance
+    before = len(compiled.signatures)
+    ends.append(simulate(chain, start, 2).states)
+    assert len(compiled.signatures) == before
+    np.testing.assert_array_equal(*ends)
 
 
 @pytest.mark.parametrize("name", SCENES)

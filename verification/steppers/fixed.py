@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
@@ -12,9 +9,9 @@ from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from verification.execution.compiled import outer
 from verification.steppers.active import FREE, RING
-from verification.steppers.kernel import slope_of
 from verification.steppers.rows import put
 from verification.steppers.runge_kutta import STAGES, Step, classical_step, dop853_step
+from verification.steppers.smooth import compiled_step
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -34,25 +31,25 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
         8 for DOP853, or 4 for the classical step.
     """
     chain.check_unforced("equal steps")
-    make = {8: dop853_step, 4: classical_step}[order]
+    take_step = compiled_step(chain, {8: dop853_step, 4: classical_step}[order])
     code = RING if chain.ends is Ends.PERIODIC else FREE
     ends = (code, code) if chain.network is None else (0, chain.sites)
-    parameters = np.array(chain.kernel_parameters())
     x = np.ascontiguousarray(state).ravel()
-    _loop(make(slope_of(chain)))(x, parameters, *ends, h, steps)
+    _advance(take_step, x, np.array(chain.kernel_parameters()), ends, float(h), steps)
     state[...] = x.reshape(state.shape)
 
 
-@lru_cache(maxsize=16)
-def _loop(step: Step) -> Any:
-    @outer()
-    def run(
-        x: FloatArray, parameters: FloatArray, left: int, right: int, h: float, steps: int
-    ) -> None:
-        out = np.zeros(x.size)
-        K = np.zeros((STAGES, x.size))
-        for _ in range(steps):
-            step(x, parameters, left, right, h, K, out)
-            put(out, x)
-
-    return run
+@outer(cache=True)
+def _advance(
+    take_step: Step,
+    x: FloatArray,
+    parameters: FloatArray,
+    ends: tuple[int, int],
+    h: float,
+    steps: int,
+) -> None:
+    out = np.zeros(x.size)
+    K = np.zeros((STAGES, x.size))
+    for _ in range(steps):
+        take_step(x, parameters, ends[0], ends[1], h, K, out)
+        put(out, x)

@@ -222,7 +222,8 @@ def advance(run: Run, stop: float, required: int, max_steps: int) -> int:
     arrived = ~np.isnan(arrival) & (run.mode[WATCHED, inside] != 0)
     run.counters[ARRIVED] = np.count_nonzero(arrived)
     run.series[Y, 0], run.series[W, 0] = run.site[Y], run.site[W]
-    return int(_advance(run, stop, required, max_steps))
+    # For a whole number all of it would be compiled once more: four seconds.
+    return int(_advance(run, float(stop), required, max_steps))
 
 
 @outer

@@ -126,31 +126,22 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
 @lru_cache(maxsize=64)
 def classical_step(slope: Slope) -> Step:
     """Return one classical step of order 4 for a right-hand side; for benchmarks."""
-
-    @fast
-    def step(
-        x: FloatArray,
-        p: FloatArray,
-        left: int,
-        right: int,
-        h: float,
-        K: FloatArray,
-        out: FloatArray,
-    ) -> None:
-        half, whole = 0.5 * h, h / 6.0
-        k0, k1, k2, k3 = K[0], K[1], K[2], K[3]
-        slope(x, p, left, right, k0)
-        for n in range(x.size):
-            out[n] = x[n] + half * k0[n]
-        slope(out, p, left, right, k1)
-        for n in range(x.size):
-            out[n] = x[n] + half * k1[n]
-        slope(out, p, left, right, k2)
-        for n in range(x.size):
-            out[n] = x[n] + h * k2[n]
-        slope(out, p, left, right, k3)
-        for n in range(x.size):
-            out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])
-
-    found: Step = step
+    text = [
+        "def step(x, p, left, right, h, K, out):",
+        "    half, whole = 0.5 * h, h / 6.0",
+        "    k0, k1, k2, k3 = K[0], K[1], K[2], K[3]",
+        "    slope(x, p, left, right, k0)",
+        "    for n in range(x.size):",
+        "        out[n] = x[n] + half * k0[n]",
+        "    slope(out, p, left, right, k1)",
+        "    for n in range(x.size):",
+        "        out[n] = x[n] + half * k1[n]",
+        "    slope(out, p, left, right, k2)",
+        "    for n in range(x.size):",
+        "        out[n] = x[n] + h * k2[n]",
+        "    slope(out, p, left, right, k3)",
+        "    for n in range(x.size):",
+        "        out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])",
+    ]
+    found: Step = _compiled(text, slope=slope)
     return found

@@ -458,16 +458,21 @@ def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
     watch : callable, optional
         The stop condition, a function of a module; by default the run goes to its end.
     """
-    kernel, watch = chain.kernel(), watch or _never
-    clock = clock_place(chain), len(chain.forces)
-    key = (kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
-    if key not in _STEPS:
-        step = dop853_step(slope_of(chain), clock)
-        mark = "-".join([source_mark(kernel), *map(str, key[1:])])
-        _STEPS[key] = pointer(step, _STEP, mark)
+    watch = watch or _never
     if watch not in _STOPS:
         _STOPS[watch] = pointer(watch, _STOP, source_mark(watch))
-    return partial(_advance_windows, _STEPS[key], _STOPS[watch])
+    return partial(_advance_windows, compiled_step(chain), _STOPS[watch])
+
+
+def compiled_step(chain: SmoothChain, make: Callable[..., Step] = dop853_step) -> Any:
+    """Return one step of a chain, by DOP853 or another; from disk, if it is compiled already."""
+    kernel, clock = chain.kernel(), (clock_place(chain), len(chain.forces))
+    key = (make, kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
+    if key not in _STEPS:
+        step = make(slope_of(chain), clock) if chain.forces else make(slope_of(chain))
+        mark = "-".join([source_mark(kernel), make.__name__, *map(str, key[2:])])
+        _STEPS[key] = pointer(step, _STEP, mark)
+    return _STEPS[key]
 
 
 _STEPS: dict[Any, Any] = {}

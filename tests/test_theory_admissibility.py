@@ -14,6 +14,7 @@ from theory.piecewise.profile import (
     front_profile,
     front_profile_by_roots,
     points_of_profile,
+    required_points,
     tail_bound,
 )
 
@@ -130,11 +131,11 @@ def test_the_quadrature_reaches_every_point_that_is_looked_at(
 ) -> None:
     reach = []
 
-    def noted(v, c, extent, tolerance):
+    def noted(extent, *rest):
         reach.append(extent)
-        return points_of_profile(v, c, extent, tolerance)
+        return required_points(extent, *rest)
 
-    monkeypatch.setattr(admissibility, "points_of_profile", noted)
+    monkeypatch.setattr(admissibility, "required_points", noted)
     for c, eta in ((0.5, 0.03125), (1.5, 0.05)):
         branch = kinetic_relation(c, eta).branches[-1]
         reach.clear()

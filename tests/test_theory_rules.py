@@ -2,7 +2,7 @@
 
 import pytest
 
-from theory.piecewise.profile import ProfileGrid, _smooth_number, front_profile
+from theory.piecewise.profile import ProfileGrid, front_profile, smooth_number
 from theory.piecewise.sums.result import PrecisionError
 
 
@@ -26,7 +26,7 @@ def test_the_points_of_the_profile_are_the_fewest_of_their_kind() -> None:
 
     for least in range(8, 600):
         fewest = next(n for n in range(least, 4 * least) if kind(n))
-        assert _smooth_number(least) == fewest
+        assert smooth_number(least) == fewest
 
 
 def test_a_profile_of_more_than_two_million_points_is_refused() -> None:

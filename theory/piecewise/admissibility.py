@@ -17,12 +17,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.piecewise.dispersion import ComplexArray, FloatArray
-from theory.piecewise.profile import ProfileGrid, points_of_profile, profile_slope, tail_bound
+from theory.piecewise.profile import (
+    ProfileGrid,
+    profile_slope,
+    required_points,
+    smooth_number,
+    tail_bound,
+)
 from theory.piecewise.roots import LARGEST, SMALLEST, IntArray, labelled_roots
 from theory.piecewise.sums.integral import sums
 
@@ -46,8 +53,8 @@ _SLOW = 24
 _MAX_CELLS = 20_000
 _AT_ONCE = 1 << 20
 """Exponentials held in memory."""
-_VALUES_AT_ONCE = 1 << 18
-"""Values of φ held in memory."""
+_VALUES_AT_ONCE = 1 << 16
+"""Values of φ held at once, near the processor."""
 
 
 @dataclass(frozen=True)
@@ -108,31 +115,47 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
         Front velocities v̂, couplings and thresholds.
     """
     verdicts: dict[int, Admissibility] = {}
-    alike: dict[tuple[int, bool], list[tuple[int, float, float]]] = {}
-    for i, (v_, c_, r_) in enumerate(zip(v.tolist(), c.tolist(), r.tolist(), strict=True)):
-        if not SMALLEST <= abs(v_) <= LARGEST:
-            reason = f"velocities beyond {LARGEST:g} are not looked at"
-            verdicts[i] = Admissibility(None, None, (math.inf, math.inf), 0, reason)
-            continue
-        behind, ahead = (tail_bound(abs(v_), c_, ahead=side) for side in (False, True))
-        if 30.0 / min(behind[0], ahead[0]) > _LONGEST_GRID:
-            verdicts[i] = _check_by_roots(v_, c_, r_)
-            continue
-        if v_ < 0:
-            behind, ahead = ahead, behind
-        left = max(1.0, math.ceil(math.log(max(behind[1] / (1.0 - r_), 1.0)) / behind[0]))
-        right = max(1.0, math.ceil(math.log(max(ahead[1] / r_, 1.0)) / ahead[0]))
-        points, _ = points_of_profile(abs(v_), c_, max(left, right) + 2.0, TOLERANCE)
-        alike.setdefault((points, v_ < 0), []).append((i, left, right))
-    for (points, retreating), fronts in alike.items():
-        most = max(1, _VALUES_AT_ONCE // (_PER_SITE * points))
-        for first in range(0, len(fronts), most):
-            table = np.array(fronts[first : first + most])
-            some, reach = table[:, 0].astype(np.int64), table[:, 1:]
-            grid = ProfileGrid.of_points(np.abs(v[some, None]), c[some, None], points, TOLERANCE)
-            found = _check_on_grid(_Shape(grid, retreating), r[some], reach)
+    reach, points = _quadratures(v, c, r)
+    for i in np.flatnonzero(points == 0).tolist():
+        verdicts[i] = _check_by_roots(float(v[i]), float(c[i]), float(r[i]))
+    kind = np.where(v < 0, -points, points)
+    for alike in set(kind[points > 0].tolist()):
+        fronts = np.flatnonzero(kind == alike)
+        most = max(1, _VALUES_AT_ONCE // (_PER_SITE * abs(alike)))
+        for first in range(0, fronts.size, most):
+            some = fronts[first : first + most]
+            column = np.abs(v[some, None]), c[some, None]
+            shape = _Shape(ProfileGrid.of_points(*column, abs(alike), TOLERANCE), alike < 0)
+            found = _check_on_grid(shape, r[some], reach[some])
             verdicts |= zip(some.tolist(), found, strict=True)
     return [verdicts[i] for i in range(v.size)]
+
+
+def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the distances (Z₋, Z₊) beyond which tails prove (47), shape (n, 2), and the points.
+
+    No points where the sum over roots is shorter, or where |v| is out of range.
+    """
+    speed = np.clip(np.abs(v), SMALLEST, LARGEST)
+    tails = [tail_bound(_number(speed), _number(c), side) for side in (False, True)]
+    rate, size = np.reshape(tails, (2, 2, v.size)).swapaxes(0, 1)
+    slowest, largest = rate.min(axis=0), size.max(axis=0)
+    backward = v < 0
+    if backward.any():
+        rate, size = (np.where(backward, row[::-1], row) for row in (rate, size))
+    enough = np.log(np.maximum(size / np.stack([1.0 - r, r]), 1.0)) / rate
+    reach = np.maximum(1.0, np.ceil(enough)).T
+    short = (30.0 / slowest <= _LONGEST_GRID) & (speed == np.abs(v))
+    points = np.zeros(v.size, dtype=np.int64)
+    extent = reach.max(axis=1)[short] + 2.0
+    required = required_points(extent, TOLERANCE, slowest[short], largest[short])
+    points[short] = smooth_number(np.maximum(required, 2.0 * extent + 2.0))
+    return reach, points
+
+
+def _number(column: FloatArray) -> Any:
+    """Return an array of one number as that: functions of numbers are faster."""
+    return column.item() if column.size == 1 else column
 
 
 def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admissibility]:
@@ -159,6 +182,9 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
 
 def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
     """Decide by the sums over roots."""
+    if not SMALLEST <= abs(v) <= LARGEST:
+        reason = f"velocities beyond {LARGEST:g} are not looked at"
+        return Admissibility(None, None, (math.inf, math.inf), 0, reason)
     shape = _SumShape.make(v, c)
     smallest = 0.02 * min(1.0, abs(v) / c)
     near = np.geomspace(smallest, _NEAR, 2 + math.ceil(3.0 * math.log(_NEAR / smallest)))
@@ -272,7 +298,7 @@ class _Side:
         """
         apart = np.maximum(2.0 * np.abs(np.sin(np.pi * a)), 1e-30)
         orders = np.arange(1, _ORDERS + 1)
-        by_parts = np.min(self.differences / apart[:, None] ** orders, axis=1)
+        by_parts = np.min(self.differences / apart[..., None] ** orders, axis=-1)
         bound: FloatArray = np.minimum(self.tail * 9.0**-a, by_parts) + _NEGLIGIBLE
         return bound
 
@@ -384,10 +410,11 @@ class _SumShape:
         error = np.where(zeta < 0, self.behind.error(a), self.ahead.error(a))
         return np.where(zeta == 0.0, _NEGLIGIBLE * r, 3.0 * r * error)
 
-    def steepness(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Bound |dφ/dζ| between pairs of positions on one side."""
-        a = np.minimum(np.abs(start), np.abs(end))
-        bound: FloatArray = np.where(start < 0, self.behind.steepness(a), self.ahead.steepness(a))
+    def steepness(self, ends: FloatArray) -> FloatArray:
+        """Bound |dφ/dζ| between pairs of positions on one side, shape (2, n)."""
+        a = np.abs(ends).min(axis=0)
+        behind = ends[0] < 0
+        bound: FloatArray = np.where(behind, self.behind.steepness(a), self.ahead.steepness(a))
         return bound
 
     def at(self, zeta: FloatArray) -> ComplexArray:
@@ -429,15 +456,14 @@ class _Shape:
         length: FloatArray = np.abs(self.velocity[owner, 0]) / (2.0 * self.grid.c[owner, 0])
         return length
 
-    def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
+    def tolerance(self, zeta: FloatArray, r: FloatArray) -> float:
         """Bound the error of |φ|² - r² near 0."""
-        del r
-        return np.full(zeta.shape, TOLERANCE)
+        del zeta, r
+        return TOLERANCE
 
-    def steepness(self, start: FloatArray, end: FloatArray) -> FloatArray:
-        """Return 0: the slopes at the ends of a cell are what is known here."""
-        del end
-        return np.zeros(start.shape)
+    def steepness(self, ends: FloatArray) -> None:
+        """Return None: the slopes at the ends of a cell are what is known here."""
+        del ends
 
     def on_lattice(self, sites: tuple[int, int] | None = None) -> tuple[FloatArray, ComplexArray]:
         """Return ζ and φ, shape (n, m), at eight points a site; see `ProfileGrid.on_lattice`."""
@@ -528,26 +554,21 @@ def _divide(
     values of φ computed.
     """
     computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
-    for zeta, g in (cells[:2], cells[3:5]):
-        _note(zeta, g < -shape.tolerance(zeta, r[owner]), owner, worst)
+    _note(cells[::3], cells[1::3] < -shape.tolerance(cells[::3], r[owner]), owner, worst)
     while True:
-        za, ga, da, zb, gb, db = cells
-        width, r_ = zb - za, r[owner]
-        tolerance_a, tolerance_b = shape.tolerance(za, r_), shape.tolerance(zb, r_)
-        least = np.minimum(ga + tolerance_a, gb + tolerance_b)
-        safe = least > width * np.maximum(np.abs(da), np.abs(db))
-        safe &= _room(za, ga + tolerance_a, r_) + _room(zb, gb + tolerance_b, r_) > (
-            width * shape.steepness(za, zb)
-        )
-        # Slopes that agree with each other and with the rise of g leave it between its ends: in the
-        # cell that touches ζ = 0, where it rises from the threshold, and in one shorter than waves.
-        monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
-        monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.25 * width * np.abs(da + db)
-        rising = ((za == 0.0) & (da > 0)) | ((zb == 0.0) & (da < 0))
-        safe |= monotone & (rising | ((width < shape.shorter_than_waves(owner)) & (least > 0.0)))
-        open_ = ~safe & (least >= 0.0) & (width > shape.shortest)
-        open_ &= np.minimum(np.abs(za), np.abs(zb)) < np.abs(worst[owner])
+        zeta, r_ = cells[::3], r[owner]
+        g, width = cells[1::3] + shape.tolerance(zeta, r_), zeta[1] - zeta[0]
+        least = g.min(axis=0)
+        safe = least > width * np.abs(cells[2::3]).max(axis=0)
+        steepness = shape.steepness(zeta)
+        if steepness is not None:
+            safe &= _room(zeta, g, r_).sum(axis=0) > width * steepness
+        open_ = np.flatnonzero(~safe & (least >= 0.0) & (width > shape.shortest))
+        open_ = open_[np.abs(zeta[:, open_]).min(axis=0) < np.abs(worst[owner[open_]])]
         cells, owner = cells[:, open_], owner[open_]
+        short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
+        left = ~_between_its_ends(cells, short)
+        cells, owner = cells[:, left], owner[left]
         if owner.size == 0:
             return worst, computed
         middle = 0.5 * (cells[0] + cells[3])
@@ -561,11 +582,31 @@ def _divide(
         owner = np.concatenate([owner, owner])
 
 
+def _between_its_ends(cells: FloatArray, short: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return whether slopes that agree with each other and with the rise of g leave it between.
+
+    They do in the cell that touches ζ = 0, where g rises from the threshold, and in ``short`` ones.
+    """
+    za, ga, da, zb, gb, db = cells
+    width = zb - za
+    monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
+    monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.25 * width * np.abs(da + db)
+    rising = ((za == 0.0) & (da > 0)) | ((zb == 0.0) & (db < 0))
+    between: npt.NDArray[np.bool_] = monotone & (rising | short)
+    return between
+
+
 def _note(
     zeta: FloatArray, wrong: npt.NDArray[np.bool_], owner: IntArray, worst: FloatArray
 ) -> None:
-    """Put the least |ζ| that is wrong, with its sign, where it is less than what is known."""
-    places, owners = zeta[wrong], owner[wrong]
+    """Put the least |ζ| that is wrong, with its sign, where it is less than what is known.
+
+    ``zeta`` and ``wrong`` have any number of rows, ``owner`` is that of each column.
+    """
+    found = np.nonzero(wrong)
+    if found[0].size == 0:
+        return
+    places, owners = zeta[found], owner[found[-1]]
     order = np.lexsort((-places, -np.abs(places)))  # the nearest last, so that it stays
     nearer = order[np.abs(places[order]) < np.abs(worst[owners[order]])]
     worst[owners[nearer]] = places[nearer]

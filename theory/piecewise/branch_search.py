@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.limits import resonant_velocities, static_sum, strong_coupling_sum
-from theory.piecewise.sums.integral import MANY, sums
+from theory.piecewise.sums.integral import MANY, sums_of_pairs
 from theory.piecewise.sums.result import PrecisionError
 
 IntArray = npt.NDArray[np.int64]
@@ -95,23 +95,20 @@ class _Relation:
     def __call__(self, scene: IntArray, t: FloatArray) -> _Values:
         """Return g, its derivatives, and bounds on their errors."""
         self.evaluations += t.size
-        v, c = np.exp(t), self.c[scene]
-        found = sums(v, c, _TOLERANCE, slopes=True, compiled=self.many)
-        assert found.by_v is not None
-        assert found.by_c is not None
-        assert found.error_by_v is not None
-        assert found.error_by_c is not None
-        value = found.value + self.shift
+        v = np.exp(t)
+        values, errors, _ = sums_of_pairs(v, self.c[scene], _TOLERANCE, True, self.many)
+        value, error, by = values[0] + self.shift, errors[0], values[1:]
         size = np.abs(value)
         inverse = 1.0 / np.where(size > 0, size, 1.0)
-        direction, turned = np.conj(value) * inverse, 2.0 * found.error * inverse
+        by_v, by_c = np.real(np.conj(value) * inverse * by)
+        error_by_v, error_by_c = errors[1:] + 2.0 * error * inverse * np.abs(by)
         return _Values(
             g=size - self.target[scene],
-            by_t=v * np.real(direction * found.by_v),
-            error=found.error,
-            by_c=np.real(direction * found.by_c),
-            error_by_t=v * (found.error_by_v + turned * np.abs(found.by_v)),
-            error_by_c=found.error_by_c + turned * np.abs(found.by_c),
+            by_t=v * by_v,
+            error=error,
+            by_c=by_c,
+            error_by_t=v * error_by_v,
+            error_by_c=error_by_c,
         )
 
 
@@ -138,6 +135,8 @@ def all_velocities(
     scene, t = _first_points(c, target, shift, refine)
     # About as many values again are needed to find the solutions.
     relation = _Relation(c, target, shift, many=2 * t.size >= MANY)
+    if t.size <= MAX_POINTS:
+        return _solve(relation, scene, t)
     # so many scenes at a time that their points are one array of moderate size
     last = np.cumsum(np.bincount(scene, minlength=c.size))
     cuts = np.searchsorted(scene, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1).tolist()
@@ -363,6 +362,8 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     """Refine each bracket by Newton kept inside it, then bound the error by a change of sign."""
     owner, cells = _told_apart(relation, owner, cells)
     ta, ga, tb = cells[0], cells[1], cells[4]
+    # about twice what the error of a step of Newton's is, times the slope and over the step²
+    curvature = np.abs(cells[6] - cells[2]) / (tb - ta)
     t = _crossing(cells)
     here = relation(owner, t)
     for _ in range(30):
@@ -372,16 +373,20 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
         newton = t - here.g / steep
         inside = (newton >= ta) & (newton <= tb) & (here.by_t != 0)
         new = np.where(inside, newton, 0.5 * (ta + tb))
-        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / np.abs(steep)
-        open_ = np.flatnonzero(np.abs(new - t) > rounding)
+        step, steep = np.abs(new - t), np.abs(steep)
+        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / steep
+        open_ = np.flatnonzero(step > rounding)
         if open_.size == 0:
             break
         t[open_] = new[open_]
+        if np.all(((step**2 * curvature <= rounding * steep) & inside)[open_]):
+            here.g[open_] = 0.0  # to rounding; it is computed together with both sides
+            break
         for row, values in zip(here, relation(owner[open_], t[open_]), strict=True):
             row[open_] = values
-    spread, beside = _confirmed_spread(relation, owner, t, here)
-    v = np.exp(t)
-    along_c, along_target = _errors_along(v, spread, here, beside)
+    spread, around = _confirmed_spread(relation, owner, t, here)
+    here, v = around[0], np.exp(t)
+    along_c, along_target = _errors_along(v, spread, around)
     return Solutions(
         scene=owner,
         v=v,
@@ -411,12 +416,15 @@ def _crossing(cells: FloatArray) -> FloatArray:
 
 def _confirmed_spread(
     relation: _Relation, owner: IntArray, t: FloatArray, here: _Values
-) -> tuple[FloatArray, tuple[_Values, _Values]]:
-    """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and both values."""
+) -> tuple[FloatArray, list[_Values]]:
+    """Return δ such that g at t - δ and t + δ differs in sign beyond its error.
+
+    And the values at t, t - δ and t + δ.
+    """
     floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
     steep = np.where(here.by_t == 0, 1e-300, np.abs(here.by_t))
     spread = np.minimum(floor + 2.5 * (np.abs(here.g) + here.error) / steep, 1e-3)
-    beside = _beside(relation, owner, t, spread)
+    here, *beside = _values_at(relation, owner, t, t - spread, t + spread)
     for _ in range(11):
         below, above = beside
         sure = (np.abs(below.g) > below.error) & (np.abs(above.g) > above.error)
@@ -424,27 +432,26 @@ def _confirmed_spread(
         if np.all(sure):
             break
         spread = np.where(sure, spread, 2.0 * spread)
-        beside = _beside(relation, owner, t, spread)
-    return spread, beside
+        beside = _values_at(relation, owner, t - spread, t + spread)
+    return spread, [here, *beside]
 
 
-def _beside(
-    relation: _Relation, owner: IntArray, t: FloatArray, spread: FloatArray
-) -> tuple[_Values, _Values]:
-    """Return the values at t - δ and t + δ."""
-    both = relation(np.tile(owner, 2), np.concatenate([t - spread, t + spread]))
-    return _Values(*(row[: t.size] for row in both)), _Values(*(row[t.size :] for row in both))
+def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> list[_Values]:
+    """Return the values at several arrays of t, computed together."""
+    together = relation(np.tile(owner, len(places)), np.concatenate(places))
+    parts = (np.split(row, len(places)) for row in together)
+    return [_Values(*rows) for rows in zip(*parts, strict=True)]
 
 
 def _errors_along(
-    v: FloatArray, spread: FloatArray, here: _Values, beside: tuple[_Values, _Values]
+    v: FloatArray, spread: FloatArray, values: list[_Values]
 ) -> tuple[FloatArray, FloatArray]:
     """Bound the errors of ∂v/∂c and ∂v/∂target, computed at v, at the true velocity.
 
     That lies within the spread, where the derivatives of g are taken to be between those at its
     middle and its ends.
     """
-    values = (here, *beside)
+    here = values[0]
     steep = np.stack([each.by_t + s * each.error_by_t for each in values for s in (-1.0, 1.0)])
     by_c = np.stack([each.by_c + s * each.error_by_c for each in values for s in (-1.0, 1.0)])
     decided = (steep.min(axis=0) > 0) | (steep.max(axis=0) < 0)

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.parameters import ParameterError, count_within, within
-from theory.piecewise.dispersion import ComplexArray, FloatArray, root_free_strip
+from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
 from theory.result import Result
@@ -30,6 +30,10 @@ MAX_POINTS = 1 << 21
 _AT_ONCE = 1 << 18
 """Numbers in an array of a sum that is done in parts."""
 _EPS = float(np.finfo(float).eps)
+_SMOOTH = np.unique([max(8, odd << power) for odd in (1, 3, 5, 9, 15) for power in range(1, 23)])
+"""Even numbers with small prime factors, quick to transform."""
+_STEPS = 5
+"""Newton's steps to the strip without roots: to 1e-7 of it, from where they begin."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,13 +170,13 @@ class ProfileGrid:
     @classmethod
     def of_points(cls, v: Any, c: Any, points: int, error: float) -> ProfileGrid:
         """Return the grid of so many points, for numbers or for columns of v and c."""
-        # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
-        k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
-        A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+        k, square, wave, still = _points_in_k(points)
+        A = 0.5 - 1j * c * square
         a = A / v
-        still = (0.5 - 0.5j / np.tan(0.5 * k)) / A  # 1/(1 - e^{-ik}) without cancellation
-        late = np.exp(1j * k) / (-np.expm1(1j * k - a) * A)
-        return cls(v, c, k, a, still, late, error)
+        # 1 - e^{ik-a} = 1 - e^{-q} + 2e^{-q} sin²h - ie^{-q} sin 2h, q = Re a, h = Im (ik - a)/2
+        q, turn = 0.5 / v, np.exp(0.5j * (k + (c / v) * square))
+        late = wave / ((turn.imag * turn * (-2j * np.exp(-q)) - np.expm1(-q)) * A)
+        return cls(v, c, k, a, still / A, late, error)
 
     def bracket(self, rest: FloatArray, part: slice = slice(None)) -> ComplexArray:
         """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
@@ -228,14 +232,11 @@ class ProfileGrid:
         # e^{-a(1 - f)} by products, from the point before the next site back to this one
         shorter = np.exp(-self.a / per_site)
         factor = np.empty((*self.a.shape[:-1], per_site, points), dtype=complex)
-        factor[..., -1, :] = shorter
+        np.multiply(self.late, shorter, out=factor[..., -1, :])
         for j in range(per_site - 1, 0, -1):
-            factor[..., j - 1, :] = factor[..., j, :] * shorter
-        factor *= self.late[..., None, :]
-        factor += self.still[..., None, :]
-        spectrum = np.fft.ifft(factor, axis=-1)
-        turn = np.exp(1j * np.pi * m / points)
-        phi = 0.5 - 0.5 * turn * spectrum[..., m % points]
+            np.multiply(factor[..., j, :], shorter, out=factor[..., j - 1, :])
+        late, still = (np.fft.ifft(each, axis=-1)[..., m % points] for each in (factor, self.still))
+        phi = 0.5 - 0.5 * np.exp(1j * np.pi * m / points) * (late + still[..., None, :])
         zeta = m[:, None] + f
         return zeta.ravel(), np.swapaxes(phi, -1, -2).reshape(*self.a.shape[:-1], -1)
 
@@ -251,19 +252,39 @@ def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tu
     PrecisionError
         If more than two million points are needed.
     """
-    sigma_left, K_left = tail_bound(v, c, ahead=False)
-    sigma_right, K_right = tail_bound(v, c, ahead=True)
-    rate, size = min(sigma_left, sigma_right), max(K_left, K_right)
-    needed = extent + 1.0 + math.log(1.0 + 4.0 * size / tolerance) / rate
-    if needed > MAX_POINTS:
+    (left, K_left), (right, K_right) = (tail_bound(v, c, ahead) for ahead in (False, True))
+    rate, size = min(left, right), max(K_left, K_right)
+    required = required_points(extent, tolerance, rate, size)
+    if required > MAX_POINTS:
         raise PrecisionError(
-            f"the profile at v = {v:.6g}, c = {c:.6g} needs {needed:.2g} quadrature points, "
+            f"the profile at v = {v:.6g}, c = {c:.6g} needs {required:.2g} quadrature points, "
             f"more than {MAX_POINTS}."
         )
-    points = _smooth_number(max(8, math.ceil(needed), 2 * math.ceil(extent) + 2))
+    points = int(smooth_number(max(required, 2 * math.ceil(extent) + 2)))
     truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
     rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
     return points, truncation + rounding
+
+
+def required_points(extent: Any, tolerance: float, rate: Any, size: Any) -> Any:
+    """Return how many points `points_of_profile` requires, for numbers or arrays of one shape.
+
+    ``rate`` and ``size`` are σ and K of the slower and the larger tail.
+    """
+    return extent + 1.0 + np.log(1.0 + 4.0 * size / tolerance) / rate
+
+
+def smooth_number(least: Any) -> Any:
+    """Return the least even number from 8 on, ≥ ``least``, that is quick to transform."""
+    return _SMOOTH[np.searchsorted(_SMOOTH, least)]
+
+
+@lru_cache(maxsize=32)
+def _points_in_k(points: int) -> tuple[FloatArray, FloatArray, ComplexArray, ComplexArray]:
+    """Return k, 1 - cos k, e^{ik} and 1/(1 - e^{-ik}), the last without cancellation."""
+    # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
+    k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
+    return k, 2.0 * np.sin(0.5 * k) ** 2, np.exp(1j * k), 0.5 - 0.5j / np.tan(0.5 * k)
 
 
 @lru_cache(maxsize=64)
@@ -279,43 +300,49 @@ def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
     return wrapped
 
 
-@lru_cache(maxsize=16)
-def tail_bound(v: float, c: float, ahead: bool) -> tuple[float, float]:
+def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:
     """Return (σ, K) such that |φ/φ_s - limit| ≤ K e^{-σ|ζ|}: limit 0 ahead, 1 behind.
 
     On Im k = ±σ, (1/4π)∫ dk/(|k||L|) with |L| ≥ Re L ≥ d = ½ ± vσ - c sinh σ everywhere, and
     |L| ≥ v|x|/2 for |x| ≥ X = (2c (1 + cosh σ))/v.
+
+    Parameters
+    ----------
+    v, c : float, or ndarray of float, shape (n,)
+        Front velocity v̂ and coupling, both numbers or both arrays.
+    ahead : bool
+        Whether the tail is that at ζ > 0.
     """
-    rate = 0.85 * (_strip_ahead(v, c) if ahead else root_free_strip(v, c))
-    d = 0.5 + (v if ahead else -v) * rate - c * math.sinh(rate)
-    X = max(1.0, 2.0 * c * (1.0 + math.cosh(rate)) / v)
-    K = (2.0 * math.asinh(X / rate) / d + 4.0 / (v * X)) / (4.0 * math.pi)
+    by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
+    rate = 0.85 * _strip(v, c, ahead)
+    d = 0.5 + (v if ahead else -v) * rate - c * by.sinh(rate)
+    X = most(1.0, 2.0 * c * (1.0 + by.cosh(rate)) / v)
+    K = (2.0 * by.asinh(X / rate) / d + 4.0 / (v * X)) / (4.0 * math.pi)
     return rate, K
 
 
-def _strip_ahead(v: float, c: float) -> float:
-    """Return a lower bound on s with c sinh s - v s = ½: no root has 0 < Im k < s."""
-    s = 1.0
-    while c * math.sinh(s) - v * s < 0.5:
-        s *= 2.0
-    for _ in range(60):  # convex: Newton's method falls to s
-        step = (c * math.sinh(s) - v * s - 0.5) / (c * math.cosh(s) - v)
-        s -= step
-        if step <= 1e-10 * s:
-            break
-    return s * (1.0 - 1e-13)
+def _strip(v: Any, c: Any, ahead: bool) -> Any:
+    """Return s with c sinh s - v s = ½ (ahead) or c sinh s + v s = ½: no root has |Im k| < s there.
 
-
-def _smooth_number(least: int) -> int:
-    """Return an even number ≥ least with small prime factors, quick to transform."""
-    best = 1 << (least - 1).bit_length()
-    for odd in (3, 5, 9, 15):
-        candidate = odd
-        while candidate < least:
-            candidate *= 2
-        if candidate % 2 == 0:
-            best = min(best, candidate)
-    return best
+    Newton's method falls to s from above, as both are convex. Ahead it begins below one bound from
+    sinh s ≥ s + s³/6 and one from the exponential, brought nearer by the fixed point
+    sinh s = (½ + vs)/c.
+    """
+    by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
+    if ahead:
+        excess = (abs(v - c) + (v - c)) / c
+        s = least(
+            1.0 + 2.0 * by.log1p((2.0 + 4.0 * v) / c),
+            by.sqrt(3.0 * excess) + (3.0 / c) ** (1.0 / 3.0),
+        )
+        for _ in range(2):
+            s = by.asinh((0.5 + v * s) / c)
+        v = -v
+    else:
+        s = least(0.5 / (c + v), by.log1p(1.0 / c))
+    for _ in range(_STEPS):
+        s = s - (c * by.sinh(s) + v * s - 0.5) / (c * by.cosh(s) + v)
+    return s
 
 
 def profile_slope(

@@ -45,8 +45,11 @@ _FEW_VALUES = 3
 _PIECE = 2**15
 """Points on the axis at a time."""
 
+Rows = tuple[ComplexArray, FloatArray, npt.NDArray[np.int64]]
+"""Values and bounds on their errors, a row each for Σ and its derivatives, and points."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class SumArray:
     """Σ at many (v, c), with derivatives.
 
@@ -138,60 +141,71 @@ def sums(
         for extreme in (given.min(), given.max()) if given.size else ():
             within(name, float(extreme), SMALLEST, LARGEST, "use a limit formula beyond")
     v_, c_ = np.broadcast_arrays(v_, c_)
-    shape = v_.shape
-    v_, c_ = v_.ravel(), c_.ravel()
-    fast = compiled_rules() if (v_.size >= MANY if compiled is None else compiled) else None
-    if v_.size <= _FEW_VALUES and not fast:
-        found = _one_by_one(v_, c_, tolerance, slopes)
-        return _as_array(*found, shape, slopes)
-    points, truncation = axis.plan(v_, c_, tolerance)
-    if v_.size < _FEW_POINTS and not fast:  # more points cost less than more groups
+    fast = v_.size >= MANY if compiled is None else compiled
+    values, errors, points = sums_of_pairs(v_.ravel(), c_.ravel(), tolerance, slopes, fast)
+    values = values.reshape(len(values), *v_.shape)
+    errors = errors.reshape(len(errors), *v_.shape)
+    return SumArray(
+        value=values[0],
+        error=errors[0],
+        by_v=values[1] if slopes else None,
+        by_c=values[2] if slopes else None,
+        error_by_v=errors[1] if slopes else None,
+        error_by_c=errors[2] if slopes else None,
+        points=points.reshape(v_.shape),
+    )
+
+
+def sums_of_pairs(
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, compiled: bool
+) -> Rows:
+    """Return Σ and its derivatives where v, c and the tolerance are known to be in range.
+
+    What `sums` does, without checks and in rows: Σ, with ``slopes`` ∂Σ/∂v and ∂Σ/∂c, shape (1, n)
+    or (3, n), bounds on their errors, and the numbers of points.
+    """
+    fast = compiled_rules() if compiled else None
+    if v.size <= _FEW_VALUES and not fast:
+        return _one_by_one(v, c, tolerance, slopes)
+    points, truncation = axis.plan(v, c, tolerance)
+    if v.size < _FEW_POINTS and not fast:  # more points cost less than more groups
         power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
         more = np.maximum(points, np.minimum(power, axis.MAX_PLAIN))
         points = np.where(points, more, 0.0).astype(np.int64)
+        if np.min(points) == np.max(points) > 0:
+            return *_plain(v, c, truncation, points[0], slopes=slopes, fast=None), points // 2
     # sixteen bits are sorted in linear time, and no plain rule has as many points
     order = np.argsort(points.astype(np.int16), kind="stable")
     counts, first = np.unique(points[order], return_index=True)
-    v_, c_, truncation = v_[order], c_[order], truncation[order]
+    v, c, truncation = v[order], c[order], truncation[order]
     rows = 3 if slopes else 1
-    values, errors = np.empty((rows, v_.size), dtype=complex), np.empty((rows, v_.size))
-    ends = np.append(first, v_.size)[1:]
+    values, errors = np.empty((rows, v.size), dtype=complex), np.empty((rows, v.size))
+    ends = np.append(first, v.size)[1:]
     for count, start, end in zip(counts.tolist(), first, ends, strict=True):
         part = slice(start, end)
-        at = v_[part], c_[part]
+        at = v[part], c[part]
         if count and (fast or end - start > _FEW_VALUES):
-            sums_, bounds = _plain(*at, truncation[part], count, slopes=slopes, fast=fast)
+            values[:, part], errors[:, part] = _plain(
+                *at, truncation[part], count, slopes=slopes, fast=fast
+            )
             points[order[part]] = count // 2
         else:
-            sums_, bounds, points[order[part]] = (
+            values[:, part], errors[:, part], points[order[part]] = (
                 sums_beside_roots(*at, tolerance, slopes, fast)
                 if fast
                 else _one_by_one(*at, tolerance, slopes)
             )
-        values[:, part], errors[:, part] = sums_[:rows], bounds[:rows]
     in_order, errors_in_order = np.empty_like(values), np.empty_like(errors)
     in_order[:, order], errors_in_order[:, order] = values, errors
-    return _as_array(in_order, errors_in_order, points, shape, slopes)
-
-
-def _as_array(
-    values: ComplexArray, errors: FloatArray, points: npt.NDArray[np.int64],
-    shape: tuple[int, ...], slopes: bool,
-) -> SumArray:  # fmt: skip
-    values_, errors_ = (rows.reshape(len(rows), *shape) for rows in (values, errors))
-    points = points.reshape(shape)
-    if not slopes:
-        return SumArray(values_[0], errors_[0], None, None, None, None, points)
-    value, by_v, by_c = values_
-    error, error_by_v, error_by_c = errors_
-    return SumArray(value, error, by_v, by_c, error_by_v, error_by_c, points)
+    return in_order, errors_in_order, points
 
 
 def _plain(
     v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, *, slopes: bool,
     fast: dict[str, Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
-    """Return Σ and derivatives with no root taken away, and their error bounds, shapes (3, n)."""
+    """Return Σ, derivatives and error bounds as rows, no root taken away."""
+    rows = 3 if slopes else 1
     if fast:
         values, sizes = means_of_block(v, c, count, slopes, fast)
     else:
@@ -205,14 +219,13 @@ def _plain(
     values[0] -= 1.0
     rounding, rough = axis.plain_errors(v, c, truncation, *sizes)
     bounds = [truncation + rounding, rough / v, rough / c] if slopes else [truncation + rounding]
-    return values, np.stack(bounds)
+    return values[:rows], np.stack(bounds)
 
 
-def _one_by_one(
-    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool
-) -> tuple[ComplexArray, FloatArray, npt.NDArray[np.int64]]:
-    """Return Σ, derivatives and error bounds, shapes (3, n), and points, by any rule."""
+def _one_by_one(v: FloatArray, c: FloatArray, tolerance: float, slopes: bool) -> Rows:
+    """Return what `sums_of_pairs` does, by any rule."""
+    rows = 3 if slopes else 1
     values, errors = np.empty((3, v.size), dtype=complex), np.empty((3, v.size))
     points = np.empty(v.size, dtype=np.int64)
     rules.fill(v, c, tolerance, slopes, values, errors, points)
-    return values, errors, points
+    return values[:rows], errors[:rows], points

@@ -290,7 +290,7 @@ COMMANDS: dict[str, Command] = {
             "friction": Measurement(
                 function=_CELL,
                 cell="theory.cells.friction:FrictionCell",
-                curve="fronts.bifurcation:bifurcation",
+                curve="verification.cells.diagram:bifurcation",
             ),
             "vdp": _VDP_CELL,
             "averaged": _VDP_CELL,

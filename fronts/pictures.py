@@ -119,7 +119,7 @@ def _profile(result: Any, axes: Axes, **style: Any) -> None:
 def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
     from paper_checks.report.cell_picture import draw_bifurcation
 
-    draw_bifurcation(axes, result.cell, result.diagram)
+    draw_bifurcation(axes, result)
 
 
 def _curve(result: Any, axes: Axes, **style: Any) -> None:

@@ -16,7 +16,7 @@ from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
     from theory.cells.friction import FrictionCell
-    from verification.cells.diagram import CellDiagram
+    from verification.cells.diagram import Bifurcation
     from verification.cells.result import BeltCell
     from verification.references.friction_events import EventRun
     from verification.runs.trajectory import Trajectory
@@ -162,8 +162,7 @@ class Regions:
     stick_at_end: float
     seen: tuple[tuple[bool, bool], ...]
     """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
-    diagram: CellDiagram
-    cell: FrictionCell
+    diagram: Bifurcation
 
     @property
     def expected(self) -> tuple[tuple[bool, bool], ...]:
@@ -196,7 +195,6 @@ def regions() -> Regions:
         stick_at_end=last.stick_time,
         seen=tuple(seen),
         diagram=cell_diagram(cell, np.linspace(0.9, 2.0, 221).tolist()),
-        cell=cell,
     )
 
 
@@ -212,7 +210,7 @@ def draw_regions(e: Regions) -> tuple[Picture, ...]:
     from paper_checks.report.cell_picture import draw_bifurcation
 
     figure, axes = new_axes("column", height=3.6)
-    draw_bifurcation(axes, e.cell, e.diagram)
+    draw_bifurcation(axes, e.diagram)
     axes.axvline(V_D, color=COLOURS["purple"], lw=1.2, label=r"Fig. 2, $\tilde{v}_d$ = 1.25")
     legend = axes.get_legend()
     if legend is not None:

@@ -9,13 +9,12 @@ from verification.pictures.figures import COLOURS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from theory.cells.friction import FrictionCell
-    from verification.cells.diagram import CellDiagram
+    from verification.cells.diagram import Bifurcation
 
 
-def draw_bifurcation(axes: Axes, cell: FrictionCell, diagram: CellDiagram) -> None:
+def draw_bifurcation(axes: Axes, diagram: Bifurcation) -> None:
     """Draw turning points of both cycles and steady sliding over the belt velocity."""
-    hopf = cell.hopf_velocity
+    hopf = diagram.cell.hopf_velocity
     stable = diagram.v_d > hopf
     blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
     for side in (0, 1):

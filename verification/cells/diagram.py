@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
-from theory.result import Result
+from theory.parameters import count_within
+from theory.result import Result, plain
 from verification.cells.friction import cycle_velocities
 from verification.cells.friction_cycles import check_slip_cycles, stick_slip_once, unstable_once
 
 FloatArray = npt.NDArray[np.float64]
 
+MAX_VELOCITIES = 2000
+"""Of a curve at the shell."""
 
-@dataclass(frozen=True, kw_only=True)
-class CellDiagram(Result):
-    """Both cycles over the belt velocity.
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bifurcation(Result):
+    """Both cycles and steady sliding over the belt velocity.
 
     Attributes
     ----------
+    cell : FrictionCell
+        The other parameters.
     v_d : ndarray, shape (M,)
         Belt velocities.
     sliding : ndarray, shape (M,)
@@ -41,19 +48,46 @@ class CellDiagram(Result):
         Run time.
     """
 
-    v_d: FloatArray = field(metadata={"axis": "v_d"})
-    sliding: FloatArray = field(metadata={"dims": ("v_d",)})
-    stable: FloatArray = field(metadata={"dims": ("v_d", "end")})
-    unstable: FloatArray = field(metadata={"dims": ("v_d", "end")})
-    stick_time: FloatArray = field(metadata={"dims": ("v_d",)})
-    multiplier: FloatArray = field(metadata={"dims": ("v_d",)})
+    is_curve = True
+
+    cell: FrictionCell
+    v_d: FloatArray
+    sliding: FloatArray
+    stable: FloatArray
+    unstable: FloatArray
+    stick_time: FloatArray
+    multiplier: FloatArray
     end: float
     seconds: float
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return one row a velocity; nan where a cycle does not exist."""
+        return {
+            "v_d": self.v_d,
+            "sliding": self.sliding,
+            "stable_min": self.stable[:, 0],
+            "stable_max": self.stable[:, 1],
+            "stick_time": self.stick_time,
+            "unstable_min": self.unstable[:, 0],
+            "unstable_max": self.unstable[:, 1],
+        }
+
+    arrays = columns
+    """What a file of arrays holds."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return both bounds of the belt velocity, the columns, and ``seconds``."""
+        return {
+            "hopf_velocity": plain(self.cell.hopf_velocity),
+            "cycle_end_velocity": plain(self.end),
+            **plain(self.columns()),
+            "seconds": self.seconds,
+        }
 
 
 def cell_diagram(
     cell: FrictionCell, velocities: Sequence[float], tolerance: float = 1e-10
-) -> CellDiagram:
+) -> Bifurcation:
     """Return both cycles at every belt velocity, the other parameters as in ``cell``.
 
     Examples
@@ -82,7 +116,8 @@ def cell_diagram(
         if other is not None:
             unstable[i] = other.min, other.max
             growth[i] = np.nan if other.multiplier is None else other.multiplier
-    return CellDiagram(
+    return Bifurcation(
+        cell=cell,
         v_d=np.asarray(velocities, dtype=float),
         sliding=sliding,
         stable=stable,
@@ -92,3 +127,30 @@ def cell_diagram(
         end=end,
         seconds=perf_counter() - begin,
     )
+
+
+def bifurcation(
+    cells: Sequence[FrictionCell], along: str, values: Sequence[float], **options: Any
+) -> Bifurcation | None:
+    """Return the diagram of cells that differ in the belt velocity; None along another parameter.
+
+    Parameters
+    ----------
+    cells : sequence of FrictionCell
+        One for each value.
+    along : str
+        The parameter in which they differ.
+    values : sequence of float
+        Its values.
+    **options
+        Of `verification.cells.cell.cell`; the diagram takes its tolerance.
+
+    Raises
+    ------
+    ParameterError
+        If there are more than 2000 velocities.
+    """
+    if along != "v_d":
+        return None
+    count_within("number of velocities", len(values), 2, MAX_VELOCITIES)
+    return cell_diagram(cells[0], values, options.get("tolerance", 1e-10))

@@ -78,7 +78,7 @@ def in_phase() -> InPhase:
             preparation = Preparation(size, perturbation=noise)
             here = preparation.chain(chain, C)
             phi, before, rows = preparation.start(here), 0.0, []
-            outside = preparation.outside(here)
+            outside = preparation.nucleus.outside(here.sites)
             for time in times:
                 if time > before:
                     phi = run_envelope(here, phi, time - before).phi
@@ -93,7 +93,9 @@ def in_phase() -> InPhase:
     here = preparation.chain(chain, C)
     start = preparation.start(here)
     state = flow(np.concatenate([start.imag, start.real]), C, 12.0 / EPS, 1e-9)
-    wave = (state[here.sites :] + 1j * state[: here.sites])[~preparation.outside(here)]
+    wave = (state[here.sites :] + 1j * state[: here.sites])[
+        ~preparation.nucleus.outside(here.sites)
+    ]
     seen = np.angle(wave[1:] / wave[:-1]) / np.pi
     expected = phase_steps(hold(chain, preparation, C, 12.0), preparation)
     return InPhase(

@@ -104,6 +104,18 @@ class Nucleus:
         first = self.first(sites)
         return tuple(range(first + 1, first + self.size + 1))
 
+    def outside(self, sites: int) -> NDArray[np.bool_]:
+        """Return which sites of a chain are not excited, shape (N,).
+
+        Examples
+        --------
+        >>> Nucleus(2, "0", Place.EDGE).outside(3).tolist()
+        [False, False, True]
+        """
+        mask = np.ones(sites, dtype=np.bool_)
+        mask[self.first(sites) : self.first(sites) + self.size] = False
+        return mask
+
     def first(self, sites: int) -> int:
         """Return the index of the first excited site in a chain.
 

@@ -11,7 +11,7 @@ from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
-from verification.breathers.run import NOISE, BreatherRun
+from verification.breathers.run import NOISE, BreatherRun, still_to_come
 from verification.runs.envelope_run import run_envelope
 
 BLOCK = 5.0
@@ -65,9 +65,7 @@ def run_averaged_breather(
     ('settled', 1.001)
     """
     started = time.perf_counter()
-    first, centre = nucleus.first(chain.sites), nucleus.centre(chain.sites)
-    outside = np.ones(chain.sites, dtype=np.bool_)
-    outside[first : first + nucleus.size] = False
+    centre, outside = nucleus.centre(chain.sites), nucleus.outside(chain.sites)
     parts = np.random.default_rng(seed).normal(size=(2, chain.sites))
     phi = nucleus.envelope(chain) + noise * (parts[0] + 1j * parts[1])
     status, elapsed, drifts, rotation = BreatherStatus.UNSETTLED, 0.0, [], 0.0
@@ -81,18 +79,13 @@ def run_averaged_breather(
             status = BreatherStatus.ESCAPED
         elif drifts[-1] < tolerance:
             status = BreatherStatus.SETTLED
-    error = math.inf
-    if status is BreatherStatus.SETTLED and len(drifts) > 1:
-        # What is still to come if the drift goes on falling by this factor a block.
-        factor = min(drifts[-1] / max(drifts[-2], 1e-300), 0.99)
-        error = max(BLOCK * drifts[-1] / (1.0 - factor), 1e-12)
     return BreatherRun(
         status=status,
         amplitudes=np.abs(phi),
         harmonics=phi,
         frequency=1.0 + chain.eps * rotation,
         drift=drifts[-1],
-        error=error,
+        error=still_to_come(drifts, BLOCK) if status is BreatherStatus.SETTLED else math.inf,
         time=elapsed / chain.eps,
         seconds=time.perf_counter() - started,
     )

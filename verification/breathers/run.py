@@ -110,10 +110,7 @@ def run_breather(
         raise ParameterError(
             "small parameter eps", chain.eps, f"at most {LARGEST_EPS:g} for this step", "use orbit"
         )
-    sites = chain.sites
-    first = nucleus.first(sites)
-    outside = np.ones(sites, dtype=np.bool_)
-    outside[first : first + nucleus.size] = False
+    sites, outside = chain.sites, nucleus.outside(chain.sites)
     phi = nucleus.envelope(chain)
     state = np.concatenate([phi.imag, phi.real])
     state = state + noise * np.random.default_rng(seed).normal(size=2 * sites)
@@ -141,7 +138,7 @@ def run_breather(
         harmonics=first_harmonics(samples),
         frequency=2.0 * math.pi / period,
         drift=drifts[-1] if drifts else math.inf,
-        error=_error(drifts) if status is BreatherStatus.SETTLED else math.inf,
+        error=still_to_come(drifts, 5.0) if status is BreatherStatus.SETTLED else math.inf,
         time=elapsed,
         seconds=time.perf_counter() - started,
     )
@@ -170,9 +167,17 @@ def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[flo
     return period, float(np.abs(after - state).max()) / (chain.eps * period)
 
 
-def _error(drifts: list[float]) -> float:
-    """Return how far the run is from what it settles on: drift falls by a factor each block."""
+def still_to_come(drifts: list[float], block: float) -> float:
+    """Return how far a run is from what it settles on, if the drift falls by one factor a block.
+
+    Parameters
+    ----------
+    drifts : list of float
+        Change of the state per unit of slow time, at the end of each block.
+    block : float
+        Its length in slow time.
+    """
     if len(drifts) < 2:
         return math.inf
     factor = min(drifts[-1] / max(drifts[-2], 1e-300), 0.99)
-    return max(5.0 * drifts[-1] / (1.0 - factor), 1e-12)
+    return max(block * drifts[-1] / (1.0 - factor), 1e-12)

@@ -21,7 +21,7 @@ from theory.cells.oscillator import Cycle as Limit
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, within
 from verification.cells.result import CellStatus, Cycle, OwnCell
-from verification.cells.vdp import ROUNDING
+from verification.cells.vdp import ROUNDING, Maximum
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -103,15 +103,6 @@ def _status(rests: bool, stable: Cycle | None) -> CellStatus:
     return CellStatus.BISTABLE if rests else CellStatus.OSCILLATION
 
 
-class _Maximum:
-    """An event for scipy: ẏ falls through 0, the start not counted."""
-
-    direction, terminal = -1.0, True
-
-    def __call__(self, t: float, z: FloatArray) -> float:
-        return float(z[1]) if t > 0.0 else -1.0
-
-
 class _Minimum:
     """An event for scipy: ẏ rises through 0."""
 
@@ -140,7 +131,7 @@ def _turn(chain: OscillatorChain, y: float, period: float, tolerance: float) -> 
         return [z[1], -force - eps * z[1] * float(cell.damping_at(*at)[0])]
 
     run = solve_ivp(
-        rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(_Maximum(), _Minimum()),
+        rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(Maximum(), _Minimum()),
         rtol=tolerance, atol=1e-2 * tolerance * y, max_step=period / 30.0,
     )  # fmt: skip
     lowest: list[FloatArray] = list(run.y_events[1]) if run.y_events is not None else []

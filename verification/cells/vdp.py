@@ -29,12 +29,13 @@ _STIFFEST = 60.0
 """Largest ε max|1 - a y² + b y⁴| on the stable cycle: DOP853 takes half a minute there."""
 
 
-class _Turn:
+class Maximum:
     """An event for scipy: ẏ falls through 0, the start not counted."""
 
     direction, terminal = -1.0, True
 
     def __call__(self, t: float, z: FloatArray) -> float:
+        """Return what changes sign."""
         return float(z[1]) if t > 0.0 else -1.0
 
 
@@ -189,7 +190,7 @@ def _shoot(
             return [z[1], -z[0] - eps * z[1] * damping]
 
         run = solve_ivp(
-            rate, (0.0, _LONGEST), [y, 0.0], "DOP853", events=_Turn(), rtol=tolerance,
+            rate, (0.0, _LONGEST), [y, 0.0], "DOP853", events=Maximum(), rtol=tolerance,
             atol=1e-2 * tolerance, max_step=0.2,
         )  # fmt: skip
         if run.status != 1:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
-from theory.chains.vdp import VanDerPolChain, VdpChain
+from theory.chains.vdp import VanDerPolChain
 from verification.runs.envelope_run import EnvelopeRun, run_envelope
 
 Complex = NDArray[np.complex128]
@@ -62,13 +62,6 @@ class Preparation:
             phi = phi + self.perturbation * (noise[0] + 1j * noise[1])
         return phi
 
-    def outside(self, chain: VanDerPolChain) -> NDArray[np.bool_]:
-        """Return which sites are not excited."""
-        first = self.nucleus.first(chain.sites)
-        mask = np.ones(chain.sites, dtype=np.bool_)
-        mask[first : first + self.size] = False
-        return mask
-
 
 def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: float) -> EnvelopeRun:
     """Run the averaged chain at a coupling until it escapes or the time is over.
@@ -83,12 +76,12 @@ def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: fl
         here,
         preparation.start(here),
         duration,
-        watched=preparation.outside(here),
+        watched=preparation.nucleus.outside(here.sites),
         limit=here.unstable_amplitude,
     )
 
 
 def phase_steps(run: EnvelopeRun, preparation: Preparation) -> NDArray[np.float64]:
     """Return the phase steps inside the nucleus in units of π, from -1 to 1."""
-    core = run.phi[~preparation.outside(VdpChain(a=1, b=0.1, c=0, sites=len(run.phi)))]
+    core = run.phi[~preparation.nucleus.outside(len(run.phi))]
     return np.asarray(np.angle(core[1:] / core[:-1]) / np.pi, dtype=float)

@@ -46,7 +46,7 @@ def sweep_envelope(
     """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None."""
     positive("sweep rate", rate)
     here = preparation.chain(chain, start)
-    watch, limit = preparation.outside(here), here.unstable_amplitude
+    watch, limit = preparation.nucleus.outside(here.sites), here.unstable_amplitude
     settled = run_envelope(here, preparation.start(here), SETTLING, watched=watch, limit=limit)
     if settled.escaped:
         return start

@@ -150,3 +150,5 @@ def test_a_ring_has_no_site_that_is_a_neighbour_twice():
     with pytest.raises(DerivationInputError, match="at least 5"):
         derive_linearisation(model, 4)
     assert derive_linearisation(model, 5).steps
+    for chain_, sites in ((model, 6), (CHAINS["coefficient"], 4)):  # corners apart from the band
+        assert derive_linearisation(chain_).named("state").result.rhs.shape == (2 * sites, 1)

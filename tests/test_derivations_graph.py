@@ -46,6 +46,12 @@ def rests_on(graph, key):
     return found
 
 
+def _ends(graph):
+    """Return the steps without a number from which nothing follows."""
+    used = {source for sources in graph.sources.values() for source in sources}
+    return {key for key, step in graph.steps.items() if key not in used and step.number is None}
+
+
 @pytest.fixture(scope="module")
 def derivations():
     return catalogue.everything()
@@ -62,9 +68,7 @@ def test_every_number_of_the_paper_is_in_the_graph(graph):
 
 
 def test_each_derivation_leads_to_all_of_its_results_and_to_nothing_else(graph):
-    used = {source for sources in graph.sources.values() for source in sources}
-    ends = {key for key, step in graph.steps.items() if key not in used and step.number is None}
-    assert ends == RESULTS
+    assert _ends(graph) == RESULTS
 
 
 def test_no_equation_without_a_path_to_something_given(graph):
@@ -112,9 +116,14 @@ def test_the_order_is_that_of_an_appendix(derivations):
 
 
 def test_a_cell_of_one_s_own_has_a_graph_too():
-    made = derive_cell(derive_envelope("1 - a*y**2 + b*y**4").model, 2)
-    graph = graph_of([made])
+    model = derive_envelope("1 - a*y**2 + b*y**4").model
+    graph = graph_of([derive_cell(model, 2)])
     assert all(rests_on(graph, key) for key in graph.steps)
+    of_second = RESULTS & {step.name for step in catalogue.load("second-order").steps}
+    own = {"averaged cell in its chain", "frequency shift of the cell", "growth rates",
+           "kinetic relation of the cell"}  # fmt: skip
+    assert _ends(graph) == own | of_second
+    assert _ends(graph_of([derive_cell(model)])) == own
 
 
 def test_two_different_steps_of_one_name_are_refused(derivations):

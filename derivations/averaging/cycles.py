@@ -121,7 +121,7 @@ def why_not_bistable(damping_mean: sp.Expr, cycles: tuple[LimitCycle, ...]) -> s
     """Return why a cell has not two cycles, the inner one unstable, around a stable rest state."""
     if len(cycles) != 2:
         return f"this one has {len(cycles)} limit cycle{'s' * (len(cycles) != 1)}"
-    if any(cycle.stability is None for cycle in cycles):
+    if cycles[0].stability is None:
         top, middle, low = _in_lowest_powers(damping_mean)[0].all_coeffs()
         allowed = top.is_positive and middle.is_negative and low.is_positive
         return None if allowed else "the signs of its terms do not allow two cycles"
@@ -156,7 +156,7 @@ def ratio_of_cycles(
             "damping", shown(damping), "that of a cell with exactly two cycles around a stable "
             "rest state", f"{why}, so the simplified model of the front does not apply",
         )  # fmt: skip
-    if any(cycle.stability is None for cycle in cycles):
+    if cycles[0].stability is None:
         polynomial, power = _in_lowest_powers(damping_mean)
         top, middle, low = polynomial.all_coeffs()
         spread = sp.sqrt(sp.factor(1 - 4 * top * low / middle**2))

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import mpmath
 import numba
@@ -21,24 +21,32 @@ import pytest
 from numpy.lib import format as npy
 
 from fronts.cli import main
+from fronts.curves import curve
 from paper_checks.ruling import agrees
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Place
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
-from theory.parameters import ParameterError, RunError
+from theory.parameters import ParameterError, RunError, positive
+from theory.piecewise.kinetic_relation import kinetic_relation
+from verification.breathers import exponents
 from verification.breathers import outcome as nuclei
+from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.floquet import Multipliers, floquet_multipliers
+from verification.cells import vdp as vdp_cell
 from verification.execution import checkpoint
 from verification.execution.files import FileError
-from verification.execution.points import Point
+from verification.execution.points import Point, points_of
 from verification.execution.store import Store
 from verification.execution.sweep import sweep
+from verification.execution.task import parameters_of
 from verification.execution.time_limit import TimeIsUpError
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Watch
 from verification.maps import friction_rules, smooth_rules, state_run
 from verification.maps.state import Reason, State
+from verification.quantities import fronts as fronts_of
 from verification.quantities import judging, robustness
+from verification.quantities import kinetic_relation as velocities
 from verification.quantities.judging import BAD, Outcome, RobustnessTask, is_clear, judge
 from verification.quantities.quantity import (
     Axis,
@@ -48,9 +56,11 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
+from verification.thresholds import continuation, escape
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
 from verification.thresholds.spreading import Spreading, spreading_threshold, spreads
+from verification.thresholds.threshold import closed_form_threshold
 from verification.work_reduction import table as reductions
 
 NAN = math.nan
@@ -747,3 +757,225 @@ def test_progress_is_the_chain_that_is_reached_or_the_time_that_is_waited(reache
     watch.follow(_Run(1e-8, reached))  # type: ignore[arg-type]
     waited = [n / 20.0 for n in range(22)]
     assert seen == [min(1.0, max(part, (reached - 1) / 40)) for part in waited]
+
+
+# ------------------------------------------------------- errors and references that are judged by
+
+
+def test_the_error_of_a_true_cycle_is_what_a_coarser_tolerance_changes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the amplitude, in units of y, or of the period; to either side."""
+    for coarse, expected in (((2.5, 7.0), 0.25), ((1.5, 7.0), 0.25), ((2.0, 6.5), 0.5)):
+        monkeypatch.setattr(
+            vdp_cell, "_shoot",
+            lambda *given, far=coarse: (2.0, 7.0) if given[-1] < 1e-9 else far,
+        )  # fmt: skip
+        found = vdp_cell._cycle(0.1, 0.1, 2.0, between=1.0, a=4.0, tolerance=1e-10)
+        assert (found.max, found.period) == (1.0, 7.0)
+        assert found.error == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("eta", [0.02, 0.08, 0.12])
+def test_a_cycle_is_too_stiff_by_its_largest_damping(eta: float) -> None:
+    """ε max|1 - y² + ηy⁴| over the cycle of amplitude √(8/(1 - √(1 - 8η))), point by point."""
+    y = np.linspace(0.0, math.sqrt(8.0 / (1.0 - math.sqrt(1.0 - 8.0 * eta))), 20_001)
+    largest = float(np.abs(1.0 - y**2 + eta * y**4).max())
+    limit = vdp_cell._STIFFEST / largest
+    vdp_cell._check_stiffness(eta, 0.999 * limit)
+    with pytest.raises(ParameterError, match="at most"):
+        vdp_cell._check_stiffness(eta, 1.001 * limit)
+
+
+def test_halved_steps_shift_a_fold_by_their_residual_over_the_largest_slope() -> None:
+    fold = SimpleNamespace(u=np.zeros(2), c=0.2)
+    path: Any = SimpleNamespace(
+        branch=SimpleNamespace(fold=fold),
+        finer=lambda u, c: (np.array([1e-6, -3e-6]), None, np.array([0.5, -1.5])),
+    )
+    assert continuation._step_error(path) == pytest.approx(2e-6)
+    path.finer = None
+    assert continuation._step_error(path) == 0.0
+
+
+def test_the_bracket_of_an_escape_holds_the_coupling_at_which_runs_begin_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A run of half the time escapes later, by 1e-3: that is part of the error."""
+
+    def hold(_: object, __: object, c: float, length: float) -> SimpleNamespace:
+        return SimpleNamespace(escaped=c > (0.2 if length == 100.0 else 0.201))
+
+    monkeypatch.setattr(escape, "hold", hold)
+    chain = AveragedChain(a=4, b=0.5, c=0.6)
+    found = escape.escape_threshold(
+        chain, escape.Preparation(1), duration=100.0, tolerance=1e-4, low=0.15, high=0.25
+    )
+    assert found.low is not None
+    assert found.high is not None
+    assert found.low <= 0.2 <= found.high
+    assert found.high - found.low == pytest.approx(1e-4)
+    assert 1e-3 <= found.error <= 1.2e-3
+
+
+def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Made:
+        escapes: ClassVar[dict[float, float]] = {}
+
+        def __init__(self, _: object, preparation: escape.Preparation, __: float) -> None:
+            self.preparation = preparation
+
+        def range(self) -> tuple[float, float]:
+            return 0.19, 0.21
+
+        def monotone(self) -> bool:
+            return self.preparation.seed == 1
+
+        def bracket(self) -> None: ...
+        def refine(self, _: float) -> None: ...
+        def escape(self, _: float) -> None: ...
+
+    monkeypatch.setattr(escape, "_Runs", Made)
+    noisy = escape.Preparation(1, perturbation=1e-3, seed=1)
+    found = escape.escape_range(AveragedChain(a=4, b=0.5, c=0.6), noisy, seeds=2)
+    assert not found.monotone  # one of the two seeds has gaps
+    assert (found.low, found.high) == pytest.approx((0.18, 0.22))
+    assert found.error == pytest.approx(0.02)
+    one = escape.escape_range(AveragedChain(a=4, b=0.5, c=0.6), noisy, seeds=1)
+    assert (one.low, one.high, one.monotone) == (0.19, 0.21, True)
+
+
+def test_the_closed_form_is_of_one_site_in_the_bulk() -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.6)
+    assert closed_form_threshold(chain, Nucleus(1)).c > 0.0
+    for other in (Nucleus(1, place=Place.EDGE), Nucleus(2, "0")):
+        with pytest.raises(ParameterError, match="one centre"):
+            closed_form_threshold(chain, other)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_exponents_come_with_the_fastest_growth_first(mirrored: bool) -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
+    found = solve_envelope_breather(chain, Nucleus(1))
+    growth = exponents.exponents(found.phi, found.omega, chain, mirrored).values.real
+    assert np.all(np.diff(growth) <= 0.0)
+    assert growth[0] > growth[-1]
+
+
+@pytest.mark.parametrize(("nucleus", "leads"), [(Nucleus(1), "odd"), (Nucleus(3, "+-"), "even")])
+def test_a_monitor_watches_growth_of_either_parity(nucleus: Nucleus, leads: str) -> None:
+    """The leading one, that of the nucleus's own parity, and the other, each less the margin."""
+    chain = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
+    found = solve_envelope_breather(chain, nucleus)
+    u = np.concatenate([found.phi.real, found.phi.imag, [found.omega]])
+    whole = exponents.exponents(found.phi, found.omega, chain, mirrored=True)
+    assert whole.symmetric is not None
+    assert whole.antisymmetric is not None
+    assert (whole.symmetric > whole.antisymmetric + 1e-6) is (leads == "even")
+    watched = exponents.stability_monitor(chain, nucleus)(u, chain.c)
+    growths = (whole.growth, whole.symmetric, whole.antisymmetric)
+    expected = [each - exponents.MARGINAL for each in growths]
+    assert watched == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_velocity_off_by_more_than_its_error_is_as_far_off_as_it_is(side: float) -> None:
+    at = {"c": 0.5, "eta": 0.03125}
+    found = kinetic_relation(at["c"], at["eta"])
+    true = found.branches[-1]
+    for off in (1e-6, 1e-9):
+        wrong = replace(true, v=true.v * (1.0 + side * off), error=1e-13 * true.v)
+        stated = StatedValue(
+            value=np.array([wrong.v]), error=1e-13,
+            extra=replace(found, branches=(*found.branches[:-1], wrong)),
+        )  # fmt: skip
+        check = velocities._check_velocities(at, stated)
+        assert check.distance == pytest.approx(off, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "settled"),
+    [
+        (FrontStatus.STEADY, 1e-6, True),
+        (FrontStatus.PINNED, 0.0, True),
+        (FrontStatus.STEADY, None, False),
+        (FrontStatus.UNSTEADY, 1e-6, False),
+    ],
+)
+def test_only_a_settled_front_with_an_error_states_its_velocity(
+    monkeypatch: pytest.MonkeyPatch, status: FrontStatus, error: float | None, settled: bool
+) -> None:
+    v = 0.0 if status is FrontStatus.PINNED else 0.5
+    made = SimpleNamespace(v=v, error=error, status=status)
+    monkeypatch.setattr("verification.fronts.measure.measure_front", lambda *_, **__: made)
+    found = fronts_of._front({"c": 0.6, "eta": 0.03}, True)
+    assert found.value == (v if settled else None)
+
+
+@pytest.mark.parametrize(("share", "by"), [(0.49, "differences"), (0.51, "scipy")])
+def test_a_reference_that_is_too_uncertain_is_left_for_another(
+    monkeypatch: pytest.MonkeyPatch, share: float, by: str
+) -> None:
+    def reference(method: str) -> Any:
+        return lambda *_, **__: ReferenceCheck(
+            distance=0.0, uncertainty=share * 1e-3, method=method
+        )
+
+    monkeypatch.setattr(fronts_of, "_by_differences", reference("differences"))
+    monkeypatch.setattr(fronts_of, "_by_scipy", reference("scipy"))
+    stated = StatedValue(value=0.5, error=1e-3)
+    assert fronts_of._averaged_front_known({"c": 0.6, "eta": 0.03}, stated).method == by
+
+
+def test_values_at_random_are_of_every_decade_and_beside_what_is_special() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [Axis(name="c", low=1e-3, high=1e3).draw(rng) for _ in range(300)]
+    decades = np.bincount(np.floor(np.log10(drawn)).astype(int) + 3, minlength=6)
+    assert decades.min() > 25  # fifty each, with a deviation of seven
+    beside = Axis(name="eta", low=0.01, high=0.02, near=(0.08,))
+    near = [value for value in (beside.draw(rng) for _ in range(400)) if value > 0.03]
+    away = np.array(near) / 0.08 - 1.0
+    assert 60 < away.size < 140  # a quarter of them
+    assert np.abs(away).max() <= 0.1
+    assert min((away > 0).sum(), (away < 0).sum()) > 20
+
+
+# ----------------------------------------------------------------------- what is kept and answered
+
+
+def test_a_checkpoint_holds_numbers_only(tmp_path: Path) -> None:
+    objects = {"y": np.array([{}], dtype=object)}
+    with pytest.raises(TypeError, match="references"):  # no digest of what cannot be compared
+        checkpoint.save_checkpoint(tmp_path / "run", objects, {"chain": "x"}, 0.0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_of_a_task_all_its_numbers_are_stored_and_no_axes_are_no_points() -> None:
+    assert parameters_of(1.0 + 2.0j) == [1.0, 2.0]
+    assert len(points_of({})) == 0
+    assert len(points_of({"c": [0.1, 0.2], "v": [1.0, 2.0, 3.0]})) == 6
+
+
+def test_a_list_of_benchmarks_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bench", "--list", "--out", str(tmp_path)]) == 2
+    assert "--list reads and writes no record" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_curve_goes_on_where_some_points_are_refused() -> None:
+    """Only where all are, it is one refusal."""
+
+    def value(chain: float) -> SimpleNamespace:
+        positive("c", chain)
+        return SimpleNamespace(c=chain)
+
+    found = curve(value, [-1.0, 1.0, -2.0], "c", [-1.0, 1.0, -2.0], {}, workers=1)
+    assert [type(point).__name__ for point in found.points] == [
+        "Refusal", "SimpleNamespace", "Refusal",
+    ]  # fmt: skip
+    with pytest.raises(ParameterError, match="c = -1"):
+        curve(value, [-1.0, -2.0], "c", [-1.0, -2.0], {}, workers=1)

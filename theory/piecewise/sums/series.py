@@ -200,12 +200,12 @@ def _taylor(scene: SeriesScene, k0: Any, S0: Any, order: int) -> list[Any]:
     d = [k0 * (S0 + shift)]
     t = [scene.sign * 2 / (scene.c * d[0])]
     for j in range(order):
-        crossed = mp.fsum((j + 1 - n) * k[j + 1 - n] * S[n] for n in range(1, j + 1))
+        # Sums of products rounded once: half the time, and a bit more exact.
+        crossed = mp.fdot(((j + 1 - n) * k[j + 1 - n], S[n]) for n in range(1, j + 1))
         k.append((2 * mp.pi * S[j] - crossed) / ((j + 1) * (S0 + shift)))
         q.append(scene.alpha * k[-1])
-        squares = mp.fsum(q[n] * q[j + 1 - n] for n in range(j + 2))
-        squares -= mp.fsum(S[n] * S[j + 1 - n] for n in range(1, j + 1))
+        squares = mp.fdot(q, q[::-1]) - mp.fdot(S[1:], S[:0:-1])
         S.append(squares / (2 * S0))
-        d.append(mp.fsum(k[n] * S[j + 1 - n] for n in range(j + 2)) + shift * k[-1])
-        t.append(-mp.fsum(d[n] * t[j + 1 - n] for n in range(1, j + 2)) / d[0])
+        d.append(mp.fdot(k, S[::-1]) + shift * k[-1])
+        t.append(-mp.fdot(d[1:], t[::-1]) / d[0])
     return t

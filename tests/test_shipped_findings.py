@@ -77,7 +77,8 @@ def package(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(discover, "PACKAGE", "slow_code.claims")
     monkeypatch.setattr("fronts.commands.check.FOLDER", tmp_path / "findings")
-    monkeypatch.setattr(check, "stored_sections", tuple)  # sections of their own, with other stores
+    # Sections of their own, with other stores.
+    monkeypatch.setattr("paper_checks.report.measurements.stored_sections", tuple)
     monkeypatch.setenv("SLOW_LOG", str(tmp_path / "log"))
     yield home
     forget()

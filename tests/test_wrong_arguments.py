@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import fronts as fr
@@ -80,3 +82,43 @@ def test_couplings_are_positive_numbers(couplings: Any) -> None:
     ):
         with pytest.raises(fr.ParameterError, match=r"^coupling c = "):
             ask()
+
+
+START = fr.excite(CHAINS["vdp"], [1])
+HIDDEN = np.ma.array([0.3, 0.5], mask=[False, True])
+REFUSED: dict[str, tuple[Callable[[], object], str]] = {
+    "masked-c": (lambda: fr.kinetic_relation(HIDDEN, 0.03), "coupling c"),
+    "masked-eta": (lambda: fr.kinetic_relation(0.5, HIDDEN), "eta"),
+    "masked-times": (lambda: fr.simulate(CHAINS["vdp"], START, 1.0, times=HIDDEN), "times"),
+    "masked-start": (
+        lambda: fr.simulate(CHAINS["vdp"], np.ma.array(START, mask=START > 0), 1.0), "start"
+    ),
+    "masked-axis": (lambda: fr.state_map(CHAINS["vdp"], c=HIDDEN), "c = "),
+    "date": (lambda: fr.kinetic_relation(np.datetime64("2020"), 0.03), "coupling c"),
+    "text": (lambda: fr.kinetic_relation("0.3", 0.03), "coupling c"),
+    "one-site": (lambda: fr.excite(CHAINS["vdp"], 3), "excited sites = 3"),
+    "half-a-site": (lambda: fr.excite(CHAINS["vdp"], [1.5]), "excited site = 1.5"),
+    "turns": (lambda: fr.excite(CHAINS["vdp"], [1, 2], quarter_turns=[1]), "quarter turns"),
+    "place": (lambda: fr.Nucleus(1, place="end"), "place = end"),
+    "pattern": (lambda: fr.Nucleus(3, None), "pattern = None"),
+    "ends": (lambda: fr.VdpChain(a=4, b=0.5, c=0.6, ends="open"), "ends = open"),
+    "left": (lambda: fr.measure_front(CHAINS["vdp"], left_boundary="waves"), "left boundary"),
+    "stall": (lambda: fr.measure_front(CHAINS["vdp"], stall_time=5e-324), "stall time"),
+    "shape": (lambda: fr.OscillatorChain(damping="y**2 - 1", c=0.1, shape=31), "shape = 31"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_not_asked_for_is_refused_in_a_sentence(name: str) -> None:
+    ask, quantity = REFUSED[name]
+    with pytest.raises(fr.ParameterError, match=f"^{quantity}.* is not allowed: it must be"):
+        ask()
+
+
+def test_files_may_be_named_by_text(tmp_path: Path) -> None:
+    map_file, checkpoint = tmp_path / "map.csv", tmp_path / "run.npz"
+    found = fr.state_map(CHAINS["averaged"], c=0.05, workers=1, refine=0, out=str(map_file))
+    assert found.counts == {"breather": 1}
+    assert map_file.exists()
+    run = fr.simulate(CHAINS["vdp"], START, 1.0, checkpoint=str(checkpoint))
+    assert run.times[-1] == 1.0

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Callable, Iterable
-from typing import SupportsFloat
+from typing import TYPE_CHECKING, SupportsFloat
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 LATEST = 1e9
 """Latest end time of a run."""
@@ -93,6 +97,30 @@ def number(
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(quantity, value, allowed, remedy) from None
+
+
+def real_array(quantity: str, values: object) -> NDArray[np.float64]:
+    """Return one real number or several as an array of their shape.
+
+    Raises
+    ------
+    ParameterError
+        If they are text, truth values, dates or complex, or some are masked.
+
+    Examples
+    --------
+    >>> real_array("coupling c", [1, 0.5])
+    array([1. , 0.5])
+    """
+    import numpy as np
+
+    try:
+        given = np.asarray(values)
+        if given.dtype.kind in "iufO" and not np.ma.is_masked(values):
+            return given.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise ParameterError(quantity, values, "a number or numbers, none masked", "give those")
 
 
 def decimal(quantity: str, value: object) -> float | str:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from enum import StrEnum
-from typing import Self
+from typing import NoReturn, Self
+
+from theory.parameters import ParameterError
 
 
 class Status(StrEnum):
     """A word for JSON and files, and a sentence for people, on one member.
 
-    Members are written as a pair. The word alone finds the member.
+    Members are written as a pair. The word alone finds the member; another word
+    is refused with a `ParameterError`.
 
     Attributes
     ----------
@@ -34,3 +38,9 @@ class Status(StrEnum):
         member._value_ = value
         member.sentence = sentence
         return member
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        words = ", ".join(each.value for each in cls)
+        name = re.sub(r"(?<!^)(?=[A-Z])", " ", cls.__name__).lower()
+        raise ParameterError(name, value, f"one of {words}", "name one")

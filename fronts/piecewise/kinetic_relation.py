@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, real_array
 from theory.piecewise.kinetic_relation import (
     KineticRelation,
     trace_kinetic_relation,
@@ -110,7 +110,7 @@ def kinetic_relation(
     [0, 2, 1]
     """
     eta_ = damping_ratio(eta, a, b)
-    c_ = _numbers("coupling c", c)
+    c_ = real_array("coupling c", c)
     answers = trace_kinetic_relation(c_, eta_, progress=progress)
     single = c_.ndim == 0 and np.ndim(eta_) == 0
     if stability or single:
@@ -139,7 +139,7 @@ def damping_ratio(eta: Any, a: float | None, b: float | None) -> Any:
     if eta is not None:
         if a is not None or b is not None:
             raise ParameterError("eta", eta, "absent beside a and b", "give one of them")
-        return _numbers("eta", eta)
+        return real_array("eta", eta)
     if a is None or b is None:
         raise ParameterError(
             "eta", "absent", "given where a and b are not both given", "give eta, or both a and b"
@@ -147,11 +147,3 @@ def damping_ratio(eta: Any, a: float | None, b: float | None) -> Any:
     from theory.cells.vdp import eta_from_damping
 
     return eta_from_damping(a, b)
-
-
-def _numbers(quantity: str, values: Any) -> FloatArray:
-    """Return one number or several as an array, or refuse what is none."""
-    try:
-        return np.asarray(values, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise ParameterError(quantity, values, "a number or numbers", "give those") from None

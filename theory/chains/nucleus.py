@@ -65,7 +65,8 @@ class Nucleus:
     def __post_init__(self) -> None:
         size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")
         object.__setattr__(self, "size", size)
-        if len(self.pattern) != self.size - 1 or set(self.pattern) - set(STEPS):
+        signs = self.pattern if isinstance(self.pattern, str) else "none"
+        if len(signs) != self.size - 1 or set(signs) - set(STEPS):
             raise ParameterError(
                 "pattern",
                 repr(self.pattern),

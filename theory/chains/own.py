@@ -107,6 +107,8 @@ class OwnChain(SmoothChain):
         if isinstance(given, (tuple, list)):
             shape, given = given, None
         if shape is not None:
+            if not isinstance(shape, (tuple, list)):
+                raise ParameterError("shape", shape, "rows and columns", "as in (60, 60)")
             sides = tuple(whole_number("rows and columns", each, 1, MAX_SITES) for each in shape)
             if len(sides) != 2:
                 raise ParameterError("sites", shape, "a number or rows x columns", "as in 60x60")

@@ -72,7 +72,7 @@ def sweep(
     function: Task,
     points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any],
     *,
-    out: Path | None = None,
+    out: Path | str | None = None,
     resume: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -90,7 +90,7 @@ def sweep(
     points : sequence of mappings, or mapping
         Where: all with the same names; or names with values, of which every combination is taken,
         the last one fastest.
-    out : Path, optional
+    out : Path or str, optional
         CSV file for the table, or a zarr store or arrays of numpy if it ends in ``.zarr`` or
         ``.npz``; its record goes beside it into ``<out>.json``, and while the sweep runs the
         finished points into ``<out>.part``.

@@ -36,7 +36,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.own import OwnChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain
-from theory.parameters import ParameterError, count_within, need_instance, positive, within
+from theory.parameters import LATEST, ParameterError, count_within, need_instance, within
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.network import planar, spread, velocity_of
@@ -138,9 +138,9 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     if method == "wave":
         return wave_front(chain)
     if accuracy is not None:
-        within("accuracy", accuracy, 1e-13, 0.1)
+        accuracy = within("accuracy", accuracy, 1e-13, 0.1)
     if stall_time is not None:
-        positive("stall time", stall_time)
+        stall_time = within("stall time", stall_time, 1e-6, LATEST)
     if getattr(chain, "c", 1.0) == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
     request = Request(

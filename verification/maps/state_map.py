@@ -28,7 +28,7 @@ import numpy as np
 from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, need_instance, within
+from theory.parameters import ParameterError, need_instance, real_array, within
 from theory.result import Result
 from verification.execution.columns import Cell, Scalar
 from verification.execution.points import Grid, Point
@@ -204,7 +204,7 @@ def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
     >>> state_points(task, {"eta": [0.1], "c": [0.2, 0.3]})[1]
     Point(eta=0.1, c=0.3)
     """
-    points = Grid({name: [float(value) for value in each] for name, each in axes.items()})
+    points = Grid({name: real_array(name, each).ravel().tolist() for name, each in axes.items()})
     for point in points:
         task.at(point)
     return points
@@ -353,7 +353,7 @@ def state_map(
     refine: float = 1.0 / 16.0,
     workers: int | None = None,
     executor: Executor | None = None,
-    out: Path | None = None,
+    out: Path | str | None = None,
     resume: bool = False,
     progress: ProgressCallback | None = None,
     **axes: Sequence[float],
@@ -373,7 +373,7 @@ def state_map(
         Processes, by default one a core that may be used.
     executor : concurrent.futures.Executor, optional
         Used in place of own processes, and left open: that of a cluster, for instance.
-    out : Path, optional
+    out : Path or str, optional
         File for the map, as of `sweep`: zarr or npz where there are amplitudes; the boundaries go
         beside it, see `boundary_path`.
     resume : bool, optional
@@ -409,7 +409,8 @@ def state_map(
     within("part of the spacing, refine,", refine, 0.0, 1.0)
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
-    if task.amplitudes and out is not None and Path(out).suffix not in ARRAY_FORMATS:
+    out = None if out is None else Path(out)
+    if task.amplitudes and out is not None and out.suffix not in ARRAY_FORMATS:
         raise ParameterError(
             "file of a map with amplitudes", out, "one with a place for arrays",
             "name a file ending in .zarr or .npz",

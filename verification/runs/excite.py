@@ -9,7 +9,7 @@ end of the cycle.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache, singledispatch
 
 import numpy as np
@@ -18,7 +18,7 @@ import numpy.typing as npt
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Chain, SmoothChain
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError, need_instance, within
+from theory.parameters import ParameterError, need_instance, whole_number, within
 from theory.status import Status
 from verification.runs.integration import as_psi
 
@@ -85,16 +85,21 @@ def excite(
         raise ParameterError(
             "model", chain.model, "a chain of finite length", "measure a front instead"
         )
+    if not isinstance(sites, Iterable) or isinstance(sites, str) or not np.ndim(sites):
+        raise ParameterError(
+            "excited sites", sites, "a sequence of sites", "write a site in brackets, as [1]"
+        )
     if not len(sites):
         raise ParameterError("excited sites", "none", "at least one", "name a site from 1 to n")
     for site in sites:
-        if not 1 <= site <= count:
-            raise ParameterError(
-                "excited site", site, f"from 1 to {count}", "name a site of the chain"
-            )
+        whole_number("excited site", site, 1, count, "name a site of the chain")
     if displacement is not None:
-        within("displacement", displacement, -MAX_DISPLACEMENT, MAX_DISPLACEMENT)
+        displacement = within("displacement", displacement, -MAX_DISPLACEMENT, MAX_DISPLACEMENT)
     turns = [0] * len(sites) if quarter_turns is None else quarter_turns
+    if len(turns) != len(sites):
+        raise ParameterError(
+            "quarter turns", f"{len(turns)} of them", "one for each excited site", "give as many"
+        )
     start = np.empty((2, count))
     start[:] = np.array(chain.rest_state)[:, None]
     for site, turn in zip(sites, turns, strict=True):

@@ -225,6 +225,8 @@ def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
         kind = given.dtype.kind
     except (TypeError, ValueError):
         given, kind = np.zeros(0), "O"
+    if np.ma.is_masked(start):
+        raise ParameterError("start", "a masked array", "without a masked value", "fill them in")
     state: npt.NDArray[Any] = given
     if kind == "c" and given.shape == (sites,):
         state = np.array([given.imag, given.real])

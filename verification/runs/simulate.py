@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.chain import Chain
-from theory.parameters import ParameterError, end_time, need_instance, positive, within
+from theory.parameters import ParameterError, end_time, need_instance, positive, real_array, within
 from verification.execution.checkpoint import check_samples, run_to_end
 from verification.execution.progress import ProgressCallback
 from verification.runs import friction_integration, smooth_integration
@@ -41,7 +41,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     times: Sequence[float] | None = None,
     level: float | None = None,
     estimate_error: bool = True,
-    checkpoint: Path | None = None,
+    checkpoint: Path | str | None = None,
     progress: ProgressCallback | None = None,
     budget: int | None = None,
     **options: Any,
@@ -69,7 +69,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         has none: a site is reached when it first sticks.
     estimate_error : bool
         Run the chain at a tenth of the tolerance as well, for the error.
-    checkpoint : Path, optional
+    checkpoint : Path or str, optional
         File into which the run is saved every few seconds and when it is interrupted. If it
         exists, the run goes on from it, to the same bits.
     progress : callable, optional
@@ -109,13 +109,12 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     """
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
-    end_time("end time t", t_end)
+    t_end = end_time("end time t", t_end)
     sampled = _sample_times(chain, t_end, samples, times)
     if level is not None:
         options["level"] = positive("level", level)
     if tolerance is not None:
-        within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
-        options["tolerance"] = tolerance
+        options["tolerance"] = within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
     options["end"] = t_end
     first = integration(chain, start, sampled, **options)
     runs = [first]
@@ -124,7 +123,8 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         options["tolerance"] = other_tolerance(first.tolerance)
         runs.append(integration(chain, other, sampled, **options))
     budget = first.default_budget if budget is None else budget
-    spent = run_to_end(runs, t_end, budget, checkpoint, progress)
+    file = None if checkpoint is None else Path(checkpoint)
+    spent = run_to_end(runs, t_end, budget, file, progress)
     return _trajectory(chain, runs, spent - begin)
 
 
@@ -132,11 +132,14 @@ def _sample_times(
     chain: Chain, t_end: float, samples: int, times: Sequence[float] | None
 ) -> FloatArray:
     sites = getattr(chain, "sites", 1)
-    check_samples(samples if times is None else len(times), sites)
     if times is None:
+        check_samples(samples, sites)
         return np.linspace(0.0, t_end, int(samples))
-    found = np.asarray(times, dtype=float)
-    if not (np.all(np.diff(found) >= 0.0) and found[0] >= 0.0 and found[-1] <= t_end):
+    found = np.atleast_1d(real_array("times of the samples", times))
+    check_samples(len(found), sites)
+    if not (
+        found.ndim == 1 and np.all(np.diff(found) >= 0.0) and found[0] >= 0.0 and found[-1] <= t_end
+    ):
         raise ParameterError(
             "times of the samples", "not ascending from 0 to the end", "ascending", "sort them"
         )

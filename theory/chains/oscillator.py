@@ -32,6 +32,9 @@ MAX_PHASE = 0.1
 class OscillatorChain(OwnChain, model="chain"):
     """A chain or network of oscillators of your own; dimensionless.
 
+    ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + ε c Σ_m w_nm [y_n - y_m + d (ẏ_n - ẏ_m)] = F_n(t), with
+    weights w_nm of the coupling, 1 for neighbours; without inertia ẏ_n + g(y_n) + c Σ_m … = F_n(t).
+
     Attributes
     ----------
     damping : str, number, SymPy expression, function or sequence of functions
@@ -50,7 +53,7 @@ class OscillatorChain(OwnChain, model="chain"):
     eps : float
         Small parameter ε, from 1e-9 to 10; without inertia 1.
     velocity_coupling : float
-        d: part of the coupling that acts on the difference of the velocities.
+        d, by which the coupling also acts on the difference of the velocities.
     overdamped : bool
         Without inertia: ẏ takes the place of ÿ, and there is no damping.
     disorder : mapping of str to float or str

@@ -365,7 +365,7 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     # about twice what the error of a step of Newton's is, times the slope and over the step²
     curvature = np.abs(cells[6] - cells[2]) / (tb - ta)
     t = _crossing(cells)
-    here = relation(owner, t)
+    here, sure = relation(owner, t), False
     for _ in range(30):
         left = (here.g > 0) == (ga > 0)
         ta, tb = np.where(left, t, ta), np.where(left, tb, t)
@@ -379,13 +379,21 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
         if open_.size == 0:
             break
         t[open_] = new[open_]
-        if np.all(((step**2 * curvature <= rounding * steep) & inside)[open_]):
-            here.g[open_] = 0.0  # to rounding; it is computed together with both sides
-            break
+        last = (step**2 * curvature <= rounding * steep) & inside
+        if np.all(last[open_]):  # g is to be zero to rounding, and is computed with both sides
+            spread = _least_spread(t, here._replace(g=np.zeros(t.shape)))
+            around = _values_at(relation, owner, t, t - spread, t + spread)
+            here, sure = around[0], bool(np.all(_differ_surely(*around[1:])))
+            if sure:
+                break
+            curvature = np.full(t.shape, 1e300)  # only once
+            continue
         for row, values in zip(here, relation(owner[open_], t[open_]), strict=True):
             row[open_] = values
-    spread, around = _confirmed_spread(relation, owner, t, here)
-    here, v = around[0], np.exp(t)
+    if not sure:
+        spread, beside = _confirmed_spread(relation, owner, t, here)
+        around = [here, *beside]
+    v = np.exp(t)
     along_c, along_target = _errors_along(v, spread, around)
     return Solutions(
         scene=owner,
@@ -414,26 +422,33 @@ def _crossing(cells: FloatArray) -> FloatArray:
     return inside
 
 
+def _least_spread(t: FloatArray, here: _Values) -> FloatArray:
+    """Return how far from t, at least, g may differ in sign beyond its error."""
+    floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
+    steep = np.where(here.by_t == 0, 1e-300, np.abs(here.by_t))
+    return np.minimum(floor + 2.5 * (np.abs(here.g) + here.error) / steep, 1e-3)
+
+
 def _confirmed_spread(
     relation: _Relation, owner: IntArray, t: FloatArray, here: _Values
 ) -> tuple[FloatArray, list[_Values]]:
-    """Return δ such that g at t - δ and t + δ differs in sign beyond its error.
-
-    And the values at t, t - δ and t + δ.
-    """
-    floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
-    steep = np.where(here.by_t == 0, 1e-300, np.abs(here.by_t))
-    spread = np.minimum(floor + 2.5 * (np.abs(here.g) + here.error) / steep, 1e-3)
-    here, *beside = _values_at(relation, owner, t, t - spread, t + spread)
+    """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and both values."""
+    spread = _least_spread(t, here)
+    beside = _values_at(relation, owner, t - spread, t + spread)
     for _ in range(11):
-        below, above = beside
-        sure = (np.abs(below.g) > below.error) & (np.abs(above.g) > above.error)
-        sure &= (below.g > 0) != (above.g > 0)
+        sure = _differ_surely(*beside)
         if np.all(sure):
             break
         spread = np.where(sure, spread, 2.0 * spread)
         beside = _values_at(relation, owner, t - spread, t + spread)
-    return spread, [here, *beside]
+    return spread, beside
+
+
+def _differ_surely(below: _Values, above: _Values) -> npt.NDArray[np.bool_]:
+    """Return whether g differs in sign beyond its error."""
+    sure = (np.abs(below.g) > below.error) & (np.abs(above.g) > above.error)
+    differ: npt.NDArray[np.bool_] = sure & ((below.g > 0) != (above.g > 0))
+    return differ
 
 
 def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> list[_Values]:

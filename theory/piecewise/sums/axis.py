@@ -240,6 +240,13 @@ def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
 
 def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
     """Return what `plain_points` does for arrays, but 0 points where another rule is taken."""
+    # As strip ≤ 0.44/(c + v) and peak ≥ 1, all others need more than ``MAX_PLAIN``.
+    some = c + v <= 0.44 * MAX_PLAIN / math.log(2.0 / tolerance)
+    if not some.all():
+        points, truncation = np.zeros(v.size, dtype=np.int64), np.zeros(v.size)
+        if some.any():
+            points[some], truncation[some] = plan(v[some], c[some], tolerance)
+        return points, truncation
     strip = np.minimum(0.5 / (c + v), np.log1p(1.0 / c))
     for _ in range(3):
         strip -= (c * np.sinh(strip) + v * strip - 0.5) / (c * np.cosh(strip) + v)

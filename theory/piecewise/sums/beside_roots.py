@@ -14,7 +14,7 @@ import numpy.typing as npt
 from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.sums.axis import EPS, SLOWEST, STEEPEST
 from theory.piecewise.sums.corrected_axis import PAIR_FROM, corrected_errors
-from theory.piecewise.sums.legs import CLEAR, leg_errors, leg_weight
+from theory.piecewise.sums.legs import CLEAR
 from theory.piecewise.sums.rules import fill
 
 _MAX_STEPS = 6
@@ -62,50 +62,24 @@ def _arches(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
 ) -> Found:
     """Return what `legs.arch` does."""
-    rows = 3 if slopes else 1
-    values, bounds = np.zeros((rows, v.size), dtype=complex), np.full((2, v.size), 8.0 * EPS)
+    rows, bounds = np.zeros((6, v.size)), np.full((2, v.size), 8.0 * EPS)
     number, unsettled = np.zeros(v.size), np.zeros(v.size)
+    plan, parts, at = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((5, v.size))
     for second in (False, True):
-        plan = np.empty((4, v.size))
         fast["plan_legs"](v, c, tolerance, slopes, second, plan)
-        step, count, truncation, _ = plan
         if not second:
-            parts = np.empty((4, v.size))
-            fast["still_parts"](v, c, step, parts)
+            fast["still_parts"](v, c, plan[0], parts)
         offset, taken = _roots_beside(v, c, plan, second, slopes, unsettled, fast)
-        sums = _nodes_on_legs(v, c, plan, offset, second, slopes, fast)
-        weight = leg_weight(v, c, step)
-        width = np.abs(weight)
-        turn = -1j if second else 1j  # of the second leg the conjugate is added
-        factors = (weight, -weight / (v * v), weight) if slopes else (weight,)
-        for row, factor in enumerate(factors):
-            term = (sums[3 * row] + 1j * sums[3 * row + 1]) * factor
-            values[row] += term.real - taken[2 * row] + turn * (term.imag - taken[2 * row + 1])
-        size, steep = width * sums[2], width * sums[5] / v
-        rounding, rough = leg_errors(v, c, second, truncation, size, steep, taken[6], taken[7])
-        bounds[0] += truncation + rounding
-        bounds[1] += rough
-        number += count
-    values[0] += parts[0] - 1.0 + 1j * parts[1]
-    if slopes:
-        values[2] += parts[2] + 1j * parts[3]
-    return values, _bounds(v, c, bounds[0], bounds[1], slopes), number, unsettled > 0.0
-
-
-def _nodes_on_legs(
-    v: FloatArray, c: FloatArray, plan: FloatArray, offset: FloatArray, second: bool,
-    slopes: bool, fast: dict[str, Any],
-) -> FloatArray:  # fmt: skip
-    """Return Re and Im of the sum of g, Σ|g|, and the like of the derivatives, as rows."""
-    step, count, _, psi = plan
-    at, sums = np.empty((5, v.size)), np.zeros((8, v.size))
-    fast["start_nodes"](v, psi, step, offset, at)
-    for j in range(int(count.max(initial=0.0))):
-        fast["add_nodes"](j, v, c, step, offset, count, at, second, sums)
-        if slopes:
-            fast["add_node_slopes"](j, v, c, step, offset, count, at, second, sums)
-        fast["next_nodes"](at)
-    return sums
+        sums = np.zeros((8, v.size))
+        fast["add_all_nodes"](v, c, plan, offset, second, slopes, at, sums)
+        fast["add_leg"](v, c, plan, sums, taken, second, rows, bounds)
+        number += plan[1]
+    rows[0] -= 1.0
+    rows[0:2] += parts[0:2]
+    rows[4:6] += parts[2:4]
+    values = rows[0::2] + 1j * rows[1::2]
+    errors = _bounds(v, c, bounds[0], bounds[1], slopes)
+    return values[: errors.shape[0]], errors, number, unsettled > 0.0
 
 
 def _roots_beside(
@@ -120,7 +94,9 @@ def _roots_beside(
     halfway, whole = np.ones(n), np.ones(n)
     fast["start_roots"](q, psi, rho, roots)
     for at, power, turn in zip(roots, powers, turns, strict=True):
-        _settle(at, (q, psi, rho), near, unsettled, fast)
+        moving = near.copy()
+        fast["settle"](at, q, psi, rho, moving, _MAX_STEPS)
+        np.maximum(unsettled, moving, out=unsettled)
         fast["exponents_on_legs"](rho, step, at, power, turn)
         fast["exponentials"](power)
         if second:
@@ -134,21 +110,6 @@ def _roots_beside(
         if slopes:
             fast["add_effect_slopes"](v, c, *root)
     return offset, effects
-
-
-def _settle(
-    at: FloatArray, equation: tuple[FloatArray, FloatArray, FloatArray], required: FloatArray,
-    unsettled: FloatArray, fast: dict[str, Any],
-) -> None:  # fmt: skip
-    """Take steps to the roots that are required; write p, sin(p/2) and cos(p/2) as rows."""
-    moving = required.copy()
-    fast["halves"](at)
-    for _ in range(_MAX_STEPS):
-        fast["step_all"](at, *equation, moving)
-        fast["halves"](at)
-        if not moving.any():
-            return
-    np.maximum(unsettled, moving, out=unsettled)
 
 
 def _axes(
@@ -165,7 +126,9 @@ def _axes(
     fast["start_resonant_pairs"](q, rho, roots)
     taken = [(roots[0], every), (roots[1], paired), (roots[2], paired)][: 3 if paired.any() else 1]
     for at, required in taken:
-        _settle(at, equation, required, unsettled, fast)
+        moving = required.copy()
+        fast["settle"](at, *equation, moving, _MAX_STEPS)
+        np.maximum(unsettled, moving, out=unsettled)
     plan = np.empty((2, n))
     fast["plan_axis"](v, c, tolerance, roots, plan)
     count, truncation = plan

@@ -19,10 +19,12 @@ from theory.piecewise.sums.corrected_axis import (
 from theory.piecewise.sums.legs import (
     LEG_SHARE,
     clearance_of,
+    leg_errors,
     leg_nodes,
     leg_slopes,
     leg_term,
     leg_unit,
+    leg_weight,
     phase_rate,
     second_phase,
     still_part,
@@ -93,6 +95,18 @@ def step_all(
         p += moving[i] * step
         p_re[i], p_im[i] = p.real, p.imag
         moving[i] = 0.0 if is_settled(p, step, steep, rho[i]) else moving[i]
+
+
+def settle(
+    at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, moving: FloatArray, steps: int
+) -> None:
+    """Take steps to the roots that move; write p, sin(p/2) and cos(p/2), and which still move."""
+    halves(at)
+    for _ in range(steps):
+        step_all(at, q, psi, rho, moving)
+        halves(at)
+        if moving.max() == 0.0:
+            return
 
 
 def exponents_on_legs(
@@ -181,16 +195,18 @@ def start_nodes(
 ) -> None:
     """Write Re and Im of e^{-a} at u = 0, e^{-u²} at the first node, and what it is multiplied by.
 
+    The first node is half a step from u = 0, or there.
     The last two rows: from node to node e^{-u²} goes by the one, and that by the other. Their
     roundings add up where e^{-u²} is small.
     """
     for i in range(v.size):
-        decay, square = math.exp(-0.5 / v[i]), step[i] * step[i]
+        decay, gauss = math.exp(-0.5 / v[i]), math.exp(-0.25 * step[i] * step[i])
         x, y = cosine_and_sine(psi[i])
         at[0, i], at[1, i] = decay * x, -decay * y
-        at[2, i] = math.exp(-offset[i] * offset[i] * square)
-        at[3, i] = math.exp(-(2.0 * offset[i] + 1.0) * square)
-        at[4, i] = math.exp(-2.0 * square)
+        fourth = gauss * gauss * gauss * gauss
+        at[2, i] = gauss if offset[i] > 0.0 else 1.0
+        at[3, i] = fourth * fourth if offset[i] > 0.0 else fourth
+        at[4, i] = fourth * fourth
 
 
 def next_nodes(at: FloatArray) -> None:
@@ -240,6 +256,51 @@ def add_node_slopes(
         sums[5, i] += share * modulus(g_v)
         sums[6, i] += share * g_c.real
         sums[7, i] += share * g_c.imag
+
+
+def add_all_nodes(
+    v: FloatArray, c: FloatArray, plan: FloatArray, offset: FloatArray, second: bool, slopes: bool,
+    at: FloatArray, sums: FloatArray,
+) -> None:  # fmt: skip
+    """Add g, and with ``slopes`` its derivatives, over the nodes of one leg; see `plan_legs`."""
+    step, count = plan[0], plan[1]
+    start_nodes(v, plan[3], step, offset, at)
+    for j in range(int(count.max())):
+        add_nodes(j, v, c, step, offset, count, at, second, sums)
+        if slopes:
+            add_node_slopes(j, v, c, step, offset, count, at, second, sums)
+        next_nodes(at)
+
+
+def add_leg(
+    v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
+    second: bool, rows: FloatArray, bounds: FloatArray,
+) -> None:  # fmt: skip
+    """Add Re and Im of one leg's part of Σ and its derivatives, and the error bounds.
+
+    ``sums`` are those of the nodes, and the effects of roots are ``taken`` away. Of the second leg
+    the conjugate is added.
+    """
+    step, truncation = plan[0], plan[2]
+    turn = -1.0 if second else 1.0
+    for i in range(v.size):
+        weight = leg_weight(v[i], c[i], step[i])
+        term = weight * complex(sums[0, i], sums[1, i])
+        rows[0, i] += term.real - taken[0, i]
+        rows[1, i] += turn * (term.imag - taken[1, i])
+        by_v = -weight / (v[i] * v[i]) * complex(sums[3, i], sums[4, i])
+        rows[2, i] += by_v.real - taken[2, i]
+        rows[3, i] += turn * (by_v.imag - taken[3, i])
+        by_c = weight * complex(sums[6, i], sums[7, i])
+        rows[4, i] += by_c.real - taken[4, i]
+        rows[5, i] += turn * (by_c.imag - taken[5, i])
+        width = modulus(weight)
+        size, steep = width * sums[2, i], width * sums[5, i] / v[i]
+        rounding, rough = leg_errors(
+            v[i], c[i], second, truncation[i], size, steep, taken[6, i], taken[7, i]
+        )
+        bounds[0, i] += truncation[i] + rounding
+        bounds[1, i] += rough
 
 
 def still_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:

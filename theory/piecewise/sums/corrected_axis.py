@@ -35,7 +35,8 @@ def points_beside_roots(bound: float, tolerance: float, depth: float) -> int:
 
 def is_at_a_point(k: complex, count: int) -> bool:
     """Return whether a root k above the axis is so near a point of the rule that digits go."""
-    return k.imag * count < 3.0 and abs(1.0 + cmath.exp(-1j * count * k)) < 0.5
+    # beyond ln 1.5 the exponential is larger than 1.5
+    return k.imag * count < 0.41 and abs(1.0 + cmath.exp(-1j * count * k)) < 0.5
 
 
 def points_off_roots(above: complex, below: complex, count: int) -> int:

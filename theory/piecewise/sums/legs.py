@@ -47,7 +47,7 @@ def leg_nodes(
     count = math.ceil(U / step)
     U = count * step
     rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * math.exp(-q - U * U) / math.pi
-    rest *= step / ((1.0 - math.exp(-2.0 * U * step)) * max(0.5 * far, v * U * U))
+    rest *= (step + 0.5 / U) / max(0.5 * far, v * U * U)  # 1 - e^{-x} is at least x/(1 + x)
     return step, count, tolerance / 1.5 + rest  # size/(e^required - 1), and what lies beyond U
 
 
@@ -76,9 +76,9 @@ def leg_slopes(
     return g, S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
 
 
-def leg_weight(v: Any, c: Any, step: Any) -> Any:
+def leg_weight(v: float, c: float, step: float) -> complex:
     """Return the constant factor of the terms."""
-    return 2.0 * _EIGHTH * (0.5 * v / c) ** 0.5 * step / math.pi
+    return _EIGHTH * (2.0 / math.pi * math.sqrt(0.5 * v / c) * step)
 
 
 def _on_a_leg(

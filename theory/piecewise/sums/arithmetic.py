@@ -42,6 +42,17 @@ def modulus_without_branches(z: complex) -> float:
     return math.sqrt(z.real * z.real + z.imag * z.imag)
 
 
+def size_of(z: complex) -> float:
+    """Return |Re z| + |Im z|, which is at least |z| and takes no root."""
+    return abs(z.real) + abs(z.imag)
+
+
+def root_below_one(y: float) -> complex:
+    """Return √(1 - iy) for y ≥ 0."""
+    re = math.sqrt(0.5 + 0.5 * math.sqrt(1.0 + y * y))
+    return complex(re, -0.5 * y / re)
+
+
 def square_root(z: complex) -> complex:
     """Return √z, Re √z ≥ 0."""
     return cmath.sqrt(z)

@@ -73,6 +73,8 @@ def _arches(
         sums = np.zeros((8, v.size))
         fast["add_all_nodes"](v, c, plan, offset, second, slopes, at, sums)
         fast["add_leg"](v, c, plan, sums, taken, second, rows, bounds)
+        if slopes:
+            fast["add_leg_slopes"](v, c, plan, sums, taken, second, rows)
         number += plan[1]
     rows[0] -= 1.0
     rows[0:2] += parts[0:2]
@@ -132,7 +134,8 @@ def _axes(
     plan = np.empty((2, n))
     fast["plan_axis"](v, c, tolerance, roots, plan)
     count, truncation = plan
-    values, sizes, effects = np.zeros((3, n), dtype=complex), np.zeros((2, n)), np.zeros((8, n))
+    rows = 3 if slopes else 1
+    values, sizes, effects = np.zeros((rows, n), dtype=complex), np.zeros((2, n)), np.zeros((8, n))
     for at, required in taken:
         power, turn = np.empty((3, n)), np.empty((2, n))
         fast["exponents_on_axis"](count, at, power, turn)
@@ -147,17 +150,17 @@ def _axes(
             v[some], c[some], int(number), slopes, fast
         )
     values[0] -= 1.0
-    values -= effects[0:6:2] + 1j * effects[1:6:2]
+    values -= effects[0 : 2 * rows : 2] + 1j * effects[1 : 2 * rows : 2]
     rounding, rough = corrected_errors(truncation, sizes[0], sizes[1], effects[6], effects[7])
     errors = _bounds(v, c, truncation + rounding, rough, slopes)
-    return values[: errors.shape[0]], errors, count / 2, unsettled > 0.0
+    return values, errors, count / 2, unsettled > 0.0
 
 
 def means_of_block(
     v: FloatArray, c: FloatArray, count: int, slopes: bool, fast: dict[str, Any]
 ) -> tuple[ComplexArray, FloatArray]:
     """Return the means of G, ∂G/∂v, ∂G/∂c over the points, and rms of |G| and |∂G/∂ ln v|."""
-    values, sizes = np.zeros((3, v.size), dtype=complex), np.zeros((2, v.size))
+    values, sizes = np.empty((3 if slopes else 1, v.size), dtype=complex), np.zeros((2, v.size))
     q = 0.5 / v
     re, im, squares = fast["block_values"](v, c, count)
     values[0], sizes[0] = q * (re + 1j * im), q * np.sqrt(squares)

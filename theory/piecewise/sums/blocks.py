@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from theory.piecewise.sums.arithmetic import cosine_and_sine, modulus, sine_and_cosine_near
+from theory.piecewise.sums.arithmetic import cosine_and_sine, modulus, sine_and_cosine_near, size_of
 from theory.piecewise.sums.corrected_axis import (
     PAIR_FROM,
     points_beside_roots,
@@ -18,13 +18,14 @@ from theory.piecewise.sums.corrected_axis import (
 )
 from theory.piecewise.sums.legs import (
     LEG_SHARE,
+    LEG_TURN,
     clearance_of,
     leg_errors,
     leg_nodes,
     leg_slopes,
     leg_term,
     leg_unit,
-    leg_weight,
+    leg_width,
     phase_rate,
     second_phase,
     still_part,
@@ -238,7 +239,7 @@ def add_nodes(
         g = leg_term(complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i]), Y, A)
         re[i] += share * g.real
         im[i] += share * g.imag
-        size[i] += share * modulus(g)
+        size[i] += share * size_of(g)
 
 
 def add_node_slopes(
@@ -253,7 +254,7 @@ def add_node_slopes(
         _, g_v, g_c = leg_slopes(E, Y, A, v[i], second)
         sums[3, i] += share * g_v.real
         sums[4, i] += share * g_v.imag
-        sums[5, i] += share * modulus(g_v)
+        sums[5, i] += share * size_of(g_v)
         sums[6, i] += share * g_c.real
         sums[7, i] += share * g_c.imag
 
@@ -276,7 +277,7 @@ def add_leg(
     v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
     second: bool, rows: FloatArray, bounds: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of one leg's part of Σ and its derivatives, and the error bounds.
+    """Add Re and Im of one leg's part of Σ, and the error bounds.
 
     ``sums`` are those of the nodes, and the effects of roots are ``taken`` away. Of the second leg
     the conjugate is added.
@@ -284,23 +285,33 @@ def add_leg(
     step, truncation = plan[0], plan[2]
     turn = -1.0 if second else 1.0
     for i in range(v.size):
-        weight = leg_weight(v[i], c[i], step[i])
-        term = weight * complex(sums[0, i], sums[1, i])
+        width = leg_width(v[i], c[i], step[i])
+        term = width * LEG_TURN * complex(sums[0, i], sums[1, i])
         rows[0, i] += term.real - taken[0, i]
         rows[1, i] += turn * (term.imag - taken[1, i])
-        by_v = -weight / (v[i] * v[i]) * complex(sums[3, i], sums[4, i])
-        rows[2, i] += by_v.real - taken[2, i]
-        rows[3, i] += turn * (by_v.imag - taken[3, i])
-        by_c = weight * complex(sums[6, i], sums[7, i])
-        rows[4, i] += by_c.real - taken[4, i]
-        rows[5, i] += turn * (by_c.imag - taken[5, i])
-        width = modulus(weight)
         size, steep = width * sums[2, i], width * sums[5, i] / v[i]
         rounding, rough = leg_errors(
             v[i], c[i], second, truncation[i], size, steep, taken[6, i], taken[7, i]
         )
         bounds[0, i] += truncation[i] + rounding
         bounds[1, i] += rough
+
+
+def add_leg_slopes(
+    v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
+    second: bool, rows: FloatArray,
+) -> None:  # fmt: skip
+    """Add Re and Im of one leg's part of the derivatives of Σ; see `add_leg`."""
+    step = plan[0]
+    turn = -1.0 if second else 1.0
+    for i in range(v.size):
+        width = leg_width(v[i], c[i], step[i])
+        by_v = -width / (v[i] * v[i]) * LEG_TURN * complex(sums[3, i], sums[4, i])
+        by_c = width * LEG_TURN * complex(sums[6, i], sums[7, i])
+        rows[2, i] += by_v.real - taken[2, i]
+        rows[3, i] += turn * (by_v.imag - taken[3, i])
+        rows[4, i] += by_c.real - taken[4, i]
+        rows[5, i] += turn * (by_c.imag - taken[5, i])
 
 
 def still_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:

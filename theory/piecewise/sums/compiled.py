@@ -25,7 +25,8 @@ _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
     "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_slopes_at", "step_to_root",
     "is_settled", "pair_of_the_parabola", "effect_of_root", "clearance_of", "leg_unit", "leg_term",
-    "leg_slopes", "leg_weight", "leg_errors", "phase_rate", "_node", "side_of", "twice_arcsine",
+    "leg_slopes", "leg_width", "size_of", "root_below_one", "leg_errors", "phase_rate", "_node",
+    "side_of", "twice_arcsine",
 )  # fmt: skip
 """Calls that would keep a loop from being vectorised."""
 

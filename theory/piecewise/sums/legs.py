@@ -6,7 +6,13 @@ import cmath
 import math
 from typing import Any
 
-from theory.piecewise.sums.arithmetic import modulus, quotient, square_root
+from theory.piecewise.sums.arithmetic import (
+    modulus,
+    quotient,
+    root_below_one,
+    size_of,
+    square_root,
+)
 from theory.piecewise.sums.axis import EPS, SLOPE_SHARE, SLOWEST
 from theory.piecewise.sums.poles import (
     TURN,
@@ -17,7 +23,8 @@ from theory.piecewise.sums.poles import (
     two_roots_near,
 )
 
-_EIGHTH = cmath.exp(0.25j * math.pi)
+LEG_TURN = cmath.exp(0.25j * math.pi)
+"""dk/du, over its modulus, where a leg begins."""
 _BACK = cmath.exp(-0.75j * math.pi)  # -i over that
 _DEPTHS = 1.6, 1.0
 """Im u at which what is left of each leg is bounded."""
@@ -60,7 +67,7 @@ def leg_term(E: complex, Y: float, A: complex) -> complex:
     """Return g = (S - 1)/(2A) dk/du, k from where the leg begins, but for a constant factor."""
     F = 1.0 - E
     D = F * F + 4j * Y * E
-    g: complex = quotient(E * (F - 2j * Y), D * A * square_root(1.0 - 1j * Y))
+    g: complex = quotient(E * (F - 2j * Y), D * A * root_below_one(Y))
     return g
 
 
@@ -71,14 +78,14 @@ def leg_slopes(
     g = leg_term(E, Y, A)
     F = 1.0 - E
     D = F * F + 4j * Y * E
-    S_a = quotient(E * (2j * Y * (1.0 + E * E) - F * F), D * D * square_root(1.0 - 1j * Y))
+    S_a = quotient(E * (2j * Y * (1.0 + E * E) - F * F), D * D * root_below_one(Y))
     A_c = complex(2.0 * Y, 2.0 if second else 0.0)
     return g, S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
 
 
-def leg_weight(v: float, c: float, step: float) -> complex:
-    """Return the constant factor of the terms."""
-    return _EIGHTH * (2.0 / math.pi * math.sqrt(0.5 * v / c) * step)
+def leg_width(v: float, c: float, step: float) -> float:
+    """Return the constant factor of the terms, without ``LEG_TURN``."""
+    return 2.0 / math.pi * math.sqrt(0.5 * v / c) * step
 
 
 def _on_a_leg(
@@ -102,13 +109,13 @@ def _on_a_leg(
             g, g_v, g_c = leg_slopes(E, m * square, A, v, second)
             by_v += share * g_v
             by_c += share * g_c
-            steep += share * modulus(g_v)
+            steep += share * size_of(g_v)
         else:
             g = leg_term(E, m * square, A)
         total += share * g
-        size += share * modulus(g)
-    weight = leg_weight(v, c, step)
-    width = abs(weight)
+        size += share * size_of(g)
+    width = leg_width(v, c, step)
+    weight = width * LEG_TURN
     return weight * total, -weight / (v * v) * by_v, weight * by_c, width * size, width * steep / v
 
 

@@ -15,6 +15,8 @@ from theory.piecewise.sums.arithmetic import modulus, quotient, square_root
 TURN = 2.0 * math.pi
 MAX_STEPS = 12
 _OVERFLOW = 600.0
+_FARTHEST = -2.33, math.sin(-2.33), math.cos(-2.33)
+"""k, sin k and cos k about which the resonant pair is sought where it is far from resonance."""
 
 
 def step_to_root(
@@ -99,11 +101,14 @@ def resonant_pair(q: float, rho: float) -> tuple[complex, complex]:
             z = 1.0 + (below + 1j * q) / rho
             below = cmath.acos(z) - TURN if z.imag > 0.0 else -cmath.acos(z)
         return above, below
-    k = -2.33 if rho < 1.5 else math.asin(1.0 / rho) - math.pi
-    value = q - 1j * (rho * (1.0 - math.cos(k)) + k)
-    first, second = -1j * (1.0 + rho * math.sin(k)), -1j * rho * math.cos(k)
-    root = cmath.sqrt(first * first - 2.0 * value * second)
-    one, other = k + (root - first) / second, k - (root + first) / second
+    k, sine, cosine = _FARTHEST
+    if rho >= 1.5:  # where the slope vanishes
+        sine = -1.0 / rho
+        k, cosine = -math.pi - math.asin(sine), -math.sqrt(1.0 - sine * sine)
+    value = q - 1j * (rho * (1.0 - cosine) + k)
+    first, inverse = -1j * (1.0 + rho * sine), 1j / (rho * cosine)
+    root = square_root(first * first + 2j * rho * cosine * value)
+    one, other = k + (root - first) * inverse, k - (root + first) * inverse
     if one.imag > other.imag:
         return one, other
     return other, one

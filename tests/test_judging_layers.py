@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,14 +20,18 @@ import numpy as np
 import pytest
 from numpy.lib import format as npy
 
+from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.curves import curve
-from paper_checks.ruling import agrees
+from paper_checks.outcome import slug
+from paper_checks.report.document import Report
+from paper_checks.ruling import Verdict, agrees
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError, RunError, positive
 from theory.piecewise.kinetic_relation import kinetic_relation
+from verification.breathers import breather as breathers
 from verification.breathers import exponents
 from verification.breathers import outcome as nuclei
 from verification.breathers.envelope import solve_envelope_breather
@@ -40,6 +44,9 @@ from verification.execution.store import Store
 from verification.execution.sweep import sweep
 from verification.execution.task import parameters_of
 from verification.execution.time_limit import TimeIsUpError
+from verification.fronts import measure
+from verification.fronts.arrival_fit import Settled
+from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Watch
 from verification.maps import friction_rules, smooth_rules, state_run
@@ -56,11 +63,13 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
+from verification.runs.excite import StartPoint
 from verification.thresholds import continuation, escape
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
 from verification.thresholds.spreading import Spreading, spreading_threshold, spreads
 from verification.thresholds.threshold import closed_form_threshold
+from verification.work_reduction import runs as reduced_runs
 from verification.work_reduction import table as reductions
 
 NAN = math.nan
@@ -979,3 +988,154 @@ def test_a_curve_goes_on_where_some_points_are_refused() -> None:
     ]  # fmt: skip
     with pytest.raises(ParameterError, match="c = -1"):
         curve(value, [-1.0, -2.0], "c", [-1.0, -2.0], {}, workers=1)
+
+
+# ------------------------------------------------------------ fronts beside waves, and what is said
+
+
+def _settled(v: float | None, error: float | None, status: FrontStatus, steps: int = 1) -> Settled:
+    return Settled(
+        status=status, v=v, error=error, arrivals=np.arange(3.0), sites=40, steps=steps
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("other", "error", "status"),
+    [
+        (0.50004, 1e-4, FrontStatus.STEADY),  # within its own error
+        (0.5004, 4e-4, FrontStatus.STEADY),
+        (0.4996, 4e-4, FrontStatus.STEADY),
+        (0.4990, 1e-3, FrontStatus.UNSTEADY),  # by more than the accuracy of 1e-3
+        (None, 0.5, FrontStatus.UNSTEADY),
+    ],
+)
+def test_a_front_that_waves_overtake_is_no_surer_than_with_twice_as_many_sites_behind_it(
+    monkeypatch: pytest.MonkeyPatch, other: float | None, error: float, status: FrontStatus
+) -> None:
+    asked = []
+
+    def prepare(_: object, request: Any, boundary: LeftBoundary) -> SimpleNamespace:
+        asked.append((request.excited, boundary))
+        return SimpleNamespace()
+
+    beside = _settled(other, 1e-5, FrontStatus.STEADY, steps=20)
+    monkeypatch.setattr(measure, "_prepare_smooth", prepare)
+    monkeypatch.setattr(measure, "_settled", lambda *_: beside)
+    found = measure._beside_longer_wave(
+        _settled(0.5, 1e-4, FrontStatus.STEADY), 1e-3, VdpChain(a=4, b=0.5, c=0.6), _request()
+    )
+    assert asked == [(48, LeftBoundary.WAVE)]
+    assert found.error == pytest.approx(error, rel=1e-6)
+    assert (found.v, found.status, found.steps) == (0.5, status, 21)
+
+
+def _request(boundary: LeftBoundary = LeftBoundary.FREE) -> Any:
+    return measure.Request(
+        accuracy=None, tolerance=1e-8, excited=None, max_sites=None, stall_time=None,
+        left_boundary=boundary, point=StartPoint.MAXIMUM, directions=None, progress=None,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("share", "boundary", "runs"),
+    [
+        (2.0, LeftBoundary.FREE, ["wave"]),  # faster than the waves: what is behind does not matter
+        (0.5, LeftBoundary.FREE, ["wave", "free"]),
+        (0.0, LeftBoundary.FREE, ["wave", "free"]),  # it may be pushed
+        (0.5, LeftBoundary.WAVE, ["wave", "longer wave"]),
+        (2.0, LeftBoundary.WAVE, ["wave"]),
+        (0.0, LeftBoundary.WAVE, ["wave"]),
+        (None, LeftBoundary.WAVE, ["wave"]),
+    ],
+)
+def test_the_left_end_of_a_smooth_chain_is_run_where_it_can_matter(
+    monkeypatch: pytest.MonkeyPatch, share: float | None, boundary: LeftBoundary, runs: list[str]
+) -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6)
+    v = None if share is None else share * measure.OUTRUNS * chain.trailing_wave_velocity
+    made: list[str] = []
+
+    @dataclass(frozen=True)
+    class Prepared:
+        accuracy: float = 1e-3
+        doubt: float | None = None
+
+    def prepare(_: object, request: Any, left: LeftBoundary) -> Prepared:
+        made.append("longer wave" if request.excited == 48 else left.value)
+        return Prepared()
+
+    monkeypatch.setattr(measure, "_prepare_smooth", prepare)
+    monkeypatch.setattr(measure, "_settled", lambda *_: _settled(v, 1e-4, FrontStatus.STEADY))
+    monkeypatch.setattr(measure, "_front", lambda *given: given)
+    _, _, left, outruns, *_ = measure._smooth_front(chain, _request(boundary))
+    assert made == runs
+    assert left is boundary
+    assert outruns is (share == 2.0)
+
+
+def test_arrivals_that_come_earlier_are_as_far_off_as_those_that_come_later() -> None:
+    one: Any = SimpleNamespace(arrivals=np.array([1.0, 2.0, np.nan]))
+    other: Any = SimpleNamespace(arrivals=np.array([1.0, 2.25, np.nan]))
+    assert reduced_runs._later(one, other) == reduced_runs._later(other, one) == 0.25
+    more: Any = SimpleNamespace(arrivals=np.array([1.0, 2.0, 3.0]))
+    assert reduced_runs._later(one, more) == math.inf
+
+
+def test_headlines_are_what_disagrees_by_the_weight_of_its_claim() -> None:
+    def outcome(key: str, weight: int, verdict: Verdict, headline: str = "") -> SimpleNamespace:
+        return SimpleNamespace(
+            key=key, finding=SimpleNamespace(headline=headline), status=slug(verdict),
+            claim=SimpleNamespace(weight=weight), entry=SimpleNamespace(group=key[:4]),
+        )  # fmt: skip
+
+    every = [
+        outcome("fig1 light", 1, Verdict.NOT_REPRODUCED),
+        outcome("fig2 heavy", 3, Verdict.PARTIAL),
+        outcome("fig3 true", 9, Verdict.REPRODUCED),
+        outcome("fig4 middle", 2, Verdict.PARTIAL),
+        outcome("fig5 said", 1, Verdict.REPRODUCED, "Read this first."),
+        outcome("fig2 heavy too", 3, Verdict.NOT_REPRODUCED),
+    ]
+    found = Report.headlines.fget(SimpleNamespace(outcomes=every))  # type: ignore[attr-defined]
+    assert [each.key for each in found] == ["fig5 said", "fig2 heavy too", "fig4 middle"]
+
+
+def test_as_many_sites_as_a_method_may_have_are_not_too_many() -> None:
+    for method, most in breathers.MAX_SITES.items():
+        breathers._check_length(AveragedChain(a=4, b=0.5, c=0.6, sites=most), method)
+        with pytest.raises(ParameterError, match=f"at most {most}"):
+            breathers._check_length(AveragedChain(a=4, b=0.5, c=0.6, sites=most + 1), method)
+
+
+def test_help_of_a_model_has_its_line_first_and_then_its_own_examples(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main([]) == 0
+    assert "usage: fronts COMMAND" in capsys.readouterr().out
+    with pytest.raises(SystemExit, match="0"):
+        main(["front", "friction", "--help"])
+    said = capsys.readouterr().out
+    assert said.index("Velocity of a front") < said.index("options:") < said.index("examples:")
+    examples = said[said.index("examples:") :].split("\n  fronts ")[1:]
+    assert examples
+    assert all(each.startswith("front friction") for each in examples)
+
+
+def test_help_of_a_command_without_models_has_all_its_examples(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["kinetic", "--help"])
+    said = capsys.readouterr().out
+    every = COMMANDS["kinetic"].examples.split("\n  fronts ")[1:]
+    assert len(every) > 1
+    assert all(each in said for each in every)
+
+
+def test_only_nuclei_in_phase_are_given_another_pattern() -> None:
+    """A breather of three sites or more has quarter turns between them."""
+    for kept in (Nucleus(1), Nucleus(2, "0"), Nucleus(3, "+-"), Nucleus(4, "x00")):
+        assert breathers.with_pattern(kept) == kept
+    assert breathers.with_pattern(Nucleus(3, "00")).pattern == "-+"
+    with pytest.raises(ParameterError, match="at an edge"):
+        breathers.with_pattern(Nucleus(3, "00", Place.EDGE))

@@ -236,6 +236,19 @@ def test_list_judges_nothing(tmp_path, capsys):
     assert judged(tmp_path) == []
 
 
+@pytest.mark.parametrize("columns", [20, 60, 200])
+def test_the_list_as_text_has_a_row_a_claim_and_breaks_no_key(columns, monkeypatch, capsys):
+    """No sign of colour is among them, whatever the environment asks for."""
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert main(["check", "--list"]) == 0
+    head, *lines = capsys.readouterr().out.splitlines()
+    assert head.split() == ["claim", "place", "on", "record", "statement"]
+    assert [line.split()[0] for line in lines if not line.startswith(" ")] == KEYS
+    assert max(map(len, lines)) <= max(columns, 60)
+    assert not any("\x1b" in line for line in lines)
+
+
 def test_one_and_two_processes_give_the_same_report(tmp_path, capsys):
     reports = []
     for jobs in ("1", "2"):

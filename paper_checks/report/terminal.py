@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from paper_checks.claim import Verdict
 from paper_checks.outcome import FAILED, Outcome, slug
 from paper_checks.report.document import Report
-from paper_checks.report.table import NARROWEST, duration, wrapped
+from paper_checks.report.table import NARROWEST, duration
 
 FEW = 8
 """Up to so many claims are shown whole."""
@@ -118,4 +120,5 @@ def _origin(outcome: Outcome) -> list[str]:
 
 
 def _filled(text: str, width: int, indent: str = "") -> str:
-    return "\n".join(indent + line for line in wrapped(text, width))
+    lines = textwrap.wrap(" ".join(text.split()), width) or [""]
+    return "\n".join(indent + line for line in lines)

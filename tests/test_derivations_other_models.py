@@ -13,7 +13,7 @@ import sympy as sp
 from derivations import catalogue
 from derivations.algebra.equations import same
 from derivations.algebra.steps import Kind
-from derivations.chain import PAPER, ChainModel
+from derivations.chain import ChainModel
 from derivations.symbols import a, b, c
 
 g, w = sp.symbols("g w", positive=True)
@@ -49,7 +49,7 @@ DERIVED = sorted(
 
 @lru_cache(maxsize=32)
 def derivation(change, name):
-    return catalogue.load(name, model=CHANGES[change] if change else PAPER)
+    return catalogue.load(name, model=CHANGES[change] if change else None)
 
 
 @pytest.mark.parametrize(

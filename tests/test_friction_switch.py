@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -15,16 +17,21 @@ from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
 CHAIN = FrictionChain(c=0.02, sites=3)
-START = excite(CHAIN, [1])
 ONE = FrictionChain(c=0.0, sites=1)
+
+
+@cache
+def start() -> np.ndarray:
+    """Found by a run, and so not while tests are collected."""
+    return excite(CHAIN, [1])
 
 
 def test_the_switch_model_converges_with_the_first_power_of_the_band() -> None:
     """A site leaves stick with what is left of the band it came with: an error linear in it."""
-    exact = simulate(CHAIN, START, 50.0, tolerance=1e-12)
+    exact = simulate(CHAIN, start(), 50.0, tolerance=1e-12)
     errors = []
     for band in (1e-2, 1e-3, 1e-4):
-        run = run_switch(CHAIN, START, 50.0, band=band, relative=1e-9, absolute=1e-11)
+        run = run_switch(CHAIN, start(), 50.0, band=band, relative=1e-9, absolute=1e-11)
         errors.append(np.abs(run.y - exact.y).max())
     orders = np.log10(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([1.0, 1.0], abs=0.1)
@@ -55,9 +62,9 @@ def test_the_period_of_the_switch_cell_is_short_in_proportion_to_the_band() -> N
 
 
 def test_fixed_steps_converge_until_the_band_limits_them() -> None:
-    exact = simulate(CHAIN, START, 30.0, tolerance=1e-12)
+    exact = simulate(CHAIN, start(), 30.0, tolerance=1e-12)
     errors = [
-        np.abs(run_switch(CHAIN, START, 30.0, step=h, band=1e-6).y - exact.y).max()
+        np.abs(run_switch(CHAIN, start(), 30.0, step=h, band=1e-6).y - exact.y).max()
         for h in (1e-1, 1e-2, 1e-3)
     ]
     # Jumps are not located, so the order is about one and not two.
@@ -80,8 +87,8 @@ def test_on_smooth_motion_the_trapezoidal_rule_is_of_second_order() -> None:
 def test_every_band_gives_a_finite_run_or_stops_and_says_where(
     band: float, step: float | None
 ) -> None:
-    run = run_switch(CHAIN, START, 30.0, band=band, step=step)
-    exact = simulate(CHAIN, START, 30.0)
+    run = run_switch(CHAIN, start(), 30.0, band=band, step=step)
+    exact = simulate(CHAIN, start(), 30.0)
     assert np.isfinite(run.y).all()
     assert run.reached == 30.0
     # ode23t's default tolerances leave errors of a few hundredths, whatever the band.
@@ -104,10 +111,10 @@ def test_uniform_sliding_stays_in_the_switch_model() -> None:
 
 @pytest.mark.parametrize("solver", list(Solver))
 def test_regularised_friction_converges_with_its_width(solver: Solver) -> None:
-    exact = simulate(CHAIN, START, 12.0, tolerance=1e-12)
+    exact = simulate(CHAIN, start(), 12.0, tolerance=1e-12)
     errors = []
     for delta in (1e-1, 1e-2, 1e-3):
-        run = run_regularised(CHAIN, START, 12.0, solver=solver, delta=delta, tolerance=1e-8)
+        run = run_regularised(CHAIN, start(), 12.0, solver=solver, delta=delta, tolerance=1e-8)
         assert run.finished
         errors.append(np.abs(run.y - exact.y).max())
     # Between first order and the logarithms that tanh's tail brings in.
@@ -119,6 +126,6 @@ def test_regularised_friction_converges_with_its_width(solver: Solver) -> None:
 )
 def test_bad_options_are_refused(options: dict[str, float]) -> None:
     with pytest.raises(ParameterError):
-        run_switch(CHAIN, START, 10.0, **options)
+        run_switch(CHAIN, start(), 10.0, **options)
     with pytest.raises(ParameterError):
-        run_regularised(CHAIN, START, 10.0, delta=0.0)
+        run_regularised(CHAIN, start(), 10.0, delta=0.0)

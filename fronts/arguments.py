@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -56,10 +57,10 @@ def with_values_joined(words: Sequence[str]) -> list[str]:
 
 def real(text: str) -> float:
     """Read one number; ranges and ``nan`` checks are left to the theory's own validation."""
-    try:
-        return float(text)
-    except ValueError:
-        raise BadText(text, "a number", "write it as in 0.5 or 1e-3") from None
+    if "_" not in text:  # Python would read 0_5 as 5
+        with suppress(ValueError):
+            return float(text)
+    raise BadText(text, "a number", "write it as in 0.5 or 1e-3")
 
 
 def whole(text: str) -> int:
@@ -70,10 +71,10 @@ def whole(text: str) -> int:
     >>> whole("12")
     12
     """
-    try:
-        return int(text)
-    except ValueError:
-        raise BadText(text, "a whole number", "write it in digits, as in 12") from None
+    if "_" not in text:
+        with suppress(ValueError):
+            return int(text)
+    raise BadText(text, "a whole number", "write it in digits, as in 12")
 
 
 def real_or_range(text: str) -> float | tuple[float, float, int]:

@@ -43,7 +43,7 @@ def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
     names = [each.__name__ for each in type(result).__mro__]
     drawing = next((DRAWINGS[name] for name in names if name in DRAWINGS), None)
     if drawing is None:
-        raise TypeError(f"there is no picture of {names[0]}.")
+        raise TypeError(f"there is no picture of {names[0]}: name a file ending in .json.")
     if axes is None:
         import matplotlib.pyplot as plt
 

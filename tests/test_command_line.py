@@ -182,6 +182,8 @@ BAD = [
     "simulate friction --c 0.02 --excite 1 --t-end 9 --mu-st 0.5",
     "simulate friction --c 0.02 --excite 1 --t-end 9 --v-d 0",
     "simulate friction --c 0.02 --excite 1 --t-end 9 --v-d 1e300",
+    "kinetic --c 0_5 --eta 0.03",
+    "sum --v 0.3 --c 0.5 --digits 1_2",
     "check nosuchclaim",
     "nosuchcommand",
 ]

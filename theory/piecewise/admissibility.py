@@ -143,7 +143,7 @@ def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArra
     backward = v < 0
     if backward.any():
         rate, size = (np.where(backward, row[::-1], row) for row in (rate, size))
-    enough = np.log(np.maximum(size / np.stack([1.0 - r, r]), 1.0)) / rate
+    enough = np.log(np.maximum(size / np.array([1.0 - r, r]), 1.0)) / rate
     reach = np.maximum(1.0, np.ceil(enough)).T
     short = (30.0 / slowest <= _LONGEST_GRID) & (speed == np.abs(v))
     points = np.zeros(v.size, dtype=np.int64)
@@ -575,7 +575,7 @@ def _divide(
         computed += 3 * np.bincount(owner, minlength=r.size)
         g, d = _margin(middle, *shape.with_slope(middle, owner), r[owner])
         _note(middle, g < -shape.tolerance(middle, r[owner]), owner, worst)
-        half = np.stack([middle, g, d])
+        half = np.array([middle, g, d])
         cells = np.concatenate(
             [np.concatenate([cells[:3], half]), np.concatenate([half, cells[3:]])], axis=1
         )

@@ -152,7 +152,7 @@ def all_velocities(
 def _solve(relation: _Relation, scene: IntArray, t: FloatArray) -> Solutions:
     """Return the solutions of some scenes, searched from points t that ascend in each."""
     left = np.flatnonzero(scene[1:] == scene[:-1])
-    ends = np.stack([t, *relation(scene, t)[:3]])
+    ends = np.array([t, *relation(scene, t)[:3]])
     cells = np.concatenate([ends[:, left], ends[:, left + 1]])
     owner, brackets = _brackets(relation, scene[left], cells)
     return _polish(relation, owner, brackets)
@@ -174,9 +174,10 @@ def _first_points(
     points = [
         (owner, -np.log(inverse)),
         _spaced(every, np.log(turn), np.log(high), spacing),
-        _spaced(strong, np.log(low[strong]), np.log(turn[strong]), spacing),
         _resonances(c, (low, high), wiggle, refine),
     ]
+    if strong.size:
+        points.append(_spaced(strong, np.log(low[strong]), np.log(turn[strong]), spacing))
     scene, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
     order = np.lexsort((t, scene))
     scene, t = scene[order], t[order]
@@ -326,7 +327,7 @@ def _brackets(
         owner, cells = owner[rest], cells[:, rest]
         if owner.size:
             middle_t = 0.5 * (cells[0] + cells[4])
-            middle = np.stack([middle_t, *relation(owner, middle_t)[:3]])
+            middle = np.array([middle_t, *relation(owner, middle_t)[:3]])
             cells = np.concatenate(
                 [np.concatenate([cells[:4], middle]), np.concatenate([middle, cells[4:]])], axis=1
             )
@@ -379,8 +380,8 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
         if open_.size == 0:
             break
         t[open_] = new[open_]
-        last = (step**2 * curvature <= rounding * steep) & inside
-        if np.all(last[open_]):  # g is to be zero to rounding, and is computed with both sides
+        last = (step**2 * curvature <= rounding * steep) & inside & (step > rounding)
+        if np.all(last):  # g is to be zero to rounding, and is computed with both sides
             spread = _least_spread(t, here._replace(g=np.zeros(t.shape)))
             around = _values_at(relation, owner, t, t - spread, t + spread)
             here, sure = around[0], bool(np.all(_differ_surely(*around[1:])))
@@ -453,9 +454,10 @@ def _differ_surely(below: _Values, above: _Values) -> npt.NDArray[np.bool_]:
 
 def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> list[_Values]:
     """Return the values at several arrays of t, computed together."""
-    together = relation(np.tile(owner, len(places)), np.concatenate(places))
-    parts = (np.split(row, len(places)) for row in together)
-    return [_Values(*rows) for rows in zip(*parts, strict=True)]
+    count = len(places)
+    together = relation(np.concatenate([owner] * count), np.concatenate(places))
+    rows = np.array(together).reshape(len(together), count, owner.size)
+    return [_Values(*rows[:, i]) for i in range(count)]
 
 
 def _errors_along(
@@ -467,14 +469,18 @@ def _errors_along(
     middle and its ends.
     """
     here = values[0]
-    steep = np.stack([each.by_t + s * each.error_by_t for each in values for s in (-1.0, 1.0)])
-    by_c = np.stack([each.by_c + s * each.error_by_c for each in values for s in (-1.0, 1.0)])
+    by_t, error_by_t, by_c, error_by_c = (
+        np.array([getattr(each, name) for each in values])
+        for name in ("by_t", "error_by_t", "by_c", "error_by_c")
+    )
+    steep = np.concatenate([by_t - error_by_t, by_t + error_by_t])
+    by_c = np.concatenate([by_c - error_by_c, by_c + error_by_c])
     decided = (steep.min(axis=0) > 0) | (steep.max(axis=0) < 0)
-    inverse = v / np.where(decided, np.stack([steep.min(axis=0), steep.max(axis=0)]), 1.0)
+    inverse = v / np.where(decided, np.array([steep.min(axis=0), steep.max(axis=0)]), 1.0)
     middle = v / np.where(decided, here.by_t, 1.0)
     rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # and v itself changes by its error
     along_target = np.abs(inverse - middle).max(axis=0) + rounding
-    corners = inverse[:, None] * np.stack([by_c.min(axis=0), by_c.max(axis=0)])
+    corners = inverse[:, None] * np.array([by_c.min(axis=0), by_c.max(axis=0)])
     along_c = np.abs(corners - middle * here.by_c).max(axis=(0, 1))
     along_c += rounding * np.abs(by_c).max(axis=0)
     return np.where(decided, along_c, np.inf), np.where(decided, along_target, np.inf)

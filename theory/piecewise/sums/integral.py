@@ -219,7 +219,7 @@ def _plain(
     values[0] -= 1.0
     rounding, rough = axis.plain_errors(v, c, truncation, *sizes)
     bounds = [truncation + rounding, rough / v, rough / c] if slopes else [truncation + rounding]
-    return values[:rows], np.stack(bounds)
+    return values[:rows], np.array(bounds)
 
 
 def _one_by_one(v: FloatArray, c: FloatArray, tolerance: float, slopes: bool) -> Rows:

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -279,6 +280,27 @@ def test_pages_of_methods_name_the_numbers_of_the_code() -> None:
     assert "A drift counts six times" in fitted
     assert (arrival_fit._NOISE, arrival_fit._DRIFT, comparison.COARSER) == (3.0, 6.0, 100.0)
     assert said("a run of a chain of # sites", page("docs/explore.md")) == (explorer.SITES,)
+
+
+def test_a_band_between_breather_and_front_is_one_of_slow_fronts() -> None:
+    (eta, low, high), (end,), (begin,) = (
+        said("a band at η = #, from c = # to # of the averaged chain"),
+        said("--c 0.19:0.21:3 --t-end #`"),
+        said("has fronts from # on"),
+    )
+    assert begin == low
+    usual = StateTask(chain=FIGURE_15.averaged())
+    longer = replace(usual, end=end)
+
+    def labels(task: StateTask, *couplings: float) -> list[str]:
+        return [str(task(Point(eta=eta, c=c))["label"]) for c in couplings]
+
+    # At its upper end the two alternate: the rule counts whole windows.
+    inside, near = (low + 1e-4, 0.2, 0.5 * (low + high)), 1e-4
+    assert labels(usual, low - near, *inside, high + near) == [
+        "breather", *["undecided"] * 3, "front",
+    ]  # fmt: skip
+    assert labels(longer, low - near, *inside, high + near) == ["breather", *["front"] * 4]
 
 
 def test_kappa_changes_its_sign_where_the_tutorial_says() -> None:

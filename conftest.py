@@ -29,7 +29,7 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-DERIVING = ("test_derivations", "test_errata", "test_transcription")
+DERIVING = ("test_derivations", "test_errata", "test_report_of_the_paper", "test_transcription")
 """How the names of the files begin whose tests ask for the derivations of the paper."""
 
 

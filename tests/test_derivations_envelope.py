@@ -209,3 +209,13 @@ def test_reading_undoes_writing(powers):
     assert {dict(m).get("y", 0): q for m, q in terms.items()} == {
         k: q for k, q in powers.items() if q
     }
+
+
+def test_a_damping_in_powers_of_y_to_the_fourth_has_cycles_with_letters_too():
+    cell = derive_envelope("1 - a*y**4 + b*y**8")
+    numbers = {"a": 4, "b": 0.5}
+    inner, outer = (float(q.amplitude) for q in cell.with_values(numbers).cycles)
+    letters = {q: numbers[q.name] for q in cell.symbols if q.name in numbers}
+    assert [float(q.amplitude.subs(letters)) for q in cell.cycles] == pytest.approx([inner, outer])
+    assert float(cell.ratio.subs(letters)) == pytest.approx(inner / outer)
+    cell.derivation.verify()

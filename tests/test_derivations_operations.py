@@ -19,13 +19,13 @@ from derivations.algebra.amplitudes import (
     Route,
     SeekCycles,
 )
-from derivations.algebra.balance import BalancePower
+from derivations.algebra.balance import BalancePower, phase_mean
 from derivations.algebra.dispersion import (
     AtFastestWave,
     EnvelopeOfWave,
     FastestWave,
 )
-from derivations.algebra.equations import equation, is_zero, same
+from derivations.algebra.equations import equation, is_zero, on_sides, same
 from derivations.algebra.evidence import parts_of
 from derivations.algebra.expansion import (
     CollectPower,
@@ -588,6 +588,34 @@ def test_an_operation_says_what_it_did(name):
     assert "None" not in words
 
 
+@pytest.mark.parametrize(
+    ("operation", "words"),
+    [
+        (Truncate(e, 0), "expand (1) in e and omit O(e)"),
+        (Truncate(e, 1), "expand (1) in e and omit O(e²)"),
+        (Isolate((q,)), "bring the terms with q of (1) to the left"),
+        (Isolate((q,), (q,)), "bring the terms with q of (1) to the left and divide by the factor "
+         "of q"),
+        (CollectHarmonic(s, name, 1), "call the coefficient of e^(is) in (1) name"),
+        (CollectHarmonic(s, name, 2), "call the coefficient of e^(2is) in (1) name"),
+    ],
+)  # fmt: skip
+def test_words_name_what_the_parameters_say(operation, words):
+    assert operation.words(["(1)"]) == words
+
+
+def test_names_are_as_many_as_the_entries_of_the_state():
+    state = equation(name, sp.ImmutableMatrix([f, f.diff(t)]))
+    with pytest.raises(ValueError, match="shorter"):
+        WriteFirstOrder(rate, (p,), t)(equation(f.diff(t, 2) + f), state)
+
+
+def test_the_mean_over_a_phase_is_an_integral_where_it_has_no_closed_form():
+    assert phase_mean(p + q * sp.cos(s) ** 2, s) == p + q / 2
+    open_ = phase_mean(sp.sqrt(2 + sp.cos(s)), s)
+    assert open_ == sp.Integral(sp.sqrt(2 + sp.cos(s)), (s, -sp.pi, sp.pi)) / (2 * sp.pi)
+
+
 def test_every_operation_is_tested_by_itself():
     for module in pkgutil.walk_packages(derivations.__path__, "derivations."):
         importlib.import_module(module.name)
@@ -626,6 +654,12 @@ def test_every_operation_is_tested_by_itself():
         (TakeBranch(x < 1), (equation(abs(x)),)),
         (ParametriseRadical(p, q), (equation(name, q),)),
         (TakeBranch(u > 0), (equation(name, sp.Piecewise((p, u < 0), (q, True))),)),
+        (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u < 0), (q, u > 1))),)),
+        (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u > 0), (q, u < 0))),)),
+        (
+            SumOverPeriods(x),
+            (equation(name, sp.Integral(1 / ((2 + sp.cos(x)) ** 4 + x**2), (x, 0, sp.oo))),),
+        ),
         (CountAbove(k, 0, name), (equation(L(k), sp.cos(k)), equation(rate, x), equation(rate, 1))),
         (FindCycles((p, q)), (equation(radius.diff(t), epsilon * radius * (1 - radius**2)),)),
         (FindCycles((p, q)), (equation(RADIUS.lhs, -RADIUS.rhs),)),
@@ -689,10 +723,23 @@ def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     assert not same(equation(p, q), sp.Tuple(equation(p, q), equation(q, p)))
     assert not same(equation(p), p)
     assert not same(sp.Lt(p, q, evaluate=False), sp.Le(p, q, evaluate=False))
+    assert not same(p, sp.true)
+    assert is_zero(sp.S.Zero)
+    assert not is_zero(sp.S.One)
+    assert not is_zero(sp.Piecewise((1, sp.Lt(k, 1)), (2, True)))  # k has no order
+    assert on_sides(sp.Tuple(p, equation(p, q)), sp.exp) == sp.Tuple(
+        sp.exp(p), equation(sp.exp(p), sp.exp(q))
+    )
 
 
 def passes(_):
     return Evidence(True, "")
+
+
+def test_a_step_is_called_by_its_number_or_its_name():
+    draft = begun()
+    draft.model("other", equation(p, 1), "a model", check=passes, number=7)
+    assert [draft[each].label for each in ("start", "other")] == ["'start'", "(7)"]
 
 
 def begun(right: sp.Expr = q) -> Draft:

@@ -52,8 +52,6 @@ def on_sides(whole: sp.Basic, change: Callable[[sp.Expr], sp.Expr]) -> sp.Basic:
 
 def is_zero(expression: sp.Expr) -> bool:
     """Whether an expression simplifies to zero under the assumptions of its symbols."""
-    if expression == 0:
-        return True
     plain = without_modulus(sp.sympify(expression))
     differs = _differs_from_zero(plain)
     if differs:

@@ -144,7 +144,7 @@ class Modulation:
         return self.ring.as_expr(self.second if self.second is not None else self.ring.ring.zero)
 
 
-def by_multiple_scales(force: Force, order: int = 1) -> Modulation:
+def by_multiple_scales(force: Force, order: int) -> Modulation:
     """Modulation of ``y = A e^{iT0} + c.c. + eps y1``, where y1 holds no ``e^{±iT0}``.
 
     Parameters
@@ -198,7 +198,7 @@ def by_multiple_scales(force: Force, order: int = 1) -> Modulation:
     return Modulation(ring, reach, first, resonant * half_i, y1)
 
 
-def by_averaging(force: Force, order: int = 1) -> Modulation:
+def by_averaging(force: Force, order: int) -> Modulation:
     """Modulation of the mean of phi, where ``y' + i y = phi e^{it}`` (Eq. 31 with omega = 1).
 
     Parameters
@@ -297,12 +297,12 @@ def _mixed_derivative(
 
 
 def _phi_to_amplitude(ring: HarmonicRing, value: Any) -> Any:
-    """Replace phi by 2 i A and divide by 2 i, monomial by monomial."""
-    count = len(ring.amplitudes)
-    turn = (QQ_I(1, 0), QQ_I(0, 1), QQ_I(-1, 0), QQ_I(0, -1))
-    out = {}
-    for powers, number in value.items():
-        plain, barred = sum(powers[:count]), sum(powers[count : 2 * count])
-        size = sp.QQ(2) ** (plain + barred) / 2
-        out[powers] = number * QQ_I(size, 0) * turn[(plain - barred - 1) % 4]
-    return ring.ring.from_dict(out)
+    """Replace phi by 2 i A and divide by 2 i, monomial by monomial.
+
+    An averaged monomial has one more phi than conjugates of phi: the powers of i cancel.
+    """
+    count = 2 * len(ring.amplitudes)
+    return ring.ring.from_dict(
+        {powers: number * QQ_I(sp.QQ(2) ** (sum(powers[:count]) - 1), 0)
+         for powers, number in value.items()}
+    )  # fmt: skip

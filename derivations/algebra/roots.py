@@ -150,6 +150,6 @@ class SquareModulus(Operation):
         top, bottom = (sp.expand(q).subs(partner**2, power.base)
                        for q in (sp.numer(square), sp.denom(square)))  # fmt: skip
         reduced = sp.cancel(top / bottom)
-        if reduced.has(partner) or reduced.has(sp.I):
+        if reduced.has(partner):
             raise OperationError("the modulus is not rational in the parameter")
         return equation(reduced, relation.rhs**2)

@@ -236,9 +236,8 @@ class SolveLimits(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the law with its constants."""
         law, limits = sources
-        positive = sp.Dummy("positive", positive=True)
-        side = law.rhs.xreplace({self.variable: positive})
-        rest = [sp.limit(side, positive, part.lhs.args[0]) - part.rhs for part in parts_of(limits)]
+        rest = [sp.limit(law.rhs, self.variable, part.lhs.args[0]) - part.rhs
+                for part in parts_of(limits)]  # fmt: skip
         found = sp.solve(rest, self.constants, dict=True)
         if len(found) != 1:
             raise OperationError("the limits do not determine the constants")

@@ -25,6 +25,7 @@ from benchmarks.mutation.outcome import (
     matches,
     read_explained,
 )
+from benchmarks.mutation.put import libraries_of
 from benchmarks.mutation.session import Answer, Task, dotted, in_children
 from benchmarks.mutation.survey import closures
 from benchmarks.mutation.survey import test_files as files_with_tests
@@ -171,6 +172,15 @@ def test_tests_are_found_by_what_they_import(file: str) -> None:
 def test_a_package_is_changed_with_the_packages_inside_it() -> None:
     found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0)}
     assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
+
+
+def test_libraries_are_those_that_functions_import_too(tmp_path: Path) -> None:
+    file = tmp_path / "m.py"
+    text = (
+        "import json, scipy.optimize\ndef f():\n    from mpmath import mp\n    import theory.cells"
+    )
+    file.write_text(text)
+    assert libraries_of([file]) == ["mpmath", "scipy.optimize"]
 
 
 def test_of_each_statement_one_change_is_chosen() -> None:

@@ -10,6 +10,8 @@ from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
+from benchmarks.mutation.entered import PACKAGES
+
 _OF_ITS_OWN = frozenset({"__dict__", "__weakref__", "__module__", "__doc__", "__qualname__",
                          "__annotations__", "__abstractmethods__", "_abc_impl"})  # fmt: skip
 """What each class has of its own and a change of its statement leaves as it is."""
@@ -49,6 +51,19 @@ def names_used_on_import(files: Iterable[Path]) -> frozenset[str]:
     for file in files:
         collect(ast.parse(file.read_bytes()))
     return frozenset(found)
+
+
+def libraries_of(files: Iterable[Path]) -> list[str]:
+    """Return what files import, also inside functions, that is neither theirs nor Python's own."""
+    found: set[str] = set()
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_bytes())):
+            if isinstance(node, ast.Import):
+                found.update(each.name for each in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                found.add(node.module)
+    own = {*PACKAGES, "benchmarks", "tests", *sys.stdlib_module_names}
+    return sorted(name for name in found if name.split(".")[0] not in own)
 
 
 def put_statement(module: ModuleType, statement: ast.stmt) -> bool:

@@ -31,12 +31,17 @@ import pytest
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.put import fits, names_bound, names_used_on_import, put_statement
+from benchmarks.mutation.put import (
+    fits,
+    libraries_of,
+    names_bound,
+    names_used_on_import,
+    put_statement,
+)
 
 if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
 
-LIBRARIES = ("numba", "scipy.integrate", "scipy.optimize", "sympy")
 OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--tb=native", "--import-mode=importlib",
            "-p", "no:cacheprovider", "-p", "no:faulthandler",
            "-o", "tmp_path_retention_policy=none")  # fmt: skip
@@ -87,11 +92,13 @@ class Session:
     def collect(self, files: Sequence[str], work: Callable[[], None]) -> int:
         """Import the project, collect the tests of files, do the work; return pytest's exit code.
 
-        What a child imports would be compiled in each child again.
+        What a child imports would be imported, or compiled, in each child again.
         """
         self._work = work
-        for name in LIBRARIES:
-            import_module(name)
+        files_ = [self.root / each for each in self._modules()]
+        for name in libraries_of(files_):
+            with contextlib.suppress(ImportError):
+                import_module(name)
         from hypothesis import Phase, settings
 
         # An example that fails is enough; to look for the simplest one takes minutes.

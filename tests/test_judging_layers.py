@@ -38,6 +38,7 @@ from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.floquet import Multipliers, floquet_multipliers
 from verification.cells import vdp as vdp_cell
 from verification.execution import checkpoint
+from verification.execution import sweep as sweeping
 from verification.execution.files import FileError
 from verification.execution.points import Point, points_of
 from verification.execution.store import Store
@@ -51,6 +52,7 @@ from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Watch
 from verification.maps import friction_rules, smooth_rules, state_run
 from verification.maps.state import Reason, State
+from verification.piecewise import verdict as front_verdict
 from verification.quantities import fronts as fronts_of
 from verification.quantities import judging, robustness
 from verification.quantities import kinetic_relation as velocities
@@ -940,8 +942,8 @@ def test_a_reference_that_is_too_uncertain_is_left_for_another(
 
 def test_values_at_random_are_of_every_decade_and_beside_what_is_special() -> None:
     rng = np.random.default_rng(0)
-    drawn = [Axis(name="c", low=1e-3, high=1e3).draw(rng) for _ in range(300)]
-    decades = np.bincount(np.floor(np.log10(drawn)).astype(int) + 3, minlength=6)
+    drawn = [Axis(name="c", low=1e-2, high=1e4).draw(rng) for _ in range(300)]
+    decades = np.bincount(np.floor(np.log10(drawn)).astype(int) + 2, minlength=6)
     assert decades.min() > 25  # fifty each, with a deviation of seven
     beside = Axis(name="eta", low=0.01, high=0.02, near=(0.08,))
     near = [value for value in (beside.draw(rng) for _ in range(400)) if value > 0.03]
@@ -1139,3 +1141,46 @@ def test_only_nuclei_in_phase_are_given_another_pattern() -> None:
     assert breathers.with_pattern(Nucleus(3, "00")).pattern == "-+"
     with pytest.raises(ParameterError, match="at an edge"):
         breathers.with_pattern(Nucleus(3, "00", Place.EDGE))
+
+
+def test_of_a_store_only_results_of_points_of_the_table_are_taken() -> None:
+    """Another sweep may have left more points; -1 would be the last of these."""
+    points = points_of({"c": [0.1, 0.2]})
+    kept = [("1", [("v", 2.0)]), *((key, [("v", 9.0)]) for key in ("-1", "2", "01", "+0", "x"))]
+    found = sweeping._Found(points=points, out=None, names={})
+    store: Any = SimpleNamespace(read=lambda: kept)
+    assert found.take_from(store) == 1
+    assert found.stored == 1
+    found.put(0, {"v": 1.0})
+    assert found.columns.arrays()["v"].tolist() == [1.0, 2.0]
+
+
+def test_claims_are_shown_with_the_figure_that_they_are_about() -> None:
+    every = [SimpleNamespace(entry=SimpleNamespace(group=each), key=i)
+             for i, each in enumerate(("fig02", "text_vdp", "fig11", "fig02"))]  # fmt: skip
+    found = Report.figures.func(SimpleNamespace(outcomes=every))  # type: ignore[attr-defined]
+    assert {name: [one.key for one in of_one] for name, of_one in found.items()} == {
+        "fig02": [0, 3], "fig11": [2],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("status", [FrontStatus.STEADY, FrontStatus.SLIDING])
+def test_the_error_of_a_front_of_44_counts_what_is_cut_off_the_chain(
+    monkeypatch: pytest.MonkeyPatch, status: FrontStatus
+) -> None:
+    """What is missing beyond the window over the threshold, relative to v, besides its periods."""
+    sliding = status is FrontStatus.SLIDING
+    blocks = 4 * front_verdict.BLOCK
+    made: Any = front_verdict.History.__new__(front_verdict.History)
+    chain = SimpleNamespace(threshold=0.5, sites=100, grazes=0, state=lambda: None)
+    vars(made).update(
+        chain=chain, coupling=0.5, events=7, sliding=0, zone=10, _jitter=0.0,
+        _waits={1: [2.0] * (blocks + 1), -1: []},
+        _counts={1: list(range(blocks + 1)), -1: []},
+        _slides={1: [*[0] * blocks, int(sliding)], -1: []},
+    )  # fmt: skip
+    monkeypatch.setattr(front_verdict, "truncation_bound", lambda *_: 1e-3)
+    found = made.verdict(None, 1e-9, 0.0)
+    assert (found.v, found.status) == (0.5, status)
+    own = front_verdict._SLIDING_ERROR if sliding else 0.0
+    assert found.error == pytest.approx(0.5 * (1e-3 / 0.5 + own), rel=1e-6)

@@ -261,6 +261,21 @@ def test_the_effective_epsilon_is_the_largest_damping_over_the_cycle(eta: float)
     assert effective_epsilon(chain) == pytest.approx(0.02 * largest, rel=1e-8)
 
 
+@pytest.mark.parametrize("ahead", [True, False])
+def test_tails_of_many_fronts_are_those_of_each_and_no_root_is_before_them(ahead: bool) -> None:
+    v, c = (
+        x.ravel() for x in np.meshgrid(np.geomspace(1e-9, 1e9, 37), np.geomspace(1e-8, 1e8, 33))
+    )
+    rates, sizes = tail_bound(v, c, ahead)
+    for i in range(0, v.size, 7):
+        rate, size = tail_bound(float(v[i]), float(c[i]), ahead)
+        # where v is nearly c both are steep functions of their difference, down to its rounding
+        assert (rates[i], sizes[i]) == pytest.approx((rate, size), rel=1e-8)
+    # Re L on Im k = rate is at least this, and falls from 1/2 as Im k grows
+    side = 1.0 if ahead else -1.0
+    assert np.all(0.5 + side * v * rates - c * np.sinh(rates) > 0.05)
+
+
 @pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1e-3, 0.5), (1e3, 0.2), (7.4, 100.0)])
 def test_the_tail_bound_has_its_rate_from_the_strip_and_is_not_wasteful(v: float, c: float) -> None:
     for ahead in (True, False):

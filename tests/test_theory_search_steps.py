@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from theory.piecewise import admissibility, branch_search
 
@@ -170,6 +171,19 @@ def test_a_root_is_polished_to_rounding_in_a_few_steps() -> None:
     assert found.slope[0] == pytest.approx(1.0 / v, rel=1e-12)
     assert found.by_coupling[0] == 0.7
     assert curve.calls <= 10
+
+
+def test_a_step_that_was_taken_for_the_last_and_was_not_is_followed_by_others() -> None:
+    # The slopes at both ends promise a line; the bump between them moves the root by 0.02.
+    def bump(t):
+        return 0.02 * np.exp(-(((t - 2.4) / 0.1) ** 2))
+
+    curve = Curve(lambda t: t - 2.4 + bump(t), lambda t: 1.0 - 200.0 * (t - 2.4) * bump(t))
+    cells = curve.cells([2.0, 3.0])
+    found = branch_search._polish(curve, owners(cells), cells)
+    v = math.exp(brentq(lambda t: float(curve.g(t)), 2.0, 3.0, xtol=1e-15))
+    assert found.v[0] == pytest.approx(v, rel=8 * EPS)
+    assert found.error[0] <= 100 * EPS * v
 
 
 def test_where_newton_leaves_the_bracket_it_is_halved() -> None:

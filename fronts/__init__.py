@@ -8,7 +8,7 @@ Each name is imported when it is first used, so that ``import fronts`` costs nex
 Chains (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`, and `OscillatorChain` for
 one of your own) are parameters that check
 themselves. Functions take a chain or numbers and return a result: a frozen dataclass with ``error``
-and ``status``, with ``plot()``, ``to_dict()`` and, where it is a table, ``to_pandas()`` and
+and ``status``, with ``to_dict()``, and where it can, ``plot()``, ``to_pandas()`` and
 ``to_xarray()``. Bad input raises `ParameterError`, which names the quantity, the value, the range
 and what to do. The command ``fronts`` is these functions at the shell.
 """

@@ -219,6 +219,8 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
         axes.set_aspect("equal")
         axes.figure.colorbar(dots, ax=axes, label="time of arrival")
         return
+    if not result.arrivals.size:
+        raise TypeError("there is no picture of a front without arrivals: name a file in .json.")
     count = np.arange(1, result.arrivals.size + 1)
     axes.plot(result.arrivals, count, "o", **{"ms": 2.5, "color": BLUE, **style})
     axes.set(xlabel="time of arrival", ylabel="sites passed")

@@ -155,6 +155,9 @@ def test_a_result_draws_itself(name, results):
 def test_what_has_no_picture_says_so():
     with pytest.raises(TypeError, match="no picture of KineticSum"):
         fr.sigma(0.3, 0.5).plot()
+    wave = fr.measure_front(fr.AveragedChain(a=4, b=0.5, c=0.6), method="wave")
+    with pytest.raises(TypeError, match="no picture of a front without arrivals"):
+        wave.plot()  # axes with nothing in them
 
 
 def test_tables_of_pandas_and_xarray_hold_the_same_numbers(results):

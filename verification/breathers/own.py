@@ -133,6 +133,7 @@ def check_orbits(chain: OscillatorChain) -> None:
         raise ParameterError(
             "number of sites n", chain.sites, f"at most {MAX_SITES} for an orbit", "take fewer"
         )
+    chain.kernels()  # refuses a function without its derivatives, before any search
 
 
 @orbits.start_of_orbits.register

@@ -657,8 +657,8 @@ def test_every_operation_is_tested_by_itself():
         (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u < 0), (q, u > 1))),)),
         (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u > 0), (q, u < 0))),)),
         (
-            SumOverPeriods(x),
-            (equation(name, sp.Integral(1 / ((2 + sp.cos(x)) ** 4 + x**2), (x, 0, sp.oo))),),
+            SumOverPeriods(k),
+            (equation(name, sp.Integral(1 / ((2 + sp.cos(k)) ** 4 + p**2 * k**2), (k, 0, sp.oo))),),
         ),
         (CountAbove(k, 0, name), (equation(L(k), sp.cos(k)), equation(rate, x), equation(rate, 1))),
         (FindCycles((p, q)), (equation(radius.diff(t), epsilon * radius * (1 - radius**2)),)),
@@ -726,7 +726,9 @@ def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     assert not same(p, sp.true)
     assert is_zero(sp.S.Zero)
     assert not is_zero(sp.S.One)
-    assert not is_zero(sp.Piecewise((1, sp.Lt(k, 1)), (2, True)))  # k has no order
+    ordered = sp.Piecewise((1, sp.Lt(k, 1)), (2, True))  # k has no order
+    assert not is_zero(ordered)
+    assert is_zero(ordered * (q - 1) - ordered * q + ordered)
     assert on_sides(sp.Tuple(p, equation(p, q)), sp.exp) == sp.Tuple(
         sp.exp(p), equation(sp.exp(p), sp.exp(q))
     )

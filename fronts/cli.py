@@ -164,7 +164,7 @@ def _examples(command: Command, model: str, required: str = "") -> str:
     every = command.examples.split("\n  fronts ")[1:]
     named = {each: each.split()[1] for each in every}
     shown = {model} if model != command.default else {model, *_not_models(command, named.values())}
-    own = [each for each in every if named[each] in shown] if model else every
+    own = [each for each in every if named[each] in shown]
     notes = f"\n\n{command.notes}" if command.notes else ""
     return "\n  fronts ".join(["examples:", *(own or [required])]) + notes
 

@@ -31,6 +31,7 @@ def install(root: Path) -> set[str]:
     names: set[str] = set()
     plain: dict[tuple[str, int, str], CodeType] = {}
     builtins.__dict__[ENTER] = names.add
+    made: dict[str, CodeType] = {}
     own = SourceFileLoader.get_code
 
     def get_code(loader: Any, fullname: str) -> CodeType | None:
@@ -40,10 +41,12 @@ def install(root: Path) -> set[str]:
             return replaced[relative]
         if relative.split(os.sep)[0] not in PACKAGES:
             return own(loader, fullname)
-        source = loader.get_data(path)
-        for code in codes_in(compile(source, path, "exec", dont_inherit=True)):
-            plain[path, code.co_firstlineno, code.co_qualname] = code
-        return compile(naming(source, relative), path, "exec", dont_inherit=True)
+        if path not in made:  # a child that imports anew has it from its parent
+            source = loader.get_data(path)
+            for code in codes_in(compile(source, path, "exec", dont_inherit=True)):
+                plain[path, code.co_firstlineno, code.co_qualname] = code
+            made[path] = compile(naming(source, relative), path, "exec", dont_inherit=True)
+        return made[path]
 
     SourceFileLoader.get_code = get_code  # type: ignore[assignment, method-assign]
     _compile_as_written(plain, names, root)

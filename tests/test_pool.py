@@ -82,3 +82,16 @@ def _runs(pid: int) -> bool:
         return ") Z " not in stat.read_text()
     except (FileNotFoundError, ProcessLookupError):
         return False
+
+
+def test_a_script_whose_workers_import_it_anew_is_told_so(tmp_path: Path) -> None:
+    script = tmp_path / "plain.py"
+    script.write_text(
+        "import fronts as fr\n"
+        "chain = fr.AveragedChain(a=4, b=0.5, c=0.1, sites=4)\n"
+        "fr.state_map(chain, c=[0.1, 0.5], workers=2, refine=0)\n"
+    )
+    run = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert run.returncode == 1
+    (said,) = (line for line in run.stderr.splitlines() if "SweepError: " in line)
+    assert "if __name__ == '__main__'" in said

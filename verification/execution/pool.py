@@ -53,8 +53,11 @@ class WorkerDiedError(RuntimeError):
     """The process that computed an item ended without an answer."""
 
     def __init__(self) -> None:
-        super().__init__("the process that computed it ended without an answer: it was killed, "
-                         "or memory ran out.")  # fmt: skip
+        super().__init__(
+            "the process that computed it ended without an answer: it was killed, memory ran out, "
+            "or it was started by a script whose calls are not below if __name__ == '__main__'; "
+            "with workers=1 no process is started."
+        )
 
 
 def cores_allowed() -> int:

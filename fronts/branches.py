@@ -138,7 +138,7 @@ def follow_front(
     0.101944386
     >>> branch = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0.15), etas=[0.03125, 0.08])
     >>> [round(point.v, 9) for point in branch.points], round(branch.eta_pin, 9)
-    ([0.122963889, 0.0], 0.059829802)
+    ([0.0, 0.123055986], 0.059829802)
     """
     need_instance("chain", chain, (AveragedChain,), "take chain.averaged() where there is one")
     if etas is None:
@@ -315,7 +315,7 @@ def breather_branch(
     """Return the branch of solutions of the chain itself in c; None for another method."""
     averaged = isinstance(chains[0], AveragedChain)
     method: Literal["orbit", "envelope"] = "envelope" if averaged else "orbit"
-    if along != "c" or options.get("method", "envelope") != method:
+    if along != "c" or options.get("method") not in (None, method):
         return None
     nucleus = options.get("nucleus", Nucleus(1))
     return follow_breather(chains[0], values, nucleus=nucleus, method=method)

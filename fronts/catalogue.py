@@ -7,7 +7,7 @@ the class of the chain (`fronts.signatures`); its answer is the function's resul
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -154,7 +154,7 @@ _VDP_MAP = Map(
 
 _BREATHER = "verification.breathers.breather:breather"
 _OF_BREATHERS = {"reading": "closed-form", "seed": "simulation"}
-_AVERAGED_BREATHER = Measurement(
+_VDP_BREATHER = Measurement(
     function=_BREATHER,
     presets={**_FIG_7, "chain.c": 0.1},
     curve="fronts.branches:breather_branch",
@@ -332,11 +332,9 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
   fronts breather averaged --c 0.1""",
         default="vdp",
         calls={
-            "vdp": replace(
-                _AVERAGED_BREATHER, presets={**_AVERAGED_BREATHER.presets, "method": "orbit"}
-            ),
+            "vdp": _VDP_BREATHER,
             "chain": Measurement(function=_BREATHER, hidden=("method",), only=_OF_BREATHERS),
-            "averaged": _AVERAGED_BREATHER,
+            "averaged": _VDP_BREATHER,
         },
     ),
     "threshold": Command(

@@ -370,7 +370,3 @@ def _defect(error: Exception, as_json: bool) -> int:
         {},
     )
     return 3
-
-
-if __name__ == "__main__":
-    sys.exit(main())

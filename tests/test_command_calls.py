@@ -3,6 +3,7 @@
 import argparse
 import dataclasses
 import functools
+import inspect
 import json
 import re
 import shlex
@@ -214,6 +215,15 @@ def test_the_threshold_of_a_model_is_that_of_the_function(called):
     (chain, *_), options, _ = called("threshold vdp --eps 0.1")
     assert chain.eps == 0.1
     assert options.get("method") is None
+
+
+def test_no_preset_of_a_command_stands_in_for_a_default_of_its_function():
+    calls = [call for command in COMMANDS.values() for call in command.calls.values()]
+    options = [(call.function, name) for call in calls for name in call.presets if "." not in name]
+    assert options
+    for where, name in options:
+        default = inspect.signature(located(where)).parameters[name].default
+        assert default is inspect.Parameter.empty, (where, name)
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,14 @@ import csv
 import json
 import math
 import shlex
+import sys
 
 import mpmath as mp
 import numpy as np
 import pytest
 
 from derivations.catalogue import LISTING
+from fronts.__main__ import main as start
 from fronts.arguments import with_values_joined
 from fronts.cli import main
 from fronts.options import options_of
@@ -235,6 +237,21 @@ def _stopped(capsys: pytest.CaptureFixture[str], line: str) -> str:
     assert main(shlex.split(line)) == 130
     message: str = json.loads(capsys.readouterr().err.splitlines()[-1])["error"]["message"]
     return message
+
+
+class _Interrupting:
+    """An importer during which the user interrupts."""
+
+    def find_spec(self, name: str, *_: object) -> None:
+        if name == "fronts.cli":
+            raise KeyboardInterrupt
+
+
+def test_an_interruption_while_the_command_is_imported_ends_it_in_a_sentence(capsys, monkeypatch):
+    monkeypatch.delitem(sys.modules, "fronts.cli")
+    monkeypatch.setattr(sys, "meta_path", [_Interrupting(), *sys.meta_path])
+    assert start() == 130
+    assert capsys.readouterr() == ("", "fronts: interrupted; nothing had begun.\n")
 
 
 @pytest.mark.parametrize("chain", ["vdp", "friction"])

@@ -89,7 +89,8 @@ def breather(
         Which sites oscillate, and with which phase steps; by default one in the middle. Three or
         more without a pattern are taken as what an in-phase start relaxes to.
     method : {"envelope", "closed-form", "orbit", "simulation", "all"}, optional
-        By default ``envelope``, of an `OscillatorChain`, which has no other, ``orbit``.
+        By default that which solves the chain itself: for an `AveragedChain` ``envelope``, for a
+        `VdpChain` and for an `OscillatorChain`, which has no other, ``orbit``.
         ``closed-form``: (29), (37), (30), for one site in the bulk. ``envelope``: (43), solved.
         ``orbit``: the periodic orbit of (8), by shooting, with Floquet multipliers; not for an
         `AveragedChain`. ``simulation``: a run from a perturbed start until it repeats itself.
@@ -138,7 +139,7 @@ def breather(
         if method not in (None, "orbit"):
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")
         return of_orbit(chain, nucleus, solve_own_orbit(chain, nucleus))
-    method = method or "envelope"
+    method = method or ("envelope" if isinstance(chain, AveragedChain) else "orbit")
     if method != "all":
         found = _known(method)
         _check_length(chain, found)

@@ -68,6 +68,7 @@ def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: fl
 
     Examples
     --------
+    >>> from theory.chains.vdp import VdpChain
     >>> hold(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 0.2, 200.0).escaped
     True
     """

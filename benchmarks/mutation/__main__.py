@@ -149,10 +149,6 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
             library = session.missing[module]
             print(f"{module} is left out: {library} is not installed", file=sys.stderr)
         mutants[:] = [mutant for mutant in mutants if mutant.module not in session.missing]
-        if any(module.startswith("derivations/") for module in modules):
-            from benchmarks.mutation.derived import DerivationChecks
-
-            session.ask_first = DerivationChecks(names, forget)
         begin = time.monotonic()
         known = survey(session, kept, imported, options.longest, options.jobs)
         took = time.monotonic() - begin
@@ -168,6 +164,12 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
             print(f"{left_out} changes of what numba compiles are left out", file=sys.stderr)
         with suppress(KeyboardInterrupt):  # what was run until then is reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
+            # Seconds to a minute each, so after all tests.
+            if any(module.startswith("derivations/") for module in modules):
+                from benchmarks.mutation.derived import DerivationChecks
+
+                checks = DerivationChecks(names, forget)
+                in_children(ran[0].tasks_of_checks(mutants, checks, until), options.jobs)
 
     code = session.collect(list(imported), work)
     if not ran:

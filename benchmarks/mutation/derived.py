@@ -1,4 +1,4 @@
-"""What the checks of the derivations say of a change in them, before any test is asked.
+"""What the checks of the derivations say of a change in them that no test noticed.
 
 All is derived once, and noted which functions the result of each step and its check enter. With a
 change, what enters the changed function is derived and checked again: a step with another result
@@ -25,16 +25,20 @@ from derivations.symbols import a, b
 from tests.perturbed_equations import sampled
 
 
-def derivations() -> Iterator[tuple[str, Derivation]]:
-    """Those of the paper's chain, of one with more of everything, and of two cells, made anew."""
+def derivations() -> Iterator[tuple[str, Callable[[], Derivation]]]:
+    """How those of the paper's chain, of one with more of everything, and of two cells are made."""
     weight, cubic = sp.symbols("w g", positive=True)
     other = ChainModel(damping={0: 1, 2: -a, 4: b}, stiffness={3: cubic}, weights=(1, weight))
     for key in catalogue.LISTING:
-        yield key, catalogue.load(key)
+        yield key, partial(catalogue.load, key)
     for key in ("multiple-scales", "averaging", "second-order"):
-        yield f"{key} of another chain", catalogue.load(key, model=other)
+        yield f"{key} of another chain", partial(catalogue.load, key, model=other)
     for damping, stiffness in (("2 - a*y**2 + b*y**4", None), ("y**2 - 1", "k2*y**2 + k3*y**3")):
-        yield f"cell with {damping}", derive_envelope(damping, stiffness).derivation
+        yield f"cell with {damping}", partial(_cell, damping, stiffness)
+
+
+def _cell(damping: str, stiffness: str | None) -> Derivation:
+    return derive_envelope(damping, stiffness).derivation
 
 
 def reached(steps: tuple[Step, ...], found: dict[Step, None]) -> dict[Step, None]:
@@ -49,6 +53,8 @@ def reached(steps: tuple[Step, ...], found: dict[Step, None]) -> dict[Step, None
 class _Made:
     """A derivation as it is: what building it and all of it enters, and how long all of it took."""
 
+    key: str
+    make: Callable[[], Derivation]
     derivation: Derivation
     building: frozenset[str]
     entered: frozenset[str]
@@ -75,7 +81,8 @@ class DerivationChecks:
         forget()
         names.clear()
         begin = time.process_time()
-        for _, made in derivations():
+        for key, make in derivations():
+            made = make()
             building = frozenset(names)
             every = reached(made.steps, {})
             for step in every:
@@ -88,11 +95,19 @@ class DerivationChecks:
             entered = building | results | checks
             end = time.process_time()
             self._made.append(
-                _Made(derivation=made, building=building, entered=entered, seconds=end - begin)
+                _Made(
+                    key=key,
+                    make=make,
+                    derivation=made,
+                    building=building,
+                    entered=entered,
+                    seconds=end - begin,
+                )
             )
             forget()
             names.clear()
             begin = end
+        self._made.sort(key=lambda made: made.seconds)  # most changes are noticed by the first
 
     def _entered(self, run: Callable[[], object]) -> frozenset[str]:
         self._names.clear()
@@ -120,9 +135,10 @@ class DerivationChecks:
         """Return the step whose check notices a change that is in place, if there is one."""
         places = self._places(mutant)
         self._forget()
-        for (key, made), before in zip(derivations(), self._made, strict=True):
+        for before in self._made:
             if not places & before.entered:
                 continue
+            made = before.make()
             again = {step.name: step for step in made.steps}
             # One that is left out is for tests.
             steps = [step for step in before.derivation.steps if step.name in again]
@@ -135,9 +151,9 @@ class DerivationChecks:
             for step in dict.fromkeys((*other, *asked)):
                 new = again[step.name]
                 if not new.verify().holds:
-                    return f"{key}: {step.name}"
+                    return f"{before.key}: {step.name}"
                 if step in asked and any(new.verify(q).holds for q in self._refused[step]):
-                    return f"{key}: {step.name}, perturbed"
+                    return f"{before.key}: {step.name}, perturbed"
         return None
 
     def _is_same(

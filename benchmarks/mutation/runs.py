@@ -7,11 +7,15 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
 from benchmarks.mutation.session import Answer, Session, Task
 from benchmarks.mutation.survey import Survey
+
+if TYPE_CHECKING:
+    from benchmarks.mutation.derived import DerivationChecks
 
 MAX_KNOWN = 3
 """Tests that noticed the last changes of a function or its module, asked before all others."""
@@ -51,13 +55,33 @@ class Runs:
                 return
             tests = self._asked(mutant)
             take = partial(self._take, mutant, len(mutants), bool(tests))
-            if not tests and not self._session.ask_first:
+            if not tests:
                 take([])
                 continue
             usual = sum(self._survey.seconds[test] for test in tests)
             run = partial(self._session.judge, mutant, tests)
             begins = self._session.seconds_to_begin(mutant)
             yield Task(run=run, seconds=4.0 * usual + begins, take=take)
+
+    def tasks_of_checks(
+        self, mutants: Sequence[Mutant], checks: DerivationChecks, until: float
+    ) -> Iterator[Task]:
+        """Yield what children do with changes of derivations that no test noticed."""
+        for mutant in mutants:
+            if time.monotonic() > until:
+                return
+            seconds = checks.seconds(mutant)
+            if self.found.get(mutant.name, KILLED) != KILLED and seconds:
+                run = partial(self._session.judge_by_checks, mutant, checks)
+                take = partial(self._take_of_checks, mutant)
+                yield Task(run=run, seconds=2.0 * seconds + 2.0, take=take)
+
+    def _take_of_checks(self, mutant: Mutant, answers: list[Answer]) -> None:
+        by = answers[0]["by"] if answers else None
+        if by:
+            self.found[mutant.name] = KILLED
+        print(f"{'noticed by ' + by if by else 'no check notices'}: {mutant.name}",
+              file=sys.stderr, flush=True)  # fmt: skip
 
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes here, then more as the time allows."""

@@ -75,8 +75,6 @@ class Session:
     ----------
     missing : dict
         By module that cannot be imported, the library that is not installed here.
-    ask_first : DerivationChecks or None
-        Says what notices a change that is in place, before any test is run.
     """
 
     def __init__(self, root: Path, names: set[str]) -> None:
@@ -87,7 +85,6 @@ class Session:
         self._names_on_import: frozenset[str] = frozenset()
         self._living: dict[str, list[FunctionType]] = defaultdict(list)
         self._work: Callable[[], None] = lambda: None
-        self.ask_first: DerivationChecks | None = None
 
     def collect(self, files: Sequence[str], work: Callable[[], None]) -> int:
         """Import the project, collect the tests of files, do the work; return pytest's exit code.
@@ -162,11 +159,16 @@ class Session:
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
         compiled = mutant.function_at in entered.compiled
         if not compiled and self._put(mutant):
-            failed = self.ask_first.noticing(mutant) if self.ask_first else None
-            failed = failed or self._first_failing(tests)
+            failed = self._first_failing(tests)
             if failed or not self._used_on_import(mutant):
                 return write({"by": failed})
         write({"by": self._anew(mutant, tests, compiled) if tests else None})
+
+    def judge_by_checks(
+        self, mutant: Mutant, checks: DerivationChecks, write: Callable[[Answer], None]
+    ) -> None:
+        """Put a change to the checks of the derivations; write which step's check notices it."""
+        write({"by": checks.noticing(mutant) if self._put(mutant) else None})
 
     def made_on_import(self, mutant: Mutant) -> bool:
         """Return whether what is changed is made, or entered, while the project is imported."""
@@ -181,14 +183,10 @@ class Session:
         return not bound or not bound.isdisjoint(self._names_on_import)
 
     def seconds_to_begin(self, mutant: Mutant) -> float:
-        """Return the processor seconds allowed for what comes before or beside tests.
-
-        That is compiling, importing anew, or twice the usual time of checks of derivations.
-        """
+        """Return the processor seconds allowed for compiling or importing anew beside tests."""
         if mutant.function_at in entered.compiled:
             return 120.0
-        checks = self.ask_first.seconds(mutant) if self.ask_first else 0.0
-        return 2.0 * checks + (15.0 if self.made_on_import(mutant) else 2.0)
+        return 15.0 if self.made_on_import(mutant) else 2.0
 
     def _first_failing(
         self, tests: Sequence[str], plugin: object = None, limit: float = 0.0

@@ -92,7 +92,7 @@ class _Living:
                     self.functions[own.__code__.co_firstlineno] = own
 
     def derivations(self) -> Iterator[tuple[str, Any]]:
-        yield "small", self.scope["derive"]()
+        yield "small", self.scope["derive"]
 
     @contextmanager
     def with_change(self, mutant: Mutant) -> Iterator[None]:

@@ -31,11 +31,11 @@ EXAMPLE = """examples:
 Changes chosen at random are run in random order, so that those run before the time is over
 (--minutes) are a sample too. The working tree is not touched; leave it as it is meanwhile. What
 numba compiles is compiled anew for each change of it, half a minute or more: such changes are left
-out unless --compiled asks for them. A change in derivations/ is put to the checks of the steps that
-enter it before any test; all is derived and checked once for that, a minute. --record writes the
-counts and every change that went unnoticed to a file. Exit code 1: a change that no test notices is
-not explained in benchmarks/mutation/explained.toml, or an explanation there is no longer needed;
-the latter is judged when all of a module was run."""
+out unless --compiled asks for them. A change in derivations/ that no test notices is put to the
+checks of the steps that enter it when all tests are through; all is derived and checked once for
+that, a minute. --record writes the counts and every change that went unnoticed to a file. Exit
+code 1: a change that no test notices is not explained in benchmarks/mutation/explained.toml, or an
+explanation there is no longer needed; the latter is judged when all of a module was run."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

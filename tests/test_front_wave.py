@@ -16,13 +16,13 @@ import fronts as fr
 from fronts.cli import main
 from theory.averaged.front import strong_coupling_front
 from theory.parameters import ParameterError
-from verification.breathers import phase_locked
 from verification.continuation.branch import Fold
 from verification.continuation.newton import BranchPoint, NotConvergedError
 from verification.fronts import follow, wave
 from verification.fronts.follow import follow_front_wave
 from verification.fronts.resting import pinning_eta, static_fold
 from verification.fronts.wave import NoFrontError, front_wave
+from verification.references import phase_locked
 from verification.references.front_wave import front_velocity
 from verification.steppers.amplitudes import Amplitudes, with_disturbances
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from theory.chains.nucleus import Nucleus, outward_pattern
-from verification.breathers import phase_locked
-from verification.breathers.phase_locked import MARGIN, follow, follow_to, locked_breathers
+from verification.references import phase_locked
+from verification.references.phase_locked import MARGIN, follow, follow_to, locked_breathers
 
 A, B = 2.5, 0.5
 

@@ -22,8 +22,8 @@ from verification.references import extrapolation, pace
 from verification.references.equations import averaged_rate, full_rate, variational_rate
 from verification.references.extrapolation import PreciseState, extended, integrate, precise_state
 from verification.references.front_wave import front_velocity
-from verification.references.phase_locked import _defect, locked_fold, locked_state
 from verification.references.piecewise import threshold_ratio
+from verification.references.precise_breather import _defect, locked_fold, locked_state
 
 
 def many_digits(values: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
 
 if TYPE_CHECKING:
-    from verification.breathers.phase_locked import LockedBranch
+    from verification.references.phase_locked import LockedBranch
 
 ODD = (1, 3, 5, 7, 9)
 PRINTED = {1: "0.1916", 3: "0.2011"}
@@ -292,8 +292,8 @@ def nuclei() -> Nuclei:
     """Enumerate, follow and test every phase-locked breather."""
     from theory.chains.nucleus import Nucleus, outward_pattern, sites_for
     from theory.chains.vdp import VdpChain
-    from verification.breathers import phase_locked
     from verification.breathers.envelope import solve_envelope_breather
+    from verification.references import phase_locked
 
     branches = {}
     for n in (*RANGE, *FAMILY):
@@ -330,9 +330,9 @@ def nuclei() -> Nuclei:
 def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
     """Return growth rates in (8) of stable breathers of six sites, by shooting and scipy."""
     from theory.chains.vdp import VdpChain
-    from verification.breathers import phase_locked
     from verification.breathers.orbits import shooting_system
     from verification.continuation.newton import solve_at
+    from verification.references import phase_locked
 
     found = []
     for branch in branches:

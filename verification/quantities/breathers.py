@@ -27,7 +27,7 @@ from verification.quantities.quantity import (
 from verification.references.equations import full_rate, variational_rate
 from verification.references.extrapolation import PreciseState, integrate, precise_state
 from verification.references.pace import NoReferenceError
-from verification.references.phase_locked import locked_fold, locked_state
+from verification.references.precise_breather import locked_fold, locked_state
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.result import ThresholdMethod
 

@@ -1,162 +1,352 @@
-"""Breathers of (43), phase-locked states φ_n e^{iΩT}, and their folds, in extended precision.
+"""All phase-locked breathers of the averaged chain (43) of one nucleus size, phase steps free.
 
-    0 = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - (φ_n/2)(1 - |φ_n|²/4 + η|φ_n|⁴/8) - iΩφ_n,
+As c → 0 the core of a nucleus is on the cycle and only its phases are open. To first order in c a
+step δ_j between neighbours locks when the cosines of the steps around every core site have one
+sum: cos δ_1 = cos δ_1 + cos δ_2 = … = cos δ_last. So every second step is ±π/2; if the number of
+sites is odd the others are too; if it is even they share one cosine, cos δ, which the next order
+fixes. Here δ runs over a grid, every sign is tried, and Newton's method decides what is a solution.
 
-with Im φ = 0 at the site of the largest amplitude, at a = 1, b = η. Newton's matrix is one of
-differences, its residual one of long doubles: what it converges to has the accuracy of those.
+The engine, ``verification.breathers.envelope``, follows one breather of a given pattern; here all
+of a size are enumerated, at a and b as they are, and one is held against the other. A single
+breather in extended precision is in ``verification.references.precise_breather``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+import itertools
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import NDArray
 
-from verification.references.equations import averaged_damping, pull
-from verification.references.extrapolation import PreciseState, extended
-from verification.references.pace import NoReferenceError
+from verification.references.equations import averaged_damping, pull_matrix
 
-AnyArray = npt.NDArray[Any]
-Defect = Callable[[AnyArray], AnyArray]
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
-_STEP = 1e-5
-"""Of differences."""
+MARGIN = 9
+"""Sites at rest on each side of the core; amplitudes fall at least fivefold a site."""
+START = 0.03
+"""Coupling at which branches are started."""
+LONGEST = 0.004
+"""Step in c."""
+SAME = 1e-5
+"""Breathers closer than this, after a turn of the phase and a reflection, are one."""
+TINY = 1e-7
+"""Growth rates below this, per unit of slow time, are rounding of the zero of the phase."""
 
-_UNIT = float(np.finfo(np.longdouble).eps)
-_MAX_ITERATIONS = 30
 
+@dataclass(frozen=True, kw_only=True)
+class LockedBreather:
+    """A phase-locked breather φ_n = u_n e^{iΩT} of (43).
 
-def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseState:
-    """Return the state next to a given one.
-
-    Parameters
+    Attributes
     ----------
-    eta, c : float
-        η and coupling, dimensionless.
-    phi : complex ndarray, shape (N,)
-        Where Newton's method starts.
+    size : int
+        Sites on the cycle as c → 0.
+    c : float
+        Coupling, dimensionless.
+    phi : complex array, shape (N,)
+        The envelope, N = size + 2 MARGIN sites with free ends.
     omega : float
-        Ω there, per unit T.
+        Ω per unit of slow time.
+    growth : float
+        Largest growth rate per unit of slow time against every perturbation, the turn of the
+        phase left out.
+    """
 
-    Returns
-    -------
-    PreciseState
-        (Re φ, Im φ, Ω), shape (2N + 1,).
+    size: int
+    c: float
+    phi: Complex = field(repr=False)
+    omega: float
+    growth: float
 
-    Raises
-    ------
-    NoReferenceError
-        If Newton's method does not converge.
+    @property
+    def steps(self) -> Real:
+        """Phase steps of the core over π, each from -1 to 1."""
+        core = self.phi[MARGIN:-MARGIN]
+        turned: Real = np.angle(core[1:] / core[:-1]) / np.pi
+        return turned
+
+    @property
+    def stable(self) -> bool:
+        """Whether no perturbation grows."""
+        return self.growth < TINY
+
+
+@dataclass(frozen=True, kw_only=True)
+class LockedBranch:
+    """A breather followed in c from `START` until it ceases to exist.
+
+    Attributes
+    ----------
+    first, last : LockedBreather
+        At `START`, and just before the end.
+    c_end : float
+        Coupling of the fold at which the branch ends.
+    stable : tuple of pairs of float
+        Ranges of c, from `START` on, in which it is stable.
+    """
+
+    first: LockedBreather
+    last: LockedBreather
+    c_end: float
+    stable: tuple[tuple[float, float], ...]
+
+
+def residual(u: Real, c: float, a: float, b: float) -> Real:
+    """Return the equations of a breather, u = (Re φ, Im φ, Ω), and the phase of its centre."""
+    sites = (u.size - 1) // 2
+    phi = u[:sites] + 1j * u[sites:-1]
+    rate = 0.5j * c * (pull_matrix(sites) @ phi) - 0.5 * phi * averaged_damping(np.abs(phi), a, b)
+    equations = rate - 1j * u[-1] * phi
+    return np.concatenate([equations.real, equations.imag, [phi[MARGIN].imag]])
+
+
+def jacobian(u: Real, c: float, a: float, b: float) -> Real:
+    """Return the derivative of `residual` by u, by hand."""
+    sites = (u.size - 1) // 2
+    x, y = u[:sites], u[sites:-1]
+    square = x * x + y * y
+    drag = 0.5 * averaged_damping(np.abs(x + 1j * y), a, b)
+    bend = 0.5 * (-a / 4.0 + b * square / 4.0)  # derivative of drag by |φ|²
+    springs = 0.5 * c * pull_matrix(sites) - u[-1] * np.eye(sites)
+    matrix = np.zeros((u.size, u.size))
+    matrix[:sites, :sites] = np.diag(-drag - 2.0 * bend * x * x)
+    matrix[:sites, sites:-1] = -springs - np.diag(2.0 * bend * x * y)
+    matrix[sites:-1, :sites] = springs - np.diag(2.0 * bend * x * y)
+    matrix[sites:-1, sites:-1] = np.diag(-drag - 2.0 * bend * y * y)
+    matrix[:sites, -1], matrix[sites:-1, -1] = y, -x
+    matrix[-1, sites + MARGIN] = 1.0
+    return matrix
+
+
+def solve(guess: Real, c: float, a: float, b: float, rounds: int = 40) -> Real | None:
+    """Solve by Newton's method with shortened steps; None where it does not converge."""
+    u = guess.copy()
+    size = float(np.linalg.norm(residual(u, c, a, b)))
+    for _ in range(rounds):
+        if size < 1e-12:
+            return u
+        try:
+            step = np.linalg.solve(jacobian(u, c, a, b), residual(u, c, a, b))
+        except np.linalg.LinAlgError:
+            return None
+        part = min(1.0, 0.5 / float(np.abs(step).max()))
+        trial = u - part * step
+        after = float(np.linalg.norm(residual(trial, c, a, b)))
+        while after > size and part > 1e-3:
+            part *= 0.5
+            trial = u - part * step
+            after = float(np.linalg.norm(residual(trial, c, a, b)))
+        if after >= size and size < 1e-10:
+            return u
+        u, size = trial, after
+    return None
+
+
+def growth_rate(u: Real, c: float, a: float, b: float, *, mirrored: bool = False) -> float:
+    """Return the largest real part of the exponents, the zero of the phase left out.
+
+    With ``mirrored`` of perturbations alone that are the same on both sides.
+    """
+    matrix = jacobian(u, c, a, b)[:-1, :-1]
+    if mirrored:
+        sites = matrix.shape[0] // 2
+        half = (np.eye(sites) + np.eye(sites)[::-1])[:, : (sites + 1) // 2]
+        even = np.kron(np.eye(2), half / np.linalg.norm(half, axis=0))
+        matrix = even.T @ matrix @ even
+    rates = np.linalg.eigvals(matrix)
+    return float(np.delete(rates, np.argmin(np.abs(rates))).real.max())
+
+
+def phase_patterns(size: int, grid: int = 13) -> Iterator[Real]:
+    """Yield the phase steps that lock to first order in c, δ of even sizes over a grid.
 
     Examples
     --------
-    >>> alone = locked_state(0.08, 0.0, np.array([4.5 + 0j]), 0.0)
-    >>> eta = np.longdouble(0.08)
-    >>> bool(abs(alone.value[0] - np.sqrt((1 + np.sqrt(1 - 8 * eta)) / eta)) <= alone.uncertainty)
-    True
-    >>> alone.uncertainty < 1e-16
-    True
+    >>> len(list(phase_patterns(3))), len(list(phase_patterns(2, 5)))
+    (4, 5)
     """
-    centre = int(np.argmax(np.abs(phi)))
+    links = size - 1
+    seconds = range(1, links, 2)
+    odd = range(0, links, 2)
+    quarter = 0.5 * np.pi
+    deltas = [quarter] if size % 2 else np.linspace(0.0, np.pi, grid)
+    for delta in deltas:
+        loose = (1.0,) if delta in (0.0, np.pi) else (1.0, -1.0)
+        for signs in itertools.product((1.0, -1.0), repeat=len(seconds)):
+            for others in itertools.product(loose, repeat=len(odd)):
+                if size == 2 and others[0] < 0.0:
+                    continue  # the reflection of the same
+                steps = np.empty(links)
+                steps[list(seconds)] = quarter * np.array(signs)
+                steps[list(odd)] = float(delta) * np.array(others)
+                yield steps
 
-    def defect(x: AnyArray) -> AnyArray:
-        return _defect(x, eta, c, centre)
 
-    x, inverse = _newton(defect, extended([*phi.real, *phi.imag, omega]))
-    rounding = np.abs(inverse) @ _rounding(x, eta, c)
-    return PreciseState(value=x, uncertainty=float(rounding.max()))
+def locked_breathers(size: int, a: float, b: float) -> list[LockedBreather]:
+    """Enumerate the phase-locked breathers of one nucleus size at `START`, each once.
 
-
-def locked_fold(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseState:
-    """Return the mirror-symmetric state in whose fold a branch ends, and the coupling there.
-
-    Its equations are those of a state, and that their matrix sends a vector q to zero.
+    Two that differ by a reflection count as one.
 
     Parameters
     ----------
-    eta, c, phi, omega
-        As of `locked_state`, near the fold.
-
-    Returns
-    -------
-    PreciseState
-        (Re φ, Im φ, Ω, c), shape (2N + 2,); its uncertainty is that of c.
-
-    Raises
-    ------
-    NoReferenceError
-        If Newton's method does not converge.
+    size : int
+        Sites on the cycle.
+    a, b : float
+        Damping, dimensionless; η = b/a² < 1/8.
     """
-    centre, keep, whole = int(np.argmax(np.abs(phi))), *_mirrored(phi.size)
-    size = keep.size
+    return _distinct(phase_patterns(size), size, a, b)
 
-    def locked(x: AnyArray, c: Any) -> AnyArray:
-        return _defect(x[whole], eta, c, centre)[keep]
 
-    def along(x: AnyArray, c: Any, q: AnyArray) -> AnyArray:
-        """Return the derivative of the defect along q; c is not sensitive to its error."""
-        return (locked(x + _STEP * q, c) - locked(x - _STEP * q, c)) / (2 * _STEP)
+def family(size: int, a: float, b: float) -> list[LockedBreather]:
+    """Return the breathers of an even size with steps δ, π/2, δ, π/2, …, of one sense or mirrored.
 
-    start = extended([*phi.real, *phi.imag, omega])[keep]
-    first = extended(np.linalg.svd(_differences(lambda x: locked(x, c), start))[2][-1])
+    For large sizes, where all signs are too many: every second step keeps one sign throughout
+    (running) or changes it at the middle (mirrored), and so does δ.
+    """
+    links = size - 1
+    patterns = []
+    for delta in np.linspace(0.0, np.pi, 25):
+        for mirrored, sense, side in itertools.product((False, True), (1.0, -1.0), (1.0, -1.0)):
+            steps = np.where(np.arange(links) % 2 == 0, sense * delta, side * 0.5 * np.pi)
+            if mirrored:
+                steps[: links // 2] *= -1.0
+            patterns.append(steps)
+    return _distinct(patterns, size, a, b)
 
-    def defect(z: AnyArray) -> AnyArray:
-        x, q, c = z[:size], z[size:-1], z[-1]
-        return np.concatenate([locked(x, c), along(x, c, q), [np.dot(first, q) - 1]])
 
-    z, inverse = _newton(defect, np.concatenate([start, first, extended([c])]))
-    rounding = _rounding(z[:size][whole], eta, float(z[-1]))[keep]
-    both = np.concatenate([rounding, rounding / _STEP, [_UNIT]])
-    return PreciseState(
-        value=np.append(z[:size][whole], z[-1]), uncertainty=float(np.abs(inverse[-1]) @ both)
+def _distinct(patterns: Iterable[Real], size: int, a: float, b: float) -> list[LockedBreather]:
+    """Return the breathers of a size to which patterns of phase steps lead, each once."""
+    found: list[LockedBreather] = []
+    for steps in patterns:
+        u = solve(start_from(steps, a, b, START), START, a, b)
+        if u is None or not _is_nucleus(u, size, a, b):
+            continue
+        here = _breather(u, size, START, a, b)
+        if not any(_same(here.phi, other.phi) for other in found):
+            found.append(here)
+    return found
+
+
+def follow(start: LockedBreather, a: float, b: float) -> LockedBranch:
+    """Follow a breather in c to its end, halving the step where Newton's method leaves it.
+
+    The end is where two solutions meet: √(c_end - c) is linear there, so the last points give it.
+    """
+    c, u, step = start.c, _unknowns(start), LONGEST
+    before: tuple[float, Real] | None = None
+    history = [(c, start.growth)]
+    while step > 1e-8:
+        guess = u if before is None else u + (u - before[1]) * step / (c - before[0])
+        trial = solve(guess, c + step, a, b, 12)
+        moved = np.inf if trial is None else float(np.abs(trial - guess).max())
+        if trial is None or moved > 0.05:
+            step *= 0.5
+            continue
+        before, c, u = (c, u), c + step, trial
+        history.append((c, growth_rate(u, c, a, b)))
+        if moved < 0.005:
+            step = min(2.0 * step, LONGEST)
+        if c > 1.0:
+            break
+    last = _breather(u, start.size, c, a, b)
+    return LockedBranch(first=start, last=last, c_end=c + step, stable=_ranges(history))
+
+
+def start_from(steps: Real, a: float, b: float, c: float) -> Real:
+    """Return unknowns with the core on the cycle at the phase steps, and the linear tails."""
+    root = np.sqrt(1.0 - 8.0 * b / a**2)
+    cycle = np.sqrt(a / b * (1.0 + root))
+    phases = np.concatenate([[0.0], np.cumsum(steps)])
+    core = cycle * np.exp(1j * phases)
+    decay = -1j * c  # φ_{n+1} ≈ -ic φ_n ahead of the core, to first order
+    tail = decay ** np.arange(1, MARGIN + 1)
+    phi = np.concatenate([core[0] * tail[::-1], core, core[-1] * tail])
+    return np.concatenate([phi.real, phi.imag, [c]])
+
+
+def _unknowns(found: LockedBreather) -> Real:
+    turned = found.phi * np.exp(-1j * np.angle(found.phi[MARGIN]))
+    return np.concatenate([turned.real, turned.imag, [found.omega]])
+
+
+def _breather(u: Real, size: int, c: float, a: float, b: float) -> LockedBreather:
+    sites = (u.size - 1) // 2
+    phi = u[:sites] + 1j * u[sites:-1]
+    return LockedBreather(
+        size=size, c=c, phi=phi, omega=float(u[-1]), growth=growth_rate(u, c, a, b)
     )
 
 
-def _mirrored(sites: int) -> tuple[AnyArray, AnyArray]:
-    """Return which of (Re φ, Im φ, Ω) are enough for a state, and where each of all is among them.
+def _is_nucleus(u: Real, size: int, a: float, b: float) -> bool:
+    """Whether exactly the core is near the stable cycle."""
+    root = np.sqrt(1.0 - 8.0 * b / a**2)
+    unstable = np.sqrt(a / b * (1.0 - root))
+    sites = (u.size - 1) // 2
+    high = np.hypot(u[:sites], u[sites:-1]) > 1.2 * unstable
+    core = np.zeros(sites, dtype=bool)
+    core[MARGIN : MARGIN + size] = True
+    return bool(np.array_equal(high, core))
 
-    Without modes that break the mirror symmetry, which are neutral at a place of their own.
+
+def _same(one: Complex, other: Complex) -> bool:
+    """Whether two envelopes differ by a turn of the phase and a reflection at most."""
+    for phi in (other, other[::-1]):
+        turn = np.vdot(phi, one)
+        if np.abs(one - phi * turn / abs(turn)).max() < SAME:
+            return True
+    return False
+
+
+def _ranges(history: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of c in which the growth rate is no more than rounding."""
+    ranges: list[tuple[float, float]] = []
+    begin: float | None = None
+    for place, (c, growth) in enumerate(history):
+        if growth < TINY:
+            begin = c if begin is None else begin
+            if place == len(history) - 1:
+                ranges.append((begin, c))
+        elif begin is not None:
+            ranges.append((begin, history[place - 1][0]))
+            begin = None
+    return tuple(ranges)
+
+
+def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBreather:
+    """Follow a breather to a given coupling.
+
+    Raises
+    ------
+    ArithmeticError
+        If it ends before.
     """
-    half = (sites + 1) // 2
-    near = np.minimum(np.arange(sites), np.arange(sites)[::-1])
-    keep = np.concatenate([np.arange(half), sites + np.arange(half), [2 * sites]])
-    return keep, np.concatenate([near, half + near, [2 * half]])
+    couplings = np.linspace(start.c, c, max(2, round(abs(c - start.c) / LONGEST)))[1:]
+    u = _solved_along(_unknowns(start), couplings, start.size, a, b)
+    return _breather(u, start.size, c, a, b)
 
 
-def _defect(x: AnyArray, eta: float, c: Any, centre: int) -> AnyArray:
-    sites = x.size // 2
-    phi, omega = x[:sites] + 1j * x[sites:-1], x[-1]
-    rate = c * pull(phi) * 0.5j - phi * averaged_damping(np.abs(phi), 1, eta) / 2 - 1j * omega * phi
-    return np.concatenate([rate.real, rate.imag, [x[sites + centre]]])
+def outward_breather(size: int, c: float, a: float, b: float) -> Real:
+    """Return the unknowns of the mirror-symmetric breather of odd size, every step outwards -π/2.
+
+    Raises
+    ------
+    ArithmeticError
+        If it ends before.
+    """
+    outward = np.where(np.arange(size - 1) < (size - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
+    couplings = np.linspace(START, c, 1 + round((c - START) / 0.002))
+    return _solved_along(start_from(outward, a, b, START), couplings, size, a, b)
 
 
-def _rounding(x: AnyArray, eta: float, c: float) -> AnyArray:
-    """Return roundings of the defect: of ten operations on the largest of its terms."""
-    sites = x.size // 2
-    r = np.abs(x[:sites] + 1j * x[sites:-1]).astype(float)
-    largest = r * (1.0 + r**2 / 4.0 + eta * r**4 / 8.0 + abs(float(x[-1]))) + 4.0 * c * r.max()
-    return np.asarray(10.0 * _UNIT * np.concatenate([largest, largest, [0.0]]))
-
-
-def _differences(defect: Defect, x: AnyArray) -> AnyArray:
-    columns = [
-        (defect(x + _STEP * each) - defect(x - _STEP * each)) / (2 * _STEP)
-        for each in np.eye(x.size)
-    ]
-    return np.array(columns).T.astype(float)
-
-
-def _newton(defect: Defect, x: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Return the root next to x and the inverse of the matrix there."""
-    last = np.inf
-    for _ in range(_MAX_ITERATIONS):
-        inverse = np.linalg.inv(_differences(defect, x))
-        step = inverse @ defect(x)
-        x = x - step
-        moved = float(np.abs(step).max())
-        if moved == 0.0 or (last < 1e-12 * float(np.abs(x).max()) and moved > 0.1 * last):
-            return x, inverse
-        last = moved
-    raise NoReferenceError("Newton's method does not converge in extended precision.")
+def _solved_along(u: Real, couplings: Real, size: int, a: float, b: float) -> Real:
+    """Return the unknowns at the last of some couplings, each solved from the one before."""
+    for c in couplings.tolist():
+        found = solve(u, c, a, b)
+        if found is None:
+            raise ArithmeticError(f"the breather of size {size} ends before c = {couplings[-1]:g}")
+        u = found
+    return u

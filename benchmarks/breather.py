@@ -150,7 +150,7 @@ def _shooting(chain: VdpChain, steps: int) -> Answer:
 
 def _run(chain: VdpChain, tolerance: float) -> Answer:
     run = run_breather(chain, Nucleus(1), tolerance=tolerance)
-    if run.status is not BreatherStatus.SETTLED:
+    if run.status is not BreatherStatus.SETTLED or run.frequency is None:
         raise ArithmeticError(f"the run is {run.status.value}")
     return Answer(value=np.append(run.amplitudes, run.frequency), claimed=run.error)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 
 import numpy as np
@@ -11,22 +10,12 @@ from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
-from verification.breathers.run import NOISE, BreatherRun, still_to_come
+from verification.breathers.result import Breather
+from verification.breathers.run import BLOCK, NOISE, SLOW_TIME, TOLERANCE, at_end
 from verification.runs.envelope_run import run_envelope
 
-BLOCK = 5.0
-"""Slow time between two checks of the state."""
 
-
-def run_averaged_breather(
-    chain: VanDerPolChain,
-    nucleus: Nucleus,
-    *,
-    slow_time: float = 1500.0,
-    tolerance: float = 1e-8,
-    noise: float = NOISE,
-    seed: int = 0,
-) -> BreatherRun:
+def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int = 0) -> Breather:
     """Integrate (43) from a prepared nucleus until it rotates as a whole.
 
     The drift is max |φ_n' - iΩφ_n| with Ω of the centre, from the equation and not from
@@ -38,19 +27,13 @@ def run_averaged_breather(
         a, b, c, ε and the ends.
     nucleus : Nucleus
         Excited sites and their phases at the start.
-    slow_time : float, optional
-        Longest run, in T = εt.
-    tolerance : float, optional
-        Drift per unit T that counts as settled.
-    noise : float, optional
-        Standard deviation of the noise on both parts of every φ_n.
     seed : int, optional
-        Its seed.
+        Of the noise on both parts of every φ_n.
 
     Returns
     -------
-    BreatherRun
-        Its time is in t.
+    Breather
+        The end of the run: settled, unsettled or escaped. Its time is in t.
 
     Raises
     ------
@@ -67,9 +50,9 @@ def run_averaged_breather(
     started = time.perf_counter()
     centre, outside = nucleus.centre(chain.sites), nucleus.outside(chain.sites)
     parts = np.random.default_rng(seed).normal(size=(2, chain.sites))
-    phi = nucleus.envelope(chain) + noise * (parts[0] + 1j * parts[1])
+    phi = nucleus.envelope(chain) + NOISE * (parts[0] + 1j * parts[1])
     status, elapsed, drifts, rotation = BreatherStatus.UNSETTLED, 0.0, [], 0.0
-    while elapsed < slow_time and status is BreatherStatus.UNSETTLED:
+    while elapsed < SLOW_TIME and status is BreatherStatus.UNSETTLED:
         run = run_envelope(chain, phi, BLOCK, watched=outside, limit=chain.unstable_amplitude)
         phi, elapsed = run.phi, elapsed + run.time
         rate = envelope_rate(phi, chain)
@@ -77,15 +60,16 @@ def run_averaged_breather(
         drifts.append(float(np.abs(rate - 1j * rotation * phi).max()))
         if run.escaped:
             status = BreatherStatus.ESCAPED
-        elif drifts[-1] < tolerance:
+        elif drifts[-1] < TOLERANCE:
             status = BreatherStatus.SETTLED
-    return BreatherRun(
-        status=status,
+    return at_end(
+        chain,
+        nucleus,
+        status,
+        drifts,
+        waves=phi,
         amplitudes=np.abs(phi),
-        harmonics=phi,
         frequency=1.0 + chain.eps * rotation,
-        drift=drifts[-1],
-        error=still_to_come(drifts, BLOCK) if status is BreatherStatus.SETTLED else math.inf,
-        time=elapsed / chain.eps,
-        seconds=time.perf_counter() - started,
+        elapsed=elapsed / chain.eps,
+        started=started,
     )

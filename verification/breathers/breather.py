@@ -325,29 +325,12 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
         found = run_breather(chain, nucleus, seed=choice.seed)
     else:
         found = run_averaged_breather(chain, nucleus, seed=choice.seed)
-    if found.status is BreatherStatus.ESCAPED:
-        fold = _fold_below(chain, nucleus)
-        nothing = none_at(chain, nucleus, BreatherMethod.SIMULATION, found.seconds, fold)
-        status = BreatherStatus.NONE if fold[0] is not None else BreatherStatus.ESCAPED
-        return replace(nothing, status=status, time=found.time)
-    settled = found.status is BreatherStatus.SETTLED
-    known = math.isfinite(found.error)
-    return Breather(
-        chain=chain,
-        nucleus=nucleus,
-        method=BreatherMethod.SIMULATION,
-        status=found.status,
-        amplitudes=found.amplitudes,
-        waves=found.harmonics,
-        frequency=found.frequency,
-        # A run that settled has forgotten its noise; one that has not settled decides nothing.
-        stable=True if settled else None,
-        error=found.error if known else None,
-        error_unknown="" if known else found.status.sentence,
-        drift=found.drift,
-        time=found.time,
-        seconds=found.seconds,
-    )
+    if found.status is not BreatherStatus.ESCAPED:
+        return found
+    fold = _fold_below(chain, nucleus)
+    nothing = none_at(chain, nucleus, BreatherMethod.SIMULATION, found.seconds, fold)
+    status = BreatherStatus.NONE if fold[0] is not None else BreatherStatus.ESCAPED
+    return replace(nothing, status=status, time=found.time)
 
 
 class _Distance(NamedTuple):

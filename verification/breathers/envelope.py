@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,8 @@ class EnvelopeBreather:
     Attributes
     ----------
     status : BreatherStatus
-        ``none`` if the branch folds below this coupling.
+        By default, as all other fields are by default, that there is none: the branch folds below
+        this coupling.
     phi : complex array, shape (N,)
         φ_n; empty if there is none.
     detuning : float or None
@@ -68,13 +69,13 @@ class EnvelopeBreather:
         Wall-clock time.
     """
 
-    status: BreatherStatus
-    phi: Complex
-    detuning: float | None
-    exponents: Exponents | None
+    status: BreatherStatus = BreatherStatus.NONE
+    phi: Complex = field(default_factory=lambda: np.empty(0, dtype=complex))
+    detuning: float | None = None
+    exponents: Exponents | None = None
     fold: Fold | None
-    error: float
-    residual: float
+    error: float = math.inf
+    residual: float = math.inf
     seconds: float
 
     @property
@@ -190,18 +191,7 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Envelope
         branch = trace(system, start_of_branch(chain, nucleus), chain.c)
         fold = branch.fold
         if fold is not None and chain.c > fold.c:
-            empty = np.empty(0, dtype=complex)
-            seconds = time.perf_counter() - started
-            return EnvelopeBreather(
-                status=BreatherStatus.NONE,
-                phi=empty,
-                detuning=None,
-                exponents=None,
-                fold=fold,
-                error=math.inf,
-                residual=math.inf,
-                seconds=seconds,
-            )
+            return EnvelopeBreather(fold=fold, seconds=time.perf_counter() - started)
         point = arrive(system, branch, chain.c)
     return describe_envelope(chain, nucleus, point, started, fold)
 

@@ -12,7 +12,7 @@ import cmath
 import contextlib
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import singledispatch
 from typing import Any
 
@@ -50,7 +50,8 @@ class Orbit:
     Attributes
     ----------
     status : BreatherStatus
-        ``none`` if the branch folds below this coupling.
+        By default, as all other fields are by default, that there is none: the branch folds below
+        this coupling.
     state : float array, shape (2N,)
         Displacements and velocities at the moment when y = 0 < ẏ at the centre; empty if none.
     duration : float or None
@@ -71,14 +72,14 @@ class Orbit:
         Wall-clock time.
     """
 
-    status: BreatherStatus
-    state: Real
-    duration: float | None
-    amplitudes: Real
-    harmonics: Complex
-    multipliers: Multipliers | None
-    residual: float
-    error: float
+    status: BreatherStatus = BreatherStatus.NONE
+    state: Real = field(default_factory=lambda: np.empty(0))
+    duration: float | None = None
+    amplitudes: Real = field(default_factory=lambda: np.empty(0))
+    harmonics: Complex = field(default_factory=lambda: np.empty(0, dtype=complex))
+    multipliers: Multipliers | None = None
+    residual: float = math.inf
+    error: float = math.inf
     fold: Fold | None
     seconds: float
 
@@ -315,7 +316,7 @@ def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int | None = None) 
         branch = orbit_branch(chain, nucleus, chain.c, steps=steps, monitored=False)
         fold = branch.fold
         if fold is not None and chain.c > fold.c:
-            return _no_orbit(fold, started)
+            return Orbit(fold=fold, seconds=time.perf_counter() - started)
         point = arrive(system, branch, chain.c)
     return describe_orbit(chain, nucleus, point, started, steps=steps, fold=fold)
 
@@ -382,19 +383,3 @@ def _parity(state: Real, nucleus: Nucleus, sites: int) -> int:
     even = np.abs(y + y[::-1]).sum() + np.abs(v + v[::-1]).sum()
     odd = np.abs(y - y[::-1]).sum() + np.abs(v - v[::-1]).sum()
     return 1 if even > odd else -1
-
-
-def _no_orbit(fold: Fold, started: float) -> Orbit:
-    nothing = np.empty(0)
-    return Orbit(
-        status=BreatherStatus.NONE,
-        state=nothing,
-        duration=None,
-        amplitudes=nothing,
-        harmonics=np.empty(0, dtype=complex),
-        multipliers=None,
-        residual=math.inf,
-        error=math.inf,
-        fold=fold,
-        seconds=time.perf_counter() - started,
-    )

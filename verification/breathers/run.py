@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
-from theory.chains.vdp import VdpChain, effective_epsilon
+from theory.chains.vdp import VanDerPolChain, VdpChain, effective_epsilon
 from theory.parameters import ParameterError
 from verification.breathers.orbits import chain_rate
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
+from verification.breathers.result import Breather, BreatherMethod
 from verification.steppers.variational import integrate_chain
 
 Real = NDArray[np.float64]
@@ -32,51 +32,20 @@ NOISE = 1e-6
 """Standard deviation of the noise on every displacement and velocity at the start."""
 LARGEST_EPS = 0.2
 """Beyond it this step is too long for transients."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BreatherRun:
-    """The end of a run.
-
-    Attributes
-    ----------
-    status : BreatherStatus
-        Settled, unsettled or escaped.
-    amplitudes : float array, shape (N,)
-        max |y_n| over the last period.
-    harmonics : complex array, shape (N,)
-        First Fourier coefficient, y_n = Im(h_n e^{iωt}) + ….
-    frequency : float
-        In t.
-    drift : float
-        Largest change of the state from one period to the next, over ε period.
-    error : float
-        Change still to come if the drift goes on falling as it does; infinite if it does not.
-    time : float
-        Time t that was run.
-    seconds : float
-        Wall-clock time.
-    """
-
-    status: BreatherStatus
-    amplitudes: Real
-    harmonics: Complex
-    frequency: float
-    drift: float
-    error: float
-    time: float
-    seconds: float
+SLOW_TIME, TOLERANCE = 1500.0, 1e-8
+"""Longest run, in T = εt, and the drift per unit T that counts as settled."""
+BLOCK = 5.0
+"""Slow time between two checks of the state."""
 
 
 def run_breather(
     chain: VdpChain,
     nucleus: Nucleus,
     *,
-    slow_time: float = 1500.0,
-    tolerance: float = 1e-8,
-    noise: float = NOISE,
+    slow_time: float = SLOW_TIME,
+    tolerance: float = TOLERANCE,
     seed: int = 0,
-) -> BreatherRun:
+) -> Breather:
     """Integrate (8) from a prepared nucleus until it repeats itself.
 
     Parameters
@@ -89,10 +58,14 @@ def run_breather(
         Longest run, in T = εt.
     tolerance : float, optional
         Drift per unit T that counts as settled.
-    noise : float, optional
-        Size of the perturbation of the start.
     seed : int, optional
-        Its seed.
+        Of the noise on the start.
+
+    Returns
+    -------
+    Breather
+        The end of the run: settled, unsettled or escaped. Its drift is the largest change of the
+        state from one period to the next, over ε period.
 
     Raises
     ------
@@ -113,9 +86,9 @@ def run_breather(
     sites, outside = chain.sites, nucleus.outside(chain.sites)
     phi = nucleus.envelope(chain)
     state = np.concatenate([phi.imag, phi.real])
-    state = state + noise * np.random.default_rng(seed).normal(size=2 * sites)
+    state = state + NOISE * np.random.default_rng(seed).normal(size=2 * sites)
     # A block is a few units of slow time, and a whole number of rounds.
-    rounds = max(1, round(5.0 / (2.0 * math.pi * chain.eps)))
+    rounds = max(1, round(BLOCK / (2.0 * math.pi * chain.eps)))
     steps = _steps(chain)
     period, elapsed = 2.0 * math.pi, 0.0
     drifts: list[float] = []
@@ -132,13 +105,48 @@ def run_breather(
         if drift < tolerance:
             status = BreatherStatus.SETTLED
     samples = integrate_chain(chain, state, period, SAMPLES).samples
-    return BreatherRun(
-        status=status,
+    return at_end(
+        chain,
+        nucleus,
+        status,
+        drifts,
+        waves=first_harmonics(samples),
         amplitudes=largest_displacements(samples),
-        harmonics=first_harmonics(samples),
         frequency=2.0 * math.pi / period,
-        drift=drifts[-1] if drifts else math.inf,
-        error=still_to_come(drifts, 5.0) if status is BreatherStatus.SETTLED else math.inf,
+        elapsed=elapsed,
+        started=started,
+    )
+
+
+def at_end(
+    chain: VanDerPolChain,
+    nucleus: Nucleus,
+    status: BreatherStatus,
+    drifts: list[float],
+    *,
+    waves: Complex,
+    amplitudes: Real,
+    frequency: float,
+    elapsed: float,
+    started: float,
+) -> Breather:
+    """Return the breather at the end of a run, of which every block has left a drift."""
+    settled = status is BreatherStatus.SETTLED
+    error = _still_to_come(drifts) if settled else math.inf
+    known = math.isfinite(error)
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=BreatherMethod.SIMULATION,
+        status=status,
+        waves=waves,
+        amplitudes=amplitudes,
+        frequency=frequency,
+        # A run that settled has forgotten its noise; one that has not settled decides nothing.
+        stable=True if settled else None,
+        error=error if known else None,
+        error_unknown="" if known else status.sentence,
+        drift=drifts[-1] if drifts else None,
         time=elapsed,
         seconds=time.perf_counter() - started,
     )
@@ -167,17 +175,13 @@ def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[flo
     return period, float(np.abs(after - state).max()) / (chain.eps * period)
 
 
-def still_to_come(drifts: list[float], block: float) -> float:
+def _still_to_come(drifts: list[float]) -> float:
     """Return how far a run is from what it settles on, if the drift falls by one factor a block.
 
-    Parameters
-    ----------
-    drifts : list of float
-        Change of the state per unit of slow time, at the end of each block.
-    block : float
-        Its length in slow time.
+    The drift is the change of the state per unit of slow time, at the end of each block; infinite
+    if there was one block only.
     """
     if len(drifts) < 2:
         return math.inf
     factor = min(drifts[-1] / max(drifts[-2], 1e-300), 0.99)
-    return max(block * drifts[-1] / (1.0 - factor), 1e-12)
+    return max(BLOCK * drifts[-1] / (1.0 - factor), 1e-12)

@@ -10,9 +10,10 @@ The rest is a template, filled with evidence. In it stand first the short fields
 ``error:`` and ``tolerance:``, in few claims ``headline:`` for the first screen of the report; then
 paragraphs. A paragraph that begins with ``>`` is a remark. ``## picture NAME`` is followed by the
 caption of that picture, ``## erratum`` by the fields of `paper_checks.finding.Erratum`. Names in
-double braces are fields and properties of the evidence; ``{{ c | f(".4f") }}`` formats a number, or
-each of several, and ``{{ values | f(".3f") }}`` joins them with commas. The section ``# all`` is
-the template of every claim of its module that has none of its own.
+double braces are fields and properties of the evidence and constants of the module; ``{{ c |
+f(".4f") }}`` formats a number, or each of several, which it joins with commas, and ``{{ folds |
+each("size {}: {:.4f}") }}`` rows of numbers and words. The section ``# all`` is the template of
+every claim of its module that has none of its own.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from __future__ import annotations
 import functools
 import importlib.util
 import re
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,14 +93,15 @@ def written(module: str, key: str, evidence: object) -> Prose:
     key : str
         The claim's key.
     evidence : object
-        Its fields and properties are the names of the template; ``e`` is all of it.
+        Its fields and properties are names of the template, as are the constants of the module;
+        ``e`` is all of it.
 
     Raises
     ------
     ValueError
         If the section, or one of its fields, is missing.
     """
-    text = _environment().from_string(template(module, key)).render(_names(evidence))
+    text = _environment().from_string(template(module, key)).render(_names(module, evidence))
     head, *rest = re.split(r"^## +", text, flags=re.MULTILINE)
     parts = {}
     for part in rest:
@@ -173,14 +176,20 @@ def _line(text: str) -> str:
     return " ".join(text.split())
 
 
-def _names(evidence: object) -> dict[str, Any]:
+def _names(module: str, evidence: object) -> dict[str, Any]:
+    constants = {name: it for name, it in vars(sys.modules[module]).items() if name.isupper()}
     names = {
         name: getattr(evidence, name)
         for name in dir(type(evidence))
         if isinstance(getattr(type(evidence), name, None), property)
     }
     fields = getattr(evidence, "__dataclass_fields__", {})
-    return {**names, **{name: getattr(evidence, name) for name in fields}, "e": evidence}
+    return {
+        **constants,
+        **names,
+        **{name: getattr(evidence, name) for name in fields},
+        "e": evidence,
+    }
 
 
 def formatted(value: object, form: str = "g", joint: str = ", ") -> str:
@@ -200,11 +209,24 @@ def formatted(value: object, form: str = "g", joint: str = ", ") -> str:
     return format(value, form)
 
 
+def rows_written(rows: Iterable[object], form: str, joint: str = ", ") -> str:
+    """Write each row of numbers and words in one form, and join them.
+
+    Examples
+    --------
+    >>> rows_written({1: 0.195, 3: 0.199}.items(), "size {}: {:.2f}", "; ")
+    'size 1: 0.20; size 3: 0.20'
+    """
+    return joint.join(form.format(*row) if isinstance(row, tuple) else form.format(row)
+                      for row in rows)  # fmt: skip
+
+
 @functools.lru_cache(maxsize=1)
 def _environment() -> Environment:
     from jinja2 import Environment, StrictUndefined
 
     # The text is escaped when the page is written; here it is plain.
     made = Environment(undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True)
-    made.filters["f"] = formatted
+    made.filters |= {"f": formatted, "each": rows_written}
+    made.globals["zip"] = zip
     return made

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
-from paper_checks.claims._fronts import staggered_velocity
 from theory.averaged.front import strong_coupling_front
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
@@ -21,6 +20,7 @@ from verification.fronts.arrival_fit import velocity_of_arrivals
 from verification.fronts.measure import measure_front
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
+from verification.references.passages import staggered_velocity
 
 
 @pytest.mark.parametrize(("eta", "c"), [(0.002, 0.3), (0.03125, 0.15), (0.05, 1.0), (0.09, 0.3)])

@@ -62,19 +62,9 @@ class Thresholds:
         return tuple(100.0 * (1.0 - c / self.edge[0]) for c in self.edge[1:])
 
     @property
-    def literal_fall(self) -> float:
-        """The fall at literal ends, per cent."""
-        return 100.0 * (1.0 - self.literal[1] / self.literal[0])
-
-    @property
     def bulk_fall(self) -> float:
         """Fall in the bulk from size 1 to size 3, as a part."""
         return 1.0 - self.bulk[1] / self.bulk[0]
-
-    @property
-    def bulk_above(self) -> float:
-        """How far size 1 lies above size 3 in the bulk, as a part of size 3."""
-        return self.bulk[0] / self.bulk[1] - 1.0
 
     @property
     def bulk_rest(self) -> float:
@@ -85,11 +75,6 @@ class Thresholds:
     def apart(self) -> float:
         """Two sites in the bulk against one at the edge: the same by mirror symmetry."""
         return abs(self.bulk_of_two - self.edge[0])
-
-    @property
-    def accuracy(self) -> float:
-        """Half bracket."""
-        return ACCURACY
 
 
 @lru_cache(maxsize=1)
@@ -174,24 +159,9 @@ class LongRuns:
         return 100.0 * (1.0 - c[1] / c[0]), 100.0 * (1.0 - c[3] / c[2])
 
     @property
-    def kinds(self) -> str:
-        """The kinds of nuclei in words."""
-        return ", ".join(f"{place} {size}" for place, size in KINDS)
-
-    @property
     def left(self) -> int:
         """Sites that a front leaves at rest before a free end, at most, in either chain."""
         return max(SITES - min(self.above), *(2 * SITES - n for n in self.longer.values()), 0)
-
-    @property
-    def longer_words(self) -> str:
-        """The fronts of the longer chain."""
-        return ", ".join(f"{n} of {2 * SITES} ({kind})" for kind, n in self.longer.items())
-
-    @property
-    def end(self) -> float:
-        """Time of the runs below."""
-        return LONG
 
 
 def _reached(c: float, size: int, place: str, sites: int, stall: float) -> int:

@@ -39,12 +39,6 @@ class StateMap(LabelledMap):
     """Sites that stick by scipy at `CHECKED`."""
 
     @property
-    def words(self) -> str:
-        """The counts in words."""
-        names = {"fixed point": "steady sliding"}
-        return ", ".join(f"{n} {names.get(k, k)}" for k, n in self.counts.items())
-
-    @property
     def widths(self) -> tuple[int, ...]:
         """Breathers in the columns of growing c."""
         c, label = self.states["c"], self.states["label"]
@@ -126,11 +120,6 @@ class Lasting:
     wide_active: tuple[int, ...]
     """Sites that stick in the last window there."""
     gap: float
-
-    @property
-    def words(self) -> str:
-        """The numbers with their velocities."""
-        return ", ".join(f"{n} at {v:g}" for n, v in zip(self.active, LASTING, strict=True))
 
 
 def _lasting(v_d: float, size: int) -> tuple[int, int]:

@@ -76,11 +76,6 @@ class Velocities:
         return max(e for c, e in zip(self.c, self.error, strict=True) if c <= COUPLINGS[-1])
 
     @property
-    def start(self) -> float:
-        """Velocity at the first coupling."""
-        return self.v[0]
-
-    @property
     def beyond(self) -> str:
         """Measured velocity, waves and the line, at larger couplings."""
         return "; ".join(

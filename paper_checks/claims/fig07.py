@@ -68,11 +68,6 @@ class Localised:
         return float(np.abs(self.orbit[CENTRE] * np.exp(self.rate * place) - self.orbit).max()
                      / self.orbit.max())  # fmt: skip
 
-    @property
-    def centre(self) -> tuple[float, ...]:
-        """Amplitudes from the centre outwards."""
-        return tuple(float(x) for x in self.orbit[CENTRE : CENTRE + 4])
-
 
 @lru_cache(maxsize=1)
 def localised() -> Localised:

@@ -143,11 +143,6 @@ class Assumptions:
         return self.turns[2]
 
     @property
-    def delta(self) -> float:
-        """δ at ε = 0.01."""
-        return self.detuning[2]
-
-    @property
     def orders(self) -> tuple[float, ...]:
         """Observed orders in ε of δ and of k₂ + π/2."""
         return tuple(

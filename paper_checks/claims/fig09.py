@@ -60,11 +60,6 @@ class Multipliers:
     exact: tuple[tuple[float, ...], ...]
     exact_couplings: tuple[float, ...]
 
-    @property
-    def beyond(self) -> float:
-        """How far beyond the printed value the first multiplier crosses along (9), as a part."""
-        return min(self.even, self.odd) / float(PRINTED) - 1.0
-
 
 def multipliers() -> Multipliers:
     """Follow all multipliers along the approximate and the true orbit."""

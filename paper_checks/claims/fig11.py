@@ -57,11 +57,6 @@ class Folds:
         return max(abs(self.runs[n] - self.averaged[n]) for n in self.runs)
 
     @property
-    def values(self) -> str:
-        """The folds of (8) by size."""
-        return ", ".join(f"size {n}: {c:.6f}" for n, c in self.orbit.items())
-
-    @property
     def spread(self) -> float:
         """Spread over sizes 5, 7, 9 in (8)."""
         late = [c for n, c in self.orbit.items() if n >= 5]
@@ -235,11 +230,6 @@ class Nuclei:
     """Sites in the cycle at the end of runs at c = 0.2011 from nuclei of random phases."""
 
     @property
-    def counts(self) -> str:
-        """Number of breathers by size."""
-        return ", ".join(f"{len(found)} (size {n})" for n, found in self.branches.items())
-
-    @property
     def stable(self) -> dict[int, float]:
         """Largest coupling at which a breather of a size is stable; sizes with none left out."""
         ends = {
@@ -247,11 +237,6 @@ class Nuclei:
             for n, found in self.branches.items()
         }
         return {n: c for n, c in ends.items() if c}
-
-    @property
-    def stable_words(self) -> str:
-        """The same in words."""
-        return ", ".join(f"{n} up to c = {c:.4f}" for n, c in self.stable.items())
 
     @property
     def odd_stable(self) -> tuple[int, ...]:
@@ -275,16 +260,6 @@ class Nuclei:
     def solvers_apart(self) -> float:
         """Largest difference of growth rates between the two solvers."""
         return max(abs(self.growth_here[n] - x) for n, x in self.growth_by_envelope.items())
-
-    @property
-    def odd_growth(self) -> str:
-        """Growth rates of odd sizes at c = 0.1."""
-        return ", ".join(f"{x:+.3f} (size {n})" for n, x in self.growth_here.items())
-
-    @property
-    def mirrored(self) -> str:
-        """The largest growth rates that keep the mirror symmetry."""
-        return ", ".join(f"{x:+.3f} (size {n})" for n, x in self.growth_mirrored.items())
 
 
 @lru_cache(maxsize=1)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.claims._fronts import EPS, A, B, arrivals_of_chain
+from paper_checks.claims._fronts import EPS, A, B
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import new_panels, picture
@@ -55,6 +55,7 @@ class Steady:
 def steady() -> Steady:
     """Run the chain from one displaced site, and time the front at every site."""
     from theory.chains.vdp import VdpChain
+    from verification.references.passages import arrivals_of_chain
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
 
@@ -64,7 +65,10 @@ def steady() -> Steady:
     arrivals = run.arrivals[reached]
     late = np.diff(arrivals[reached.size // 2 :])
     by_scipy = arrivals_of_chain(
-        C, COMPARED + 4, float(arrivals[COMPARED]) + 50.0, run.level, chain.stable_amplitude
+        chain.replace(sites=COMPARED + 4),
+        float(arrivals[COMPARED]) + 50.0,
+        run.level,
+        chain.stable_amplitude,
     )
     at = [int(np.argmin(np.abs(run.times - time))) for time in TIMES]
     return Steady(

@@ -9,14 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.claims._fronts import (
-    EPS,
-    A,
-    B,
-    staggered_velocity,
-    velocity_on_few_sites,
-    wave_velocity,
-)
+from paper_checks.claims._fronts import EPS, A, B
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
@@ -104,6 +97,7 @@ def scaling() -> Scaling:
     from theory.averaged.front import strong_coupling_front
     from theory.chains.vdp import VdpChain
     from verification.fronts.measure import measure_front
+    from verification.references.passages import staggered_velocity
 
     averaged = [
         measure_front(
@@ -195,22 +189,6 @@ class Law:
         )
 
     @property
-    def words(self) -> str:
-        """The rows in words."""
-        return "; ".join(
-            f"η = {eta:g}, c = {c:g}: {v:.2f} (law {law:.2f}, waves {waves:.2f})"
-            for eta, c, v, _, law, waves in self.settled
-        )
-
-    @property
-    def belt_words(self) -> str:
-        """The rows of Model I in words."""
-        return "; ".join(
-            f"{ratio:.3f} ± {error:.3f} at v_d = {v_d:g} (averaged chain: {averaged:.3f})"
-            for v_d, ratio, error, averaged in self.belt
-        )
-
-    @property
     def belt_agrees(self) -> bool:
         """Whether the averaged cell of Model I says where its fronts outrun its waves."""
         return all((ratio > 1.0) == (averaged > 1.0) for _, ratio, _, averaged in self.belt)
@@ -226,6 +204,7 @@ def velocity_law() -> Law:
     from theory.averaged.front import strong_coupling_front, wave_fast_eta
     from theory.chains.vdp import VdpChain
     from verification.fronts.measure import measure_front
+    from verification.references.passages import velocity_on_few_sites
 
     rows = []
     for eta in LAW_ETAS:
@@ -244,7 +223,7 @@ def velocity_law() -> Law:
         turning=wave_fast_eta()[0],
         one=one.v or 0.0,
         one_error=one.error or 0.0,
-        by_scipy=velocity_on_few_sites(100.0),
+        by_scipy=velocity_on_few_sites(VdpChain(a=A, b=B, c=100.0, eps=EPS, sites=160)),
         belt=tuple(_belt(v_d) for v_d in BELTS),
     )
 
@@ -252,8 +231,8 @@ def velocity_law() -> Law:
 def _belt(v_d: float) -> tuple[float, float, float, float]:
     """Measure the front of Model I, over its fastest waves, beside its averaged chain."""
     from paper_checks.claims._friction import chain_of
-    from paper_checks.claims._friction_cell import averaged_front
     from verification.fronts.measure import measure_front
+    from verification.references.friction_cell import averaged_front
 
     run = measure_front(chain_of(BELT_COUPLING, 101, v_d), max_sites=400, accuracy=5e-3)
     if run.v is None or run.error is None:
@@ -268,6 +247,8 @@ def fastest_waves(c: float, eps: float = EPS) -> tuple[float, float]:
     With ω² = 1 + 2εc(1 - cos k), differentiating ω ω' = εc sin k twice gives, where ω'' = 0,
     ω ω''' = -εc sin k = -ω ω'.
     """
+    from verification.references.passages import wave_velocity
+
     top = wave_velocity(c, eps) * eps
     return top / eps, float((top / (6.0 * eps)) ** (1.0 / 3.0))
 

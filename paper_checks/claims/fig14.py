@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.claims._fronts import EPS, staggered_velocity
+from paper_checks.claims._fronts import EPS
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
@@ -61,6 +61,7 @@ def collapse() -> Collapse:
     """Measure the front of (8) at equal η and different (a, b), and along the curve."""
     from theory.chains.vdp import VdpChain
     from verification.fronts.measure import measure_front
+    from verification.references.passages import staggered_velocity
 
     def full(a: float, eta: float) -> float:
         chain = VdpChain(a=a, b=eta * a**2, c=C, eps=EPS)

@@ -74,31 +74,11 @@ class StateMap(LabelledMap):
         return self.by_scipy == labels_at_checked(self.states)
 
     @property
-    def words(self) -> str:
-        """The counts in words."""
-        return ", ".join(f"{n} {label}" for label, n in self.counts.items())
-
-    @property
-    def watched(self) -> float:
-        """Slow time for which filled chains were watched."""
-        return WATCHED
-
-    @property
     def filled_once(self) -> str:
         """The undecided points up to `EMPTIED`, where fronts fill the chain."""
         chosen = (self.states["label"] == "undecided") & (self.states["eta"] <= EMPTIED)
         pairs = zip(self.states["eta"][chosen], self.states["c"][chosen], strict=True)
         return " and ".join(f"η = {eta:g}, c = {c:g}" for eta, c in pairs)
-
-    @property
-    def emptied(self) -> str:
-        """The least numbers of sites in words."""
-        return ", ".join(f"{n} at c = {c:g}" for c, n in self.least.items())
-
-    @property
-    def sequences(self) -> set[tuple[str, ...]]:
-        """States met as the coupling grows, over all η."""
-        return sequences(self.states, "eta")
 
 
 def labels_at_checked(states: Table) -> tuple[str, ...]:
@@ -196,25 +176,6 @@ class Alike:
     """Smallest forcing at which each of `CORE` is met, by model."""
     confirmed: bool
     """Whether the map of Model II has the labels that scipy's runs have."""
-
-    @property
-    def both(self) -> str:
-        """Sequences of both maps."""
-        return _listed(self.one & self.two)
-
-    @property
-    def only_one(self) -> str:
-        """Sequences of Model I alone."""
-        return _listed(self.one - self.two)
-
-    @property
-    def only_two(self) -> str:
-        """Sequences of Model II alone."""
-        return _listed(self.two - self.one)
-
-
-def _listed(found: frozenset[tuple[str, ...]]) -> str:
-    return "; ".join(" → ".join(each) for each in sorted(found)) or "none"
 
 
 def alike() -> Alike:

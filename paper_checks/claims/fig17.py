@@ -69,16 +69,6 @@ class Scaling:
         return max(abs((run.v or 0.0) - v) for run, v in pairs if run.steady)
 
     @property
-    def unsettled(self) -> tuple[float, ...]:
-        """Couplings at which the chain does not settle."""
-        return tuple(run.coupling for run in self.runs if not run.steady)
-
-    @property
-    def over_root(self) -> float:
-        """v̂/√c at c = 10⁴."""
-        return float(self.v[-1] / self.c[-1] ** 0.5)
-
-    @property
     def series_gap(self) -> float:
         """Between the two exponents."""
         return abs(self.last - self.by_series)
@@ -261,11 +251,6 @@ class Admissibility:
     def runs(self) -> int:
         """Number of steady runs."""
         return len(self.rows)
-
-    @property
-    def removed(self) -> int:
-        """Number of inadmissible solutions."""
-        return len(self.inadmissible)
 
 
 def admissibility() -> Admissibility:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
-from paper_checks.claims._fronts import staggered_velocity, sum_on_the_line
 from paper_checks.report.velocity_plot import (
     Curve,
     curve_of,
@@ -79,6 +78,7 @@ def alike() -> Alike:
     from theory.piecewise.limits import pinning_eta
     from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
+    from verification.references.passages import staggered_velocity
 
     fold, pin = fold_eta(C).value, pinning_eta(C)
     etas = np.concatenate([np.geomspace(2e-4, 2e-3, 40), np.linspace(2.2e-3, 1.005 * fold, 160)])
@@ -215,6 +215,7 @@ def explicit() -> Explicit:
         weak_threshold_velocity,
     )
     from theory.piecewise.sums.integral import sum_by_integral
+    from verification.references.piecewise import sum_on_the_line
 
     integral, (plain, plain_error) = sum_by_integral(0.3, 0.5), sum_on_the_line(0.3, 0.5)
     pin = pinning_coupling(0.03125) or 0.0

@@ -147,11 +147,6 @@ class Patterns:
         """Different final patterns by belt velocity."""
         return {v: len(set(rows)) for v, rows in self.late.items()}
 
-    @property
-    def words(self) -> str:
-        """The patterns."""
-        return "; ".join(", ".join(map(str, each)) for each in PATTERNS)
-
 
 def patterns() -> Patterns:
     """Start several patterns at three belt velocities and see which sites stick late."""
@@ -202,16 +197,6 @@ class Nucleation:
         """Write the ends at `FRICTION` for one displacement."""
         pairs = zip(FRICTION, self.outcomes[push], strict=True)
         return ", ".join(f"{each.outcome.value} at {c:g}" for c, each in pairs)
-
-    @property
-    def mirrored(self) -> str:
-        """From the exact start."""
-        return self.words(0.0)
-
-    @property
-    def perturbed(self) -> str:
-        """With one neighbour displaced."""
-        return self.words(PUSH)
 
     @property
     def ends(self) -> set[str]:

@@ -60,19 +60,9 @@ class ToLarger:
         return f"{nuclei}; {front}"
 
     @property
-    def mirrored(self) -> str:
-        """With exact mirror symmetry, in short."""
-        return self.summary(None)
-
-    @property
     def noisy(self) -> str:
         """With noise, in short."""
         return " or ".join(dict.fromkeys(self.summary(seed) for seed in SEEDS))
-
-    @property
-    def mirrored_each(self) -> str:
-        """With exact mirror symmetry, at each coupling."""
-        return self.words(None)
 
     @property
     def noisy_each(self) -> str:

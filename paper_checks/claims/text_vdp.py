@@ -71,7 +71,7 @@ def cells() -> Cells:
     """Find the cycles of one cell of either model as fixed points, and their stability."""
     from scipy.optimize import brentq
 
-    from paper_checks.claims._friction_cell import CELL, highest_after_slip, slip_rate
+    from verification.references.friction_cell import CELL, highest_after_slip, slip_rate
 
     rows: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
     off = []
@@ -217,11 +217,6 @@ class Extraction:
     def number(self) -> int:
         """Number of solutions at n = 1."""
         return len(self.found)
-
-    @property
-    def listed(self) -> str:
-        """The solutions."""
-        return ", ".join(f"({a:.4f}, {z:.4f})" for a, z in self.found)
 
 
 @lru_cache(maxsize=1)

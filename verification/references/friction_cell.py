@@ -12,9 +12,11 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from theory.cells.friction import FrictionCell
 from verification.references.equations import dynamic_friction
+from verification.references.passages import passage_velocity
 
 CELL = FrictionCell()
 """Parameters (7)."""
@@ -50,8 +52,6 @@ def highest_after_slip(belt: float) -> float:
 
     Zero if the cell sticks again, negative if y' does not come back to the belt's speed.
     """
-    from scipy.integrate import solve_ivp
-
     rate = slip_rate(belt)
     events = (
         _Event(lambda state: state[1] - belt, 1.0),
@@ -88,10 +88,6 @@ def averaged_front(belt: float, c: float = 1.0, sites: int = 200) -> float:
     This is the averaged chain of Model I with quarter-turn phase steps, per unit of τ. For c large
     beside D'(0) the velocity is c + κ(c/6)^{1/3}, so that the ratio is above one where κ > 0.
     """
-    from scipy.integrate import solve_ivp
-
-    from paper_checks.claims._fronts import passage_velocity
-
     amplitudes, damping = averaged_damping(belt)
     crossings = amplitudes[1:-1][np.diff(np.sign(damping[1:])) != 0.0]
     level, cycle = float(crossings[0]), float(crossings[-1])

@@ -13,6 +13,8 @@ from derivations.algebra.transform import (
     IntegratePeriod,
     LayOnRealAxis,
     SumOverPeriods,
+    hyperbolic,
+    residue_at_root,
 )
 
 p, q, v = sp.symbols("p q v", positive=True)
@@ -41,6 +43,20 @@ def test_closing_the_contour_gives_the_residues_on_either_side():
     at_root = sp.exp(sp.I * k * zeta) / (k * slope)
     assert sp.simplify(ahead + SumOver(at_root, k, upper)) == 0
     assert sp.simplify(behind - 1 / p - SumOver(at_root, k, lower)) == 0
+
+
+def test_a_residue_is_that_of_a_simple_zero_and_no_other():
+    slope = sp.Symbol("L_k")
+    # Near the root L is slope times the distance.
+    assert residue_at_root((2 + L(k)) / L(k) * k, L(k), k, slope) == 2 * k / slope
+    for integrand in (1 / L(k) ** 2, k * L(k)):
+        with pytest.raises(OperationError, match="no simple zero"):
+            residue_at_root(integrand, L(k), k, slope)
+
+
+def test_cotangents_of_unequal_weight_do_not_combine():
+    with pytest.raises(OperationError, match="do not combine"):
+        hyperbolic(sp.cot(k + q) + 2 * sp.cot(k - q), k, q)
 
 
 def numerical(side, **values):
@@ -93,8 +109,15 @@ def test_the_static_limit_is_approached(sign):
     assert found.rhs.has(sp.Integral)
 
 
-def test_the_integral_over_a_period_is_that_of_samples():
-    whole = equation(name, sp.Integral(1 / (2 - sp.cos(k)), (k, -sp.pi, sp.pi)))
-    assert numerical(IntegratePeriod()(whole).rhs) == pytest.approx(2 * mp.pi / mp.sqrt(3))
+@pytest.mark.parametrize("off", [2, 1 + p, -1 - p, 1 + sp.I * p, 1 - sp.I * p, sp.I * p])
+def test_the_integral_over_a_period_is_that_of_samples(off):
+    """``1/(w - cos k)`` with w off the interval from -1 to 1."""
+    whole = equation(name, sp.Integral(1 / (off - sp.cos(k)), (k, -sp.pi, sp.pi)))
+    found = IntegratePeriod()(whole).rhs
+    assert not found.has(sp.Integral)
+    assert numerical(found, p=0.9) == pytest.approx(numerical(whole.rhs, p=0.9))
+
+
+def test_an_integral_that_is_not_of_the_cosine_is_refused():
     with pytest.raises(OperationError, match="rational"):
         IntegratePeriod()(equation(name, sp.Integral(sp.exp(sp.cos(k)), (k, -sp.pi, sp.pi))))

@@ -5,12 +5,14 @@ Those that transform an integral are in ``test_derivations_contours``.
 
 import importlib
 import pkgutil
+import re
 
 import numpy as np
 import pytest
 import sympy as sp
 
 import derivations
+from derivations import catalogue
 from derivations.algebra.amplitudes import (
     ChangeAmplitude,
     FindModulation,
@@ -26,6 +28,7 @@ from derivations.algebra.dispersion import (
     FastestWave,
 )
 from derivations.algebra.equations import equation, is_zero, on_sides, same
+from derivations.algebra.errors import CheckFailedError
 from derivations.algebra.evidence import parts_of
 from derivations.algebra.expansion import (
     CollectPower,
@@ -49,6 +52,8 @@ from derivations.algebra.oscillation import (
     RealAndImaginaryParts,
     RemoveSecularTerms,
     SquareAndAdd,
+    harmonics_of,
+    with_modulus,
 )
 from derivations.algebra.rearrangement import (
     Apply,
@@ -142,6 +147,10 @@ CASES = {
     ),
     "eliminate": (Eliminate((q,)), (equation(p, q**2), equation(q, e)), equation(p, e**2)),
     "isolate": (Isolate((q,), (q,)), (equation(p * q + e, 1),), equation(q, (1 - e) / p)),
+    "isolate one of two": (
+        Isolate((p, q), (q,)), (equation(2 * p * q + e * p**2, 1),),
+        equation(q + e * p / 2, 1 / (2 * p)),
+    ),
     "take": (Take(0), (sp.Tuple(equation(p, 1), equation(q, 2)),), equation(p, 1)),
     "join": (Join(), (equation(p, 1), equation(q, 2)), sp.Tuple(equation(p, 1), equation(q, 2))),
     "subtract": (Subtract(), (equation(p, 1), equation(q, 3)), equation(p - q + 2)),
@@ -170,6 +179,14 @@ CASES = {
         RemoveSecularTerms(t, y(t, s)),
         (equation(y(t, s).diff(t, 2) + y(t, s), slow**3), equation(slow, sp.cos(t))),
         equation(-sp.Rational(3, 8)),
+    ),
+    "secular, of the mean": (
+        RemoveSecularTerms(t, y(t, s), 0),
+        (equation(y(t, s).diff(t, 2), p + q * sp.cos(t)),), equation(-p),
+    ),
+    "secular, of first order": (
+        RemoveSecularTerms(t, z(t, s)),
+        (equation(z(t, s).diff(t) - sp.I * z(t, s), p * sp.cos(t)),), equation(-p / 2),
     ),
     "average": (Average(w * t), (equation(z(n, t) + sp.cos(w * t) ** 2),),
                 equation(z(n, t) + sp.Rational(1, 2))),
@@ -279,9 +296,10 @@ CASES = {
     ),
     # solving
     "solve for an angle": (
-        SolveFor(angle), (equation(sp.cos(angle)),),
-        sp.Tuple(equation(angle, -sp.pi / 2), equation(angle, sp.pi / 2)),
+        SolveFor(angle), (equation(2 * sp.cos(angle), 1),),
+        sp.Tuple(equation(angle, -sp.pi / 3), equation(angle, sp.pi / 3)),
     ),
+    "solve for a real unknown": (SolveFor(u), (equation(u**3, 1),), equation(u, 1)),
     "solve for an angle, of second degree": (
         SolveFor(angle), (equation(2 * sp.cos(angle) ** 2 - 3 * sp.cos(angle) + 1),),
         sp.Tuple(*(equation(angle, q) for q in (0, 0, -sp.pi / 3, sp.pi / 3))),
@@ -374,7 +392,7 @@ CASES = {
     # half-planes: cos k = -i has one root above the axis in each period, at Re k = pi/2
     "count, one": (
         CountAbove(k, 0, name),
-        (equation(L(k), 2 - 2 * sp.I * sp.cos(k)), equation(rate, 2), equation(rate, 2)),
+        (equation(L(k), 2 - 2 * sp.I * sp.cos(k)), equation(rate, 2), equation(rate, 2 + u)),
         equation(name, 1),
     ),
     "count, none": (
@@ -386,7 +404,7 @@ CASES = {
     "ratio of amplitudes": (RatioOfAmplitudes(2), (SQUARES,), equation(2 * p / q, 1)),
     "select a root": (
         SelectRoot("a positive value", lambda value: value.real > 0, {q: (1.0, 2.0)}),
-        (sp.Tuple(equation(p, -q), equation(p, q)),),
+        (sp.Tuple(equation(p, -q), equation(p, 3 - 2 * q), equation(p, q)),),
         equation(p, q),
     ),
     "cycles of a cell": (
@@ -526,18 +544,18 @@ CASES = {
     # modulation: Duffing's frequency 1 + 3/8 e a² - 15/256 e² a⁴ (Nayfeh), a = 2 |A|;
     # a damped oscillator turns at sqrt(1 - e²/4); Van der Pol's cycle at 1 - e²/16
     "scales, damped": (
-        FindModulation(Route.MULTIPLE_SCALES, e, z), (DAMPED,),
+        FindModulation(Route.MULTIPLE_SCALES, e, z, 2), (DAMPED,),
         equation(z_here.diff(t), (-e / 2 - sp.I * e**2 / 8) * z_here),
     ),
     "scales, stiff": (
-        FindModulation(Route.MULTIPLE_SCALES, e, z), (DUFFING,),
+        FindModulation(Route.MULTIPLE_SCALES, e, z, 2), (DUFFING,),
         equation(
             z_here.diff(t),
             sp.I * (sp.Rational(3, 2) * e * SIZE - sp.Rational(15, 16) * e**2 * SIZE**2) * z_here,
         ),
     ),
     "average, damped": (
-        FindModulation(Route.AVERAGING, e, z), (DAMPED,),
+        FindModulation(Route.AVERAGING, e, z, 2), (DAMPED,),
         equation(z_here.diff(t), (-e / 2 - sp.I * e**2 / 8) * z_here),
     ),
     "average, damped, to first order": (
@@ -546,8 +564,9 @@ CASES = {
     ),
     "change of amplitude": (
         ChangeAmplitude(e, z, F),
-        (FindModulation(Route.AVERAGING, e, z)(DUFFING), FundamentalOfAverage(e, z, name)(DUFFING)),
-        FindModulation(Route.MULTIPLE_SCALES, e, F)(DUFFING),
+        (FindModulation(Route.AVERAGING, e, z, 2)(DUFFING),
+         FundamentalOfAverage(e, z, name)(DUFFING)),
+        FindModulation(Route.MULTIPLE_SCALES, e, F, 2)(DUFFING),
     ),
     "fundamental": (
         FundamentalOfAverage(e, z, name),
@@ -593,6 +612,10 @@ def test_an_operation_says_what_it_did(name):
     [
         (Truncate(e, 0), "expand (1) in e and omit O(e)"),
         (Truncate(e, 1), "expand (1) in e and omit O(e²)"),
+        (Substitute(index=n, at=(0,)), "substitute (2) at n = 0 into (1)"),
+        (Substitute(index=n, at=(0, n + 1)), "substitute (2) at the sites 0 and n + 1 into (1)"),
+        (Limit(e, 0), "take the limit e → 0 of (1)"),
+        (Limit(e, 0, 1), "take the limit e → 0⁺ of (1)"),
         (Isolate((q,)), "bring the terms with q of (1) to the left"),
         (Isolate((q,), (q,)), "bring the terms with q of (1) to the left and divide by the factor "
          "of q"),
@@ -601,13 +624,68 @@ def test_an_operation_says_what_it_did(name):
     ],
 )  # fmt: skip
 def test_words_name_what_the_parameters_say(operation, words):
-    assert operation.words(["(1)"]) == words
+    assert operation.words(["(1)", "(2)"] if "(2)" in words else ["(1)"]) == words
+
+
+ODD = re.compile(r"  |\(\)|None|\b1i|│|\b(pi|I)\b|,,|and and| $")
+"""What no sentence holds: gaps, empty brackets, the one before an i, and SymPy's own names."""
+
+
+@pytest.mark.parametrize("key", catalogue.LISTING)
+def test_the_words_of_every_step_name_all_that_it_follows_from(key):
+    for step in (each for each in catalogue.load(key).steps if each.sources):
+        assert all(source.label in step.operation for source in step.sources), step.operation
+        assert not ODD.search(step.operation), step.operation
+
+
+WAVE = sp.exp(sp.I * x) + sp.exp(-sp.I * x)
+FORMS = {
+    "slow waves and exponentials stay": (
+        harmonics_of(sp.exp(p + s) * sp.sin(s) * sp.cos(t), t),
+        dict.fromkeys((1, -1), sp.exp(p + s) * sp.sin(s) / 2),
+    ),
+    "moduli": (
+        [with_modulus(z_here**2 * sp.conjugate(z_here) ** m) for m in (1, 3)],
+        [z_here * SIZE, sp.conjugate(z_here) * SIZE**2],
+    ),
+    "cosines": (
+        TakeCoefficient(F(k))(equation(WAVE * sp.exp(p) * F(k))),
+        equation(2 * sp.exp(p) * sp.cos(x)),
+    ),
+    "an integral stays, with its value put in": (
+        Substitute({p: 3})(equation(sp.Integral(p * x, (x, 0, 1)))),
+        equation(sp.Integral(3 * x, (x, 0, 1))),
+    ),
+    "an integral is not expanded": (
+        Rewrite(Form.EXPANDED)(equation(p * (q + sp.Integral((x + 1) ** 2, (x, 0, 1))))),
+        equation(p * q + p * sp.Integral((x + 1) ** 2, (x, 0, 1))),
+    ),
+    "short numerators are cancelled": (
+        Rewrite(Form.CANCELLED)(equation((1 + p) * (1 + q) / (1 + p) ** 2)),
+        equation((1 + q) / (1 + p)),
+    ),
+    "long numerators are left": (
+        Rewrite(Form.CANCELLED)(equation((1 + p + q + e + w) / (1 + p) ** 2)),
+        equation((1 + p + q + e + w) / (1 + p) ** 2),
+    ),
+}
+"""What is found, and how it is written down."""
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_result_is_written_as_it_is_read(name):
+    found, expected = FORMS[name]
+    assert found == expected
 
 
 def test_names_are_as_many_as_the_entries_of_the_state():
     state = equation(name, sp.ImmutableMatrix([f, f.diff(t)]))
     with pytest.raises(ValueError, match="shorter"):
         WriteFirstOrder(rate, (p,), t)(equation(f.diff(t, 2) + f), state)
+
+
+def test_the_mean_over_a_phase_of_sines_and_cosines_is_known():
+    assert phase_mean(q * sp.sin(s) ** 2 * sp.cos(s) ** 2, s) == q / 8
 
 
 def test_the_mean_over_a_phase_is_an_integral_where_it_has_no_closed_form():
@@ -644,15 +722,29 @@ def test_every_operation_is_tested_by_itself():
         (RealAndImaginaryParts(), (equation(z(n, t)),)),
         (SquareAndAdd(angle), (sp.Tuple(equation(p * sp.cos(angle), q), equation(p, q)),)),
         (SolveOscillator(t, p), (equation(y(t, s).diff(t, 2) - y(t, s)),)),
+        (SolveOscillator(t, p), (equation(y(t, s).diff(t, 4) - y(t, s)),)),
         (SolveFor(angle), (equation(sp.cos(angle) + sp.sin(angle)),)),
         (Substitute(), (equation(p), p > 1)),
         (RescaleTime(y(0, t), y(u, s), t),
          (equation(y(0, t) + y(1, t)), sp.Tuple(equation(u, w * t), equation(s, e * t)))),
         (PrescribeCoefficients((((name,), sp.S.One),), (p,)), (equation(q * name),)),
+        (PrescribeCoefficients((((name,), sp.S.One),), (u,)), (equation(u**2 * name),)),
+        (PrescribeCoefficients((((name,), sp.S.One), ((rate,), q)), (p,)),
+         (equation(p * name + p * rate),)),
         (Divide(u), (sp.Lt(p, q, evaluate=False),)),
         (TakeBranch(u < 0), (equation(abs(x)),)),
         (TakeBranch(x < 1), (equation(abs(x)),)),
         (ParametriseRadical(p, q), (equation(name, q),)),
+        (ParametriseRadical(p, q), (equation(name, sp.sqrt(1 + sp.I * q)),)),
+        (ParametriseRadical(p, q), (equation(name, sp.sqrt(q - sp.I * q)),)),
+        (AtFastestWave(w, k),
+         (Differentiate(w, k, SLOPES)(BAND), BAND, equation(sp.cos(k), sp.sqrt(q) / 2))),
+        (Limit(p, 0, 1), (equation(name, sp.Integral(sp.sinh(u + u / p) / p, (u, 0, 1))),)),
+        (LayOnRealAxis(zeta, k),
+         (equation(profile(zeta), sp.Integral(sp.exp(sp.I * k * zeta) / (k * L(k)), k)),
+          equation(L(k), k**2 + sp.I * k))),
+        (SumOverPeriods(k),
+         (equation(name, sp.Integral(1 / ((2 + sp.sin(k)) ** 2 + k**2), (k, 0, sp.oo))),)),
         (TakeBranch(u > 0), (equation(name, sp.Piecewise((p, u < 0), (q, True))),)),
         (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u < 0), (q, u > 1))),)),
         (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u > 0), (q, u < 0))),)),
@@ -700,11 +792,23 @@ def test_what_cannot_be_carried_out_is_refused(operation, sources):
 
 
 def test_van_der_pol_turns_more_slowly_at_second_order():
-    modulation = FindModulation(Route.MULTIPLE_SCALES, e, z)(BALANCED)
+    modulation = FindModulation(Route.MULTIPLE_SCALES, e, z, 2)(BALANCED)
     damping, frequency, size = SeekCycles(e, z, q, name, w)(modulation).args
     assert same(damping, equation(q / 4 - 1))
     assert same(equation(name, frequency.rhs.subs(q, 4)), equation(name, 1 - e**2 / 16))
     assert same(size, equation(w, sp.sqrt(q) / 2))
+
+
+def test_the_size_of_a_cycle_is_where_its_growth_vanishes_to_second_order():
+    # Of A' = (e (1 - |A|²) / 2 + e² (p |A|² - q i)) A, by the growth of |A| itself.
+    growth = e * (1 - SIZE) / 2 + e**2 * (p * SIZE - sp.I * q)
+    damping, frequency, size = SeekCycles(e, z, v, name, w)(
+        equation(z_here.diff(t), sp.expand(growth * z_here))
+    ).args
+    assert same(damping, equation(v / 4 - 1))
+    assert same(equation(frequency.rhs), equation(1 - e**2 * q))
+    there = sp.re(growth).subs(sp.Abs(z_here), size.rhs.subs(v, 4))
+    assert [sp.expand(there).coeff(e, power) for power in range(3)] == [0, 0, 0]
 
 
 def test_the_average_is_that_of_equal_samples():
@@ -724,6 +828,7 @@ def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     assert not same(equation(p), p)
     assert not same(sp.Lt(p, q, evaluate=False), sp.Le(p, q, evaluate=False))
     assert not same(p, sp.true)
+    assert not same(sp.true, p)
     assert is_zero(sp.S.Zero)
     assert not is_zero(sp.S.One)
     ordered = sp.Piecewise((1, sp.Lt(k, 1)), (2, True))  # k has no order
@@ -732,6 +837,36 @@ def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     assert on_sides(sp.Tuple(p, equation(p, q)), sp.exp) == sp.Tuple(
         sp.exp(p), equation(sp.exp(p), sp.exp(q))
     )
+
+
+IDENTITIES = {
+    "a sum": ((p + q) ** 2, p**2 + 2 * p * q + q**2),
+    "a sum of large terms": ((p + 10**25) ** 2, p**2 + 2 * 10**25 * p + 10**50),
+    "a fraction": ((p**2 - 1) / (p - 1), p + 1),
+    "fractions": (1 / (1 + 1 / p) + 1 / (1 + p), sp.S.One),
+    "a whole power": (q**n * q, q ** (n + 1)),
+    "an exponential": (sp.exp(p + sp.I * x), sp.exp(p) * (sp.cos(x) + sp.I * sp.sin(x))),
+    "a hyperbolic function": (2 * sp.cosh(k) ** 2, 1 + sp.cosh(2 * k)),
+    "an angle": (sp.sin(x + angle), sp.sin(x) * sp.cos(angle) + sp.cos(x) * sp.sin(angle)),
+    "a modulus": (sp.Abs(k * z_here) ** 4, (k * z_here * sp.conjugate(k * z_here)) ** 2),
+    "a derivative": ((z_here**2).diff(t), 2 * z_here * z_here.diff(t)),
+}
+"""Both sides of identities, of real, positive, whole and complex quantities."""
+
+
+@pytest.mark.parametrize("name", IDENTITIES)
+def test_an_identity_is_zero_and_what_is_a_little_off_is_not(name):
+    one, other = IDENTITIES[name]
+    assert is_zero(one - other)
+    assert same(one, other)
+    assert same(equation(one, k), equation(other, k))
+    for size in (1, sp.Rational(1, 10**6)):
+        assert not is_zero(one - (1 + size) * other)
+        assert not is_zero(size * other)
+        assert not same(one, other + size * q)
+    # Nothing is known of a complex quantity but what it is: not even its own conjugate.
+    assert not is_zero(sp.conjugate(z_here) - z_here)
+    assert not is_zero(sp.conjugate(k) - k)
 
 
 def passes(_):
@@ -761,7 +896,8 @@ def test_a_derived_step_cannot_be_given_its_result():
     with pytest.raises(ValueError, match="never given"):
         Given(name="x", check=passes, given_as=Kind.DERIVED, equation=equation(p, q), words="")
     with pytest.raises(ValueError, match="source"):
-        Derived(name="x", check=passes, operations=(Rewrite(Form.EXCHANGED),), given_by=())
+        Derived(name="x", check=passes, operations=(Rewrite(Form.EXCHANGED),), given_by=(),
+                assumes=False)  # fmt: skip
 
 
 def test_a_result_follows_when_its_source_changes():
@@ -771,6 +907,21 @@ def test_a_result_follows_when_its_source_changes():
         found = draft["end"]
         assert same(found.result, equation(right / q, p / q))
         assert found.operation == "exchange the sides of 'start'; divide the result by q"
+
+
+def test_an_ansatz_that_is_written_out_stays_one():
+    draft = begun()
+    for assumes in (False, True):
+        draft.derived(f"end {assumes}", Divide(q), "start", check=passes, assumes=assumes)
+    assert [draft[f"end {each}"].kind for each in (False, True)] == [Kind.DERIVED, Kind.ANSATZ]
+
+
+def test_the_first_step_whose_check_fails_is_named_by_its_place():
+    draft = begun()
+    for place in (2, 3):
+        draft.derived(f"step {place}", Divide(q), "start", check=lambda _: Evidence(False, "off"))
+    with pytest.raises(CheckFailedError, match="step 2"):
+        draft.finished("x", "").verify()
 
 
 def test_a_source_is_a_step_that_was_written_down_before():

@@ -77,6 +77,9 @@ SYMMETRIC = frozenset(
         "isinstance",
         "getattr",
         "hasattr",
+        "has",
+        "atoms",
+        "as_independent",
         "same_file",
     }
 )

@@ -25,8 +25,10 @@ UNCHANGED_CALLS = frozenset(
 )
 """Calls that hold checks, messages, logs and limits of loops."""
 
-SETTINGS = frozenset({"limit", "maxsize", "order", "digits", "maxiter", "options", "repr"})
-"""Keyword arguments that tune a method or how an object is printed."""
+SETTINGS = frozenset(
+    {"limit", "maxsize", "order", "digits", "maxiter", "options", "repr", "strict"}
+)
+"""Keyword arguments that tune a method, how an object is printed, or what `zip` refuses."""
 
 
 @dataclass(frozen=True)

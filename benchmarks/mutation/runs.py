@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
-from benchmarks.mutation.session import Answer, Session, Task
+from benchmarks.mutation.session import STOPPED, Answer, Session, Task
 from benchmarks.mutation.survey import Survey
 
 if TYPE_CHECKING:
@@ -104,6 +104,8 @@ class Runs:
             said = "noticed" if asked else "reached"
             print(f"not {said}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
                   file=sys.stderr, flush=True)  # fmt: skip
+        if by == STOPPED:
+            print(f"noticed by {by}: {mutant.name}", file=sys.stderr, flush=True)
         if by in self._survey.seconds:
             for place in (mutant.function_at, mutant.module):
                 self._killers[place] = [by, *(t for t in self._killers[place] if t != by)][:5]

@@ -50,6 +50,8 @@ KEPT_WARM = frozenset({"verification.execution.imports"})
 reading that would be charged to each test which stores a result with the digest of its code."""
 
 Answer = dict[str, Any]
+STOPPED = "time limit or crash"
+"""What noticed a change where its child did not end by itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +126,9 @@ class Session:
         """In the place of running all tests."""
         self.items = {item.nodeid: item for item in session.items}
         self.on_import = frozenset(self.names)
-        self._names_on_import = names_used_on_import(self.root / each for each in self._modules())
+        files = {item.nodeid.split("::")[0] for item in session.items}  # their tables of cases
+        imported = (self.root / each for each in {*self._modules(), *files})
+        self._names_on_import = names_used_on_import(imported)
         gc.unfreeze()  # conftest.py freezes what collection leaves, and only the rest is listed
         for each in gc.get_objects():
             if isinstance(each, FunctionType):
@@ -307,9 +311,12 @@ class _Recorder:
 
 
 def forget() -> None:
-    """Empty all caches of the project: what one test leaves in them another would not enter."""
+    """Empty all caches of the project and its tests, as a child that runs a single test finds them.
+
+    What one test leaves in them another would not enter, and would seem cheaper than it is alone.
+    """
     for name, module in list(sys.modules.items()):
-        if name.split(".")[0] in entered.PACKAGES and name not in KEPT_WARM:
+        if name.split(".")[0] in (*entered.PACKAGES, "tests") and name not in KEPT_WARM:
             for value in list(vars(module).values()):
                 if hasattr(value, "cache_clear"):
                     value.cache_clear()
@@ -412,4 +419,4 @@ def _ended(child: int, received: bytes) -> list[Answer]:
     _, status = os.waitpid(child, 0)
     whole, _, _ = received.rpartition(b"\n")
     answers = [json.loads(line) for line in whole.splitlines()]
-    return answers or ([{"by": "time limit or crash"}] if os.WIFSIGNALED(status) else [])
+    return answers or ([{"by": STOPPED}] if os.WIFSIGNALED(status) else [])

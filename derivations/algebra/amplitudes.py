@@ -92,7 +92,7 @@ class FindModulation(Operation):
     route: Route
     small: sp.Symbol
     amplitude: sp.FunctionClass
-    order: int = 2
+    order: int
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``rate of the amplitude = ...``."""

@@ -34,7 +34,7 @@ def left_minus_right(part: sp.Basic) -> sp.Expr:
     """
     if isinstance(part, sp.Equality):
         return part.lhs - part.rhs
-    if isinstance(part, sp.Tuple) or not isinstance(part, sp.Expr):
+    if not isinstance(part, sp.Expr):
         raise TypeError(f"one equation or expression is needed, not {part}")
     return part
 
@@ -125,9 +125,7 @@ def same(one: sp.Basic, other: sp.Basic) -> bool:
 def _same_part(one: sp.Basic, other: sp.Basic) -> bool:
     if one == other:
         return True
-    if isinstance(one, sp.core.relational.Relational) or isinstance(
-        other, sp.core.relational.Relational
-    ):
+    if isinstance(one, sp.core.relational.Relational):
         if one.func != other.func:
             return False
         if getattr(one.rhs, "shape", None) != getattr(other.rhs, "shape", None):

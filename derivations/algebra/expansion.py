@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import sympy as sp
@@ -25,7 +25,7 @@ def taylor(expression: sp.Expr, small: sp.Symbol, order: int) -> list[sp.Expr]:
 def _with_expanded_bases(expression: sp.Expr) -> sp.Expr:
     """Expand what is squared, so that terms that cancel there disappear."""
     return expression.replace(
-        lambda q: q.is_Pow and q.base.is_Add and q.exp.is_Integer,
+        lambda q: q.is_Pow and q.exp.is_Integer,
         lambda q: sp.expand(q.base) ** q.exp,
     )
 
@@ -152,7 +152,7 @@ class Limit(Operation):
     """
 
     parameter: sp.Symbol
-    value: sp.Expr | int = 0
+    value: sp.Expr | int
     side: int = 0
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
@@ -175,14 +175,16 @@ class Limit(Operation):
 
     def _under(self, integral: sp.Integral) -> sp.Integral:
         k, *bounds = integral.limits[0]
-        positive = sp.Dummy("A", positive=True)
+        positive = sp.Dummy("A")
         (wave,) = integral.function.atoms(sp.sinh)
         periodic = sp.expand(wave.args[0] * self.parameter)
         plain = integral.function.subs(periodic, positive)
-        ratio = sp.Dummy("s", positive=True)  # e^{-A/|v|}
+        if self.side == 0 or not plain.has(positive):
+            raise OperationError("the integrand has no limit")
+        ratio = sp.Dummy("s")  # e^{-A/|v|}
         small = plain.subs(self.parameter, -self.side * positive / sp.log(ratio)).rewrite(sp.exp)
         limit = sp.limit(sp.simplify(small), ratio, 0)
-        if self.side == 0 or limit.has(ratio) or not plain.has(positive):
+        if limit.has(ratio):
             raise OperationError("the integrand has no limit")
         return sp.Integral(limit.xreplace({positive: periodic}), (k, *bounds))
 
@@ -207,7 +209,7 @@ class Linearise(Operation):
         symbols, whatever it is.
     """
 
-    changes: Mapping[sp.Basic, sp.Basic] = field(hash=False)
+    changes: Mapping[sp.Basic, sp.Basic]
     rate: sp.Symbol | None = None
     at_rest: bool = False
 
@@ -219,7 +221,8 @@ class Linearise(Operation):
         def first(side: sp.Expr) -> sp.Expr:
             for own, change in self.changes.items():
                 side = self._perturbed(side, own, change, size, *state)
-            return sp.expand(taylor(side.doit(), size, 1)[1])
+            _, linear = taylor(side.doit(), size, 1)
+            return sp.expand(linear)
 
         if self.rate is None:
             return equation(first(left_minus_right(target)))

@@ -61,7 +61,7 @@ class HarmonicRing:
 
     def element(self, value: sp.Expr | int) -> Coefficient:
         """Return a polynomial in the generators, as an element of the ring."""
-        return self.ring.from_expr(sp.sympify(value)) if value != 0 else self.ring.zero
+        return self.ring.from_expr(sp.sympify(value))
 
     def constant(self, value: complex) -> Coefficient:
         """Return a Gaussian integer as an element of the ring."""
@@ -222,6 +222,12 @@ def chain_ring(
 
 
 def site_symbol(name: str, offset: int, index: str = "n") -> sp.Symbol:
-    """Return the symbol of the site ``offset`` places from site n, as in ``A_{n+1}``."""
+    """Return the symbol of the site ``offset`` places from site n.
+
+    Examples
+    --------
+    >>> site_symbol("A", -1), site_symbol("A", 0), site_symbol("A", 2)
+    (A_{n-1}, A_{n}, A_{n+2})
+    """
     place = index if offset == 0 else f"{index}{offset:+d}"
     return sp.Symbol(f"{name}_{{{place}}}")

@@ -162,7 +162,7 @@ class InsertPlaneWave(Operation):
             return sp.exp(self.rate * when + sp.I * self.wavenumber * place)
 
         found = whole.replace(self.field, wave).doit() / wave(site, time)
-        found = sp.powsimp(sp.expand(found, power_exp=False), combine="exp")
+        found = sp.powsimp(sp.expand(found), combine="exp")
         return equation(with_cosines(found))
 
     def words(self, labels: Sequence[str]) -> str:

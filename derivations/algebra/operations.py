@@ -47,7 +47,14 @@ class Operation(ABC):
 
 
 def said(value: Any) -> str:
-    """Return a parameter of an operation in words: an expression, several, or a table of values."""
+    """Return a parameter of an operation in words: an expression, several, or a table of values.
+
+    Examples
+    --------
+    >>> u, v = sp.symbols("u v")
+    >>> said((u, v)), said({u: 0, v: 2 * v}), said({u: u})
+    ('u and v', 'u = 0 and v → 2⋅v', 'u constant')
+    """
     if isinstance(value, Mapping):
         return listed([_pair(own, new) for own, new in value.items()])
     if isinstance(value, tuple):
@@ -66,7 +73,7 @@ def _pair(own: Any, new: Any) -> str:
 
 
 def _holds(new: Any, own: Any) -> bool:
-    return isinstance(new, sp.Basic) and isinstance(own, sp.Symbol) and own in new.free_symbols
+    return isinstance(new, sp.Basic) and own in new.free_symbols
 
 
 def spoken(expression: sp.Basic) -> str:
@@ -78,6 +85,8 @@ def spoken(expression: sp.Basic) -> str:
     '4 ω₁²'
     >>> spoken(sp.exp(sp.I * sp.Symbol("theta")))
     'exp(i θ)'
+    >>> spoken(abs(sp.Symbol("v")))
+    '|v|'
     """
     shown = displayed(sp.sympify(expression), Script.UNICODE)
     text = str(sp.pretty(shown, use_unicode=True, wrap_line=False))
@@ -100,7 +109,13 @@ def _raised(power: re.Match[str]) -> str:
 
 
 def listed(labels: Sequence[str]) -> str:
-    """Return ``a``, ``a and b``, or ``a, b and c``."""
+    """Return labels in a sentence.
+
+    Examples
+    --------
+    >>> listed(["a", "b"]), listed(["a", "b", "c"])
+    ('a and b', 'a, b and c')
+    """
     if len(labels) < 2:
         return "".join(labels)
     return ", ".join(labels[:-1]) + " and " + labels[-1]

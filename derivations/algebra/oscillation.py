@@ -29,7 +29,7 @@ def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
     turn, fast = sp.Dummy("turn"), phase
     plain = sp.sympify(expression).xreplace(frozen)
     if not phase.is_Symbol:
-        fast = sp.Dummy("fast", real=True)
+        fast = sp.Dummy("fast")
         (time,) = (q for q in phase.free_symbols if q.name == "t")
         plain = plain.subs(time, fast * time / phase)
     plain = plain.replace(
@@ -219,7 +219,7 @@ class RealAndImaginaryParts(Operation):
         """Return ``(real part = 0, imaginary part = 0)``, or ``name = part`` twice."""
         (source,) = sources
         if self.names:
-            plain = sp.expand(source.rhs, trig=True, complex=True).as_real_imag()
+            plain = sp.expand(source.rhs, trig=True).as_real_imag()
             return sp.Tuple(*map(equation, self.names, (sp.expand(sp.simplify(q)) for q in plain)))
         real, imaginary = complex_parts(left_minus_right(source))
         pair = (imaginary, real) if self.imaginary_first else (real, imaginary)

@@ -151,17 +151,20 @@ class Subtract(Operation):
         return equation(sp.factor(left_minus_right(one) - left_minus_right(other)))
 
 
-def _cancelled(side: sp.Expr, max_terms: int = 4) -> sp.Expr:
+MAX_TERMS = 4
+
+
+def _cancelled(side: sp.Expr) -> sp.Expr:
     """Cancel what numerator and denominator have in common.
 
-    A side whose numerator is a sum of more than ``max_terms`` is left as it is: factors would hide
+    A side whose numerator is a sum of more than `MAX_TERMS` is left as it is: factors would hide
     its form.
     """
     above, below = sp.fraction(sp.together(side))
-    if below == 1 or len(sp.Add.make_args(above)) > 2 * max_terms:
+    if below == 1:
         return side
     above = sp.expand(above)
-    if len(sp.Add.make_args(above)) > max_terms:
+    if len(sp.Add.make_args(above)) > MAX_TERMS:
         return side
     return sp.factor(above) / sp.factor(below)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import sympy as sp
@@ -102,7 +102,7 @@ class SelectRoot(Operation):
     phrase: ClassVar[str] = "keep the solution of {sources} with {rule}"
     rule: str
     accepts: Callable[[complex], bool]
-    values: Mapping[sp.Symbol, tuple[float, ...]] = field(hash=False)
+    values: Mapping[sp.Symbol, tuple[float, ...]]
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the part that is kept."""
@@ -178,35 +178,24 @@ class PrescribeCoefficients(Operation):
         left = sp.expand(source.lhs)
         rest = [sum((left.coeff(term) for term in terms), sp.S.Zero) - value
                 for terms, value in self.demands]  # fmt: skip
-        found = [self._one_by_one(rest)]
-        if not found[0]:
-            found = self._together(rest)
-        if len(found) != 1 or set(found[0]) != set(self.unknowns):
-            raise OperationError("these coefficients do not determine the scales")
-        return sp.Tuple(*(equation(own, sp.simplify(found[0][own])) for own in self.unknowns))
-
-    def _together(self, rest: list[sp.Expr]) -> list[dict[sp.Basic, sp.Expr]]:
-        """Solve all demands at once; only where a square occurs is the sign of a scale used."""
-        stand_in = {own: sp.Dummy(own.name) for own in self.unknowns
-                    if all(sp.diff(demand, own, 2) == 0 for demand in rest)}  # fmt: skip
-        back = {dummy: own for own, dummy in stand_in.items()}
-        plain = [demand.xreplace(stand_in) for demand in rest]
-        unknowns = [stand_in.get(own, own) for own in self.unknowns]
-        return [{back.get(own, own): value for own, value in found.items()}
-                for found in sp.solve(plain, unknowns, dict=True)]  # fmt: skip
-
-    def _one_by_one(self, rest: list[sp.Expr]) -> dict[sp.Basic, sp.Expr]:
-        """Solve the demands in their order for the unknowns in theirs; nothing if they mix."""
         known: dict[sp.Basic, sp.Expr] = {}
-        for place, (demand, unknown) in enumerate(zip(rest, self.unknowns, strict=True)):
-            if demand.has(*self.unknowns[place + 1 :]):
-                return {}
-            roots = [root for root in sp.solve(demand.subs(known), unknown)
-                     if not (unknown.is_positive and root.is_positive is False)]  # fmt: skip
+        while len(known) < len(self.unknowns):
+            unknown, demand = self._of_one_unknown([each.subs(known) for each in rest])
+            roots = sp.solve(demand, unknown)
             if len(roots) != 1:
-                return {}
+                raise OperationError(f"{len(roots)} values of {unknown} satisfy one demand")
             known[unknown] = roots[0]
-        return known
+        if any(sp.simplify(each.subs(known)) != 0 for each in rest):
+            raise OperationError("these coefficients contradict one another")
+        return sp.Tuple(*(equation(own, sp.simplify(known[own])) for own in self.unknowns))
+
+    def _of_one_unknown(self, rest: list[sp.Expr]) -> tuple[sp.Symbol, sp.Expr]:
+        """Return a demand in which a single unknown is left, after that unknown."""
+        for demand in rest:
+            left = [own for own in self.unknowns if demand.has(own)]
+            if len(left) == 1:
+                return left[0], demand
+        raise OperationError("these coefficients do not determine the scales")
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the demands."""

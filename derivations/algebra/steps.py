@@ -183,7 +183,7 @@ class Derived(Step):
 
     operations: tuple[Operation, ...]
     given_by: tuple[Step, ...]
-    assumes: bool = False
+    assumes: bool
 
     def __post_init__(self) -> None:
         if not self.operations or not self.given_by:

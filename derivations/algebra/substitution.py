@@ -35,7 +35,7 @@ class Substitute(Operation):
         What the values amount to, where it is more than giving a value.
     """
 
-    values: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict, hash=False)
+    values: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict)
     index: sp.Symbol | None = None
     at: tuple[sp.Expr | int, ...] = ()
     meaning: str = ""
@@ -114,7 +114,7 @@ class Eliminate(Operation):
     """
 
     unknowns: tuple[sp.Basic, ...]
-    where: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict, hash=False)
+    where: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict)
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the first source without the unknowns."""
@@ -255,7 +255,7 @@ class ChangeVariables(Operation):
         target, scales = sources
         rules = {part.lhs: part.rhs for part in parts_of(scales)}
         clock = rules.pop(self.scaled_time)
-        (before,) = sp.solve(sp.Eq(self.scaled_time, clock), self.time)
+        (before,) = sp.solve(self.scaled_time - clock, self.time)
         fields = {own: new for own, new in rules.items() if isinstance(own, AppliedUndef)}
         plain = {own: new for own, new in rules.items() if own not in fields}
 
@@ -270,12 +270,10 @@ class ChangeVariables(Operation):
 def _scaled_field(
     own: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, clock: sp.Expr
 ) -> Callable[..., sp.Expr]:
-    """Return what replaces a field at any index."""
-    indices = own.args[:-1]
+    """Return what replaces a field at any index and time."""
 
     def scaled(*arguments: sp.Expr) -> sp.Expr:
-        places = dict(zip(indices, arguments[:-1], strict=True))
-        return new.subs(places).subs(scaled_time, clock)
+        return new.subs(scaled_time, clock).subs(dict(zip(own.args, arguments, strict=True)))
 
     return scaled
 

@@ -109,7 +109,7 @@ def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, k: sp.Symbol, slope: sp
     distance = sp.Dummy("d")
     near = integrand.xreplace({symbol: slope * distance}) * distance
     found = sp.limit(near, distance, 0)
-    if not found.has(slope):
+    if not found.has(slope) or found.has(sp.oo, sp.zoo):
         raise OperationError(f"{symbol} has no simple zero in the denominator")
     return found
 
@@ -251,24 +251,14 @@ class SumOverPeriods(Operation):
 
 
 def hyperbolic(comb: sp.Expr, k: sp.Symbol, periodic: sp.Symbol) -> sp.Expr:
-    """Return a pair of cotangents at conjugate arguments as ``sinh / (cosh - cos)``."""
+    """Return two cotangents of equal weight as ``sin(x + y) / (cos(x - y) - cos(x + y))``."""
     terms = sp.Add.make_args(comb)
     if len(terms) != 2:
         raise OperationError("partial fractions did not give two terms")
-    (w1, c1), (w2, c2) = (q.as_independent(k, as_Add=False) for q in terms)
-    x, y = c1.args[0], c2.args[0]
-    if sp.simplify(w1 - w2) == 0:  # cot x and cot y with the same weight
-        total = (
-            w1
-            * sp.sin(sp.expand(x + y))
-            / ((sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2)
-        )
-    else:
-        total = (
-            w1
-            * sp.sin(sp.expand(y - x))
-            / ((sp.cos(sp.expand(x - y)) - sp.cos(sp.expand(x + y))) / 2)
-        )
+    (weight, one), (_, other) = (q.as_independent(k, as_Add=False) for q in terms)
+    x, y = one.args[0], other.args[0]
+    twice, apart = sp.expand(x + y), sp.expand(x - y)
+    total = 2 * weight * sp.sin(twice) / (sp.cos(apart) - sp.cos(twice))
     if sp.simplify((total - comb).rewrite(sp.exp)) != 0:
         raise OperationError("the cotangents do not combine")
     return total

@@ -90,10 +90,10 @@ def steps(draft: Draft, given: ChainModel, chain: str = "chain") -> None:
 
 def _routes(draft: Draft, name: str, start: str, checks: SecondOrderChecks) -> None:
     draft.derived(f"modulation by multiple scales, {name}",
-                  FindModulation(Route.MULTIPLE_SCALES, epsilon, amplitude), start,
+                  FindModulation(Route.MULTIPLE_SCALES, epsilon, amplitude, 2), start,
                   check=checks.scales)
-    draft.derived(f"modulation by averaging, {name}", FindModulation(Route.AVERAGING, epsilon, phi),
-                  start, check=checks.averaging)
+    draft.derived(f"modulation by averaging, {name}",
+                  FindModulation(Route.AVERAGING, epsilon, phi, 2), start, check=checks.averaging)
     draft.derived(f"fundamental of the average, {name}",
                   FundamentalOfAverage(epsilon, phi, fundamental), start,
                   check=checks.fundamental)

@@ -354,6 +354,11 @@ CASES = {
         (equation(p * name + p * q * rate),),
         sp.Tuple(equation(p, 1), equation(q, e)),
     ),
+    "prescribe a square, and then what is negative": (
+        PrescribeCoefficients((((name,), sp.Integer(-2)), ((rate,), sp.Integer(9))), (p, q)),
+        (equation(p * q * name + q**2 * rate),),
+        sp.Tuple(equation(p, -sp.Rational(2, 3)), equation(q, 3)),
+    ),
     "solve limits": (
         SolveLimits(u, (name, rate)),
         (

@@ -181,7 +181,9 @@ class PrescribeCoefficients(Operation):
         known: dict[sp.Basic, sp.Expr] = {}
         while len(known) < len(self.unknowns):
             unknown, demand = self._of_one_unknown([each.subs(known) for each in rest])
-            roots = sp.solve(demand, unknown)
+            # What is positive is told from its negative only where its square occurs.
+            own = unknown if sp.diff(demand, unknown, 2) != 0 else sp.Dummy()
+            roots = sp.solve(demand.xreplace({unknown: own}), own)
             if len(roots) != 1:
                 raise OperationError(f"{len(roots)} values of {unknown} satisfy one demand")
             known[unknown] = roots[0]

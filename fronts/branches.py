@@ -17,7 +17,7 @@ import numpy.typing as npt
 from fronts.curves import Curve
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, ascending, count_within, need_instance
+from theory.parameters import ParameterError, ascending, count_within, need_instance, word
 from theory.result import Result
 
 if TYPE_CHECKING:
@@ -274,11 +274,10 @@ def follow_breather(
     begin = perf_counter()
     need_instance("chain", chain, (VdpChain, AveragedChain), "other models cannot be followed")
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
+    word("method", method, ("orbit", "envelope"))
     if method == "envelope" and isinstance(chain, VdpChain):
         chain = chain.averaged()
-    elif method not in ("orbit", "envelope"):
-        raise ParameterError("method", method, "orbit or envelope", "name one of them")
-    count_within("number of folds", folds, 0, 20)
+    folds = count_within("number of folds", folds, 0, 20)
     found = follow(chain, couplings, nucleus=nucleus, method=BreatherMethod(method), turns=folds)
     return Branch(
         along="c",

@@ -318,6 +318,9 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     from verification.execution.imports import SOURCES
 
     begin = perf_counter()
+    for key in keys:
+        if not isinstance(key, str):
+            raise ParameterError("claim", key, "the key of a claim, as 'fig17-linear'", "name one")
     every = discover.find_entries()
     try:
         entries = discover.select(every, keys)

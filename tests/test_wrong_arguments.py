@@ -74,7 +74,9 @@ def test_a_nucleus_is_a_nucleus(nucleus: Any) -> None:
             ask()
 
 
-@pytest.mark.parametrize("couplings", [0.1, "0.1", [], [-0.1], [float("nan")], ["a"], None])
+@pytest.mark.parametrize(
+    "couplings", [0.1, "0.1", np.array(0.1), [], [-0.1], [float("nan")], ["a"], ["0.1"], None]
+)
 def test_couplings_are_positive_numbers(couplings: Any) -> None:
     for ask in (
         lambda: fr.follow_breather(CHAINS["vdp"], couplings),
@@ -104,8 +106,42 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "ends": (lambda: fr.VdpChain(a=4, b=0.5, c=0.6, ends="open"), "ends = open"),
     "left": (lambda: fr.measure_front(CHAINS["vdp"], left_boundary="waves"), "left boundary"),
     "stall": (lambda: fr.measure_front(CHAINS["vdp"], stall_time=5e-324), "stall time"),
+    "claim": (lambda: fr.judge(3), "claim = 3"),
+    "longest": (lambda: fr.measure_front(CHAINS["vdp"], max_sites="300"), "longest chain"),
+    "excited": (lambda: fr.measure_front(CHAINS["vdp"], excited="24"), "excited sites"),
+    "tolerance": (lambda: fr.measure_front(CHAINS["vdp"], tolerance=0.0), "tolerance"),
+    "refine": (lambda: fr.state_map(CHAINS["vdp"], c=[0.1], refine="0.1"), "part of the spacing"),
+    "slow-time": (lambda: fr.averaging_error(CHAINS["own"], slow_time="3"), "slow time"),
+    "compared-start": (lambda: fr.averaging_error(CHAINS["own"], "start"), "start"),
+    "no-turns": (lambda: fr.excite(CHAINS["vdp"], [1], quarter_turns=True), "quarter turns"),
+    "turn": (lambda: fr.excite(CHAINS["vdp"], [1], quarter_turns=["x"]), "quarter turns"),
     "shape": (lambda: fr.OscillatorChain(damping="y**2 - 1", c=0.1, shape=31), "shape = 31"),
 }  # fmt: skip
+
+
+CHOICES: dict[str, Callable[[Any], object]] = {
+    "method of Σ": lambda word: fr.sigma(0.3, 0.5, method=word),
+    "method of a front": lambda word: fr.measure_front(CHAINS["vdp"], method=word),
+    "method of a breather": lambda word: fr.breather(CHAINS["averaged"], method=word),
+    "method of a breather of one's own": lambda word: fr.breather(CHAINS["own"], method=word),
+    "method of a branch": lambda word: fr.follow_breather(CHAINS["vdp"], [0.1], method=word),
+    "method of a threshold": lambda word: fr.threshold(CHAINS["vdp"], method=word),
+    "definition": lambda word: fr.threshold(CHAINS["vdp"], definition=word),
+    "reading": lambda word: fr.breather(CHAINS["vdp"], reading=word),
+    "left boundary": lambda word: fr.measure_front(CHAINS["vdp"], left_boundary=word),
+    "point": lambda word: fr.excite(CHAINS["friction"], [1], point=word),
+    "law": lambda word: fr.FrictionChain(c=0.02, law=word),
+    "ends": lambda word: fr.VdpChain(a=4, b=0.5, c=0.6, ends=word),
+}
+
+
+@pytest.mark.parametrize(
+    "word", [3, ["run"], {"run": 1}, np.array([]), np.array("run"), b"run", ""]
+)
+@pytest.mark.parametrize("name", CHOICES)
+def test_a_choice_is_one_of_the_words(name: str, word: Any) -> None:
+    with pytest.raises(fr.ParameterError, match="is not allowed: it must be"):
+        CHOICES[name](word)
 
 
 @pytest.mark.parametrize("name", REFUSED)

@@ -181,7 +181,8 @@ def ascending(quantity: str, values: object) -> list[float]:
     theory.parameters.ParameterError: coupling c = [] is not allowed: it must be a sequence of \
 positive numbers; give at least one, as [0.1, 0.2].
     """
-    if not isinstance(values, Iterable) or isinstance(values, str) or not (given := list(values)):
+    one = isinstance(values, str) or getattr(values, "ndim", 1) == 0  # of numpy, without a length
+    if one or not isinstance(values, Iterable) or not (given := list(values)):
         allowed = "a sequence of positive numbers"
         raise ParameterError(quantity, values, allowed, "give at least one, as [0.1, 0.2]")
     return sorted(positive(quantity, each) for each in given)
@@ -292,6 +293,30 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
     return count_within(quantity, value, low, high, remedy or None)
 
 
+def word(quantity: str, value: object, words: Iterable[str], remedy: str = "name one") -> str:
+    """Return a word if it is one of these; numbers, arrays and lists are none.
+
+    Raises
+    ------
+    ParameterError
+        If it is another.
+
+    Examples
+    --------
+    >>> word("method", "run", ("run", "wave"))
+    'run'
+    >>> word("method", "ran", ("run", "wave"))
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: method = ran is not allowed: it must be one of run, wave; \
+name one.
+    """
+    known = list(words)
+    if not isinstance(value, str) or value not in known:
+        raise ParameterError(quantity, value, f"one of {', '.join(known)}", remedy)
+    return value
+
+
 def need_instance(quantity: str, value: object, kinds: tuple[type, ...], remedy: str) -> None:
     """Refuse what is not of one of these kinds: another model than a method is made for, or text.
 
@@ -347,6 +372,8 @@ def _checked(
     remedy: str,
     accept: Callable[[float], bool],
 ) -> float:
+    if isinstance(value, (str, bytes)):  # whoever only checks would go on with the text
+        raise ParameterError(quantity, _shown(value), allowed, remedy)
     found = number(quantity, value, allowed, remedy)
     if not math.isfinite(found) or not accept(found):
         raise ParameterError(quantity, value, allowed, remedy)

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import re
-from enum import StrEnum
-from typing import NoReturn, Self
+from enum import EnumType, StrEnum
+from typing import Any, NoReturn, Self
 
 from theory.parameters import ParameterError
 
 
-class Status(StrEnum):
+class _FoundByWord(EnumType):
+    """What makes a class of statuses: a list or an array is refused as another word is.
+
+    `enum` compares what cannot be hashed with each member, and an array has no single answer.
+    """
+
+    def __call__(cls, value: Any, *args: Any, **options: Any) -> Any:
+        if not args and not options and not isinstance(value, str):
+            return cls._missing_(value)  # type: ignore[attr-defined]
+        return super().__call__(value, *args, **options)
+
+
+class Status(StrEnum, metaclass=_FoundByWord):
     """A word for JSON and files, and a sentence for people, on one member.
 
     Members are written as a pair. The word alone finds the member; another word

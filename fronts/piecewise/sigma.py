@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from theory.parameters import ParameterError, count_within, decimal
+from theory.parameters import ParameterError, count_within, decimal, word
 from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError
 
 
@@ -60,6 +60,7 @@ def sigma(
     True
     """
     v, c = decimal("velocity v", v), decimal("coupling c", c)
+    word("method", method, _SUMS)
     digits = count_within("digits", digits, 1, MAX_DIGITS)
     within_double = digits <= 13 or method in ("integral", "series", "certified")
     if not within_double:
@@ -69,9 +70,6 @@ def sigma(
         )  # fmt: skip
     try:
         return _SUMS[method](v, c, digits)
-    except KeyError:
-        known = ", ".join(_SUMS)
-        raise ParameterError("method", method, f"one of {known}", "choose one") from None
     except ParameterError:
         raise
     except ArithmeticError as refusal:

@@ -17,7 +17,7 @@ from typing import SupportsFloat
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError, count_within, positive, within
+from theory.parameters import ParameterError, count_within, number, positive, within
 from theory.piecewise.dispersion import (
     ComplexArray,
     FloatArray,
@@ -82,7 +82,7 @@ def checked_velocity_and_coupling(
         If either is not from 1e-12 to 1e12.
     """
     for name, value in (("velocity v", v), ("coupling c", c)):
-        within(name, value, SMALLEST, LARGEST, "use a limit formula beyond")
+        within(name, number(name, value), SMALLEST, LARGEST, "use a limit formula beyond")
     return float(v), float(c)
 
 

@@ -19,7 +19,7 @@ from theory.averaged.breather import (
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, need_instance
+from theory.parameters import ParameterError, need_instance, word
 from verification.breathers.averaged_run import run_averaged_breather
 from verification.breathers.envelope import EnvelopeBreather, solve_envelope_breather
 from verification.breathers.floquet import Multipliers, approximate_multipliers
@@ -136,12 +136,13 @@ def breather(
     _ = chain.stable_amplitude
     choice = _Choice(Reading(reading), seed)
     if isinstance(chain, OscillatorChain):
-        if method not in (None, "orbit"):
+        if method is not None and not (isinstance(method, str) and method == "orbit"):
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")
         return of_orbit(chain, nucleus, solve_own_orbit(chain, nucleus))
-    method = method or ("envelope" if isinstance(chain, AveragedChain) else "orbit")
-    if method != "all":
-        found = _known(method)
+    if method is None:
+        method = "envelope" if isinstance(chain, AveragedChain) else "orbit"
+    if word("method", method, [*(each.value for each in BreatherMethod), "all"]) != "all":
+        found = BreatherMethod(method)
         _check_length(chain, found)
         return _METHODS[found](chain, nucleus, choice)
     every = [each for each in BreatherMethod if _applies(each, chain, nucleus)]
@@ -168,13 +169,6 @@ def with_pattern(nucleus: Nucleus) -> Nucleus:
             "pattern", repr(nucleus.pattern), "one of a breather at an edge", "name one with + or -"
         )
     return Nucleus(nucleus.size, outward_pattern(nucleus.size), nucleus.place)
-
-
-def _known(method: BreatherMethod | str) -> BreatherMethod:
-    words = [each.value for each in BreatherMethod]
-    if method not in words:
-        raise ParameterError("method", method, f"one of {', '.join(words)}, all", "name one")
-    return BreatherMethod(method)
 
 
 def _check_length(chain: VanDerPolChain, method: BreatherMethod) -> None:

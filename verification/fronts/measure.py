@@ -30,13 +30,13 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.cells.friction import check_sliding_stable
-from theory.chains.chain import Chain, SmoothChain
+from theory.chains.chain import MAX_SITES, Chain, SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.own import OwnChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain
-from theory.parameters import LATEST, ParameterError, count_within, need_instance, within
+from theory.parameters import LATEST, ParameterError, count_within, need_instance, within, word
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.network import planar, spread, velocity_of
@@ -48,6 +48,7 @@ from verification.fronts.wave import FrontWave, NoFrontError, front_wave
 from verification.runs.excite import StartPoint, excite, excite_edge
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.integration import Integration
+from verification.runs.simulate import MAX_TOLERANCE, MIN_TOLERANCE
 from verification.runs.smooth_integration import SmoothIntegration
 
 if TYPE_CHECKING:
@@ -133,12 +134,16 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     """
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
-    if method not in ("run", "wave"):
-        raise ParameterError("method", method, "run or wave", "name one of them")
-    if method == "wave":
+    if word("method", method, ("run", "wave")) == "wave":
         return wave_front(chain)
     if accuracy is not None:
         accuracy = within("accuracy", accuracy, 1e-13, 0.1)
+    if tolerance is not None:
+        tolerance = within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
+    if excited is not None:
+        excited = count_within("excited sites", excited, 1, MAX_EXCITED)
+    if max_sites is not None:
+        max_sites = count_within("longest chain, max_sites,", max_sites, 1, MAX_SITES)
     if stall_time is not None:
         stall_time = within("stall time", stall_time, 1e-6, LATEST)
     if getattr(chain, "c", 1.0) == 0.0:

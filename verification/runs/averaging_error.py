@@ -15,6 +15,7 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, need_instance, positive, whole_number
 from theory.result import Result
 from verification.runs.excite import excite
+from verification.runs.integration import checked_state
 from verification.runs.simulate import simulate
 
 FloatArray = npt.NDArray[np.float64]
@@ -122,19 +123,20 @@ def averaging_error(
     need_instance(
         "chain", chain, (VdpChain, OscillatorChain), "give the chain of the full equation"
     )
-    if positive("slow time", slow_time) > 100.0:
+    slow_time = positive("slow time", slow_time)
+    if slow_time > 100.0:
         raise ParameterError("slow time", slow_time, "at most 100", "compare over a shorter one")
     halvings = whole_number("halvings of eps", halvings, 2, 8)
     if start is None:
         start = excite(chain, [(chain.sites + 1) // 2])
-    state = np.asarray(start, dtype=float)
+    state = checked_state(chain, start)
     eps = np.array([chain.eps * 0.5**k for k in range(halvings + 1)])
     chain.averaged()  # refuses what has no average
     scaled = _scalable(chain)
     found = [_distance(_at(scaled, float(each)), state, slow_time) for each in eps]
     return AveragingError(
         chain=chain,
-        slow_time=float(slow_time),
+        slow_time=slow_time,
         eps=eps,
         distances=np.array([each[0] for each in found]),
         errors=np.array([each[1] for each in found]),

@@ -96,10 +96,9 @@ def excite(
     if displacement is not None:
         displacement = within("displacement", displacement, -MAX_DISPLACEMENT, MAX_DISPLACEMENT)
     turns = [0] * len(sites) if quarter_turns is None else quarter_turns
-    if len(turns) != len(sites):
-        raise ParameterError(
-            "quarter turns", f"{len(turns)} of them", "one for each excited site", "give as many"
-        )
+    if isinstance(turns, str) or not np.ndim(turns) or len(turns) != len(sites):
+        raise ParameterError("quarter turns", turns, "one for each excited site", "give as many")
+    turns = [whole_number("quarter turns", each, -(10**9), 10**9) for each in turns]
     start = np.empty((2, count))
     start[:] = np.array(chain.rest_state)[:, None]
     for site, turn in zip(sites, turns, strict=True):

@@ -19,7 +19,11 @@ FloatArray = npt.NDArray[np.float64]
 class RunStatus(Status):
     """How far a run can be trusted."""
 
-    RESOLVED = "resolved", "The runs at other tolerances show the same motion, to the error stated."
+    RESOLVED = (
+        "resolved",
+        "At every sample the error is below the largest amplitude so far, and events are the same "
+        "at other tolerances: one motion, as accurate as the error says and no more.",
+    )
     EVENTS_DIFFER = (
         "events differ",
         "The runs at other tolerances had another number of events: one is as small as the error, "

@@ -12,7 +12,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, need_instance, within
+from theory.parameters import ParameterError, need_instance, within, word
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range
@@ -199,10 +199,7 @@ def _method(chain: Chain, method: ThresholdMethod | str | None) -> ThresholdMeth
         if isinstance(chain, AveragedChain):
             return ThresholdMethod.ENVELOPE
         return ThresholdMethod.BISECTION
-    words = [each.value for each in ThresholdMethod]
-    if method not in words:
-        raise ParameterError("method", method, f"one of {', '.join(words)}", "name one")
-    return ThresholdMethod(method)
+    return ThresholdMethod(word("method", method, [each.value for each in ThresholdMethod]))
 
 
 def _definition(method: ThresholdMethod, definition: Definition | str | None) -> Definition:
@@ -213,10 +210,8 @@ def _definition(method: ThresholdMethod, definition: Definition | str | None) ->
         allowed = [Definition.EXISTENCE, Definition.FIRST]
     if definition is None:
         return Definition.FIRST if runs else Definition.EXISTENCE
-    if definition not in [each.value for each in allowed]:
-        words = ", ".join(each.value for each in allowed)
-        raise ParameterError("definition", definition, f"one of {words} for {method}", "name one")
-    return Definition(definition)
+    words = [each.value for each in allowed]
+    return Definition(word(f"definition for the method {method}", definition, words))
 
 
 def _refusal(chain: Chain, method: ThresholdMethod) -> ParameterError:

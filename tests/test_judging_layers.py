@@ -496,17 +496,6 @@ def test_of_the_multipliers_the_trivial_one_leads_nothing() -> None:
     assert odd.antisymmetric == pytest.approx(math.log(0.5) / 0.2)
 
 
-def test_along_an_approximate_orbit_the_trivial_multiplier_is_known_by_its_direction() -> None:
-    """A shift of time is an even mode here: the second, whose multiplier is farther from 1."""
-    matrix = _monodromy([1.01, 0.9, -0.8, 0.3], [0.7, 0.2])
-    along = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-    for parity in (0, 1):
-        found = floquet_multipliers(matrix, 2.0, 0.1, parity=parity, direction=along)
-        assert found.trivial == pytest.approx(0.1)
-        assert found.leader == pytest.approx(1.01)
-        assert floquet_multipliers(matrix, 2.0, 0.1, parity=parity).trivial == pytest.approx(0.01)
-
-
 # -------------------------------------------------------------------------------- rules and stores
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from theory.parameters import ParameterError
 from theory.piecewise.dispersion import root_free_strip
-from verification.quantities.problems import PROBLEMS, Problem, problem_named, timed
+from verification.quantities.problems import PROBLEMS, Problem, timed
 from verification.quantities.quantity import Quantity
 from verification.quantities.registry import all_computations, all_quantities, quantity_named
 
@@ -79,8 +79,5 @@ def test_problems_in_its_ranges_are_points_of_a_computation() -> None:
 
 
 def test_what_is_not_there_is_refused() -> None:
-    assert problem_named("ordinary").c == 0.5
-    with pytest.raises(KeyError):
-        problem_named("nowhere")
     with pytest.raises(ParameterError, match="quantity = nothing"):
         quantity_named("nothing")

@@ -18,10 +18,9 @@ ETA = B / A**2
 AVERAGED = (0.115, 0.12, 0.135, 0.15, 0.175, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4, 2.0,
             3.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # fmt: skip
 FULL = (0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0)
+"""They contain every coupling that the paper names for (8)."""
 CHECKED = (0.3, 0.6, 1.0)
 """Couplings at which scipy's velocity is compared."""
-FIGURE = (0.3, 3.0)
-"""Range in which a line is fitted: it contains every coupling that the paper names for (8)."""
 MARK = 0.02
 """Part of the largest velocity: about the size of a mark in a printed figure."""
 LINEAR = 0.02
@@ -53,7 +52,7 @@ class Scaling:
 
     @property
     def line(self) -> tuple[float, float]:
-        """Offset and slope of the line fitted to (8) in `FIGURE`."""
+        """Offset and slope of the line fitted to (8)."""
         slope, offset = np.polyfit(self.full_c, self.full_v, 1)
         return float(offset), float(slope)
 

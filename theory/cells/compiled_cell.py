@@ -128,13 +128,10 @@ class CompiledCell(Oscillator):
             [self.damping(float(one), float(other)) for one, other in zip(y, v, strict=True)]
         )
 
-    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
-        """Return the distances |y| of other rest states on a side of y = 0, and whether stable."""
-
-        def force(distance: float) -> float:
-            return side * self.stiffness(side * distance)
-
-        edges = np.geomspace(1e-3, self._edges(side)[-1], 600)
+    def rest_states(self) -> list[tuple[float, bool]]:
+        """Return the rest states at y > 0, and whether they are stable."""
+        force = self.stiffness
+        edges = np.geomspace(1e-3, self._edges(1)[-1], 600)
         found = []
         for low, high in pairwise(edges.tolist()):
             if force(low) * force(high) < 0.0:

@@ -79,8 +79,8 @@ class Oscillator(ABC):
         """Return h(y, v)."""
 
     @abstractmethod
-    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
-        """Return the distances |y| of other rest states on a side of y = 0, and whether stable.
+    def rest_states(self) -> list[tuple[float, bool]]:
+        """Return the rest states at y > 0, and whether they are stable.
 
         Stable without inertia, that is: minima of the potential.
         """
@@ -251,10 +251,9 @@ class OscillatorCell(Oscillator):
         found = _positive_crossings(self.mean_damping)
         return tuple(self._cycle(math.sqrt(s), stable) for s, stable in found)
 
-    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
-        """Return the distances |y| of other rest states on a side of y = 0, and whether stable."""
-        turned = {power: value * side ** (power - 1) for power, value in self.stiffness.items()}
-        return _positive_crossings(_ascending(turned)[1:])  # of g/y: where g does
+    def rest_states(self) -> list[tuple[float, bool]]:
+        """Return the rest states at y > 0, and whether they are stable."""
+        return _positive_crossings(_ascending(self.stiffness)[1:])  # of g/y: where g does
 
     def potential(self, y: FloatArray | float) -> FloatArray:
         """Return V(y), V(0) = 0."""

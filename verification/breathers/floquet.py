@@ -70,7 +70,6 @@ def floquet_multipliers(
     *,
     parity: int = 0,
     error: float = 0.0,
-    direction: Real | None = None,
 ) -> Multipliers:
     """Sort and split the eigenvalues of a monodromy matrix.
 
@@ -86,9 +85,6 @@ def floquet_multipliers(
         Parity of the breather under reflection; 0 if it has none.
     error : float, optional
         Of the entries of the matrix.
-    direction : float array, shape (2N,), optional
-        Rate of the orbit at its start. If given, the trivial multiplier is the one whose vector
-        is most nearly along it; otherwise the one nearest to 1, as fits a true orbit.
 
     Examples
     --------
@@ -104,10 +100,7 @@ def floquet_multipliers(
     basis = parity_basis(sites, parity) if parity else np.eye(2 * sites)
     own, vectors = np.linalg.eig(basis @ monodromy @ basis.T)
     own = np.asarray(own, dtype=complex)
-    if direction is None:
-        place = int(np.abs(own - 1.0).argmin())
-    else:
-        place = int(np.abs((basis @ direction) @ vectors).argmax())
+    place = int(np.abs(own - 1.0).argmin())
     trivial = float(abs(own[place] - 1.0))
     rest = np.delete(own, place)
     values, bound = own, _eigenvalue_bound(basis @ monodromy @ basis.T, vectors, error)

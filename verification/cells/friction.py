@@ -12,7 +12,6 @@ from dataclasses import asdict, replace
 from time import perf_counter
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
 from theory.cells.friction import LARGEST, FrictionCell
@@ -29,8 +28,6 @@ from verification.cells.friction_cycles import (
 )
 from verification.cells.result import BeltCell, CellStatus, Cycle
 from verification.runs.comparison import COARSER
-
-FloatArray = npt.NDArray[np.float64]
 
 _SLOWEST_BELT = 1e-9
 """Below, a cycle and the round-off of y can no longer be distinguished."""

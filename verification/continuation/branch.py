@@ -161,14 +161,7 @@ def trace(
             new, length = _next(system, point, length, steps.tolerance)
             turned = new.tangent[-1] * point.tangent[-1] <= 0.0
             if turned:
-                fold = find_fold(
-                    system,
-                    point,
-                    new,
-                    length,
-                    tolerance=steps.tolerance,
-                    fold_tolerance=steps.fold_tolerance,
-                )
+                fold = _find_fold(system, point, new, length, steps)
                 folds.append(replace(fold, place=len(points)))
         except NotConvergedError:
             length *= 0.5
@@ -269,14 +262,8 @@ class _Bracket:
             self.replaced = 1
 
 
-def find_fold(
-    system: System,
-    before: BranchPoint,
-    beyond: BranchPoint,
-    length: float,
-    *,
-    tolerance: float = 1e-11,
-    fold_tolerance: float = 1e-11,
+def _find_fold(
+    system: System, before: BranchPoint, beyond: BranchPoint, length: float, steps: Steps
 ) -> Fold:
     """Find where dc/ds vanishes on a step from ``before`` of this length to ``beyond``.
 
@@ -288,12 +275,12 @@ def find_fold(
     for _ in range(40):
         bend = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)
         place = bracket.low + bracket.f_low / bend
-        best = step_along(system, before, place, tolerance)
+        best = step_along(system, before, place, steps.tolerance)
         evaluations += best.iterations
         value = float(best.tangent[-1])
         # c falls short by the integral of dc/ds from here to the fold.
         missing = value**2 / (2.0 * COUPLING_WEIGHT * abs(bend))
-        if missing < fold_tolerance:
+        if missing < steps.fold_tolerance:
             break
         bracket.shrink(place, value)
     return Fold(best.c, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u, evaluations)

@@ -221,8 +221,8 @@ def read_only(array: Array) -> Array:
     return array
 
 
-def python_rows(arrays: Mapping[str, Array], chunk: int = 1024) -> Iterator[tuple[Any, ...]]:
-    """Yield the rows of columns as Python scalars and lists, a chunk of them at a time in memory.
+def python_rows(arrays: Mapping[str, Array]) -> Iterator[tuple[Any, ...]]:
+    """Yield the rows of columns as Python scalars and lists, a few of them at a time in memory.
 
     Examples
     --------
@@ -230,8 +230,8 @@ def python_rows(arrays: Mapping[str, Array], chunk: int = 1024) -> Iterator[tupl
     [(1.0, True), (2.5, False)]
     """
     count = min((len(column) for column in arrays.values()), default=0)
-    for begin in range(0, count, chunk):
-        lists = [column[begin : begin + chunk].tolist() for column in arrays.values()]
+    for begin in range(0, count, 1024):
+        lists = [column[begin : begin + 1024].tolist() for column in arrays.values()]
         yield from zip(*lists, strict=True)
 
 

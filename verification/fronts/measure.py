@@ -27,7 +27,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import MAX_SITES, Chain, SmoothChain
@@ -54,7 +53,6 @@ from verification.runs.smooth_integration import SmoothIntegration
 if TYPE_CHECKING:
     from verification.piecewise.run import FrontRun
 
-FloatArray = npt.NDArray[np.float64]
 
 OUTRUNS = 1.01
 """A front faster than the waves behind it times this is not overtaken."""

@@ -19,14 +19,11 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from theory.chains.chain import Chain
 from theory.parameters import ParameterError, count_within
 from verification.maps.state import FoundState
 from verification.runs.excite import add_noise
-
-FloatArray = npt.NDArray[np.float64]
 
 MAX_SITES = 1000
 """Longest chain of a map."""

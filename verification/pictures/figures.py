@@ -20,8 +20,6 @@ import numpy as np
 from verification.pictures.data_table import columns_as_csv
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -173,7 +171,6 @@ def new_panels(
     width: Width = "page",
     height: float | None = None,
     sharex: bool = False,
-    sharey: bool = False,
 ) -> tuple[Figure, tuple[Axes, ...]]:
     """Make a figure with several sets of axes, listed row by row.
 
@@ -183,7 +180,7 @@ def new_panels(
         Number of panels side by side and below each other.
     width, height
         As in `new_axes`.
-    sharex, sharey : bool, optional
+    sharex : bool, optional
         Whether all panels have the same axis.
     """
     from matplotlib.figure import Figure
@@ -191,7 +188,7 @@ def new_panels(
     use_style()
     inches = WIDTHS[width]
     figure = Figure(figsize=(inches, height or inches * (0.68 if width == "column" else 0.45)))
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=sharex)
     return figure, tuple(grid.ravel())
 
 
@@ -284,25 +281,6 @@ def _numbers(column: Column) -> list[float] | None:
         return [float(value) for value in np.array(column, dtype=float)]
     except (TypeError, ValueError):
         return None
-
-
-def save(path: Path, figure: Figure, dpi: int = 200) -> None:
-    """Write a figure to a file; the same figure gives the same bytes, at any time.
-
-    Parameters
-    ----------
-    path : Path
-        Ends in .png, .svg or .pdf.
-    figure : Figure
-        From `new_axes` or `new_panels`.
-    dpi : int, optional
-        Dots an inch of a .png file.
-    """
-    import matplotlib as mpl
-
-    kind = path.suffix.lower().removeprefix(".")
-    with mpl.rc_context({"svg.hashsalt": "fronts"}):
-        figure.savefig(path, dpi=dpi, metadata=dict.fromkeys(CHANGING.get(kind, ())))
 
 
 def _render(name: str, figure: Figure) -> str:

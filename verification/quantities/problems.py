@@ -71,7 +71,7 @@ class Problem:
 
         Examples
         --------
-        >>> problem_named("ordinary", "chain").cell
+        >>> timed("chain")[0].cell
         {'a': 4.0, 'b': 0.5, 'eps': 0.01}
         """
         a = self["a"]
@@ -168,20 +168,6 @@ PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
     ),
 }  # fmt: skip
 """Test problems by family; a point of the stability table takes those parameters that it names."""
-
-
-def problem_named(name: str, family: str = "sum") -> Problem:
-    """Return the problem of that name; raise ``KeyError`` when there is none.
-
-    Examples
-    --------
-    >>> problem_named("paper", "breather").c
-    0.1
-    """
-    for problem in PROBLEMS[family]:
-        if problem.name == name:
-            return problem
-    raise KeyError(name)
 
 
 def timed(family: str) -> tuple[Problem, ...]:

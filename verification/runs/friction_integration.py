@@ -76,7 +76,6 @@ class FrictionIntegration(Integration):
     """
 
     method: ClassVar[str] = "Taylor series, exact events"
-    default_tolerance: ClassVar[float] = 1e-10
     default_budget: ClassVar[int] = 200_000
 
     def __init__(

@@ -54,8 +54,6 @@ class Integration(ABC):
     ----------
     method : str
         Name of the stepper, for results.
-    default_tolerance : float
-        Tolerance of a run if none is asked for.
     default_budget : int
         Sites times steps between two readings of the clock.
     chain : Chain
@@ -69,7 +67,6 @@ class Integration(ABC):
     """
 
     method: ClassVar[str]
-    default_tolerance: ClassVar[float] = 1e-9
     default_budget: ClassVar[int] = 2_000_000
 
     chain: Any

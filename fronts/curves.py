@@ -60,6 +60,11 @@ class Curve(Result):
         """Whether a point has no answer."""
         return any(isinstance(point, Refusal) for point in self.points)
 
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Those of the points."""
+        return {name: unit for point in self.points for name, unit in point.units.items()}
+
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a value: the parameter, then every number and word of the result there."""
         rows = [

@@ -68,28 +68,33 @@ def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _branches(axes: Axes, points: Any, along: str, style: Mapping[str, Any]) -> None:
-    kinds: tuple[tuple[bool | None, str, dict[str, Any]], ...] = (
-        (True, "admissible", {"color": BLUE}),
-        (False, "not admissible", {"color": VERMILION, "mfc": "none"}),
-        (None, "not decided", {"color": "0.6"}),
+    branches = [(getattr(each, along), branch) for each in points for branch in each.branches]
+    asked = any(branch.stable is not None for _, branch in branches)
+    undecided = "admissible, stability not decided" if asked else "admissible"
+    kinds: tuple[tuple[bool | None, bool | None, str, dict[str, Any]], ...] = (
+        (True, True, "admissible, stable", {"color": BLUE}),
+        (True, False, "admissible, not stable", {"color": GREEN, "marker": "s", "mfc": "none"}),
+        (True, None, undecided, {"color": BLUE, "marker": "x" if asked else "o"}),
+        (False, None, "not admissible", {"color": VERMILION, "mfc": "none"}),
+        (None, None, "not decided", {"color": "0.6"}),
     )
-    for admissible, label, look in kinds:
+    for admissible, stable, label, look in kinds:
         pairs = [
-            (getattr(point, along), branch.v)
-            for point in points
-            for branch in point.branches
-            if branch.admissible is admissible
+            (place, branch.v)
+            for place, branch in branches
+            if (branch.admissible, branch.stable) == (admissible, stable)
         ]
         if pairs:
-            axes.plot(*zip(*pairs, strict=True), "o", label=label, **{"ms": 2.2, **look, **style})
+            shown = {"marker": "o", "ls": "", "ms": 2.2, **look, **style}
+            axes.plot(*zip(*pairs, strict=True), label=label, **shown)
 
 
 def _thresholds(axes: Axes, answer: Any) -> None:
     low, high = axes.get_xlim()
-    for name in ("fold", "pin", "retreat"):
+    for name in ("fold", "pin", "retreat", *(["stable"] if answer.limit_shown else [])):
         value = getattr(answer, f"c_{name}")
         if value is not None and low < value < high:
-            line = "--" if name == "fold" else "-"
+            line = {"fold": "--", "stable": ":"}.get(name, "-")
             label = f"$c_\\mathrm{{{name}}}$ = {value:.4g}"
             axes.axvline(value, color="0.5", lw=0.8, ls=line, label=label)
     axes.set_xlim(low, high)
@@ -222,8 +227,10 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
     if not result.arrivals.size:
         raise TypeError("there is no picture of a front without arrivals: name a file in .json.")
     count = np.arange(1, result.arrivals.size + 1)
-    axes.plot(result.arrivals, count, "o", **{"ms": 2.5, "color": BLUE, **style})
-    axes.set(xlabel="time of arrival", ylabel="sites passed")
+    unit = result.chain.time_unit  # v is the slope: sites in this time
+    axes.plot(result.arrivals / unit, count, "o", **{"ms": 2.5, "color": BLUE, **style})
+    time = "time of arrival" if unit == 1.0 else "slow time of arrival, εt"
+    axes.set(xlabel=time, ylabel="sites passed")
     if result.v is not None:
         axes.set_title(f"v = {result.v:.6g}")
 

@@ -65,10 +65,10 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
         entries = {"points": rows} | {n: v for n, v in entries.items() if n not in listed}
     shown = [name for name, value in entries.items() if not _empty(value)]
     shown.sort(key=lambda name: name in _LAST)
-    return "\n".join([*head, *_lines({name: entries[name] for name in shown})])
+    return "\n".join([*head, *_lines({name: entries[name] for name in shown}, result.units)])
 
 
-def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
+def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str]:
     tables = {name: rows for name, value in entries.items() if (rows := _rows(value))}
     beside = {
         _error_name(name, entries) for name, each in entries.items() if isinstance(each, float)
@@ -77,13 +77,14 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
     for name, value in entries.items():
         if name in tables:
             yield f"{name}:"
-            yield from table_lines(tables[name])
+            yield from table_lines(tables[name], units)
         elif name not in beside:
             error = entries.get(_error_name(name, entries))
             if not isinstance(error, float):
                 error = None  # beside digits that are text it is text, with a line of its own
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
-            yield f"{name:<{width}}  {_text(name, value, error)}{uncertain}"
+            unit = f" {units[name]}" if name in units else ""
+            yield f"{name:<{width}}  {_text(name, value, error)}{unit}{uncertain}"
 
 
 def _error_name(name: str, entries: Mapping[str, Any]) -> str:
@@ -91,7 +92,9 @@ def _error_name(name: str, entries: Mapping[str, Any]) -> str:
     return next((each for each in names if each in entries), "")
 
 
-def table_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def table_lines(
+    rows: Sequence[Mapping[str, Any]], units: Mapping[str, str] | None = None
+) -> Iterator[str]:
     r"""Yield rows of the same names as a table, or as several where it would be too wide.
 
     What does not exist is a dash; what is a list or a mapping itself has no column, nor has the
@@ -112,7 +115,9 @@ def table_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             _empty(row[name]) or isinstance(row[name], (list, dict)) for row in rows
         ):
             continue
-        cells = [name, *(_cell(name, row) for row in rows)]
+        unit = (units or {}).get(name)
+        head = name if unit is None else f"{name} ({unit})"
+        cells = [head, *(_cell(name, row) for row in rows)]
         width = max(map(len, cells))
         columns.append([cell.rjust(width) for cell in cells])
     blocks = [columns[:1]]  # each begins with the first column

@@ -22,6 +22,7 @@ from fronts.bound import Bound, located, models_of
 from fronts.catalogue import COMMANDS
 from fronts.cli import main, whole_parser
 from fronts.signatures import described, documented
+from fronts.wording import in_words
 from theory.result import Result
 
 ROOT = Path(__file__).parents[1]
@@ -150,6 +151,74 @@ def test_a_result_draws_itself(name, results):
     assert axes.get_ylabel()
     assert results[name].plot(axes) is axes
     plt.close("all")
+
+
+def test_a_curve_asked_for_stability_shows_it_in_words_and_picture():
+    import matplotlib.pyplot as plt
+
+    curve = fr.kinetic_relation(c=[1.2, 2.0, 3.0], eta=0.03125, stability=True)
+    said = [branch.stable for point in curve.points for branch in point.branches]
+    assert {True, False} <= {*said}
+    axes = curve.plot()
+    drawn = {line.get_label(): line for line in axes.lines}
+    for stable, label in ((True, "admissible, stable"), (False, "admissible, not stable")):
+        shown = drawn[label].get_ydata()
+        assert sorted(shown) == [
+            branch.v
+            for point in curve.points
+            for branch in point.branches
+            if branch.stable is stable
+        ]
+    limit = curve.points[0].c_stable
+    assert limit is not None
+    assert np.all(curve.columns()["c_stable"] == limit)
+    assert any(line.get_xdata()[0] == limit for line in axes.lines)
+    plain = fr.kinetic_relation(c=[1.2, 2.0], eta=0.03125).plot()
+    assert [line.get_label() for line in plain.lines if line.get_label()[0] != "_"] == [
+        "admissible"
+    ]
+    plt.close("all")
+
+
+def test_the_slope_of_a_front_in_its_picture_is_the_velocity_in_its_title():
+    import matplotlib.pyplot as plt
+
+    chain = fr.AveragedChain(a=4, b=0.5, c=3.0, eps=0.1, sites=32)
+    front = fr.measure_front(chain, max_sites=64)
+    axes = front.plot()
+    times, passed = (values[16:] for values in axes.lines[0].get_data())
+    slope = np.polyfit(times, passed, 1)[0]
+    assert abs(slope / front.v - 1) < 0.02  # counted in t it would be a tenth
+    assert "εt" in axes.get_xlabel()
+    assert axes.get_title() == f"v = {front.v:.6g}"
+    plt.close("all")
+
+
+def test_phases_are_printed_with_their_units():
+    chain = fr.AveragedChain(a=2.5, b=0.5, c=0.1, sites=5)
+    found = fr.breather(chain)
+    lines = dict(line.split(maxsplit=1) for line in in_words(found).splitlines())
+    assert lines["phases"].endswith("in units of π")
+    assert lines["phase_step"].endswith(" rad")
+    # The neighbour lags by a quarter of a turn, but for what the ends of five sites change.
+    assert found.phases[3] == pytest.approx(-0.5, abs=1e-3)
+    assert found.phase_step == pytest.approx(-np.pi / 2, abs=1e-2)
+    compared = in_words(fr.breather(chain, method="all"))
+    branch = in_words(fr.follow_breather(chain, [0.1], method="envelope"))
+    assert "phase_step (rad)" in compared
+    assert "phase_step (rad)" in branch
+
+
+def test_a_threshold_of_the_averaged_chain_says_of_which_equation_it_is():
+    chain = fr.VdpChain(a=2.5, b=0.5, c=0, sites=5)
+    for method, equation in (("envelope", "(43)"), ("closed-form", "(29) with (37)")):
+        found = fr.threshold(chain, method=method)
+        assert equation in found.to_dict()["equation"]
+        assert "how far (8) is from it is not in the error" in in_words(found)
+    edge = fr.Nucleus(1, place="edge")
+    friction = fr.FrictionChain(c=0, sites=11)
+    runs = fr.threshold(friction, edge, accuracy=1e-2, tests=0, final_time=100.0)
+    assert runs.to_dict()["equation"] == "that of the chain itself"
 
 
 def test_what_has_no_picture_says_so():

@@ -89,6 +89,11 @@ class Result:
         if "__repr__" not in cls.__dict__:
             type.__setattr__(cls, "__repr__", Result.__repr__)
 
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of entries of `to_dict` that have one, which a terminal shows beside them."""
+        return {}
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result as an object of JSON: numbers, strings, lists, dictionaries, ``None``.
 

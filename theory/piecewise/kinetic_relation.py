@@ -265,6 +265,7 @@ class KineticRelation(Result):
         def listed(name: str, kind: type) -> np.ndarray:
             return np.array([None if row is None else getattr(row, name) for row in rows], kind)
 
+        limit = {"c_stable": np.full(len(rows), self.c_stable, float)} if self.limit_shown else {}
         return {
             "c": np.full(len(rows), self.c),
             "eta": np.full(len(rows), self.eta),
@@ -280,6 +281,7 @@ class KineticRelation(Result):
             "fails_at": listed("fails_at", float),
             "stable": listed("stable", object),
             "multiplier": listed("multiplier", float),
+            **limit,
         }
 
 

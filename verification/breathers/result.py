@@ -14,6 +14,8 @@ from theory.chains.nucleus import Nucleus
 from theory.result import Result, plain
 from theory.status import Status
 
+_UNITS = {"phases": "in units of π", "phase_step": "rad"}
+
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -126,6 +128,11 @@ class Breather(Result):
             return 0.0
         return float(np.angle(self.waves[last + 1] / self.waves[last]))
 
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of the phases; all else is dimensionless."""
+        return _UNITS
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON; ``amplitudes`` there go from the centre outwards."""
         found = super().to_dict()
@@ -157,6 +164,11 @@ class BreatherComparison(Result):
     nucleus: Nucleus
     methods: Mapping[str, Breather]
     seconds: float
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of the phases."""
+        return _UNITS
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""

@@ -27,6 +27,16 @@ class ThresholdMethod(Status):
     BISECTION = "bisection", "bisection between runs of the chain that spread and that do not."
 
 
+_AVERAGED = "the averaged chain (43), the limit eps -> 0 of (8)"
+_EQUATIONS = {
+    ThresholdMethod.ENVELOPE: _AVERAGED,
+    ThresholdMethod.SWEEP: _AVERAGED,
+    ThresholdMethod.HOLD: _AVERAGED,
+    ThresholdMethod.CLOSED_FORM: "(29) with (37), an approximation of the averaged chain (43)",
+}
+"""Of what a method finds the threshold where that is not the chain that is asked about."""
+
+
 class Definition(Status):
     """What a threshold is the threshold of."""
 
@@ -68,7 +78,8 @@ class Threshold(Result):
     Attributes
     ----------
     c, error : float
-        The coupling, and a bound on its error or half the interval that holds it.
+        The coupling, and a bound on its error or half the interval that holds it. The error is
+        that of a solution of ``equation``: how far this is from (8) at ε > 0 is not in it.
     method : ThresholdMethod
         How it was found.
     definition : Definition
@@ -89,6 +100,8 @@ class Threshold(Result):
         Wall-clock time.
     """
 
+    derived: ClassVar[tuple[str, ...]] = ("equation",)
+
     c: float = field(metadata={"json": "c_crit", "symbol": "c"})
     error: float
     method: ThresholdMethod
@@ -100,6 +113,14 @@ class Threshold(Result):
     readings: Mapping[str, float | None] | None = None
     delay: Delay | None = None
     seconds: float
+
+    @property
+    def equation(self) -> str:
+        """Whose threshold this is: the error holds nothing of the way from there to (8)."""
+        averaged = _EQUATIONS.get(self.method)
+        if averaged is None:
+            return "that of the chain itself"
+        return f"{averaged}; how far (8) is from it is not in the error"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""
@@ -171,7 +192,7 @@ class RunThreshold(Threshold):
         Point of the cycle of a friction chain from which the excited sites started.
     """
 
-    derived: ClassVar[tuple[str, ...]] = ("bracket", "fuzzy_width")
+    derived: ClassVar[tuple[str, ...]] = ("equation", "bracket", "fuzzy_width")
 
     low: float
     high: float

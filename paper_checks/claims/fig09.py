@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 PRINTED = "0.195"
 TOGETHER = 0.002
 """Couplings of crossing so close are one in Fig. 9: one per cent of its axis."""
+ALONG = (*np.arange(0.01, 0.18, 0.015).tolist(), *np.linspace(0.18, 0.195, 16).tolist(),
+         *np.linspace(0.1955, 0.1973, 25).tolist())  # fmt: skip
+EXACT = (*np.arange(0.02, 0.18, 0.02).tolist(), *np.linspace(0.18, 0.191, 9).tolist())
+"""Couplings at which multipliers are drawn, along (9) and along the periodic orbit."""
 
 
 def _approximate(c: float, *, misprinted: bool = False) -> Any:
@@ -74,9 +78,6 @@ def multipliers() -> Multipliers:
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))
     )
     ours = _moduli(test.multipliers)
-    c = np.concatenate([np.arange(0.01, 0.18, 0.015), np.linspace(0.18, 0.195, 16),
-                        np.linspace(0.1955, 0.1973, 25)])  # fmt: skip
-    exact = np.concatenate([np.arange(0.02, 0.18, 0.02), np.linspace(0.18, 0.191, 9)])
     return Multipliers(
         even=_crossing("symmetric"),
         odd=_crossing("antisymmetric"),
@@ -85,10 +86,10 @@ def multipliers() -> Multipliers:
         true_fold=true.c,
         trivial=_approximate(_crossing("antisymmetric")).trivial,
         gap=float(np.abs(by_scipy[-3:] - ours[-3:]).max()),
-        along=tuple(tuple(_moduli(_approximate(float(x)))) for x in c),
-        couplings=tuple(c.tolist()),
-        exact=tuple(tuple(_moduli(orbit_of(float(x)).multipliers)) for x in exact),
-        exact_couplings=tuple(exact.tolist()),
+        along=tuple(tuple(_moduli(_approximate(float(x)))) for x in ALONG),
+        couplings=ALONG,
+        exact=tuple(tuple(_moduli(orbit_of(float(x)).multipliers)) for x in EXACT),
+        exact_couplings=EXACT,
     )
 
 

@@ -21,6 +21,7 @@ C = 0.1
 SIZES = (3, 7)
 NOISE = 1e-6
 END = 800.0
+TIMES = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, END + 1.0, 5.0)])
 IN_PHASE, STEADY = 0.1, 0.05
 """Phase steps, over π, that count as in phase; and changes of one that count as steady."""
 
@@ -71,7 +72,6 @@ def in_phase() -> InPhase:
     from verification.thresholds.preparation import Preparation, hold, phase_steps
 
     chain = VdpChain(a=A, b=B, c=C, eps=EPS)
-    times = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, END + 1.0, 5.0)])
     steps, shapes = {}, {}
     for size in SIZES:
         for noise in (0.0, NOISE):
@@ -79,7 +79,7 @@ def in_phase() -> InPhase:
             here = preparation.chain(chain, C)
             phi, before, rows = preparation.start(here), 0.0, []
             outside = preparation.nucleus.outside(here.sites)
-            for time in times:
+            for time in TIMES:
                 if time > before:
                     phi = run_envelope(here, phi, time - before).phi
                 before = time
@@ -99,7 +99,7 @@ def in_phase() -> InPhase:
     seen = np.angle(wave[1:] / wave[:-1]) / np.pi
     expected = phase_steps(hold(chain, preparation, C, 12.0), preparation)
     return InPhase(
-        times=times,
+        times=TIMES,
         steps=steps,
         shapes=shapes,
         localised=all(

@@ -22,6 +22,7 @@ from fronts.cli import main
 
 DATA = Path(__file__).parent / "data"
 VERDICTS = DATA / "verdicts.json"
+EVIDENCE = DATA / "evidence.json"
 
 Json = Any
 
@@ -69,7 +70,8 @@ def replay(words: Sequence[str]) -> Json:
 
 def recorded() -> dict[str, Json]:
     """Return the recorded argument sets by name: why, command, exit code, answer or refusal."""
-    files = (path for path in sorted(DATA.glob("*.json")) if path != VERDICTS)
+    others = (VERDICTS, EVIDENCE)
+    files = (path for path in sorted(DATA.glob("*.json")) if path not in others)
     return {
         name: case
         for path in files

@@ -1,0 +1,51 @@
+"""What claims compute: at smaller sizes all of it runs, and finds what was recorded.
+
+Whether the two methods of a claim agree is judged at the published sizes, by ``make paper``; here a
+change of the code that leads to its evidence, to what the text says of it and to the data of the
+pictures shows in a second. Who changes it on purpose records it anew (`tests.behaviour.evidence`).
+"""
+
+from __future__ import annotations
+
+import json
+from copy import deepcopy
+
+import pytest
+
+from tests.behaviour.evidence import (
+    SMALLER,
+    apart,
+    claims_by_evidence,
+    computed,
+    shipped_roots,
+    stored,
+)
+from tests.behaviour.replay import EVIDENCE
+
+RECORDED = json.loads(EVIDENCE.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("root", SMALLER)
+def test_evidence_at_a_smaller_size_is_as_recorded(root: str) -> None:
+    assert not list(apart(RECORDED[root], computed(root)))
+
+
+@pytest.mark.parametrize("root", shipped_roots())
+def test_shipped_evidence_says_what_was_recorded(root: str) -> None:
+    found = stored(root)
+    for claim in claims_by_evidence()[root]:
+        assert found["said"][claim.key][0] == claim.recorded
+    assert not list(apart(RECORDED[f"{root} as shipped"], found))
+
+
+def test_all_evidence_is_computed_here_or_shipped() -> None:
+    assert {*SMALLER, *shipped_roots()} == set(claims_by_evidence())
+
+
+def test_numbers_that_are_apart_are_named() -> None:
+    here = {"v": [1.0, "2.5", None], "gap": 3e-10, "state": "front", "x": "at c = 0.512"}
+    assert not list(apart(here, {**here, "gap": 4e-10}))
+    for name, other in (("v", [1.0, "2.6", None]), ("v", [1.0, "2.5"]), ("gap", 3e-7),
+                        ("state", "rest"), ("v", [1.0, "2.5", 0.0]),
+                        ("x", "at c = 0.514")):  # fmt: skip
+        assert list(apart(here, deepcopy(here) | {name: other})), name

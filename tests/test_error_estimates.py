@@ -1,0 +1,164 @@
+"""Stated errors of made-up results: each holds what it must hold, on either side where it matters.
+
+The runs themselves are elsewhere; here every estimate is given numbers of which the worst case can
+be written down.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from theory.cells.friction import FrictionCell
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import AveragedChain, VdpChain
+from verification.breathers.orbits import _parity
+from verification.cells.friction import ROUND_OFF, _with_error
+from verification.cells.result import Cycle
+from verification.fronts.arrival_fit import Trial, settle
+from verification.fronts.network import _slope
+from verification.fronts.resting import pinning_eta, static_fold
+from verification.piecewise.chain import PiecewiseMotion, Rest
+from verification.piecewise.verdict import History
+from verification.piecewise.window import _RESERVE, ChainState, decay_rate, truncation_bound
+from verification.runs.averaging_error import AveragingError
+from verification.runs.excite import excite
+from verification.runs.smooth_integration import SmoothIntegration
+from verification.thresholds import escape
+from verification.thresholds.preparation import Preparation
+
+
+def test_the_slope_of_the_averaging_error_bounds_what_errors_of_the_runs_can_do() -> None:
+    """Both distances may be wrong by their errors, in opposite directions."""
+    distances, errors = np.array([0.4, 0.2, 0.1]), np.array([0.0, 2e-4, 1e-4])
+    made = partial_averaging_error(distances, errors)
+    for signs in itertools.product((-1.0, 1.0), repeat=2):
+        true = distances[1:] + np.array(signs) * errors[1:]
+        slope = math.log(true[0] / true[1]) / math.log(2.0)
+        assert abs(slope - made.slope) <= made.slope_error * (1.0 + 2e-3)  # to second order
+    assert partial_averaging_error(distances, 0.0 * errors).slope_error == pytest.approx(0.0)
+    bent = partial_averaging_error(np.array([0.4, 0.2, 0.05]), 0.0 * errors)
+    assert (bent.slope, bent.slope_error) == pytest.approx((2.0, 1.0))
+
+
+def partial_averaging_error(
+    distances: np.ndarray[tuple[int], np.dtype[np.float64]],
+    errors: np.ndarray[tuple[int], np.dtype[np.float64]],
+) -> AveragingError:
+    return AveragingError(
+        chain=None, slow_time=3.0, eps=0.1 * 0.5 ** np.arange(3), distances=distances,
+        errors=errors, seconds=0.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("period", [7.0, 700.0])
+def test_a_cycle_is_no_better_than_rounding_of_its_period(period: float) -> None:
+    one = Cycle(max=2.0, min=-2.0, period=period, slip_time=period, error=0.0)
+    found = _with_error(FrictionCell(), one, one)
+    assert found is not None
+    assert found.error == ROUND_OFF * period
+    other = _with_error(FrictionCell(), one, replace(one, period=period + 0.5))
+    assert other is not None
+    assert other.error == 0.5
+
+
+def test_a_velocity_of_a_network_is_uncertain_by_how_much_its_halves_differ() -> None:
+    distance = np.arange(40.0)
+    v, error = _slope(distance, distance / 2.0)
+    assert (v, error) == pytest.approx((2.0, 0.0), abs=1e-9)  # rounding of forty times
+    slower = np.where(distance < 30.0, distance / 2.0, 15.0 + (distance - 30.0))
+    v, error = _slope(distance, slower)
+    # The outer half has times of 1/2 and then of 1 a site: the true velocity is either of these.
+    assert max(abs(v - 1.0), abs(v - 2.0)) <= error
+
+
+@pytest.mark.parametrize(("doubt", "enough", "error"), [(3.0, False, 1.0), (1.0, False, 1.0),
+                                                        (3.0, True, 0.0)])  # fmt: skip
+def test_on_the_longest_chain_a_doubt_that_is_left_is_part_of_the_error(
+    doubt: float, enough: bool, error: float
+) -> None:
+    def trial(sites: int) -> Trial:
+        return Trial(None, np.arange(sites) / 2.0, np.arange(sites) / 2.0, sites)
+
+    found = settle(trial, sites=32, max_sites=40, accuracy=1e-3, seen=0.0, doubt=doubt,
+                   enough=lambda *_: enough)  # fmt: skip
+    assert found.error == pytest.approx(error, abs=1e-9)
+
+
+def test_the_truncation_bound_is_its_series_summed_term_by_term() -> None:
+    c, v, distance = 0.5, 0.3, 40.0
+    s = decay_rate(c, v)
+    n = np.arange(4000)
+    ahead = np.exp(-s * n).sum()
+    waits = np.exp(-0.5 * _RESERVE * n / v).sum()  # switchings of the past, one every 1/v
+    behind = waits + ahead + np.exp(-2.0 * s * n).sum()
+    images = np.exp(-s * distance * (1.0 + n)).sum()
+    expected = 0.5 / (0.5 - c * math.sinh(s)) * (ahead + behind) * images
+    assert truncation_bound(c, v, distance) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("remainder", [1e-3, 0.0])
+def test_rest_is_proven_beyond_what_is_left_and_rounding(remainder: float) -> None:
+    assert Rest(margin=remainder + 1.1e-13, remainder=remainder).proven
+    assert not Rest(margin=remainder + 0.9e-13, remainder=remainder).proven
+
+
+def test_the_margin_of_a_front_at_rest_is_what_no_motion_can_use_up() -> None:
+    state = ChainState(np.where(np.arange(64) < 32, 1.0 + 0j, 0j))
+    history = History(PiecewiseMotion(0.1, 0.4, state), 0.1)
+    found = history.verdict(Rest(margin=0.3, remainder=0.1), 1e-9, 0.0)
+    assert found.margin == pytest.approx(0.2)
+    assert (found.v, found.error, found.status.value) == (0.0, 0.0, "pinned")
+
+
+def test_the_pinning_eta_is_no_better_than_the_fold_that_it_inverts() -> None:
+    pin = pinning_eta(0.101944386)
+    assert pin is not None
+    fold = static_fold(pin.eta)
+    slope = (static_fold(pin.eta + 1e-6).c - static_fold(pin.eta - 1e-6).c) / 2e-6
+    assert pin.error >= fold.error / slope
+    assert static_fold(pin.eta + pin.error).c >= 0.101944386 >= static_fold(pin.eta - pin.error).c
+
+
+@pytest.mark.parametrize("place", [0, -1])
+def test_a_clock_that_is_not_finite_in_any_part_is_refused(place: int) -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=4)
+    run = SmoothIntegration(chain, excite(chain, [1]), [10.0])
+    run.check_state()
+    run._run.clock[place] = math.nan
+    with pytest.raises(ValueError, match="clock"):
+        run.check_state()
+
+
+@pytest.mark.parametrize("parity", [1, -1])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_parity_of_an_orbit_is_read_from_places_and_velocities(
+    parity: int, sign: float
+) -> None:
+    y, v = np.array([0.1, 1.0, 0.1 * parity]), np.array([3.0, 0.5, 3.0 * parity])
+    if parity == -1:
+        y[1] = v[1] = 0.0
+    for state in (np.concatenate([y, v]), np.concatenate([v, y])):
+        assert _parity(sign * state, Nucleus(1), 3) == parity
+
+
+def test_of_several_seeds_the_range_of_escape_holds_every_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ends = {0: 0.19, 1: 0.2, 2: 0.21}
+
+    def hold(chain: object, preparation: Preparation, c: float, duration: float) -> object:
+        return SimpleNamespace(time=1.0, escaped=c > ends[preparation.seed])
+
+    monkeypatch.setattr(escape, "hold", hold)
+    noisy = Preparation(1, perturbation=1e-3)
+    found = escape.escape_range(AveragedChain(a=2.5, b=0.5, c=0.0), noisy, 500.0, 1e-4)
+    assert found.low <= ends[0]
+    assert found.high >= ends[2]
+    assert found.error == pytest.approx(0.01, abs=1e-4)  # half of what the seeds are apart
+    assert found.monotone

@@ -63,7 +63,10 @@ from verification.steppers.friction_series import (
     SLIDING,
     START,
     STEEPEST,
+    STEP,
+    SUM,
     TOLERANCE,
+    V0,
     V_D,
     WATCHED,
     XI,
@@ -72,6 +75,7 @@ from verification.steppers.friction_series import (
     W,
     Y,
     absolute_sum,
+    absolute_sums,
     expand,
     first_root,
     inner,
@@ -80,6 +84,7 @@ from verification.steppers.friction_series import (
     resolved,
     shift,
     site_value,
+    site_values,
     term_length,
 )
 from verification.steppers.stop_code import StopCode
@@ -334,8 +339,11 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     site, mode, series, numbers = run.site, run.mode, run.series, run.numbers
     goes_on = True
     for n in range(lo, hi):
-        h = min(site[END, n], length - now)
-        if mode[MODE, n] != 0:
+        site[STEP, n] = min(site[END, n], length - now)
+    absolute_sums(series[W], site, lo, hi)
+    for n in range(lo, hi):
+        h = site[STEP, n]
+        if mode[MODE, n] != 0 and not (len(run.law) == 0 and site[SUM, n] <= numbers[V0]):
             h = resolved(series, numbers, run.law, n, float(mode[MODE, n]), h)
         time = numbers[CLOCK] + now
         goes_on = goes_on and (h >= length - now or time + h > time)
@@ -346,9 +354,15 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
         for m in (n - 1, n + 1):
             if m < lo or m >= hi or (mode[MODE, n] == 0 and mode[MODE, m] != 0):
                 end = min(end, max(now, site[END, m]))
-        site[END, n] = min(site[END, n], end)
-        site[EVENT, n] = now + _first_event(run, n, end - now)
-        run.queue[run.queue.size // 2 + n] = min(site[EVENT, n], end if end < length else math.inf)
+        site[END, n] = end
+        site[STEP, n] = end - now
+    absolute_sums(series[W], site, lo, hi)
+    for n in range(lo, hi):
+        site[EVENT, n] = math.inf
+        if not site[SUM, n] < mode[MODE, n] * series[W, 0, n]:  # as ``first_root`` asks
+            site[EVENT, n] = now + _first_event(run, n, site[STEP, n])
+        expires = site[END, n] if site[END, n] < length else math.inf
+        run.queue[run.queue.size // 2 + n] = min(site[EVENT, n], expires)
     return goes_on
 
 
@@ -589,11 +603,26 @@ def _sample(run: Run, n: int, begin: float, end: float) -> None:
 
 @inner
 def _finish(run: Run, end: float) -> None:
-    """Take all sites to the end of the frame."""
-    site, times, lo, hi = run.site, run.times, run.counters[LO], run.counters[HI]
+    """Take all sites to the end of the frame: those that are sampled or may turn one by one."""
+    site, mode, times, lo, hi = run.site, run.mode, run.times, run.counters[LO], run.counters[HI]
+    series, i = run.series, run.counters[SAMPLED]
+    sampled = i < times.size and not max(0.0, times[i] - run.numbers[CLOCK]) > end
     for n in range(lo, hi):
-        _bring(run, n, end)
+        site[STEP, n] = end - site[START, n]
+    absolute_sums(series[W], site, lo, hi)
+    for n in range(lo, hi):
+        still = site[SUM, n] < abs(series[W, 0, n] + run.numbers[V_D])
+        if sampled or (mode[MODE, n] == -1 and not still):
+            _bring(run, n, end)
+            site[STEP, n] = 0.0
+        elif site[STEP, n] > 0.0:
+            mode[RELEASED, n] = 0
         site[START, n] = 0.0
+    for row in (Y, W):
+        site_values(series[row], site, lo, hi)
+        for n in range(lo, hi):
+            if site[STEP, n] > 0.0:
+                site[row, n] = site[SUM, n]
     while run.counters[SAMPLED] < times.size:
         i = run.counters[SAMPLED]
         if max(0.0, times[i] - run.numbers[CLOCK]) > end:

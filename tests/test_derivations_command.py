@@ -139,9 +139,6 @@ def test_bad_input_is_one_sentence_and_exit_code_two(capsys, words):
     assert (code, out) == (2, "")
     assert len(err.strip().splitlines()) == 1
     assert "defect" not in err
-    code, out, err = run(capsys, *words, "--json")
-    assert code == 2
-    assert json.loads(err)["error"]["message"]
 
 
 def test_out_writes_a_whole_file(capsys, tmp_path):

@@ -54,6 +54,12 @@ def example_claims(monkeypatch, tmp_path):
     monkeypatch.delenv("EXAMPLE_TROUBLE", raising=False)
 
 
+@pytest.fixture
+def plain(monkeypatch):
+    """Claims without pictures, for which each process would import matplotlib."""
+    monkeypatch.setenv("EXAMPLE_PLAIN", "")
+
+
 def judged(tmp_path):
     log = tmp_path / "log"
     keys = [line.split()[0] for line in log.read_text().splitlines()] if log.exists() else []
@@ -134,6 +140,7 @@ def test_exit_code_is_0_when_all_is_as_recorded_and_nothing_is_written(
     assert "\r" not in shown.err
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_judge_that_raises_is_shown_as_failed_and_named(monkeypatch, capsys, tmp_path, jobs):
     monkeypatch.setenv("EXAMPLE_TROUBLE", "raise:fig9-monotone")
@@ -159,6 +166,7 @@ def test_a_changed_verdict_exits_with_1_and_is_named(monkeypatch, capsys):
     assert sentence in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("plain")
 def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
     monkeypatch.setenv("EXAMPLE_TROUBLE", "kill:fig9-monotone")
     assert main(["check", "--jobs", "2", "--json"]) == 1
@@ -168,6 +176,7 @@ def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
     assert report["counts"]["failed"] == 1
 
 
+@pytest.mark.usefixtures("plain")
 def test_claims_that_share_evidence_or_work_go_to_one_process(tmp_path, capsys):
     assert main(["check", "--jobs", "2", "--json"]) == 0
     process = dict(line.split() for line in (tmp_path / "log").read_text().splitlines())
@@ -409,6 +418,7 @@ def pids_of(log):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_an_interrupt_stores_what_is_finished_and_leaves_no_process(
     tmp_path, monkeypatch, jobs, number
@@ -469,6 +479,7 @@ DAMAGE = {
 }
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_a_damaged_finding_is_computed_again(tmp_path, capsys, damage):
     folder = tmp_path / "report"

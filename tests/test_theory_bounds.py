@@ -212,14 +212,6 @@ def test_a_retreating_front_solves_the_relation_over_the_lower_roots(c: float, e
         assert abs(abs(lower.value) - target) <= 2 * abs(slope) * error + lower.error + 1e-14
 
 
-def test_a_pole_correction_is_needed_and_made_at_high_precision() -> None:
-    for v, c in ((159.82338529816317, 214.92354611211903), (72.46, 100.0)):
-        integral, series = precise_sum_by_integral(v, c, 40), sum_by_roots(v, c, 40)
-        with mp.workdps(60):
-            off = abs(integral.value - series.value)
-        assert off <= integral.error + series.error < 1e-39
-
-
 @pytest.mark.parametrize("eta", [0.01, 0.02, 0.03125, 0.04])
 def test_beside_the_fold_rounding_does_not_multiply_the_branches(eta: float) -> None:
     fold = fold_coupling(eta)

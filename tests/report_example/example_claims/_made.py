@@ -1,5 +1,10 @@
-"""Made-up claims: the finding is given, and evidence, rule and text only pass it on."""
+"""Made-up claims: the finding is given, and evidence, rule and text only pass it on.
 
+Where EXAMPLE_PLAIN is set they have no pictures, for which each process would import matplotlib.
+"""
+
+import os
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from paper_checks.claim import Claim, Erratum, Formula, Method, Picture, Ruling, Verdict
@@ -17,6 +22,10 @@ class Made:
     pictures: tuple[Picture, ...] = ()
     formulas: tuple[Formula, ...] = ()
     erratum: Erratum | None = None
+
+
+def pictures(*drawn: Callable[[], Picture]) -> tuple[Picture, ...]:
+    return () if "EXAMPLE_PLAIN" in os.environ else tuple(draw() for draw in drawn)
 
 
 def rule(e):

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from example_claims._made import Made, made
+from example_claims._made import Made, made, pictures
 from example_claims._trouble import visit
 from paper_checks.claim import Erratum, Fault, Formula, Verdict
 from verification.pictures.data_table import long_table
@@ -49,7 +49,7 @@ def _speed():
             "one decade further the exponent is within 1 % of 1/2 & stays there <for good>."
         ),
         because="a fold looks straight over a <short> range; later v_d grows like c^{1/2}.",
-        pictures=(_drawn(),),
+        pictures=pictures(_drawn),
     )
 
 

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from example_claims._made import Made, made
+from example_claims._made import Made, made, pictures
 from example_claims._trouble import visit
 from paper_checks.claim import Verdict
 from verification.pictures.figures import new_axes, picture
@@ -38,7 +38,7 @@ def _decay():
         error="3e-10, the spread of the two methods",
         tolerance="1e-6: the paper prints three digits",
         explanation="The decay is exponential over four decades.",
-        pictures=(_drawn(),),
+        pictures=pictures(_drawn),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import sys
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, SupportsFloat
 
@@ -114,9 +115,10 @@ def real_array(quantity: str, values: object) -> NDArray[np.float64]:
     """
     import numpy as np
 
+    ma = sys.modules.get("numpy.ma")  # not loaded: nobody has made a masked array
     try:
         given = np.asarray(values)
-        if given.dtype.kind in "iufO" and not np.ma.is_masked(values):
+        if given.dtype.kind in "iufO" and not (ma and ma.is_masked(values)):
             return given.astype(float)
     except (TypeError, ValueError, OverflowError):
         pass

@@ -27,6 +27,7 @@ from theory.piecewise.sums.result import PrecisionError
 
 IntArray = npt.NDArray[np.int64]
 
+_EPS = float(np.finfo(float).eps)
 _TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _COARSEST = 0.25
@@ -81,6 +82,10 @@ class _Values(NamedTuple):
     error_by_t: FloatArray
     error_by_c: FloatArray
 
+    def row(self, index: int) -> _Values:
+        """Return one row of values that have several."""
+        return _Values(*(values[index] for values in self))
+
 
 @dataclass
 class _Relation:
@@ -100,7 +105,7 @@ class _Relation:
         value, error, by = values[0] + self.shift, errors[0], values[1:]
         size = np.abs(value)
         inverse = 1.0 / np.where(size > 0, size, 1.0)
-        by_v, by_c = np.real(np.conj(value) * inverse * by)
+        by_v, by_c = (value.conj() * inverse * by).real
         error_by_v, error_by_c = errors[1:] + 2.0 * error * inverse * np.abs(by)
         return _Values(
             g=size - self.target[scene],
@@ -304,21 +309,22 @@ def _brackets(
     while owner.size:
         ta, ga, da, ea, tb, gb, db, eb = cells
         width = tb - ta
+        size_a, steep_a, size_b, steep_b = np.abs(cells[[1, 2, 5, 6]])
         # Where |Σ| is lost in rounding a sign means nothing.
         differ = (ga > 0) != (gb > 0)
-        steepest = np.maximum(np.abs(da), np.abs(db))
-        flattest = np.minimum(np.abs(da), np.abs(db))
+        flattest = np.minimum(steep_a, steep_b)
         monotone = np.abs(da - db) < 0.5 * flattest
         monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.5 * width * flattest
-        safe = ~differ & (monotone | (np.minimum(np.abs(ga), np.abs(gb)) > width * steepest))
+        flat = np.minimum(size_a, size_b) > width * np.maximum(steep_a, steep_b)
+        safe = ~differ & (monotone | flat)
         short = width < _SHORTEST
         found = differ & (monotone | short)
         done_owner.append(owner[found])
         done_cells.append(cells[:, found])
         # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
-        touches = np.flatnonzero(short & ~differ)
-        if touches.size:
-            touches = touches[(np.minimum(np.abs(ga) - ea, np.abs(gb) - eb) <= 0)[touches]]
+        if short.any():
+            zero = np.minimum(size_a - ea, size_b - eb) <= 0
+            (touches,) = (short & ~differ & zero).nonzero()
             # One a scene and round is enough: its neighbours are the same fold.
             touches = touches[np.unique(owner[touches], return_index=True)[1]]
             done_owner.append(owner[touches])
@@ -360,41 +366,10 @@ def _told_apart(
 
 
 def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
-    """Refine each bracket by Newton kept inside it, then bound the error by a change of sign."""
+    """Refine each bracket to one solution, with its error and derivatives."""
     owner, cells = _told_apart(relation, owner, cells)
-    ta, ga, tb = cells[0], cells[1], cells[4]
-    # about twice what the error of a step of Newton's is, times the slope and over the step²
-    curvature = np.abs(cells[6] - cells[2]) / (tb - ta)
-    t = _crossing(cells)
-    here, sure = relation(owner, t), False
-    for _ in range(30):
-        left = (here.g > 0) == (ga > 0)
-        ta, tb = np.where(left, t, ta), np.where(left, tb, t)
-        steep = np.where(here.by_t == 0, 1.0, here.by_t)
-        newton = t - here.g / steep
-        inside = (newton >= ta) & (newton <= tb) & (here.by_t != 0)
-        new = np.where(inside, newton, 0.5 * (ta + tb))
-        step, steep = np.abs(new - t), np.abs(steep)
-        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / steep
-        open_ = np.flatnonzero(step > rounding)
-        if open_.size == 0:
-            break
-        t[open_] = new[open_]
-        last = (step**2 * curvature <= rounding * steep) & inside & (step > rounding)
-        if np.all(last):  # g is to be zero to rounding, and is computed with both sides
-            spread = _least_spread(t, here._replace(g=np.zeros(t.shape)))
-            around = _values_at(relation, owner, t, t - spread, t + spread)
-            here, sure = around[0], bool(np.all(_differ_surely(*around[1:])))
-            if sure:
-                break
-            curvature = np.full(t.shape, 1e300)  # only once
-            continue
-        for row, values in zip(here, relation(owner[open_], t[open_]), strict=True):
-            row[open_] = values
-    if not sure:
-        spread, beside = _confirmed_spread(relation, owner, t, here)
-        around = [here, *beside]
-    v = np.exp(t)
+    t, spread, around = _refined(relation, owner, cells)
+    v, here = np.exp(t), around.row(0)
     along_c, along_target = _errors_along(v, spread, around)
     return Solutions(
         scene=owner,
@@ -406,6 +381,45 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
         error_along_target=along_target,
         evaluations=relation.evaluations,
     )
+
+
+def _refined(
+    relation: _Relation, owner: IntArray, cells: FloatArray
+) -> tuple[FloatArray, FloatArray, _Values]:
+    """Return where g = 0 by Newton kept inside each bracket; see `_confirmed_spread` for the rest.
+
+    The last step, after which g is zero to rounding, is taken together with both sides.
+    """
+    ta, ga, tb = cells[0], cells[1], cells[4]
+    # about twice what the error of a step of Newton's is, times the slope and over the step²
+    curvature = np.abs(cells[6] - cells[2]) / (tb - ta)
+    t = _crossing(cells)
+    here = relation(owner, t)
+    for _ in range(30):
+        left = (here.g > 0) == (ga > 0)
+        ta, tb = np.where(left, t, ta), np.where(left, tb, t)
+        level = here.by_t == 0
+        steep = np.where(level, 1.0, here.by_t)
+        newton = t - here.g / steep
+        inside = (newton >= ta) & (newton <= tb) & ~level
+        new = np.where(inside, newton, 0.5 * (ta + tb))
+        step, steep = np.abs(new - t), np.abs(steep)
+        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / steep
+        far = step > rounding
+        (open_,) = far.nonzero()
+        if open_.size == 0:
+            break
+        t[open_] = new[open_]
+        if (far & inside & (step**2 * curvature <= rounding * steep)).all():
+            spread = _least_spread(t, here.by_t, here.error)
+            around = _values_at(relation, owner, t, t - spread, t + spread)
+            if _differ_surely(around).all():
+                return t, spread, around
+            here, curvature = around.row(0), np.full(t.shape, 1e300)  # only once
+        else:
+            for row, values in zip(here, relation(owner[open_], t[open_]), strict=True):
+                row[open_] = values
+    return t, *_confirmed_spread(relation, owner, t, here)
 
 
 def _crossing(cells: FloatArray) -> FloatArray:
@@ -423,64 +437,62 @@ def _crossing(cells: FloatArray) -> FloatArray:
     return inside
 
 
-def _least_spread(t: FloatArray, here: _Values) -> FloatArray:
-    """Return how far from t, at least, g may differ in sign beyond its error."""
-    floor = 4.0 * np.finfo(float).eps * np.maximum(1.0, np.abs(t))
-    steep = np.where(here.by_t == 0, 1e-300, np.abs(here.by_t))
-    return np.minimum(floor + 2.5 * (np.abs(here.g) + here.error) / steep, 1e-3)
+def _least_spread(t: FloatArray, by_t: FloatArray, off: FloatArray) -> FloatArray:
+    """Return how far from t, where |g| ≤ off, g may at least differ in sign beyond its error."""
+    floor = 4.0 * _EPS * np.maximum(1.0, np.abs(t))
+    steep = np.where(by_t == 0, 1e-300, np.abs(by_t))
+    return np.minimum(floor + 2.5 * off / steep, 1e-3)
 
 
 def _confirmed_spread(
     relation: _Relation, owner: IntArray, t: FloatArray, here: _Values
-) -> tuple[FloatArray, list[_Values]]:
-    """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and both values."""
-    spread = _least_spread(t, here)
+) -> tuple[FloatArray, _Values]:
+    """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and the values.
+
+    Those are at t, t - δ and t + δ, a row each.
+    """
+    spread = _least_spread(t, here.by_t, np.abs(here.g) + here.error)
     beside = _values_at(relation, owner, t - spread, t + spread)
     for _ in range(11):
-        sure = _differ_surely(*beside)
-        if np.all(sure):
+        sure = _differ_surely(beside)
+        if sure.all():
             break
         spread = np.where(sure, spread, 2.0 * spread)
         beside = _values_at(relation, owner, t - spread, t + spread)
-    return spread, beside
+    return spread, _Values(*map(np.vstack, zip(here, beside, strict=True)))
 
 
-def _differ_surely(below: _Values, above: _Values) -> npt.NDArray[np.bool_]:
-    """Return whether g differs in sign beyond its error."""
-    sure = (np.abs(below.g) > below.error) & (np.abs(above.g) > above.error)
-    differ: npt.NDArray[np.bool_] = sure & ((below.g > 0) != (above.g > 0))
+def _differ_surely(values: _Values) -> npt.NDArray[np.bool_]:
+    """Return whether g differs in sign beyond its error between the last two rows."""
+    g, error = values.g[-2:], values.error[-2:]
+    differ: npt.NDArray[np.bool_] = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
     return differ
 
 
-def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> list[_Values]:
-    """Return the values at several arrays of t, computed together."""
-    count = len(places)
-    together = relation(np.concatenate([owner] * count), np.concatenate(places))
-    rows = np.array(together).reshape(len(together), count, owner.size)
-    return [_Values(*rows[:, i]) for i in range(count)]
+def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> _Values:
+    """Return the values at several arrays of t, computed together, a row for each of them."""
+    together = relation(np.concatenate([owner] * len(places)), np.concatenate(places))
+    return _Values(*(values.reshape(len(places), owner.size) for values in together))
 
 
 def _errors_along(
-    v: FloatArray, spread: FloatArray, values: list[_Values]
+    v: FloatArray, spread: FloatArray, around: _Values
 ) -> tuple[FloatArray, FloatArray]:
     """Bound the errors of ∂v/∂c and ∂v/∂target, computed at v, at the true velocity.
 
     That lies within the spread, where the derivatives of g are taken to be between those at its
-    middle and its ends.
+    middle and its ends, the rows of ``around``.
     """
-    here = values[0]
-    by_t, error_by_t, by_c, error_by_c = (
-        np.array([getattr(each, name) for each in values])
-        for name in ("by_t", "error_by_t", "by_c", "error_by_c")
+    steep, by_c = (
+        np.array([(by - error).min(axis=0), (by + error).max(axis=0)])
+        for by, error in ((around.by_t, around.error_by_t), (around.by_c, around.error_by_c))
     )
-    steep = np.concatenate([by_t - error_by_t, by_t + error_by_t])
-    by_c = np.concatenate([by_c - error_by_c, by_c + error_by_c])
-    decided = (steep.min(axis=0) > 0) | (steep.max(axis=0) < 0)
-    inverse = v / np.where(decided, np.array([steep.min(axis=0), steep.max(axis=0)]), 1.0)
-    middle = v / np.where(decided, here.by_t, 1.0)
+    decided = (steep[0] > 0) | (steep[1] < 0)
+    inverse = v / np.where(decided, steep, 1.0)
+    middle = v / np.where(decided, around.by_t[0], 1.0)
     rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # and v itself changes by its error
     along_target = np.abs(inverse - middle).max(axis=0) + rounding
-    corners = inverse[:, None] * np.array([by_c.min(axis=0), by_c.max(axis=0)])
-    along_c = np.abs(corners - middle * here.by_c).max(axis=(0, 1))
+    corners = inverse[:, None] * by_c
+    along_c = np.abs(corners - middle * around.by_c[0]).max(axis=(0, 1))
     along_c += rounding * np.abs(by_c).max(axis=0)
     return np.where(decided, along_c, np.inf), np.where(decided, along_target, np.inf)

@@ -40,6 +40,8 @@ SMALLEST, LARGEST = 1e-20, 1e20
 """Range of v and c in arrays: beyond, squares of what the rules compute leave that of numbers."""
 _FEW_POINTS = 1000
 """Values whose numbers of points are rounded up to powers of two."""
+_POINTS_OF_A_GROUP = 4096
+"""Points that cost as much as the calls of one more group."""
 _FEW_VALUES = 3
 """Values that are computed sooner one by one than as an array."""
 _PIECE = 2**15
@@ -170,6 +172,8 @@ def sums_of_pairs(
     points, truncation = axis.plan(v, c, tolerance)
     if v.size < _FEW_POINTS and not fast:  # more points cost less than more groups
         power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
+        if v.size * power.max() <= _POINTS_OF_A_GROUP:
+            power = power.max()
         more = np.maximum(points, np.minimum(power, axis.MAX_PLAIN))
         points = np.where(points, more, 0.0).astype(np.int64)
         if np.min(points) == np.max(points) > 0:

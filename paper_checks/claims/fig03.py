@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.ruling import fails, holds, partly
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 TIMES_A, TIMES_B = (200.0, 400.0, 600.0), (400.0, 700.0, 1000.0)
 CORE = (15, 16, 17)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, flow
@@ -15,9 +15,6 @@ from paper_checks.claims._orbits import CENTRE, SITES, orbit_of
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 C = 0.1
 STRONGER = 0.19

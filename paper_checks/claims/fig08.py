@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
@@ -17,8 +18,6 @@ from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from theory.averaged.breather import Reading
 
 COUPLINGS = (0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.175, 0.185, 0.19)

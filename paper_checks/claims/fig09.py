@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
@@ -13,9 +14,6 @@ from paper_checks.claims._orbits import SITES, orbit_of
 from paper_checks.ruling import agrees, fails, holds, partly
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 PRINTED = "0.195"
 TOGETHER = 0.002

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
 from paper_checks.ruling import fails, holds, partly
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 C = 0.1
 SIZES = (3, 7)

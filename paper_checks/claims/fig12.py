@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, A, B
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import new_panels, picture
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 C = 0.6
 TIMES = (14000.0, 17000.0, 20000.0)

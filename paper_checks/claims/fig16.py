@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 A, B, C = 4.0, 0.5, 0.5
 """Parameters of Fig. 16."""

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS
@@ -17,8 +18,6 @@ from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from verification.breathers.outcome import Evolution
 
 EXACT = 1e-12

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from fronts.answer import UsageError
 from verification.execution import files
+
+Number = TypeVar("Number", int, float)
 
 MAX_POINTS = 100_000
 MAX_EXCITED = 1_000_000
@@ -55,12 +56,19 @@ def with_values_joined(words: Sequence[str]) -> list[str]:
     return joined
 
 
+def _read(kind: Callable[[str], Number], text: str) -> Number:
+    """Read a number; ValueError for what is none, and for 0_5, which Python would read as 5."""
+    if "_" in text:
+        raise ValueError(text)
+    return kind(text)
+
+
 def real(text: str) -> float:
     """Read one number; ranges and ``nan`` checks are left to the theory's own validation."""
-    if "_" not in text:  # Python would read 0_5 as 5
-        with suppress(ValueError):
-            return float(text)
-    raise BadText(text, "a number", "write it as in 0.5 or 1e-3")
+    try:
+        return _read(float, text)
+    except ValueError:
+        raise BadText(text, "a number", "write it as in 0.5 or 1e-3") from None
 
 
 def whole(text: str) -> int:
@@ -71,10 +79,10 @@ def whole(text: str) -> int:
     >>> whole("12")
     12
     """
-    if "_" not in text:
-        with suppress(ValueError):
-            return int(text)
-    raise BadText(text, "a whole number", "write it in digits, as in 12")
+    try:
+        return _read(int, text)
+    except ValueError:
+        raise BadText(text, "a whole number", "write it in digits, as in 12") from None
 
 
 def real_or_range(text: str) -> float | tuple[float, float, int]:
@@ -139,7 +147,7 @@ def size_or_shape(text: str) -> int | tuple[int, int]:
     if not times:
         return whole(text)
     try:
-        return int(rows), int(columns)
+        return _read(int, rows), _read(int, columns)
     except ValueError:
         raise BadText(text, "a whole number or rows x columns", "write it as in 60x40") from None
 
@@ -154,11 +162,11 @@ def site_list(text: str) -> tuple[int, ...]:
     """
     try:
         if ":" in text:
-            first, last = (int(part) for part in text.split(":"))
+            first, last = (_read(int, part) for part in text.split(":"))
             if last - first < MAX_EXCITED:
                 return tuple(range(first, last + 1))
         else:
-            return tuple(int(part) for part in text.split(","))
+            return tuple(_read(int, part) for part in text.split(","))
     except ValueError:
         pass
     raise BadText(

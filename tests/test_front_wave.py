@@ -457,3 +457,16 @@ def test_the_shell_follows_branches(capsys: pytest.CaptureFixture[str], tmp_path
     assert found["eta_pin"] == pinning_eta(0.15).eta
     single = "front averaged --c 0.6 --eta 0.03125 --method wave"
     assert main(f"{single} --tolerance 1e-9".split()) == 2
+
+
+@pytest.mark.parametrize("along", ["c", "eta"])
+def test_a_search_that_ends_names_the_parameter_that_was_followed(along, monkeypatch) -> None:
+    """Of breathers the sentence speaks of a coupling and asks for a smaller one."""
+
+    def ends(system, guess, value):
+        raise NotConvergedError(f"no solution was found at c = {value}: take a smaller one.", value)
+
+    monkeypatch.setattr("verification.fronts.follow.solve_at", ends)
+    other, values = (0.03125, [0.6]) if along == "c" else (0.6, [0.03125])
+    with pytest.raises(NoFrontError, match=rf"{along} = {values[0]}: take a value farther"):
+        follow_front_wave(values, other, along)

@@ -205,7 +205,8 @@ def _next(
         length *= 0.5
     raise NotConvergedError(
         f"the branch could not be followed past c = {point.c:.6g}: take a smaller eps, or an eta "
-        "farther from 1/8."
+        "farther from 1/8.",
+        point.c,
     )
 
 

@@ -22,7 +22,19 @@ MAX_NEWTON = 20
 
 
 class NotConvergedError(RunError):
-    """Newton's method found no solution from this start."""
+    """Newton's method found no solution from this start.
+
+    Parameters
+    ----------
+    message : str
+        For a parameter that is a coupling c.
+    at : float, optional
+        Value of the parameter, for who follows another one.
+    """
+
+    def __init__(self, message: str, at: float | None = None) -> None:
+        super().__init__(message)
+        self.at = at
 
 
 @dataclass(frozen=True)
@@ -96,7 +108,7 @@ def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) ->
         u = u - share * change
         correction = float(np.abs(share * change).max())
     raise NotConvergedError(
-        f"no solution was found at c = {c:.6g}: take a smaller coupling, or a smaller eps."
+        f"no solution was found at c = {c:.6g}: take a smaller coupling, or a smaller eps.", c
     )
 
 
@@ -128,7 +140,8 @@ def step_along(
         u = u - change[:-1]
         c -= float(change[-1]) / COUPLING_WEIGHT
     raise NotConvergedError(
-        f"no step of length {length:.2g} leads on from c = {start.c:.6g}: take a smaller coupling."
+        f"no step of length {length:.2g} leads on from c = {start.c:.6g}: take a smaller coupling.",
+        start.c,
     )
 
 

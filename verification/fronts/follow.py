@@ -9,7 +9,7 @@ from time import perf_counter
 from verification.continuation.branch import Fold, Steps, solutions_at, trace
 from verification.continuation.newton import COUPLING_WEIGHT, NotConvergedError, solve_at
 from verification.fronts.resting import need_eta
-from verification.fronts.wave import FrontWave, NoFrontError, Window
+from verification.fronts.wave import FrontWave, Window, not_found
 from verification.steppers.amplitudes import Parameter
 
 
@@ -71,6 +71,6 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
             legs.append(leg)
             begin = perf_counter()
     except NotConvergedError as refusal:
-        raise NoFrontError(str(refusal)) from None
+        raise not_found(refusal, along) from None
     folds = [(fold, sum(leg <= k for leg in legs)) for k, fold in enumerate(branch.folds)]
     return FrontBranch(fronts=tuple(fronts), folds=tuple(folds))

@@ -155,8 +155,21 @@ def front_wave(c: float, eta: float) -> FrontWave:
     try:
         point = solve_at(window.system(), window.guess, window.chain.c)
     except NotConvergedError as refusal:
-        raise NoFrontError(str(refusal)) from None
+        raise not_found(refusal, "c") from None
     return window.described(point, begin)
+
+
+def not_found(refusal: NotConvergedError, along: Parameter) -> NoFrontError:
+    """Return the sentence for a search that ended, at a value of the parameter that was followed.
+
+    What a search says itself is about breathers, which end at large couplings; fronts at small.
+    """
+    if refusal.at is None:
+        return NoFrontError(str(refusal))
+    return NoFrontError(
+        f"no front was found at {along} = {refusal.at:.6g}: take a value farther from where "
+        "fronts are pinned."
+    )
 
 
 @dataclass(frozen=True)

@@ -20,13 +20,12 @@ from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, need_instance, word
-from verification.breathers.averaged_run import run_averaged_breather
 from verification.breathers.envelope import EnvelopeBreather, solve_envelope_breather
 from verification.breathers.floquet import Multipliers, approximate_multipliers
 from verification.breathers.orbits import Orbit, solve_orbit
 from verification.breathers.own import solve_own_orbit
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
-from verification.breathers.run import run_breather
+from verification.breathers.run import run_averaged_breather, run_breather
 from verification.continuation.branch import Fold
 from verification.continuation.newton import NotConvergedError
 from verification.thresholds.continuation import breather_threshold

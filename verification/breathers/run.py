@@ -1,4 +1,4 @@
-"""A breather by direct integration of the chain (8): prepare, wait until nothing changes, measure.
+"""A breather by direct integration of (8) or (43): prepare, wait until nothing changes, measure.
 
 The start is a nucleus near the cycle, with seeded noise, so that what is found is what survives a
 small perturbation of no symmetry. What does not settle within the time is reported as such.
@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
+from theory.averaged.envelope import envelope_rate
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain, VdpChain, effective_epsilon
 from theory.parameters import ParameterError
 from verification.breathers.orbits import chain_rate
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod
+from verification.runs.envelope_run import run_envelope
 from verification.steppers.variational import integrate_chain
 
 Real = NDArray[np.float64]
@@ -29,7 +31,7 @@ STEPS, ORDER = 20, 18
 STIFFEST = 6.0
 """Largest ε max|damping| to which the number of steps is adapted."""
 NOISE = 1e-6
-"""Standard deviation of the noise on every displacement and velocity at the start."""
+"""Standard deviation of the noise on the start: every y and ẏ, or both parts of every φ_n."""
 LARGEST_EPS = 0.2
 """Beyond it this step is too long for transients."""
 SLOW_TIME, TOLERANCE = 1500.0, 1e-8
@@ -105,7 +107,7 @@ def run_breather(
         if drift < tolerance:
             status = BreatherStatus.SETTLED
     samples = integrate_chain(chain, state, period, SAMPLES).samples
-    return at_end(
+    return _at_end(
         chain,
         nucleus,
         status,
@@ -118,7 +120,67 @@ def run_breather(
     )
 
 
-def at_end(
+def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int = 0) -> Breather:
+    """Integrate (43) from a prepared nucleus until it rotates as a whole.
+
+    The drift is max |φ_n' - iΩφ_n| with Ω of the centre, from the equation and not from
+    differences of states: it is zero on a breather, whatever the step of the run.
+
+    Parameters
+    ----------
+    chain : VdpChain or AveragedChain
+        a, b, c, ε and the ends.
+    nucleus : Nucleus
+        Excited sites and their phases at the start.
+    seed : int, optional
+        Of the noise on the start.
+
+    Returns
+    -------
+    Breather
+        The end of the run: settled, unsettled or escaped. Its time is in t.
+
+    Raises
+    ------
+    ParameterError
+        If the cell has no cycle, or the nucleus does not fit.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> run = run_averaged_breather(AveragedChain(a=2.5, b=0.5, c=0.1, sites=7), Nucleus(1))
+    >>> run.status.value, round(run.frequency, 6)
+    ('settled', 1.001)
+    """
+    started = time.perf_counter()
+    centre, outside = nucleus.centre(chain.sites), nucleus.outside(chain.sites)
+    parts = np.random.default_rng(seed).normal(size=(2, chain.sites))
+    phi = nucleus.envelope(chain) + NOISE * (parts[0] + 1j * parts[1])
+    status, elapsed, drifts, rotation = BreatherStatus.UNSETTLED, 0.0, [], 0.0
+    while elapsed < SLOW_TIME and status is BreatherStatus.UNSETTLED:
+        run = run_envelope(chain, phi, BLOCK, watched=outside, limit=chain.unstable_amplitude)
+        phi, elapsed = run.phi, elapsed + run.time
+        rate = envelope_rate(phi, chain)
+        rotation = float((rate[centre] / phi[centre]).imag)
+        drifts.append(float(np.abs(rate - 1j * rotation * phi).max()))
+        if run.escaped:
+            status = BreatherStatus.ESCAPED
+        elif drifts[-1] < TOLERANCE:
+            status = BreatherStatus.SETTLED
+    return _at_end(
+        chain,
+        nucleus,
+        status,
+        drifts,
+        waves=phi,
+        amplitudes=np.abs(phi),
+        frequency=1.0 + chain.eps * rotation,
+        elapsed=elapsed / chain.eps,
+        started=started,
+    )
+
+
+def _at_end(
     chain: VanDerPolChain,
     nucleus: Nucleus,
     status: BreatherStatus,

@@ -92,6 +92,7 @@ from derivations.algebra.substitution import (
     alike,
     mirrored,
 )
+from derivations.algebra.sums import SumOver
 from derivations.algebra.transform import (
     CloseContour,
     FourierTransform,
@@ -844,6 +845,7 @@ def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     )
 
 
+OVER_ROOTS = SumOver(1 / k, k, upper)
 IDENTITIES = {
     "a sum": ((p + q) ** 2, p**2 + 2 * p * q + q**2),
     "a sum of large terms": ((p + 10**25) ** 2, p**2 + 2 * 10**25 * p + 10**50),
@@ -854,6 +856,7 @@ IDENTITIES = {
     "a hyperbolic function": (2 * sp.cosh(k) ** 2, 1 + sp.cosh(2 * k)),
     "an angle": (sp.sin(x + angle), sp.sin(x) * sp.cos(angle) + sp.cos(x) * sp.sin(angle)),
     "a modulus": (sp.Abs(k * z_here) ** 4, (k * z_here * sp.conjugate(k * z_here)) ** 2),
+    "a sum without a value": ((p + 1) * OVER_ROOTS, p * OVER_ROOTS + OVER_ROOTS),
     "a derivative": ((z_here**2).diff(t), 2 * z_here * z_here.diff(t)),
 }
 """Both sides of identities, of real, positive, whole and complex quantities."""

@@ -64,6 +64,14 @@ def tautology(expression: sp.Basic) -> sp.Basic:
     return expression
 
 
+def misshapen(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
+    """An equation of nothing that is there, no equation, and a system without its last part."""
+    yield "shape: another", equation(sp.Symbol("another"), 1)
+    yield "shape: none", sp.Tuple()
+    if isinstance(expression, sp.Tuple):
+        yield "shape: one part fewer", sp.Tuple(*expression[:-1])
+
+
 def factors_for(expression: sp.Basic, place: int, by: sp.Expr) -> list[tuple[str, sp.Expr]]:
     """Factors that change the value of ``expression`` when put on its argument."""
     both = [("sign", sp.S.NegativeOne), ("factor", by)]
@@ -116,6 +124,7 @@ def sampled(step: Step) -> list[tuple[str, sp.Basic]]:
     kinds: dict[str, list[tuple[str, sp.Basic]]] = {}
     kinds["tautology"] = [("tautology", tautology(step.result))]
     kinds["tautology"] *= kinds["tautology"][0][1] != step.result
+    kinds["shape"] = list(misshapen(step.result))
     for name, changed in perturbed(step.result, by):
         if changed != step.result:
             kinds.setdefault(name.split()[0], []).append((name, changed))

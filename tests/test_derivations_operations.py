@@ -37,6 +37,7 @@ from derivations.algebra.expansion import (
     Linearise,
     Truncate,
 )
+from derivations.algebra.harmonics import Harmonics, chain_ring
 from derivations.algebra.lattice import (
     CloseChain,
     Ends,
@@ -620,6 +621,14 @@ def test_an_operation_says_what_it_did(name):
         (Truncate(e, 1), "expand (1) in e and omit O(e²)"),
         (Substitute(index=n, at=(0,)), "substitute (2) at n = 0 into (1)"),
         (Substitute(index=n, at=(0, n + 1)), "substitute (2) at the sites 0 and n + 1 into (1)"),
+        (CountAbove(k, -1, name), "count the roots of (1) with -π < Re k < 0 above the axis: by "
+         "(2) only the far end turns the argument"),
+        (CollectPower(e, 0), "collect the terms of order 1 of (1)"),
+        (CollectPower(e, 1), "collect the terms of order e of (1)"),
+        (Linearise({z: z}, at_rest=True), "linearise (1) about rest"),
+        (Linearise({z: z}), "linearise (1) about (2)"),
+        (RealAndImaginaryParts(), "take the real and imaginary parts of (1)"),
+        (RealAndImaginaryParts((), True), "take the imaginary and real parts of (1)"),
         (Limit(e, 0), "take the limit e → 0 of (1)"),
         (Limit(e, 0, 1), "take the limit e → 0⁺ of (1)"),
         (Isolate((q,)), "bring the terms with q of (1) to the left"),
@@ -645,11 +654,13 @@ def test_the_words_of_every_step_name_all_that_it_follows_from(key):
 
 
 WAVE = sp.exp(sp.I * x) + sp.exp(-sp.I * x)
+WAVES = chain_ring("A", (), 1).real_wave(0)
 FORMS = {
     "slow waves and exponentials stay": (
         harmonics_of(sp.exp(p + s) * sp.sin(s) * sp.cos(t), t),
         dict.fromkeys((1, -1), sp.exp(p + s) * sp.sin(s) / 2),
     ),
+    "nothing is left of a difference": (WAVES - WAVES, Harmonics(WAVES.ring, {})),
     "moduli": (
         [with_modulus(z_here**2 * sp.conjugate(z_here) ** m) for m in (1, 3)],
         [z_here * SIZE, sp.conjugate(z_here) * SIZE**2],
@@ -749,8 +760,6 @@ def test_every_operation_is_tested_by_itself():
         (LayOnRealAxis(zeta, k),
          (equation(profile(zeta), sp.Integral(sp.exp(sp.I * k * zeta) / (k * L(k)), k)),
           equation(L(k), k**2 + sp.I * k))),
-        (SumOverPeriods(k),
-         (equation(name, sp.Integral(1 / ((2 + sp.sin(k)) ** 2 + k**2), (k, 0, sp.oo))),)),
         (TakeBranch(u > 0), (equation(name, sp.Piecewise((p, u < 0), (q, True))),)),
         (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u < 0), (q, u > 1))),)),
         (WriteWithStep(rate), (equation(name, sp.Piecewise((p, u > 0), (q, u < 0))),)),
@@ -856,6 +865,7 @@ IDENTITIES = {
     "a hyperbolic function": (2 * sp.cosh(k) ** 2, 1 + sp.cosh(2 * k)),
     "an angle": (sp.sin(x + angle), sp.sin(x) * sp.cos(angle) + sp.cos(x) * sp.sin(angle)),
     "a modulus": (sp.Abs(k * z_here) ** 4, (k * z_here * sp.conjugate(k * z_here)) ** 2),
+    "a special function": (sp.gamma(p + 1), p * sp.gamma(p)),
     "a sum without a value": ((p + 1) * OVER_ROOTS, p * OVER_ROOTS + OVER_ROOTS),
     "a derivative": ((z_here**2).diff(t), 2 * z_here * z_here.diff(t)),
 }

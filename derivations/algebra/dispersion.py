@@ -105,7 +105,7 @@ def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.
     radicals = [q for q in root.atoms(sp.Pow) if q.exp == sp.Rational(1, 2)]
     if len(radicals) != 1:
         raise OperationError("not one square root in the cosine of the wave")
-    parameter = sp.Dummy("s", positive=True)
+    parameter = sp.Dummy("s")
     inside = radicals[0].base
     gone = sorted(inside.free_symbols, key=str)[0]
     (value,) = sp.solve(inside - parameter**2, gone)

@@ -59,7 +59,7 @@ def is_zero(expression: sp.Expr) -> bool:
     quick = sp.expand(plain)
     if differs is None:  # conditions between complex numbers: there is nothing to simplify
         return bool(quick == 0)
-    if quick == 0 or sp.expand(quick, power_exp=True) == 0:
+    if quick == 0:
         return True
     together = sp.cancel(sp.together(sp.powsimp(sp.expand(quick.rewrite(sp.exp)))))
     if sp.expand(together) == 0:

@@ -126,6 +126,8 @@ def at_points(
         def check(*arguments: Any) -> Evidence:
             *owner, candidate = arguments
             pieces, worst, count = parts_of(candidate), 0.0, 0
+            if not pieces:
+                return Evidence(False, "no equation: it says nothing")
             if parts is not None and len(pieces) != parts:
                 return Evidence(False, f"{len(pieces)} equations where {parts} are expected")
             for count, (point, references) in enumerate(points(*owner), start=1):

@@ -216,7 +216,7 @@ class Linearise(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the linear equation of the perturbation."""
         target, *state = sources
-        size = sp.Dummy("s", positive=True)
+        size = sp.Dummy("s")
 
         def first(side: sp.Expr) -> sp.Expr:
             for own, change in self.changes.items():

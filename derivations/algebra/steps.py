@@ -45,6 +45,8 @@ class Evidence:
     statement: str
 
     def __post_init__(self) -> None:
+        if not isinstance(self.statement, str):  # a text in the place of the verdict is true
+            raise TypeError(f"evidence is a verdict and a statement, not {self.statement}")
         object.__setattr__(self, "holds", bool(self.holds))  # numpy has a truth of its own
 
 

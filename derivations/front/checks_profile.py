@@ -188,9 +188,10 @@ class ProfileChecks(SampledChecks):
     def root_sets(self, candidate: sp.Basic) -> Evidence:
         """Roots found by iteration are members; roots of the other half-plane are not."""
         sample = self.samples[0]
-        for place, member in enumerate(parts_of(candidate)):
-            if member.lhs != (s.M_plus, s.M_minus)[place]:
-                return Evidence(False, "the sets are not M+ and M-")
+        members = parts_of(candidate)
+        if [member.lhs for member in members] != [s.M_plus, s.M_minus]:
+            return Evidence(False, "the sets are not M+ and M-")
+        for place, member in enumerate(members):
             conditions = member.rhs.condition.args
             relation = next(q for q in conditions if isinstance(q, sp.Equality))
             others = sp.And(*(q for q in conditions if q != relation))

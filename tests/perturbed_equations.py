@@ -1,6 +1,7 @@
 """Equations with one thing changed: a sign, a factor, an exponent or an index."""
 
 from collections.abc import Iterator
+from functools import cache
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -119,6 +120,7 @@ def misplaced(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
             yield f"index of {own}", expression.xreplace({own: twin})
 
 
+@cache
 def sampled(step: Step) -> list[tuple[str, sp.Basic]]:
     by = sp.Integer(2) if step.name in COARSE else FACTOR
     kinds: dict[str, list[tuple[str, sp.Basic]]] = {}

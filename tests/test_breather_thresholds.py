@@ -178,13 +178,14 @@ def test_sweeps_of_what_leaves_its_breather_are_not_extrapolated(size: int) -> N
 def test_the_range_of_escape_holds_every_run_that_contradicts_one_threshold(
     size: int, lowest: float, highest: float
 ) -> None:
-    """Other couplings than those of the search; sizes 7, 9 escape, hold and escape again."""
+    """At couplings far and near; sizes 7, 9 escape, hold and escape again."""
     noisy = Preparation(size, perturbation=1e-6)
     found = escape_range(CHAIN, noisy)
     assert found.low < found.high
     assert found.monotone is (size < 7)
+    near = np.linspace(found.low - 3e-4, found.high + 3e-4, 10)
     for seed in range(3):
-        for c in np.linspace(lowest, highest, 41):
+        for c in (*np.linspace(lowest, highest, 11), *near):
             escaped = hold(CHAIN, replace(noisy, seed=seed), c, 2000.0).escaped
             assert escaped or c <= found.high
             assert not escaped or c >= found.low

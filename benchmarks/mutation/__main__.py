@@ -157,9 +157,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         print(f"{asked}; recorded in {took:.0f} s", file=sys.stderr, flush=True)
         if not options.compiled:
             count = len(mutants)
-            mutants[:] = [
-                mutant for mutant in mutants if mutant.function_at not in entered.compiled
-            ]
+            mutants[:] = [each for each in mutants if each.qualified not in entered.compiled]
             left_out = count - len(mutants)
             print(f"{left_out} changes of what numba compiles are left out", file=sys.stderr)
         with suppress(KeyboardInterrupt):  # what was run until then is reported

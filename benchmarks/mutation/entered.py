@@ -20,7 +20,7 @@ replaced: dict[str, CodeType] = {}
 """By the path of a module from the root, the code that it is imported with instead of its own."""
 
 compiled: set[str] = set()
-"""Functions that numba was given, by ``path:first line``."""
+"""Functions that numba was given, those inside others too, by ``path:qualified name``."""
 
 
 def install(root: Path) -> set[str]:
@@ -67,7 +67,8 @@ def _compile_as_written(
             return own
         place = f"{os.path.relpath(code.co_filename, root)}:{code.co_firstlineno}"
         names.add(place)
-        compiled.add(place)
+        name = code.co_qualname.replace(".<locals>", "")
+        compiled.add(f"{place.partition(':')[0]}:{name}")
         function = FunctionType(
             written, own.__globals__, own.__name__, own.__defaults__, own.__closure__
         )

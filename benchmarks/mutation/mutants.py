@@ -122,6 +122,11 @@ class Mutant:
     changed: ast.AST = field(repr=False, compare=False)
 
     @property
+    def qualified(self) -> str:
+        """``module:qualified name`` of the function, which may stand inside another one."""
+        return f"{self.module}:{self.function}"
+
+    @property
     def function_at(self) -> str:
         """``module:first line`` of the function."""
         return f"{self.module}:{self.first_line}"

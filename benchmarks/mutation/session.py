@@ -161,7 +161,7 @@ class Session:
         from numba.core import caching
 
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
-        compiled = mutant.function_at in entered.compiled
+        compiled = mutant.qualified in entered.compiled
         if not compiled and self._put(mutant):
             failed = self._first_failing(tests)
             if failed or not self._used_on_import(mutant):
@@ -188,7 +188,7 @@ class Session:
 
     def seconds_to_begin(self, mutant: Mutant) -> float:
         """Return the processor seconds allowed for compiling or importing anew beside tests."""
-        if mutant.function_at in entered.compiled:
+        if mutant.qualified in entered.compiled:
             return 120.0
         return 15.0 if self.made_on_import(mutant) else 2.0
 

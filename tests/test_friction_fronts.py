@@ -314,6 +314,8 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         lambda: measure_front(FrictionChain(c=0.0, sites=101)),
         lambda: measure_front(FrictionChain(c=0.02, sites=5)),
         lambda: measure_front(FrictionChain(c=0.02, sites=101), excited=0),
+        lambda: measure_front(FrictionChain(c=1.001e4, sites=101)),
+        lambda: measure_front(FrictionChain(c=1e6, sites=101)),
         lambda: measure_front(FrictionChain(c=0.02, sites=101), accuracy=1.0),
         lambda: measure_front(FrictionChain(c=0.02, sites=101, ends=Ends.LITERAL)),
         lambda: nucleus_sites(31, Place.EDGE, 32),

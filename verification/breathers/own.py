@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
@@ -66,12 +67,13 @@ def integrate_with_tangents(
     columns[:, 1:-1] = np.eye(2 * count)
     samples = np.zeros((steps, count))
     stages = np.zeros((DOP853.n_stages, *columns.shape))
+    rate = _rate_of(chain)
     with np.errstate(over="ignore", invalid="ignore"):
         for step in range(steps):
             samples[step] = columns[:count, 0]
             for i in range(DOP853.n_stages):
                 inner = np.tensordot(DOP853.A[i, :i], stages[:i], axes=1)
-                stages[i] = _rate(chain, columns + h * inner)
+                stages[i] = rate(columns + h * inner)
             columns = columns + h * np.tensordot(DOP853.B, stages, axes=1)
     if not np.all(np.isfinite(columns)):
         raise ParameterError(
@@ -81,31 +83,42 @@ def integrate_with_tangents(
     return Flow(columns[:, 0], columns[:, 1:-1], columns[:, -1], samples, steps)
 
 
-def _rate(chain: OscillatorChain, columns: Real) -> Real:
-    """Return the rate of a motion, its tangents and its derivative by c, in columns."""
-    count = chain.sites
+def _rate_of(chain: OscillatorChain) -> Callable[[Real], Real]:
+    """Return the rate of a motion, its tangents and its derivative by c, as a function of them.
+
+    They are columns; what they have in common is looked up once and not at every stage.
+    """
+    count, resistive = chain.sites, chain.velocity_coupling
     matrix, p, n = chain.links.matrix, chain.kernel_parameters(), np.arange(count)
     cell, slopes = chain.kernels()
-    y, v = columns[:count], columns[count:]
-    pull = matrix @ (y + chain.velocity_coupling * v)
-    by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
-    out = np.empty_like(columns)
-    out[:count] = v
-    tangents = (by_y + np.zeros(count))[:, None] * y + (by_v + np.zeros(count))[:, None] * v
-    out[count:] = tangents - chain.eps * chain.c * pull
-    out[count:, -1] -= chain.eps * pull[:, 0]
-    site, plain = (y[:, 0], v[:, 0]), (matrix @ y[:, 0], matrix @ v[:, 0])
-    if chain.network is None:
-        left = 2.0 * site[0] - plain[0], 2.0 * site[1] - plain[1]
-        out[count:, 0] = cell(site, left, (0.0, 0.0), p)[1]
-    else:
-        out[count:, 0] = cell(site, plain, p, n, count)[1]
-    return out
+    line = chain.network is None
+    strength = chain.eps * chain.c
+
+    def rate(columns: Real) -> Real:
+        y, v = columns[:count], columns[count:]
+        pull = matrix @ (y + resistive * v) if resistive else matrix @ y
+        by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
+        out = np.empty_like(columns)
+        out[:count] = v
+        tangents = (by_y + np.zeros(count))[:, None] * y + (by_v + np.zeros(count))[:, None] * v
+        out[count:] = tangents - strength * pull
+        out[count:, -1] -= chain.eps * pull[:, 0]
+        site = y[:, 0], v[:, 0]
+        # Without a coupling of velocities their differences are asked for by nothing.
+        plain = (matrix @ site[0], matrix @ site[1]) if resistive else (pull[:, 0], site[1])
+        if line:
+            left = 2.0 * site[0] - plain[0], 2.0 * site[1] - plain[1]
+            out[count:, 0] = cell(site, left, (0.0, 0.0), p)[1]
+        else:
+            out[count:, 0] = cell(site, plain, p, n, count)[1]
+        return out
+
+    return rate
 
 
 @orbits.chain_rate.register
 def _(chain: OscillatorChain, state: Real) -> Real:
-    return _rate(chain, state[:, None].repeat(2, axis=1))[:, 0]
+    return _rate_of(chain)(state[:, None].repeat(2, axis=1))[:, 0]
 
 
 @orbits.steps_for.register

@@ -478,6 +478,11 @@ def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary
 
 FRICTION_MAX_SITES = 800
 
+MAX_FRICTION_COUPLING = 1e4
+"""Of fronts of (5), which by default take 1.4 s of CPU time at c = 1e3, 11 s here, 105 s at 2e4
+and hours at 1e6: steps are as short as 1/√c, each reversal of the fast waves is an event, and sites
+so rarely stick that the whole stall time passes."""
+
 
 def checked_friction_sites(sites: int, excited: int, max_sites: int = FRICTION_MAX_SITES) -> int:
     """Return the length tried first if it holds the excited sites and a front, and is not too long.
@@ -502,6 +507,8 @@ def _friction_front(chain: FrictionChain, request: Request) -> Front:
     within("tolerance", tolerance, 1e-12, 1e-4)
     accuracy = 1e-2 if request.accuracy is None else request.accuracy
     within("accuracy", accuracy, 1e-6, 0.1)
+    remedy = "take a smaller one, or simulate a run of limited time: above, a front takes hours"
+    within("coupling c of a friction front", chain.c, 0.0, MAX_FRICTION_COUPLING, remedy)
     check_sliding_stable(chain.cell)
     if chain.ends is not Ends.FREE:
         raise ParameterError("ends", chain.ends.value, "free for a front", "use free ends")

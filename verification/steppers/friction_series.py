@@ -85,7 +85,7 @@ vectorised = compiled.inner(error_model="numpy", fastmath={"contract"}, **compil
 """Compile as ``inner`` does, with products and sums contracted."""
 
 
-outer = compiled.outer(cache=True, error_model="numpy", **compiled.UNCOUNTED)
+outer = compiled.outer(unrolled=False, cache=True, error_model="numpy", **compiled.UNCOUNTED)
 """Compile what Python calls."""
 
 

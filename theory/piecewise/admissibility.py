@@ -116,11 +116,11 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
     """
     verdicts: dict[int, Admissibility] = {}
     reach, points = _quadratures(v, c, r)
-    for i in np.flatnonzero(points == 0).tolist():
+    for i in (points == 0).nonzero()[0].tolist():
         verdicts[i] = _check_by_roots(float(v[i]), float(c[i]), float(r[i]))
     kind = np.where(v < 0, -points, points)
     for alike in set(kind[points > 0].tolist()):
-        fronts = np.flatnonzero(kind == alike)
+        (fronts,) = (kind == alike).nonzero()
         most = max(1, _VALUES_AT_ONCE // (_PER_SITE * abs(alike)))
         for first in range(0, fronts.size, most):
             some = fronts[first : first + most]
@@ -492,7 +492,7 @@ def _margin(
 ) -> tuple[FloatArray, FloatArray]:
     """Return what (47) asks to be positive, |φ|² - r² behind and its negative ahead, and slope."""
     side = np.where(zeta < 0, 1.0, -1.0)
-    return side * (np.abs(phi) ** 2 - r * r), side * 2.0 * np.real(np.conj(phi) * slope)
+    return side * (np.abs(phi) ** 2 - r * r), side * 2.0 * (phi.conj() * slope).real
 
 
 def _first_violation(
@@ -519,13 +519,13 @@ def _first_violations(
     origin = int(np.searchsorted(zeta, 0.0))
     # At ζ = 0 the threshold is crossed: g = 0, and the slope behind differs from the one ahead by
     # the jump of θ in (48). Where either has the wrong sign (47) fails at once.
-    jump = np.real(np.conj(phi[:, origin]) * (-0.5 / np.ravel(shape.velocity)))
+    jump = (phi[:, origin].conj() * (-0.5 / np.ravel(shape.velocity))).real
     d_behind = -d[:, origin] + 2.0 * jump
     wrong = (d[:, origin] < 0) | (d_behind > 0)
     g[:, origin] = 0.0
     end = d.copy()  # slopes at the right end of a cell
     end[:, origin] = d_behind
-    owner, cell = np.nonzero(inside[:, :-1] & inside[:, 1:] & ~wrong[:, None])
+    owner, cell = (inside[:, :-1] & inside[:, 1:] & ~wrong[:, None]).nonzero()
     cells = np.stack(
         [
             zeta[cell], g[owner, cell], d[owner, cell],
@@ -563,7 +563,7 @@ def _divide(
         steepness = shape.steepness(zeta)
         if steepness is not None:
             safe &= _room(zeta, g, r_).sum(axis=0) > width * steepness
-        open_ = np.flatnonzero(~safe & (least >= 0.0) & (width > shape.shortest))
+        (open_,) = (~safe & (least >= 0.0) & (width > shape.shortest)).nonzero()
         open_ = open_[np.abs(zeta[:, open_]).min(axis=0) < np.abs(worst[owner[open_]])]
         cells, owner = cells[:, open_], owner[open_]
         short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
@@ -603,7 +603,7 @@ def _note(
 
     ``zeta`` and ``wrong`` have any number of rows, ``owner`` is that of each column.
     """
-    found = np.nonzero(wrong)
+    found = wrong.nonzero()
     if found[0].size == 0:
         return
     places, owners = zeta[found], owner[found[-1]]

@@ -156,7 +156,7 @@ def all_velocities(
 
 def _solve(relation: _Relation, scene: IntArray, t: FloatArray) -> Solutions:
     """Return the solutions of some scenes, searched from points t that ascend in each."""
-    left = np.flatnonzero(scene[1:] == scene[:-1])
+    (left,) = (scene[1:] == scene[:-1]).nonzero()
     ends = np.array([t, *relation(scene, t)[:3]])
     cells = np.concatenate([ends[:, left], ends[:, left + 1]])
     owner, brackets = _brackets(relation, scene[left], cells)
@@ -171,8 +171,8 @@ def _first_points(
     high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
     wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
     spacing = np.full(c.size, _COARSEST / refine)
-    turn = np.clip(spacing / wiggle, low, high)
-    every, strong = np.arange(c.size), np.flatnonzero(c > _STRONG)
+    turn = np.minimum(np.maximum(spacing / wiggle, low), high)
+    every, (strong,) = np.arange(c.size), (c > _STRONG).nonzero()
     owner, begin, end = _where_wiggles_matter(c, target, shift, (low, turn))
     _refuse_too_many(c, target, owner, (1.0 / begin - 1.0 / end) / wiggle[owner])
     owner, inverse = _spaced(owner, 1.0 / end, 1.0 / begin, wiggle)
@@ -186,7 +186,8 @@ def _first_points(
     scene, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
     order = np.lexsort((t, scene))
     scene, t = scene[order], t[order]
-    distinct = np.append(True, (np.diff(t) > 0.0) | (np.diff(scene) > 0))
+    distinct = np.ones(t.size, dtype=bool)
+    distinct[1:] = (t[1:] > t[:-1]) | (scene[1:] > scene[:-1])
     return scene[distinct], t[distinct]
 
 
@@ -227,7 +228,7 @@ def _where_wiggles_matter(
     grid, is near 2r.
     """
     pieces: list[tuple[IntArray, FloatArray, FloatArray]] = []
-    for i in np.flatnonzero(c > _STRONG):
+    for i in (c > _STRONG).nonzero()[0]:
         edge = np.geomspace(bounds[0][i], bounds[1][i], 4000)
         smooth = np.abs(strong_coupling_sum(edge / math.sqrt(c[i])) + shift) - target[i]
         near = np.abs(smooth) < 8.0 * edge / c[i] ** 1.5 + 4.0 / math.sqrt(c[i])
@@ -237,7 +238,7 @@ def _where_wiggles_matter(
         begin = np.flatnonzero(near & ~np.append(False, near[:-1]))
         end = np.flatnonzero(near & ~np.append(near[1:], False))
         pieces.append((np.full(begin.size, i), edge[begin], edge[end]))
-    weak = np.flatnonzero(c <= _STRONG)
+    (weak,) = (c <= _STRONG).nonzero()
     pieces.append((weak, bounds[0][weak], bounds[1][weak]))
     owners, begins, ends = zip(*pieces, strict=True)
     return np.concatenate(owners), np.concatenate(begins), np.concatenate(ends)
@@ -247,7 +248,7 @@ def _refuse_too_many(
     c: FloatArray, target: FloatArray, owner: IntArray, points: FloatArray
 ) -> None:
     """Refuse a scene that would need more than ``MAX_POINTS`` points."""
-    crowded = np.flatnonzero(np.bincount(owner, points, c.size) > MAX_POINTS)
+    (crowded,) = (np.bincount(owner, points, c.size) > MAX_POINTS).nonzero()
     if crowded.size:
         raise PrecisionError(
             f"the velocities at c = {c[crowded[0]]:.6g}, |Sum| = {target[crowded[0]]:.6g} need "

@@ -75,6 +75,17 @@ class Nucleus:
             )
         object.__setattr__(self, "place", Place(self.place))
 
+    @property
+    def in_phase(self) -> bool:
+        """Whether every step is zero."""
+        return set(self.pattern) <= {"0"}
+
+    def relaxed(self) -> Nucleus:
+        """Return three or more sites in phase, not at an edge, as what they relax to."""
+        if self.size < 3 or self.place is Place.EDGE or not self.in_phase:
+            return self
+        return Nucleus(self.size, outward_pattern(self.size))
+
     def phases(self) -> NDArray[np.float64]:
         """Return the phases θ_n of the excited sites, the first one zero."""
         return np.concatenate([[0.0], np.cumsum([STEPS[sign] for sign in self.pattern])])

@@ -16,7 +16,7 @@ from theory.averaged.breather import (
     Reading,
     solve_breather,
 )
-from theory.chains.nucleus import Nucleus, Place, outward_pattern
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, need_instance, word
@@ -160,14 +160,11 @@ class _Choice(NamedTuple):
 
 def with_pattern(nucleus: Nucleus) -> Nucleus:
     """Return the nucleus with a pattern that a breather can have."""
-    in_phase = nucleus.size > 2 and set(nucleus.pattern) <= {"0"}
-    if not in_phase:
-        return nucleus
-    if nucleus.place is Place.EDGE:
+    if nucleus.size > 2 and nucleus.in_phase and nucleus.place is Place.EDGE:
         raise ParameterError(
             "pattern", repr(nucleus.pattern), "one of a breather at an edge", "name one with + or -"
         )
-    return Nucleus(nucleus.size, outward_pattern(nucleus.size), nucleus.place)
+    return nucleus.relaxed()
 
 
 def _check_length(chain: VanDerPolChain, method: BreatherMethod) -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus, Place, outward_pattern
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, need_instance, within, word
@@ -147,7 +147,7 @@ def _at_end_of_branch(
     how: ThresholdMethod,
     what: Definition,
 ) -> Threshold:
-    found = breather_threshold(chain, _with_pattern(nucleus), how)
+    found = breather_threshold(chain, nucleus.relaxed(), how)
     return found if what is Definition.EXISTENCE else _of_stability(found)
 
 
@@ -221,17 +221,10 @@ def _refusal(chain: Chain, method: ThresholdMethod) -> ParameterError:
     )  # fmt: skip
 
 
-def _with_pattern(nucleus: Nucleus) -> Nucleus:
-    """Return a nucleus of three or more in phase as what it relaxes to."""
-    if nucleus.size < 3 or nucleus.place is Place.EDGE or set(nucleus.pattern) - {"0"}:
-        return nucleus
-    return Nucleus(nucleus.size, outward_pattern(nucleus.size), nucleus.place)
-
-
 def _by_runs_of_43(
     chain: VanDerPolChain, nucleus: Nucleus, how: ThresholdMethod, noise: float, seed: int
 ) -> Threshold:
-    if set(nucleus.pattern) - {"0"}:
+    if not nucleus.in_phase:
         raise ParameterError(
             "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
         )

@@ -116,7 +116,10 @@ def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> 
     """Return the chain with given values of its symbols."""
 
     def number(expression: sp.Expr) -> float:
-        return float(sp.sympify(expression).subs(values))
+        if expression in values:  # most are a letter or a number, for which subs is slow
+            return float(values[expression])
+        exact = sp.sympify(expression)
+        return float(exact.subs(values) if exact.free_symbols else exact)
 
     def row(powers: Mapping[int, sp.Expr]) -> tuple[float, ...]:
         return tuple(number(powers.get(power, 0)) for power in range(max(powers, default=-1) + 1))

@@ -5,7 +5,7 @@ import math
 import re
 import shlex
 import sys
-from functools import cache
+from functools import cache, partial
 
 import mpmath as mp
 import numpy as np
@@ -234,7 +234,9 @@ def test_where_resonances_are_too_many_the_part_without_a_proof_is_named():
     assert proven.c_pin_enclosure is not None
 
 
-def test_where_the_fold_takes_too_long_to_prove_the_part_that_does_is_named():
+def test_where_the_fold_takes_too_long_to_prove_the_part_that_does_is_named(monkeypatch):
+    # a quarter of the default
+    monkeypatch.setattr(certified_thresholds, "Relation", partial(Relation, most_work=150_000))
     eta = 0.062
     fold = fr.kinetic_relation(1.0, eta).c_fold
     with flint.ctx.workprec(BITS):

@@ -106,6 +106,22 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "ends": (lambda: fr.VdpChain(a=4, b=0.5, c=0.6, ends="open"), "ends = open"),
     "left": (lambda: fr.measure_front(CHAINS["vdp"], left_boundary="waves"), "left boundary"),
     "stall": (lambda: fr.measure_front(CHAINS["vdp"], stall_time=5e-324), "stall time"),
+    "budget": (lambda: fr.simulate(CHAINS["vdp"], START, 1.0, budget=0), "budget"),
+    "budget-text": (lambda: fr.simulate(CHAINS["vdp"], START, 1.0, budget="1"), "budget"),
+    "checkpoint": (lambda: fr.simulate(CHAINS["vdp"], START, 1.0, checkpoint=True), "checkpoint"),
+    "swept": (lambda: fr.sweep("abs", {"x": [1.0]}, workers=1), "function = 'abs'"),
+    "no-points": (lambda: fr.sweep(len, 3, workers=1), "points = int"),
+    "points": (lambda: fr.sweep(len, [1, 2], workers=1), "points = list"),
+    "point-names": (lambda: fr.sweep(len, [{1: 2}], workers=1), "points = list"),
+    "point-values": (lambda: fr.sweep(len, {"x": [[1.0], [2.0]]}, workers=1), "points = dict"),
+    "table": (lambda: fr.sweep(len, {"x": [1.0]}, workers=1, out=3), "out = int"),
+    "dims": (lambda: fr.sweep(len, {"x": [1.0]}, workers=1, dims=3), "dims = int"),
+    "executor": (lambda: fr.sweep(len, {"x": [1.0]}, executor=3), "executor = int"),
+    "result-name": (
+        lambda: fr.sweep(lambda point: {"x": 7.0}, {"x": [1.0]}, workers=1), "result x = 7"
+    ),
+    "no-c": (lambda: fr.kinetic_relation([], 0.03), "coupling c"),
+    "no-eta": (lambda: fr.kinetic_relation(0.5, []), "eta"),
     "claim": (lambda: fr.judge(3), "claim = 3"),
     "longest": (lambda: fr.measure_front(CHAINS["vdp"], max_sites="300"), "longest chain"),
     "excited": (lambda: fr.measure_front(CHAINS["vdp"], excited="24"), "excited sites"),
@@ -149,6 +165,13 @@ def test_what_is_not_asked_for_is_refused_in_a_sentence(name: str) -> None:
     ask, quantity = REFUSED[name]
     with pytest.raises(fr.ParameterError, match=f"^{quantity}.* is not allowed: it must be"):
         ask()
+
+
+def test_a_result_that_repeats_a_coordinate_changes_nothing() -> None:
+    table = fr.sweep(lambda point: {"x": point["x"], "y": 2.0}, {"x": [1.0, 3.0]}, workers=1)
+    assert {name: column.tolist() for name, column in table.columns().items()} == {
+        "x": [1.0, 3.0], "y": [2.0, 2.0]
+    }  # fmt: skip
 
 
 def test_files_may_be_named_by_text(tmp_path: Path) -> None:

@@ -111,6 +111,9 @@ def kinetic_relation(
     """
     eta_ = damping_ratio(eta, a, b)
     c_ = real_array("coupling c", c)
+    for quantity, values in (("coupling c", c_), ("eta", eta_)):
+        if not np.size(values):
+            raise ParameterError(quantity, "[]", "one number or more", "give at least one")
     answers = trace_kinetic_relation(c_, eta_, progress=progress)
     single = c_.ndim == 0 and np.ndim(eta_) == 0
     if stability or single:

@@ -114,17 +114,41 @@ def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> Seq
     """
     if isinstance(points, Grid):
         return points
-    if isinstance(points, Mapping) and not isinstance(points, Point):
-        axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
-        return Grid(axes) if axes else ()
-    given: Any = (points,) if isinstance(points, Point) else points
-    found = tuple(point if isinstance(point, Point) else Point(point) for point in given)
+    try:
+        found = _listed(points)
+    except (TypeError, ValueError) as wrong:
+        raise ParameterError(
+            "points", type(points).__name__, "mappings of names to numbers or words, or names with "
+            "the values on each axis", f"mend them: {wrong}".rstrip("."),
+        ) from None  # fmt: skip
+    if isinstance(found, Grid):
+        return found
     for point in found:
         if list(point) != list(found[0]):
             raise ParameterError(
                 "points", f"{point} beside {found[0]}", "all of the same names", "name them alike"
             )
     return found
+
+
+def _listed(points: Any) -> Grid | tuple[Point, ...]:
+    """Return points as they are given; what is none of them raises a TypeError that says it."""
+    if isinstance(points, Mapping) and not isinstance(points, Point):
+        _need_names(points)
+        axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
+        return Grid(axes) if axes else ()
+    given = (points,) if isinstance(points, Point) else tuple(points)
+    for each in given:
+        if not isinstance(each, Mapping):
+            raise TypeError(f"{each!r:.40} is no mapping")
+        _need_names(each)
+    return tuple(each if isinstance(each, Point) else Point(each) for each in given)
+
+
+def _need_names(names: Iterable[Any]) -> None:
+    for name in names:
+        if not isinstance(name, str):
+            raise TypeError(f"{name!r:.40} is no name")
 
 
 def coordinates(points: Sequence[Point]) -> dict[str, Array]:

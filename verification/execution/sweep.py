@@ -16,12 +16,14 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, nullcontext
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, need_instance
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
 from verification.execution.digest import code_of_objects
 from verification.execution.interruption import terminated_as_interrupted
@@ -117,7 +119,8 @@ def sweep(
     ------
     ParameterError
         If the points, the file to resume from or the number of workers cannot be used, results
-        differ in their names or shapes from point to point, or arrays are to go into CSV.
+        differ in their names or shapes from point to point, one has the name of a coordinate and
+        another value, or arrays are to go into CSV.
     FileError
         If a file cannot be written, or another sweep writes it.
     SweepError
@@ -137,8 +140,16 @@ def sweep(
     (2, (2, 3))
     """
     begin = time.perf_counter()
+    if not callable(function):
+        need_instance("function", function, (FunctionType,), "give one from a point to its results")
+    if executor is not None:
+        need_instance("executor", executor, (Executor,), "give one, or the number of workers")
+    if dims is not None:
+        need_instance("dims", dims, (Mapping,), 'give names, as {"profile": "site"}')
     asked = points_of(points)
-    out = None if out is None else Path(out)
+    if out is not None:
+        need_instance("out", out, (str, PathLike), "name a file")
+        out = Path(out)
     metadata = _metadata(function, asked, command, needed=out is not None)
     if out is not None and resume and not part_path(out).exists():
         table = load_table(out)
@@ -212,10 +223,21 @@ class _Found:
     def put(self, index: int, row: Mapping[str, Cell]) -> None:
         """Take the results of a point; refuse those that fit no table, from the first one on."""
         first = not self.columns.shapes
-        self.columns.put(index, row)
+        self.columns.put(index, self._beside_coordinates(index, row))
         if first:
             known = dict.fromkeys(self.coordinates, ()) | self.columns.shapes
             self.dims = named_dims(known, self.names)
+
+    def _beside_coordinates(self, index: int, row: Mapping[str, Cell]) -> Mapping[str, Cell]:
+        """Return a row without what repeats a coordinate; refuse another value by its name."""
+        point = self.points[index]
+        for name in row.keys() & self.coordinates.keys():
+            if not np.array_equal(np.asarray(row[name]), np.asarray(point[name])):
+                raise ParameterError(
+                    f"result {name}", row[name], "of another name, or what the coordinate is, "
+                    f"{point[name]}", "rename the result",
+                )  # fmt: skip
+        return {name: cell for name, cell in row.items() if name not in self.coordinates}
 
     def take_from(self, store: Store | None) -> int:
         """Take the results in a store, and return how many; what is none is left out."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from os import PathLike
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -11,7 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.chains.chain import Chain
-from theory.parameters import ParameterError, end_time, need_instance, positive, real_array, within
+from theory.parameters import (
+    ParameterError,
+    count_within,
+    end_time,
+    need_instance,
+    positive,
+    real_array,
+    within,
+)
 from verification.execution.checkpoint import check_samples, run_to_end
 from verification.execution.progress import ProgressCallback
 from verification.runs import friction_integration, smooth_integration
@@ -122,7 +131,11 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         other = first.perturbed(chain, checked_state(chain, start), PERTURBATION)
         options["tolerance"] = other_tolerance(first.tolerance)
         runs.append(integration(chain, other, sampled, **options))
-    budget = first.default_budget if budget is None else budget
+    if budget is None:
+        budget = first.default_budget
+    budget = count_within("budget of sites times steps", budget, 1, 10**12)
+    if checkpoint is not None:
+        need_instance("checkpoint", checkpoint, (str, PathLike), "name a file")
     file = None if checkpoint is None else Path(checkpoint)
     spent = run_to_end(runs, t_end, budget, file, progress)
     return _trajectory(chain, runs, spent - begin)

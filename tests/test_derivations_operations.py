@@ -259,6 +259,11 @@ CASES = {
         TakeBranch(u > 0), (equation(name, 2 * sp.Piecewise((p, u < 0), (q, u > 0))),),
         equation(name, 2 * q),
     ),
+    "branch below a threshold": (
+        TakeBranch(abs(u) < q),
+        (equation(name, sp.Piecewise((p, abs(u) < q), (e, True), evaluate=False)),),
+        equation(name, p),
+    ),
     "negative branch": (TakeBranch(u < 0), (equation(abs(u) + q * sp.sign(u)),), equation(-u - q)),
     # rearranging
     "divide relations": (
@@ -676,6 +681,14 @@ FORMS = {
     "an integral is not expanded": (
         Rewrite(Form.EXPANDED)(equation(p * (q + sp.Integral((x + 1) ** 2, (x, 0, 1))))),
         equation(p * q + p * sp.Integral((x + 1) ** 2, (x, 0, 1))),
+    ),
+    "a positive factor is taken out of a root": (
+        IntegratePeriod()(
+            equation(
+                name, sp.Integral(1 / (sp.sqrt(1 + q + sp.I * p) - sp.cos(k)), (k, -sp.pi, sp.pi))
+            )
+        ),
+        equation(name, 2 * sp.pi / (sp.sqrt(q) * sp.sqrt(1 + sp.I * p / q))),
     ),
     "short numerators are cancelled": (
         Rewrite(Form.CANCELLED)(equation((1 + p) * (1 + q) / (1 + p) ** 2)),

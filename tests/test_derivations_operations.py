@@ -880,6 +880,10 @@ IDENTITIES = {
     "a modulus": (sp.Abs(k * z_here) ** 4, (k * z_here * sp.conjugate(k * z_here)) ** 2),
     "a special function": (sp.gamma(p + 1), p * sp.gamma(p)),
     "a sum without a value": ((p + 1) * OVER_ROOTS, p * OVER_ROOTS + OVER_ROOTS),
+    "infinite for positive x": (
+        (p + 1) / (sp.sign(x) - 1),
+        p / (sp.sign(x) - 1) + 1 / (sp.sign(x) - 1),
+    ),
     "a derivative": ((z_here**2).diff(t), 2 * z_here * z_here.diff(t)),
 }
 """Both sides of identities, of real, positive, whole and complex quantities."""

@@ -40,6 +40,9 @@ BATCH_SECONDS = 0.02
 """Short items are handed over several at a time, so many as take about this long: 0.2 ms of the
 pool's own work for each time would be a quarter of a point of the averaged chain."""
 MAX_BATCH = 16
+_BATCHES_REMEMBERED = 32
+"""The slowest of so many, the last ones, tells how long an item takes: among quick items a batch of
+slow ones would keep one worker busy while the others have nothing left to do."""
 MAX_PENDING = 256 * MAX_BATCH
 """Items handed over and not yet answered, in at most 256 batches. A dask scheduler keeps 14 kB of a
 batch, so memory must not grow with all of them."""
@@ -277,6 +280,7 @@ def _side_by_side(
     # Each future puts itself here when it is done: asking all of them costs more than an answer.
     done: SimpleQueue[Future[Any]] = SimpleQueue()
     alone: deque[int] = deque()
+    paces: deque[float] = deque(maxlen=_BATCHES_REMEMBERED)
     size, broken = 1, False
 
     def hand_over(batch: list[int]) -> None:
@@ -314,7 +318,8 @@ def _side_by_side(
                 alone.extend(batch)
             elif not isinstance(answer, Exception):
                 found, seconds = answer
-                size = _batch_size(seconds / len(batch))
+                paces.append(seconds / len(batch))
+                size = _batch_size(max(paces))
                 yield from zip(batch, found, strict=True)
             elif len(batch) == 1:
                 yield batch[0], answer

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import mpmath as mp
@@ -40,6 +41,8 @@ _DIGITS = 26
 _TOLERANCES = (1e-19, 1e-21)
 """Of the flow in Newton's steps, where digits are many; the last residual sees that of the others
 and so is the measure of what is left."""
+_OF_MATRIX = 1e-12
+"""The same of the flow that Newton's matrix is made of."""
 
 
 def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:
@@ -207,24 +210,28 @@ def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck
     )
 
 
-def _flow(at: Mapping[str, float], state: Any, period: Any) -> PreciseState:
+def _flow(
+    at: Mapping[str, float], state: Any, period: Any, run: Callable[..., PreciseState]
+) -> PreciseState:
     """Return the state after a period and, in the other columns, the monodromy of (42)."""
     start = np.column_stack([state, np.eye(state.size)])
     rate = variational_rate(_chain(at, state.size // 2))
-    found = precise_state(rate, start.ravel(), period)
+    found = run(rate, start.ravel(), period)
     return replace(found, value=found.value.reshape(start.shape))
 
 
 def _precise_orbit(at: Mapping[str, float], given: Any) -> PreciseState:
     """Polish an orbit, (X, period) with y = 0 at the centre, by Newton's method in many digits.
 
-    The matrix is of doubles. What the flow is uncertain by reaches the orbit by its inverse.
+    The matrix is of doubles: its errors, times those of the orbit that is given, are below what is
+    asked of the first step. What the flow is uncertain by reaches the orbit by its inverse.
     """
     slope = np.zeros((given.size, given.size))
     slope[-1, _SITES // 2] = 1.0
     with mp.workdps(_DIGITS):
         x = np.array([mp.mpf(each) for each in given], dtype=object)
-        slope[:-1, :-1] = _flow(at, given[:-1], given[-1]).value[:, 1:] - np.eye(given.size - 1)
+        flow = _flow(at, given[:-1], given[-1], partial(integrate, tolerance=_OF_MATRIX))
+        slope[:-1, :-1] = flow.value[:, 1:] - np.eye(given.size - 1)
         rate = full_rate(_chain(at, _SITES))
         slope[:-1, -1] = rate(0.0, given[:-1])
         inverse = np.linalg.inv(slope)
@@ -254,7 +261,8 @@ def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> Referenc
         raise NoReferenceError("no orbit to compare with.")
     orbit = stated.extra
     true = _precise_orbit(at, np.append(orbit.state, orbit.period)).value
-    flow = _flow(at, np.array([_as_long(x) for x in true[:-1]]), _as_long(true[-1]))
+    state = np.array([_as_long(x) for x in true[:-1]])
+    flow = _flow(at, state, _as_long(true[-1]), precise_state)
     monodromy = flow.value[:, 1:]
     signs = np.where(np.indices(monodromy.shape).sum(axis=0) % 2, 1.0, -1.0)
     values, *beside = (

@@ -6,14 +6,14 @@ The public functions `fronts.derivation`, `fronts.derive_cell`, `fronts.judge` a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from theory.parameters import ParameterError, count_within, whole_number
+from theory.parameters import ParameterError, count_within, need_instance, whole_number
 from theory.result import Result
 
 if TYPE_CHECKING:
@@ -279,6 +279,8 @@ def derive_cell(
     from derivations.cell.envelope import derive_envelope
 
     begin = perf_counter()
+    if values is not None:
+        need_instance("values", values, (Mapping,), 'give numbers by letter, as {"a": 4}')
     envelope = derive_envelope(damping, stiffness, coupling)
     given = {name: str(value) for name, value in (values or {}).items()}
     return DerivedCell(envelope=envelope.with_values(given), seconds=perf_counter() - begin)
@@ -371,4 +373,7 @@ def stability(
     """
     from verification.quantities.robustness import stability as table
 
+    if isinstance(quantities, str):
+        quantities = (quantities,)  # one name, and not its letters; an empty one is none
+    need_instance("quantities", quantities, (Collection,), 'name them, as ["c-pin"]')
     return table(tuple(dict.fromkeys(quantities)), points, seed, workers=workers)

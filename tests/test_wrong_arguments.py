@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -122,6 +123,13 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "no-c": (lambda: fr.kinetic_relation([], 0.03), "coupling c"),
     "no-eta": (lambda: fr.kinetic_relation(0.5, []), "eta"),
+    "values": (lambda: fr.derive_cell("1 - y**2", values=True), "values = bool"),
+    "quantities": (lambda: fr.stability(None), "quantities = NoneType"),
+    "quantity": (lambda: fr.stability(""), "quantity = "),
+    "no-number": (
+        lambda: fr.OscillatorChain(damping=numba.njit(lambda y, v: np.nan), c=0.1),
+        "damping = no number",
+    ),
     "claim": (lambda: fr.judge(3), "claim = 3"),
     "longest": (lambda: fr.measure_front(CHAINS["vdp"], max_sites="300"), "longest chain"),
     "excited": (lambda: fr.measure_front(CHAINS["vdp"], excited="24"), "excited sites"),
@@ -165,6 +173,11 @@ def test_what_is_not_asked_for_is_refused_in_a_sentence(name: str) -> None:
     ask, quantity = REFUSED[name]
     with pytest.raises(fr.ParameterError, match=f"^{quantity}.* is not allowed: it must be"):
         ask()
+
+
+def test_a_whole_number_of_any_size_is_exact() -> None:
+    found = fr.derive_cell("1 - 4*y**2", coupling=10**400)
+    assert str(10**400) in str(found.equation)
 
 
 def test_a_result_that_repeats_a_coordinate_changes_nothing() -> None:

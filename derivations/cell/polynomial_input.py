@@ -71,7 +71,7 @@ def number(given: object, quantity: str) -> sp.Expr:
         return sp.Add(*(_term(monomial, value) for monomial, value in terms.items()))
     if isinstance(given, bool) or not isinstance(given, (int, float, Fraction)):
         raise refused
-    if not math.isfinite(given):
+    if isinstance(given, float) and not math.isfinite(given):
         raise refused
     return sp.Rational(str(given))
 

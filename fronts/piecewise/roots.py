@@ -157,7 +157,7 @@ def roots(
             rows.append(
                 _in_decimals(str(v), str(c), half, upper=not i, digits=digits, progress=shown)
             )
-    return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=certify)
+    return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=bool(certify))
 
 
 def _counted(v: float, c: float, found: RootSet, upper: bool) -> int:

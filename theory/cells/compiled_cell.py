@@ -83,9 +83,10 @@ class CompiledCell(Oscillator):
                     f"potential at y = {end:g}", f"{depths[-1]:g}", "growing there and larger than "
                     "anywhere inside, so that motion stays bounded", "add a stiffer term",
                 )  # fmt: skip
-        if not self.overdamped and not self.loss(self.largest) >= 0.0:
+        if not self.overdamped and not (loss := self.loss(self.largest)) >= 0.0:
+            kind = "no number" if math.isnan(loss) else "negative"
             raise ParameterError(
-                "damping", f"negative over a cycle of amplitude {self.largest:g}", "positive "
+                "damping", f"{kind} over a cycle of amplitude {self.largest:g}", "positive "
                 "there, so that motion stays bounded", "let it grow at large y or v",
             )  # fmt: skip
 

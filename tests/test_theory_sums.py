@@ -315,9 +315,12 @@ def test_bad_digits_and_tolerances_are_refused() -> None:
 @pytest.mark.parametrize(("v", "c"), [(0.02, 0.5), (0.3, 0.5), (7.4, 100.0), (1.0, 1.0)])
 @pytest.mark.parametrize("upper", [True, False])
 def test_few_digits_have_an_honest_error_too(v: float, c: float, upper: bool) -> None:
-    """At 4 and 5 digits the tail once began too near its singularities for its own estimate."""
+    """At 4 and 5 digits the tail once began too near its singularities for its own estimate.
+
+    Up to 10 digits it begins at the same label.
+    """
     exact = sum_by_roots(v, c, 30, upper)
-    for digits in range(1, 16):
+    for digits in (1, 3, 4, 5, 7, 10, 11, 13, 15):
         found = sum_by_roots(v, c, digits, upper)
         assert distance(found, exact) <= found.error + exact.error, digits
 

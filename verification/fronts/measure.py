@@ -139,7 +139,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     if tolerance is not None:
         tolerance = within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
     if excited is not None:
-        excited = count_within("excited sites", excited, 1, MAX_EXCITED)
+        excited = count_within("excited sites", excited, 1, MAX_SITES)
     if max_sites is not None:
         max_sites = count_within("longest chain, max_sites,", max_sites, 1, MAX_SITES)
     if stall_time is not None:

@@ -167,7 +167,7 @@ def _operations_resolved_once(context: Any) -> Iterator[None]:
     """Let numba look up what an operation gives once for given types of what it is applied to.
 
     It tries dozens of candidates for each sum, product or index of an array, wherever one stands
-    and whenever inference comes by; this took a seventh of the time of a first use.
+    and whenever inference comes by; of the friction stepper this took a seventh of the time.
     """
     resolve, known = context.resolve_function_type, {}
 

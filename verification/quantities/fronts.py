@@ -79,7 +79,7 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     chain = vdp_chain({**_GIVEN, **at, "sites": sites})
     end = 2.0 * _STALL_TIME if stated.value == 0.0 else 1.5 * sites / stated.value
     filled = np.where(np.arange(sites) < _FILLED, chain.stable_amplitude, 0.0)
-    amplitude = amplitude_of if full else np.abs
+    amplitude, level = amplitude_of if full else np.abs, chain.unstable_amplitude
     rate = full_rate(chain, wave=True) if full else quarter_turn_rate(chain, wave=True)
     turns = np.array([1j * (-1j) ** n for n in range(sites)])
     start = as_state(turns * filled) if full else filled
@@ -91,9 +91,9 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
         with np.errstate(all="ignore"):  # scipy tries steps that overflow
             solver.step()
         pace.check(max(1.5 * solver.t * scale / end, np.count_nonzero(times >= 0.0) / sites))
-        now = amplitude(solver.y) > chain.unstable_amplitude
+        now = amplitude(solver.y) > level
         for site in np.flatnonzero(now & np.isnan(times)).tolist():
-            times[site] = scale * _crossing(solver, amplitude, site, chain.unstable_amplitude)
+            times[site] = scale * _crossing(solver, amplitude, site, level)
     reached = times[_FILLED : sites - _END]
     if stated.value == 0.0:
         late = int(np.count_nonzero(reached > 0.5 * end))

@@ -311,5 +311,6 @@ def as_complex(state: FloatArray) -> ComplexArray:
 
 def amplitude_of(state: FloatArray) -> FloatArray:
     """Return |Ψ|, shape (N, ...), of states (y, ẏ) of shape (2N, ...)."""
-    amplitude: FloatArray = np.hypot(*np.split(state, 2))
+    sites = len(state) // 2
+    amplitude: FloatArray = np.hypot(state[:sites], state[sites:])
     return amplitude

@@ -12,6 +12,8 @@ from copy import deepcopy
 
 import pytest
 
+from paper_checks.claims.fig09 import Escape
+from paper_checks.claims.fig14 import Collapse
 from tests.behaviour.evidence import (
     SMALLER,
     apart,
@@ -40,6 +42,14 @@ def test_shipped_evidence_says_what_was_recorded(root: str) -> None:
 
 def test_all_evidence_is_computed_here_or_shipped() -> None:
     assert {*SMALLER, *shipped_roots()} == set(claims_by_evidence())
+
+
+def test_of_several_distances_the_largest_is_told() -> None:
+    for pairs in (((0.9, 0.95), (1.1, 1.0)), ((1.1, 1.0), (0.9, 0.95)), ((1.0, 1.1), (1.0, 1.0))):
+        assert Escape(inside=pairs[0], outside=pairs[1]).gap == pytest.approx(0.1)
+    rows = {1.0: (1.0, 2.0), 2.5: (1.0, 2.2), 4.0: (1.0, 2.1)}
+    found = Collapse(full=rows, averaged=(), scipy=rows)
+    assert (found.apart, found.scipy_apart) == pytest.approx((0.2 / 2.1, 0.2 / 2.1))
 
 
 def test_numbers_that_are_apart_are_named() -> None:

@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 MAX_KNOWN = 3
 """Tests that noticed the last changes of a function or its module, asked before all others."""
 
+MAX_FILES = 6
+"""Files whose tests are asked about what an import computes: each is collected anew for that."""
+
+OVERHEAD = 0.002
+"""Processor seconds that pytest takes for a test beside those of the test."""
+
 
 class Runs:
     """Changes to be run, and what became of those that were.
@@ -91,9 +97,13 @@ class Runs:
         known = [*known, *self._killers[mutant.module]]
         picked = [test for test in dict.fromkeys(known) if test in reaching][:MAX_KNOWN]
         left = self._seconds - sum(self._survey.seconds[test] for test in picked)
+        files = {test.partition("::")[0] for test in picked}
         for test in reaching:
-            if test not in picked and self._survey.seconds[test] <= left:
-                left -= self._survey.seconds[test]
+            cost, file = self._survey.seconds[test] + OVERHEAD, test.partition("::")[0]
+            another = on_import and file not in files and len(files) == MAX_FILES
+            if test not in picked and cost <= left and not another:
+                left -= cost
+                files.add(file)
                 picked.append(test)
         return picked or reaching[:1]
 

@@ -136,6 +136,8 @@ SMALLER: Mapping[str, Mapping[str, Any]] = {
     "fig03:front": {"TIMES_B": (100.0, 150.0, 200.0), "disagreement": _short},
     "fig04:thresholds": {**SPREADING, "disagreement": _short},
     "fig04:long_runs": {**SPREADING, "LONG": 100.0, "STALL": 50.0, "disagreement": _short},
+    "fig05:state_map": {"COUPLINGS": (0.095,), "VELOCITIES": (1.05, 1.55), "REFINED": 0.5,
+                        "CHECKED": ((0.095, 1.05, 7),), "disagreement": _short},
     "fig05:lasting": {"LASTING": (1.1, 1.45), "WIDE_AT": (1.38,), "LATE": 800.0,
                       "disagreement": _short},
     "fig06:velocities": {**FRONTS, **SPREADING, "COUPLINGS": (0.05, 0.07, 0.1), "LINEAR_FROM": 0.05,
@@ -167,6 +169,8 @@ SMALLER: Mapping[str, Mapping[str, Any]] = {
                            _with(averaged_front, sites=60)},
     "fig14:collapse": {**FRONTS, "C": 1.0, "ETAS": (0.005, 0.03), "FULL": (0.02,),
                        **_staggered(13)},
+    "fig15:state_map": {"ETAS": (0.03, 0.14), "COUPLINGS": (0.05, 0.5), "CHECKED": ((0.03, 0.5),),
+                        "EMPTIED": 0.03, "EMPTIED_AT": (0.5,), "WATCHED": 60.0, "SCIPY_END": 4.0},
     "fig16:profile": {},
     "fig17:scaling": {**TRACE, "RUNS": (0.5,), "LAST": 20.0,
                       "verification.piecewise.simulation.hysteresis":
@@ -255,7 +259,7 @@ def stored(root: str) -> Json:
     claims = claims_by_evidence()[root]
     path = shipped.Shipped(shipped.FOLDER, SOURCES).path(claims[0].evidence)
     plain = Record.load(path, "evidence").content["evidence"]
-    with _smaller(root):
+    with _smaller(""):
         return found_in(evidence_from(plain, SOURCES), claims)
 
 
@@ -272,7 +276,12 @@ def found_in(evidence: Any, claims: Sequence[Claim]) -> Json:
         },
         "drawn": {one.name: _table(one.data) for each in found.values() for one in each.pictures},
     }
-    return shortened(json.loads(json.dumps(kept)))
+    return shortened(json.loads(json.dumps(kept), object_hook=_without_metadata))
+
+
+def _without_metadata(one: dict[str, Json]) -> dict[str, Json]:
+    """Leave out by which code, when and with what versions a table was made."""
+    return {name: held for name, held in one.items() if name != "metadata"}
 
 
 def _table(data: str) -> list[list[str]]:

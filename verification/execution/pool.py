@@ -40,7 +40,7 @@ BATCH_SECONDS = 0.02
 """Short items are handed over several at a time, so many as take about this long: 0.2 ms of the
 pool's own work for each time would be a quarter of a point of the averaged chain."""
 MAX_BATCH = 16
-_BATCHES_REMEMBERED = 32
+_BATCHES_REMEMBERED = 8
 """The slowest of so many, the last ones, tells how long an item takes: among quick items a batch of
 slow ones would keep one worker busy while the others have nothing left to do."""
 MAX_PENDING = 256 * MAX_BATCH

@@ -259,7 +259,7 @@ BAD = [
     ("front friction --c 0.02 --mu-st 0.2", "mu_st"),
     ("front friction --c 0.02 --v0 0", "v0"),
     ("front friction --c 0.02 --eta 0.1", "--eta"),
-    ("front friction --c 0.02 --nucleus 0", "nucleus"),
+    ("front friction --c 0.02 --nucleus 0", "excited sites"),
     ("front vdp --c 0.6 --a 4 --b 0.5 --nucleus 2", "excited sites"),
     ("front piecewise --c 0.6 --eta 0.03 --xi 0.1", "--xi"),
     ("threshold friction --nucleus 99", "nucleus"),

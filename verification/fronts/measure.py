@@ -492,7 +492,7 @@ def checked_friction_sites(sites: int, excited: int, max_sites: int = FRICTION_M
     ParameterError
         If it is out of range, or the number of excited sites is.
     """
-    count_within("nucleus size", excited, 1, 100)
+    count_within("excited sites", excited, 1, 100)
     least = excited + 3 * MARGIN
     remedy = "give such a length: it is doubled until the velocity settles"
     return count_within("number of sites n", sites, least, max(max_sites, least), remedy)

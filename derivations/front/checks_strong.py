@@ -237,7 +237,8 @@ class StrongChecks(SampledChecks):
 
     def weak_law(self, candidate: sp.Basic) -> Evidence:
         """Fronts of the averaged chain at strong coupling, with kappa from the inner problem."""
-        sample = min(self.samples, key=lambda each: each.ratio)  # its front settles soonest
+        # The slower a cell returns to its cycle, the larger these couplings are beside its rates.
+        sample = max(self.samples, key=lambda each: each.ratio)
         front = inner_velocity(sample)
         errors = []
         for factor in (20.0, 160.0):
@@ -319,7 +320,10 @@ def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
     place = np.arange(sites)
     width = 2 * np.cbrt(max(first, 1.0) / 6)
     r = sample.outer / (1 + np.exp((place - 20) / width))
-    step = 0.8 / first
+    # How fast the cell goes back to its cycle: a step longer than that runs away from it.
+    nearby = 1e-3 * sample.outer
+    back = abs(loss(sample.outer + nearby) - loss(sample.outer - nearby)) / (2 * nearby)
+    step = min(0.8 / first, 1.0 / back)
     half = 0.5 * sample.outer
 
     def rates(r: Any) -> Any:

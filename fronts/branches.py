@@ -226,7 +226,7 @@ def follow_breather(
     couplings: Sequence[float] | FloatArray,
     *,
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
-    method: Literal["orbit", "envelope"] = "orbit",
+    method: Literal["orbit", "envelope"] | None = None,
     folds: int = 1,
 ) -> Branch:
     """Follow a breather in the coupling through its folds.
@@ -240,7 +240,8 @@ def follow_breather(
     nucleus : Nucleus, optional
         Which sites oscillate, and with which phase steps.
     method : {"orbit", "envelope"}, optional
-        The periodic orbit of (8), or the rotating solution of (43).
+        The periodic orbit of (8), or the rotating solution of (43); by default that which solves
+        the chain itself.
     folds : int, optional
         Folds that are passed, at most. The branch begins at the smallest coupling or just above,
         and ends where it comes back to it, or at c = 2.
@@ -274,11 +275,11 @@ def follow_breather(
     begin = perf_counter()
     need_instance("chain", chain, (VdpChain, AveragedChain), "other models cannot be followed")
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
-    word("method", method, ("orbit", "envelope"))
-    if method == "envelope" and isinstance(chain, VdpChain):
+    chosen = word("method", _own_method(chain) if method is None else method, ("orbit", "envelope"))
+    if chosen == "envelope" and isinstance(chain, VdpChain):
         chain = chain.averaged()
     folds = count_within("number of folds", folds, 0, 20)
-    found = follow(chain, couplings, nucleus=nucleus, method=BreatherMethod(method), turns=folds)
+    found = follow(chain, couplings, nucleus=nucleus, method=BreatherMethod(chosen), turns=folds)
     return Branch(
         along="c",
         values=np.array([point.chain.c for point in found.points]),
@@ -312,12 +313,14 @@ def breather_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
 ) -> Branch | None:
     """Return the branch of solutions of the chain itself in c; None for another method."""
-    averaged = isinstance(chains[0], AveragedChain)
-    method: Literal["orbit", "envelope"] = "envelope" if averaged else "orbit"
-    if along != "c" or options.get("method") not in (None, method):
+    if along != "c" or options.get("method") not in (None, _own_method(chains[0])):
         return None
-    nucleus = options.get("nucleus", Nucleus(1))
-    return follow_breather(chains[0], values, nucleus=nucleus, method=method)
+    return follow_breather(chains[0], values, nucleus=options.get("nucleus", Nucleus(1)))
+
+
+def _own_method(chain: VanDerPolChain) -> Literal["orbit", "envelope"]:
+    """Return the method that solves the chain itself."""
+    return "envelope" if isinstance(chain, AveragedChain) else "orbit"
 
 
 __all__ = ["Branch", "Turn", "follow_breather", "follow_front"]

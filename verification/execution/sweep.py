@@ -230,12 +230,17 @@ class _Found:
 
     def _beside_coordinates(self, index: int, row: Mapping[str, Cell]) -> Mapping[str, Cell]:
         """Return a row without what repeats a coordinate; refuse another value by its name."""
+        repeated = row.keys() & self.coordinates.keys()
+        if not repeated:
+            return row
         point = self.points[index]
-        for name in row.keys() & self.coordinates.keys():
-            if not np.array_equal(np.asarray(row[name]), np.asarray(point[name])):
+        for name in repeated:
+            cell, own = row[name], point[name]
+            plain = isinstance(cell, float | int | str)  # comparing arrays costs microseconds
+            if not (cell == own if plain else np.array_equal(np.asarray(cell), np.asarray(own))):
                 raise ParameterError(
-                    f"result {name}", row[name], "of another name, or what the coordinate is, "
-                    f"{point[name]}", "rename the result",
+                    f"result {name}", cell, f"of another name, or what the coordinate is, {own}",
+                    "rename the result",
                 )  # fmt: skip
         return {name: cell for name, cell in row.items() if name not in self.coordinates}
 

@@ -82,7 +82,7 @@ def _peers(chain: VdpChain, true: FloatArray) -> Iterator[Setting]:
 def by_shooting(chain: VdpChain, steps: int) -> FloatArray:
     """Return amplitudes and frequency of the orbit, shape (N + 1,)."""
     orbit = solve_orbit(chain, Nucleus(1), steps=steps)
-    return np.append(orbit.amplitudes, orbit.frequency)
+    return np.append(orbit.amplitudes, 2.0 * math.pi / orbit.period)
 
 
 def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
@@ -140,12 +140,14 @@ def _peaks(y: FloatArray) -> FloatArray:
 
 def _envelope(chain: VdpChain) -> Answer:
     found = solve_envelope_breather(chain, Nucleus(1))
-    return Answer(value=np.append(np.abs(found.phi), 1.0 + chain.eps * found.omega))
+    return Answer(value=np.append(found.amplitudes, 1.0 + chain.eps * found.unknowns[-1]))
 
 
 def _shooting(chain: VdpChain, steps: int) -> Answer:
     orbit = solve_orbit(chain, Nucleus(1), steps=steps)
-    return Answer(value=np.append(orbit.amplitudes, orbit.frequency), claimed=orbit.error)
+    return Answer(
+        value=np.append(orbit.amplitudes, 2.0 * math.pi / orbit.period), claimed=orbit.error
+    )
 
 
 def _run(chain: VdpChain, tolerance: float) -> Answer:

@@ -269,13 +269,15 @@ def follow_breather(
     >>> [round(float(c), 3) for c in branch.values], round(branch.folds[0].c, 6)
     ([0.15, 0.19, 0.19, 0.15], 0.190788)
     """
+    from verification.breathers.families import own_method
     from verification.breathers.follow import follow
     from verification.breathers.result import BreatherMethod
 
     begin = perf_counter()
     need_instance("chain", chain, (VdpChain, AveragedChain), "other models cannot be followed")
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
-    chosen = word("method", _own_method(chain) if method is None else method, ("orbit", "envelope"))
+    default = own_method(chain).value
+    chosen = word("method", default if method is None else method, ("orbit", "envelope"))
     if chosen == "envelope" and isinstance(chain, VdpChain):
         chain = chain.averaged()
     folds = count_within("number of folds", folds, 0, 20)
@@ -313,14 +315,11 @@ def breather_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
 ) -> Branch | None:
     """Return the branch of solutions of the chain itself in c; None for another method."""
-    if along != "c" or options.get("method") not in (None, _own_method(chains[0])):
+    from verification.breathers.families import own_method
+
+    if along != "c" or options.get("method") not in (None, own_method(chains[0]).value):
         return None
     return follow_breather(chains[0], values, nucleus=options.get("nucleus", Nucleus(1)))
-
-
-def _own_method(chain: VanDerPolChain) -> Literal["orbit", "envelope"]:
-    """Return the method that solves the chain itself."""
-    return "envelope" if isinstance(chain, AveragedChain) else "orbit"
 
 
 __all__ = ["Branch", "Turn", "follow_breather", "follow_front"]

@@ -34,9 +34,11 @@ from theory.piecewise.kinetic_relation import kinetic_relation
 from verification.breathers import breather as breathers
 from verification.breathers import exponents
 from verification.breathers import outcome as nuclei
-from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.floquet import Multipliers, floquet_multipliers
+from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
+from verification.breathers.floquet import floquet_multipliers
+from verification.breathers.orbits import Orbits
 from verification.cells import vdp as vdp_cell
+from verification.continuation.branch import Fold
 from verification.execution import checkpoint
 from verification.execution import sweep as sweeping
 from verification.execution.files import FileError
@@ -66,7 +68,7 @@ from verification.quantities.quantity import (
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
 from verification.runs.excite import StartPoint
-from verification.thresholds import continuation, escape
+from verification.thresholds import escape
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
 from verification.thresholds.spreading import Spreading, spreading_threshold, spreads
@@ -468,7 +470,7 @@ def _monodromy(even: list[float], odd: list[float]) -> np.ndarray:
 
 
 def test_of_the_multipliers_the_trivial_one_leads_nothing() -> None:
-    def found(even: list[float], odd: list[float], **options: Any) -> Multipliers:
+    def found(even: list[float], odd: list[float], **options: Any) -> exponents.Stability:
         return floquet_multipliers(_monodromy(even, odd), 2.0, 0.1, **options)
 
     stable = found([1.0, 0.9, -0.8, 0.3], [0.7, 0.2], parity=1, error=1e-9)
@@ -787,15 +789,17 @@ def test_a_cycle_is_too_stiff_by_its_largest_damping(eta: float) -> None:
         vdp_cell._check_stiffness(eta, 1.001 * limit)
 
 
-def test_halved_steps_shift_a_fold_by_their_residual_over_the_largest_slope() -> None:
-    fold = SimpleNamespace(u=np.zeros(2), c=0.2)
-    path: Any = SimpleNamespace(
-        branch=SimpleNamespace(fold=fold),
-        finer=lambda u, c: (np.array([1e-6, -3e-6]), None, np.array([0.5, -1.5])),
-    )
-    assert continuation._step_error(path) == pytest.approx(2e-6)
-    path.finer = None
-    assert continuation._step_error(path) == 0.0
+def test_halved_steps_shift_a_fold_by_their_residual_over_the_largest_slope(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def system(_: object, refinement: int) -> Any:
+        residual = np.array([1e-6, -3e-6]) if refinement == 2 else np.zeros(2)
+        return lambda u, c: (residual, None, np.array([0.5, -1.5]))
+
+    monkeypatch.setattr(Orbits, "system", system)
+    chain, fold = AveragedChain(a=4, b=0.5, c=0.2), Fold(0.2, 0.0, np.zeros(2), 1)
+    assert Orbits(chain.full(), Nucleus(1)).step_error(fold) == pytest.approx(2e-6)
+    assert RotatingWaves(chain, Nucleus(1)).step_error(fold) == 0.0
 
 
 def test_the_bracket_of_an_escape_holds_the_coupling_at_which_runs_begin_to(
@@ -859,7 +863,7 @@ def test_the_closed_form_is_of_one_site_in_the_bulk() -> None:
 def test_exponents_come_with_the_fastest_growth_first(mirrored: bool) -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
     found = solve_envelope_breather(chain, Nucleus(1))
-    growth = exponents.exponents(found.phi, found.omega, chain, mirrored).values.real
+    growth = exponents.exponents(*exponents.unpack(found.unknowns), chain, mirrored).values.real
     assert np.all(np.diff(growth) <= 0.0)
     assert growth[0] > growth[-1]
 
@@ -869,12 +873,11 @@ def test_a_monitor_watches_growth_of_either_parity(nucleus: Nucleus, leads: str)
     """The leading one, that of the nucleus's own parity, and the other, each less the margin."""
     chain = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
     found = solve_envelope_breather(chain, nucleus)
-    u = np.concatenate([found.phi.real, found.phi.imag, [found.omega]])
-    whole = exponents.exponents(found.phi, found.omega, chain, mirrored=True)
+    whole = exponents.exponents(*exponents.unpack(found.unknowns), chain, mirrored=True)
     assert whole.symmetric is not None
     assert whole.antisymmetric is not None
     assert (whole.symmetric > whole.antisymmetric + 1e-6) is (leads == "even")
-    watched = exponents.stability_monitor(chain, nucleus)(u, chain.c)
+    watched = RotatingWaves(chain, nucleus).monitor(found.unknowns, chain.c)
     growths = (whole.growth, whole.symmetric, whole.antisymmetric)
     expected = [each - exponents.MARGINAL for each in growths]
     assert watched == pytest.approx(expected, abs=1e-12)

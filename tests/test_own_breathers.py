@@ -14,8 +14,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
-from verification.breathers.orbits import shooting_system
-from verification.breathers.own import integrate_with_tangents, solve_own_orbit
+from verification.breathers.own import OwnOrbits, integrate_with_tangents
 from verification.breathers.periodic_motion import largest_displacements
 from verification.continuation.newton import solve_at
 from verification.references.equations import pull_matrix
@@ -51,7 +50,7 @@ def test_the_cycle_of_van_der_pol_has_the_published_period_and_amplitude() -> No
     """
     chain = OscillatorChain(damping="y**2 - 1", c=0.1, eps=1.0, sites=2)
     start = np.array([0.0, 0.0, 2.0, 2.0, 6.7])
-    solved = solve_at(shooting_system(chain, 0, 400), start, chain.c).u
+    solved = solve_at(OwnOrbits(chain, Nucleus(1), 400).system(centre=0), start, chain.c).u
     assert solved[-1] == pytest.approx(6.663286859323130, abs=1e-13)
     flow = integrate_with_tangents(chain, solved[:-1], float(solved[-1]), 400)
     assert largest_displacements(flow.samples) == pytest.approx(2.008619860874843, abs=1e-13)
@@ -64,7 +63,7 @@ def test_an_orbit_of_a_disordered_chain_is_one_of_scipy_with_its_multipliers() -
     rate = oscillator_rate(
         lambda y: y, lambda y, v: 1.0 - a * y**2 + 0.5 * y**4, pull_matrix(7), c=0.08, eps=0.01
     )
-    orbit = solve_own_orbit(chain, Nucleus(1))
+    orbit = OwnOrbits(chain, Nucleus(1)).solve()
     times = np.array([0.0, orbit.period])
 
     def after(state: np.ndarray) -> np.ndarray:

@@ -166,7 +166,7 @@ def test_a_locked_state_is_that_of_forty_digits() -> None:
 
 def _three_sites(eta: float, c: float) -> tuple[np.ndarray, float]:
     found = solve_envelope_breather(VdpChain(a=1.0, b=eta, c=c, eps=0.01, sites=3), Nucleus(1))
-    return found.phi, found.omega
+    return found.waves, float(found.unknowns[-1])
 
 
 def _in_mpmath(x: tuple[object, ...], eta: float, c: object) -> np.ndarray:
@@ -187,7 +187,7 @@ def test_a_fold_is_where_the_matrix_is_singular_in_forty_digits() -> None:
     beyond = VdpChain(a=1.0, b=eta, c=1.0, eps=0.01, sites=3)
     fold = solve_envelope_breather(beyond, Nucleus(1)).fold
     assert fold is not None
-    found = locked_fold(eta, fold.c, *_three_sites(eta, 0.999 * fold.c))
+    found = locked_fold(eta, fold, *_three_sites(eta, 0.999 * fold))
     with mp.workdps(40):
 
         def half(u: list[object], c: object) -> list[object]:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from paper_checks.claims._breathers import EPS, A, B
 
 if TYPE_CHECKING:
-    from verification.breathers.envelope import EnvelopeBreather
-    from verification.breathers.orbits import Orbit
+    from verification.breathers.result import Breather
 
 SITES = 11
 CENTRE = SITES // 2
@@ -18,7 +17,7 @@ SMALL = 0.1
 
 
 @lru_cache(maxsize=64)
-def orbit_of(c: float, eps: float = EPS, sites: int = SITES) -> Orbit:
+def orbit_of(c: float, eps: float = EPS, sites: int = SITES) -> Breather:
     """Return the breather of one site in (8)."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
@@ -28,7 +27,7 @@ def orbit_of(c: float, eps: float = EPS, sites: int = SITES) -> Orbit:
 
 
 @lru_cache(maxsize=16)
-def averaged_of(c: float, sites: int = SITES) -> EnvelopeBreather:
+def averaged_of(c: float, sites: int = SITES) -> Breather:
     """Return the breather of one site in the averaged chain (43)."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain

@@ -70,6 +70,8 @@ class Localised:
 def localised() -> Localised:
     """Prepare one site near the cycle, run (8) with scipy, and find the periodic orbit."""
     orbit, strong = orbit_of(C), orbit_of(STRONGER)
+    assert orbit.frequency is not None
+    assert orbit.error is not None
     state = np.zeros(2 * SITES)
     state[SITES + CENTRE] = 2.0 * math.sqrt(2.0)  # the cycle of one averaged cell
     # Everything decays at 0.45 per unit of εt: e^-18 is left.
@@ -82,8 +84,8 @@ def localised() -> Localised:
     return Localised(
         orbit=orbit.amplitudes,
         run=2.0 * np.abs(spectrum[1]),
-        harmonics=np.abs(orbit.harmonics),
-        stable=orbit.multipliers is not None and orbit.multipliers.stable,
+        harmonics=np.abs(orbit.waves),
+        stable=orbit.stable is True,
         frequency=orbit.frequency,
         error=orbit.error,
         stronger=(

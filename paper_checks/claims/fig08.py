@@ -80,7 +80,7 @@ def amplitudes() -> Amplitudes:
         theory=closed_form(Reading.NEIGHBOUR, c),
         tail=closed_form(Reading.TAIL, c),
         centre_has_none=none,
-        error=max(orbit.error for orbit in orbits),
+        error=max(orbit.error for orbit in orbits if orbit.error is not None),
         closing=max(closing),
     )
 
@@ -155,12 +155,12 @@ def assumptions() -> Assumptions:
     """Measure δ and the phase step on orbits at four ε, and in the averaged chain."""
     orbits = [orbit_of(C, eps) for eps in EPSILONS]
     pairs = zip(orbits, EPSILONS, strict=True)
-    steps = [np.angle(each.harmonics[CENTRE + 1] / each.harmonics[CENTRE]) for each in orbits]
+    steps = [np.angle(each.waves[CENTRE + 1] / each.waves[CENTRE]) for each in orbits]
     amplitude = orbits[2].amplitudes
     return Assumptions(
-        detuning=tuple((orbit.frequency - 1.0) / eps - C for orbit, eps in pairs),
+        detuning=tuple((2.0 * math.pi / orbit.period - 1.0) / eps - C for orbit, eps in pairs),
         turns=tuple(float(step) + 0.5 * math.pi for step in steps),
-        averaged=abs(averaged_of(C).omega - C),
+        averaged=abs(averaged_of(C).unknowns[-1] - C),
         ratio=float(amplitude[CENTRE + 1] / amplitude[CENTRE]),
     )
 

@@ -75,7 +75,7 @@ def multipliers() -> Multipliers:
     by_scipy = np.sort(
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))
     )
-    ours = _moduli(test.multipliers)
+    ours = _moduli(test.stability)
     return Multipliers(
         even=_crossing("symmetric"),
         odd=_crossing("antisymmetric"),
@@ -86,7 +86,7 @@ def multipliers() -> Multipliers:
         gap=float(np.abs(by_scipy[-3:] - ours[-3:]).max()),
         along=tuple(tuple(_moduli(_approximate(float(x)))) for x in ALONG),
         couplings=ALONG,
-        exact=tuple(tuple(_moduli(orbit_of(float(x)).multipliers)) for x in EXACT),
+        exact=tuple(tuple(_moduli(orbit_of(float(x)).stability)) for x in EXACT),
         exact_couplings=EXACT,
     )
 
@@ -171,7 +171,7 @@ def escape() -> Escape:
         ends = flow(np.column_stack([orbit.state + kick, orbit.state - kick]), 0.15,
                     turns * orbit.period)  # fmt: skip
         grown = np.linalg.norm(ends[:, 0] - ends[:, 1]) / np.linalg.norm(2.0 * kick)
-        ours = _moduli(orbit.multipliers)
+        ours = _moduli(orbit.stability)
         nearest = float(ours[np.abs(ours - abs(values[lead])).argmin()])
         rows.append((nearest, float(grown ** (1.0 / turns))))
     return Escape(inside=rows[0], outside=rows[1])

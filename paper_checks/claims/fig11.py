@@ -278,9 +278,9 @@ def nuclei() -> Nuclei:
     for n in (1, 3, 5, 7):
         chain = VdpChain(a=A, b=B, c=0.1, eps=EPS, sites=sites_for(n))
         other = solve_envelope_breather(chain, Nucleus(n, outward_pattern(n)))
-        if other.exponents is None:
+        if other.growth is None:
             raise ArithmeticError(f"no breather of size {n} at c = 0.1")
-        by_envelope[n] = other.exponents.growth
+        by_envelope[n] = other.growth
         at = {
             c: phase_locked.outward_breather(n, c, A, B) for c in MIRRORED_AT if n > 1 or c == 0.1
         }
@@ -304,8 +304,9 @@ def nuclei() -> Nuclei:
 
 def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
     """Return growth rates in (8) of stable breathers of six sites, by shooting and scipy."""
+    from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
-    from verification.breathers.orbits import shooting_system
+    from verification.breathers.orbits import Orbits
     from verification.continuation.newton import solve_at
     from verification.references import phase_locked
 
@@ -320,7 +321,8 @@ def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
         chain = VdpChain(a=A, b=B, c=ORBIT_AT, eps=EPS, sites=phi.size)
         period = 2.0 * np.pi / (1.0 + EPS * point.omega)
         guess = np.concatenate([phi.imag, phi.real, [period]])
-        u = solve_at(shooting_system(chain, centre), guess, ORBIT_AT).u
+        orbits = Orbits(chain, Nucleus(1))
+        u = solve_at(orbits.system(centre=centre), guess, ORBIT_AT).u
         moduli = np.linalg.eigvals(monodromy_by_differences(u[:-1], ORBIT_AT, float(u[-1])))
         others = np.delete(moduli, np.argmin(np.abs(moduli - 1.0)))
         found.append(float(np.log(np.abs(others).max()) / (EPS * u[-1])))

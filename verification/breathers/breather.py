@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,13 +19,14 @@ from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, need_instance, word
-from verification.breathers.envelope import EnvelopeBreather, solve_envelope_breather
-from verification.breathers.floquet import Multipliers, approximate_multipliers
-from verification.breathers.orbits import Orbit, solve_orbit
-from verification.breathers.own import solve_own_orbit
+from verification.breathers.envelope import solve_envelope_breather
+from verification.breathers.exponents import Stability
+from verification.breathers.families import own_family, own_method
+from verification.breathers.floquet import approximate_multipliers
+from verification.breathers.orbits import solve_orbit
+from verification.breathers.own import OwnOrbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
 from verification.breathers.run import run_averaged_breather, run_breather
-from verification.continuation.branch import Fold
 from verification.continuation.newton import NotConvergedError
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.result import ThresholdMethod
@@ -126,9 +126,7 @@ def breather(
     True
     """
     started = time.perf_counter()
-    kinds = VdpChain, AveragedChain, OscillatorChain
-    remedy = "of an average take chain.full(); breathers of other models are not computed"
-    need_instance("chain", chain, kinds, remedy)
+    default = own_method(chain).value
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     nucleus = with_pattern(nucleus)
     nucleus.first(chain.sites)
@@ -137,9 +135,8 @@ def breather(
     if isinstance(chain, OscillatorChain):
         if method is not None and not (isinstance(method, str) and method == "orbit"):
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")
-        return of_orbit(chain, nucleus, solve_own_orbit(chain, nucleus))
-    if method is None:
-        method = "envelope" if isinstance(chain, AveragedChain) else "orbit"
+        return OwnOrbits(chain, nucleus).solve()
+    method = default if method is None else method
     if word("method", method, [*(each.value for each in BreatherMethod), "all"]) != "all":
         found = BreatherMethod(method)
         _check_length(chain, found)
@@ -192,16 +189,22 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
             "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
             "take the method envelope or orbit",
         )  # fmt: skip
-    full = _full(chain)
+    full = chain.full()
     found = solve_breather(full, choice.reading)
     fold = found.fold
     if found.alpha_0 is None or found.decay is None:
-        return none_at(
-            chain, nucleus, BreatherMethod.CLOSED_FORM, found.seconds, (fold.c, fold.error)
+        return Breather(
+            chain=chain,
+            nucleus=nucleus,
+            method=BreatherMethod.CLOSED_FORM,
+            status=BreatherStatus.NONE,
+            fold=fold.c,
+            fold_error=fold.error,
+            seconds=found.seconds,
         )
     odd = replace(full, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
     try:
-        multipliers: Multipliers | None = approximate_multipliers(odd, found)
+        multipliers: Stability | None = approximate_multipliers(odd, found)
     except ParameterError:
         multipliers = None  # too stiff: the stability is then not decided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
@@ -232,44 +235,14 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
 
 def _envelope(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
     found = solve_envelope_breather(chain, nucleus)
-    if found.exponents is None:
-        return none_at(chain, nucleus, BreatherMethod.ENVELOPE, found.seconds, _fold(found.fold))
-    if isinstance(chain, AveragedChain):
-        return of_envelope(chain, nucleus, found)
-    frequency = 1.0 + chain.eps * found.omega
-    trust = _distance(chain, nucleus, np.abs(found.phi), frequency, found.error)
+    if isinstance(chain, AveragedChain) or found.frequency is None or found.error is None:
+        return found
+    trust = _distance(chain, nucleus, found.amplitudes, found.frequency, found.error)
     return replace(
-        of_envelope(chain, nucleus, found),
+        found,
         error=trust.amplitude,
         frequency_error=trust.frequency,
         error_unknown=trust.unknown,
-    )
-
-
-def of_envelope(chain: VanDerPolChain, nucleus: Nucleus, found: EnvelopeBreather) -> Breather:
-    """Return a solution of (43) as a breather; its error is that as such a solution."""
-    assert found.exponents is not None
-    frequency = 1.0 + chain.eps * found.omega
-    period = 2.0 * math.pi / frequency
-    fold = _fold(found.fold)
-    return Breather(
-        chain=chain,
-        nucleus=nucleus,
-        method=BreatherMethod.ENVELOPE,
-        status=BreatherStatus.EXISTS,
-        amplitudes=np.abs(found.phi),
-        waves=found.phi,
-        frequency=frequency,
-        stable=found.exponents.stable,
-        growth=found.exponents.growth,
-        trivial=found.exponents.trivial,
-        multipliers=np.exp(chain.eps * period * found.exponents.values),
-        error=found.error,
-        frequency_error=chain.eps * found.error,
-        residual=found.residual,
-        fold=fold[0],
-        fold_error=fold[1],
-        seconds=found.seconds,
     )
 
 
@@ -279,35 +252,7 @@ def _orbit(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather
             "method", "orbit", "envelope, closed-form or simulation for the averaged chain",
             "take one of them, or the orbit of chain.full()",
         )  # fmt: skip
-    found = solve_orbit(chain, nucleus)
-    if found.multipliers is None:
-        return none_at(chain, nucleus, BreatherMethod.ORBIT, found.seconds, _fold(found.fold))
-    return of_orbit(chain, nucleus, found)
-
-
-def of_orbit(chain: VdpChain | OscillatorChain, nucleus: Nucleus, found: Orbit) -> Breather:
-    """Return a periodic orbit as a breather."""
-    assert found.multipliers is not None
-    fold = _fold(found.fold)
-    return Breather(
-        chain=chain,
-        nucleus=nucleus,
-        method=BreatherMethod.ORBIT,
-        status=BreatherStatus.EXISTS,
-        amplitudes=found.amplitudes,
-        waves=found.harmonics,
-        frequency=found.frequency,
-        stable=found.multipliers.stable,
-        growth=found.multipliers.growth,
-        trivial=found.multipliers.trivial,
-        multipliers=found.multipliers.values,
-        error=found.error,
-        frequency_error=found.frequency * found.error / found.period,
-        residual=found.residual,
-        fold=fold[0],
-        fold_error=fold[1],
-        seconds=found.seconds,
-    )
+    return solve_orbit(chain, nucleus)
 
 
 def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
@@ -317,10 +262,17 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
         found = run_averaged_breather(chain, nucleus, seed=choice.seed)
     if found.status is not BreatherStatus.ESCAPED:
         return found
-    fold = _fold_below(chain, nucleus)
-    nothing = none_at(chain, nucleus, BreatherMethod.SIMULATION, found.seconds, fold)
-    status = BreatherStatus.NONE if fold[0] is not None else BreatherStatus.ESCAPED
-    return replace(nothing, status=status, time=found.time)
+    fold, error = _fold_below(chain, nucleus)
+    return Breather(
+        chain=chain,
+        nucleus=nucleus,
+        method=found.method,
+        status=BreatherStatus.ESCAPED if fold is None else BreatherStatus.NONE,
+        fold=fold,
+        fold_error=error,
+        time=found.time,
+        seconds=found.seconds,
+    )
 
 
 class _Distance(NamedTuple):
@@ -337,26 +289,20 @@ def _distance(
     """Solve the chain itself and compare, its error and that of what is compared added."""
     short = replace(chain, sites=min(chain.sites, nucleus.size + REST))
     try:
-        if isinstance(short, VdpChain):
-            orbit = solve_orbit(short, nucleus)
-            own, true = orbit.error, orbit.amplitudes
-            exact = orbit.frequency if true.size else 0.0
-        else:
-            solved = solve_envelope_breather(short, nucleus)
-            own, true = solved.error, np.abs(solved.phi)
-            exact = 1.0 + chain.eps * solved.omega if true.size else 0.0
+        exact = own_family(short, nucleus).solve()
     except (ParameterError, NotConvergedError) as refusal:
         return _Distance(None, None, str(refusal))
-    if not true.size:
+    if exact.frequency is None or exact.error is None:
         what = (
             "(8) has no such orbit" if isinstance(short, VdpChain) else "(43) has no such breather"
         )
         return _Distance(None, None, f"{what} at this coupling")
     ours = amplitudes[nucleus.outward(chain.sites) :]
-    true = true[nucleus.outward(short.sites) :]
+    true = exact.outward
     count = min(true.size, ours.size)
     gap = float(np.abs(ours[:count] - true[:count]).max())
-    return _Distance(gap + own + error, abs(frequency - exact) + own + error, "")
+    apart = abs(frequency - exact.frequency)
+    return _Distance(gap + exact.error + error, apart + exact.error + error, "")
 
 
 def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:
@@ -371,33 +317,6 @@ def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, 
     except (ParameterError, NotConvergedError):
         return None, None
     return (fold.c, fold.error) if chain.c > fold.c + fold.error else (None, None)
-
-
-def _full(chain: VanDerPolChain) -> VdpChain:
-    return chain if isinstance(chain, VdpChain) else chain.full()
-
-
-def _fold(fold: Fold | None) -> tuple[float | None, float | None]:
-    return (None, None) if fold is None else (fold.c, fold.error)
-
-
-def none_at(
-    chain: VanDerPolChain,
-    nucleus: Nucleus,
-    method: BreatherMethod,
-    seconds: float,
-    fold: tuple[float | None, float | None],
-) -> Breather:
-    """Return that there is no breather."""
-    return Breather(
-        chain=chain,
-        nucleus=nucleus,
-        method=method,
-        status=BreatherStatus.NONE,
-        fold=fold[0],
-        fold_error=fold[1],
-        seconds=seconds,
-    )
 
 
 _METHODS: dict[BreatherMethod, Callable[[VanDerPolChain, Nucleus, _Choice], Breather]] = {

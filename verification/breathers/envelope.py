@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +26,11 @@ from theory.averaged.envelope import (
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError, RunError
-from verification.breathers.exponents import (
-    Exponents,
-    exponents,
-    rotating_jacobian,
-    stability_monitor,
-    unpack,
-)
-from verification.continuation.branch import Branch, Fold, arrive, trace
+from theory.parameters import ParameterError
+from verification.breathers.exponents import Stability, exponents, rotating_jacobian, unpack
+from verification.breathers.family import BreatherFamily
+from verification.breathers.result import Breather, BreatherMethod
+from verification.continuation.branch import Branch, Fold, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 
 Real = NDArray[np.float64]
@@ -44,111 +40,106 @@ START = 0.01
 """Coupling at which branches leave the anticontinuum limit."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class EnvelopeBreather:
-    """A breather of the averaged chain, solved; `Breather` has what every method gives.
+@dataclass(frozen=True)
+class RotatingWaves(BreatherFamily):
+    """The breathers of the averaged chain."""
 
-    Attributes
-    ----------
-    status : BreatherStatus
-        By default, as all other fields are by default, that there is none: the branch folds below
-        this coupling.
-    phi : complex array, shape (N,)
-        φ_n; empty if there is none.
-    detuning : float or None
-        Ω per unit T; None if there is no breather.
-    exponents : Exponents or None
-        Stability.
-    fold : Fold or None
-        Where the branch ends, if that was reached.
-    error : float
-        Estimated error of φ and Ω: the Newton step that would come next.
-    residual : float
-        Largest entry of the equations.
-    seconds : float
-        Wall-clock time.
-    """
+    method = BreatherMethod.ENVELOPE
 
-    status: BreatherStatus = BreatherStatus.NONE
-    phi: Complex = field(default_factory=lambda: np.empty(0, dtype=complex))
-    detuning: float | None = None
-    exponents: Exponents | None = None
-    fold: Fold | None
-    error: float = math.inf
-    residual: float = math.inf
-    seconds: float
+    chain: VanDerPolChain
 
-    @property
-    def omega(self) -> float:
-        """Ω per unit T; the frequency in t is 1 + εΩ.
+    def system(self, refinement: int = 1) -> System:
+        """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre."""
+        chain, sites, centre = self.chain, self.chain.sites, self.centre
+        springs = coupling_matrix(sites, chain.ends)
+
+        def system(u: Real, c: float) -> tuple[Real, Real, Real]:
+            here = replace(chain, c=abs(c))
+            x, y, omega = u[:sites], u[sites:-1], u[-1]
+            phi = x + 1j * y
+            rate = envelope_rate(phi, here) - 1j * omega * phi
+            value = np.concatenate([rate.real, rate.imag, [y[centre]]])
+            slope = np.zeros((2 * sites + 1, 2 * sites + 1))
+            slope[:-1, :-1] = rotating_jacobian(phi, omega, here)
+            slope[:-1, -1] = np.concatenate([y, -x])
+            slope[-1, sites + centre] = 1.0
+            by_c = 0.5j * (springs @ phi)
+            return value, slope, np.concatenate([by_c.real, by_c.imag, [0.0]])
+
+        return system
+
+    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+        """Solve near c = 0, from the cycle of one cell on every excited site.
 
         Raises
         ------
-        RunError
-            If there is no breather.
+        ParameterError
+            If the nucleus is wider than the chain, or the pattern has no breather near c = 0.
         """
-        if self.detuning is None:
-            raise RunError(BreatherStatus.NONE.sentence)
-        return self.detuning
+        chain, nucleus, c = self.chain, self.nucleus, min(START, lowest)
+        phi = nucleus.envelope(chain)
+        here = replace(chain, c=c)
+        excited = np.flatnonzero(phi)
+        rates = envelope_rate(phi, here)[excited] / phi[excited]
+        omega = float(np.mean(rates.imag))
+        # The neighbours at rest follow at once: 0 = -(ic/2) φ_excited - φ/2 to leading order.
+        for side, inner in ((excited[0] - 1, excited[0]), (excited[-1] + 1, excited[-1])):
+            if 0 <= side < chain.sites:
+                phi[side] = -1j * c * phi[inner]
+        guess = np.concatenate([phi.real, phi.imag, [omega]])
+        try:
+            point = solve_at(self.system(), guess, c)
+        except NotConvergedError:
+            point = None
+        if point is None or _left_pattern(point.u, phi, excited, chain):
+            raise ParameterError(
+                "pattern",
+                repr(nucleus.pattern),
+                "one a steady breather can have at small c (see theory.chains.nucleus.py)",
+                "name another pattern",
+            )
+        return point
 
+    def directly(self) -> BranchPoint | None:
+        """Return the start of the branch, if that is no further than the coupling."""
+        return self.start(0.0, self.chain.c) if self.chain.c <= START else None
 
-def rotating_system(chain: VanDerPolChain, centre: int) -> System:
-    """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre."""
-    sites = chain.sites
-    springs = coupling_matrix(sites, chain.ends)
+    def stability(self, u: Real, c: float, *, split: bool = True) -> Stability:
+        """Return the exponents."""
+        mirrored = split and self.nucleus.mirrored(self.chain.sites)
+        return exponents(*unpack(u), replace(self.chain, c=c), mirrored)
 
-    def system(u: Real, c: float) -> tuple[Real, Real, Real]:
-        here = replace(chain, c=abs(c))
-        x, y, omega = u[:sites], u[sites:-1], u[-1]
-        phi = x + 1j * y
-        rate = envelope_rate(phi, here) - 1j * omega * phi
-        value = np.concatenate([rate.real, rate.imag, [y[centre]]])
-        slope = np.zeros((2 * sites + 1, 2 * sites + 1))
-        slope[:-1, :-1] = rotating_jacobian(phi, omega, here)
-        slope[:-1, -1] = np.concatenate([y, -x])
-        slope[-1, sites + centre] = 1.0
-        by_c = 0.5j * (springs @ phi)
-        return value, slope, np.concatenate([by_c.real, by_c.imag, [0.0]])
-
-    return system
-
-
-def start_of_branch(chain: VanDerPolChain, nucleus: Nucleus, c: float = START) -> BranchPoint:
-    """Solve near c = 0, from the cycle of one cell on every excited site.
-
-    Raises
-    ------
-    ParameterError
-        If the nucleus is wider than the chain, or the pattern has no breather near c = 0.
-    """
-    phi = nucleus.envelope(chain)
-    centre = nucleus.centre(chain.sites)
-    here = replace(chain, c=c)
-    excited = np.flatnonzero(phi)
-    rates = envelope_rate(phi, here)[excited] / phi[excited]
-    omega = float(np.mean(rates.imag))
-    # The neighbours at rest follow at once: 0 = -(ic/2) φ_excited - φ/2 to leading order.
-    for side, inner in ((excited[0] - 1, excited[0]), (excited[-1] + 1, excited[-1])):
-        if 0 <= side < chain.sites:
-            phi[side] = -1j * c * phi[inner]
-    guess = np.concatenate([phi.real, phi.imag, [omega]])
-    try:
-        point = solve_at(rotating_system(chain, centre), guess, c)
-    except NotConvergedError:
-        point = None
-    if point is None or _left_pattern(point.u, phi, excited, chain):
-        raise ParameterError(
-            "pattern",
-            repr(nucleus.pattern),
-            "one a steady breather can have at small c (see theory.chains.nucleus.py)",
-            "name another pattern",
+    def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
+        """Return a solution, its error the Newton step that would come next, and rounding."""
+        here = replace(self.chain, c=point.c)
+        phi, omega = unpack(point.u)
+        stability = self.stability(point.u, point.c)
+        frequency = 1.0 + here.eps * omega
+        error = 2.0 * point.correction + _rounding(phi, here)
+        return Breather(
+            chain=here,
+            nucleus=self.nucleus,
+            method=self.method,
+            status=BreatherStatus.EXISTS,
+            amplitudes=np.abs(phi),
+            waves=phi,
+            frequency=frequency,
+            stable=stability.stable,
+            growth=stability.growth,
+            trivial=stability.trivial,
+            multipliers=np.exp(here.eps * (2.0 * math.pi / frequency) * stability.values),
+            error=error,
+            frequency_error=here.eps * error,
+            residual=point.residual,
+            fold=None if fold is None else fold.c,
+            fold_error=None if fold is None else fold.error,
+            unknowns=point.u,
+            stability=stability,
+            seconds=time.perf_counter() - started,
         )
-    return point
 
 
-def envelope_branch(
-    chain: VanDerPolChain, nucleus: Nucleus, c_end: float = 2.0, *, monitored: bool = True
-) -> Branch:
+def envelope_branch(chain: VanDerPolChain, nucleus: Nucleus, *, monitored: bool = True) -> Branch:
     """Follow the breather from c → 0 through its fold, with its growth rates if ``monitored``.
 
     Examples
@@ -158,13 +149,10 @@ def envelope_branch(
     >>> round(branch.fold.c, 6)
     0.190788
     """
-    start = start_of_branch(chain, nucleus)
-    system = rotating_system(chain, nucleus.centre(chain.sites))
-    monitor = stability_monitor(chain, nucleus) if monitored else None
-    return trace(system, start, c_end, monitor)
+    return RotatingWaves(chain, nucleus).branch(monitored=monitored)
 
 
-def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> EnvelopeBreather:
+def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Breather:
     """Solve the averaged breather at the coupling of ``chain``.
 
     Raises
@@ -176,46 +164,10 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Envelope
     --------
     >>> from theory.chains.vdp import VdpChain
     >>> found = solve_envelope_breather(VdpChain(a=2.5, b=0.5, c=0.1, sites=15), Nucleus(1))
-    >>> round(float(abs(found.phi[7])), 6), round(found.omega, 12)
+    >>> round(float(found.amplitudes[7]), 6), round(float(found.unknowns[-1]), 12)
     (2.818455, 0.1)
     """
-    started = time.perf_counter()
-    if chain.c == 0:
-        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
-    centre = nucleus.centre(chain.sites)
-    system = rotating_system(chain, centre)
-    fold = None
-    if chain.c <= START:
-        point = start_of_branch(chain, nucleus, chain.c)
-    else:
-        branch = trace(system, start_of_branch(chain, nucleus), chain.c)
-        fold = branch.fold
-        if fold is not None and chain.c > fold.c:
-            return EnvelopeBreather(fold=fold, seconds=time.perf_counter() - started)
-        point = arrive(system, branch, chain.c)
-    return describe_envelope(chain, nucleus, point, started, fold)
-
-
-def describe_envelope(
-    chain: VanDerPolChain,
-    nucleus: Nucleus,
-    point: BranchPoint,
-    started: float,
-    fold: Fold | None = None,
-) -> EnvelopeBreather:
-    """Measure a breather that has been solved for: exponents and error."""
-    here = replace(chain, c=point.c)
-    phi, omega = unpack(point.u)
-    return EnvelopeBreather(
-        status=BreatherStatus.EXISTS,
-        phi=phi,
-        detuning=omega,
-        exponents=exponents(phi, omega, here, nucleus.mirrored(chain.sites)),
-        fold=fold,
-        error=2.0 * point.correction + _rounding(phi, here),
-        residual=point.residual,
-        seconds=time.perf_counter() - started,
-    )
+    return RotatingWaves(chain, nucleus).solve()
 
 
 def _rounding(phi: Complex, chain: VanDerPolChain) -> float:

@@ -1,4 +1,4 @@
-"""Exponents of averaged breathers, and the split of modes by reflection.
+"""Stability of a breather: exponents of averaged ones, and the split of modes by reflection.
 
 Exponents are eigenvalues λ of (43) linearised in the frame rotating at Ω, per unit of T; over a
 period of (8) they give multipliers e^{2πελ} to leading order.
@@ -6,15 +6,13 @@ period of (8) they give multipliers e^{2πελ} to leading order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from theory.averaged.envelope import envelope_jacobian
-from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
-from verification.continuation.branch import Monitor
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -24,35 +22,44 @@ MARGINAL = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exponents:
-    """Eigenvalues of the linearisation in the rotating frame.
+class Stability:
+    """What becomes of small perturbations of a breather.
 
     Attributes
     ----------
     values : complex array, shape (2N,)
-        All of them, by falling real part.
+        Floquet multipliers by falling modulus, or of (43) exponents by falling real part.
     trivial : float
-        Distance from zero of the one that belongs to the phase; it should be zero.
+        Distance from 1, or of exponents from 0, of the one that belongs to the phase.
+    leader : complex
+        The one that grows fastest among the others.
     growth : float
-        Largest real part of the others.
+        Its rate per unit of slow time T.
     frequency : float
-        Imaginary part, taken positive, of the one that grows fastest.
+        The imaginary part of that rate, taken positive.
     symmetric, antisymmetric : float or None
-        Largest real parts (trivial one apart) among modes of the breather's own parity under
+        Largest growth (trivial one apart) among modes of the breather's own parity under
         reflection and of the other one; None if the breather is not mirror-symmetric.
+    marginal : float
+        Growth up to which there is none: round-off of what is exactly zero.
+    error : float
+        Bound on the distance of each value from a true one; of multipliers only.
     """
 
     values: Complex
     trivial: float
+    leader: complex
     growth: float
     frequency: float
     symmetric: float | None
     antisymmetric: float | None
+    marginal: float
+    error: float = 0.0
 
     @property
     def stable(self) -> bool:
         """Whether nothing grows."""
-        return self.growth <= MARGINAL
+        return self.growth <= self.marginal
 
 
 def rotating_jacobian(phi: Complex, omega: float, chain: VanDerPolChain) -> Real:
@@ -65,7 +72,7 @@ def rotating_jacobian(phi: Complex, omega: float, chain: VanDerPolChain) -> Real
 
 def exponents(
     phi: Complex, omega: float, chain: VanDerPolChain, mirrored: bool = False
-) -> Exponents:
+) -> Stability:
     """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``."""
     jacobian = rotating_jacobian(phi, omega, chain)
     if not mirrored:
@@ -84,13 +91,15 @@ def exponents(
         symmetric, antisymmetric = float(even.real.max()), float(odd.real.max())
         rest = np.concatenate([even, odd])
     leader = rest[int(rest.real.argmax())]
-    return Exponents(
+    return Stability(
         values=values,
         trivial=float(np.abs(values).min()),
+        leader=complex(leader),
         growth=float(leader.real),
         frequency=float(abs(leader.imag)),
         symmetric=symmetric,
         antisymmetric=antisymmetric,
+        marginal=MARGINAL,
     )
 
 
@@ -126,23 +135,6 @@ def parity_basis(sites: int, parity: int) -> Real:
 
 
 def unpack(u: Real) -> tuple[Complex, float]:
-    """Return φ and Ω from the unknowns of `rotating_system`."""
+    """Return φ and Ω from the unknowns of a breather of (43)."""
     sites = (len(u) - 1) // 2
     return u[:sites] + 1j * u[sites:-1], float(u[-1])
-
-
-def stability_monitor(chain: VanDerPolChain, nucleus: Nucleus) -> Monitor:
-    """Return a monitor of (growth, even growth, odd growth) less `MARGINAL`.
-
-    Without mirror symmetry the last two repeat the first.
-    """
-    mirrored = nucleus.mirrored(chain.sites)
-
-    def monitor(u: Real, c: float) -> tuple[float, ...]:
-        phi, omega = unpack(u)
-        found = exponents(phi, omega, replace(chain, c=c), mirrored)
-        even = found.growth if found.symmetric is None else found.symmetric
-        odd = found.growth if found.antisymmetric is None else found.antisymmetric
-        return found.growth - MARGINAL, even - MARGINAL, odd - MARGINAL
-
-    return monitor

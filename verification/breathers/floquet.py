@@ -7,8 +7,8 @@ its distance from 1 stands beside every verdict.
 
 from __future__ import annotations
 
+import cmath
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from theory.averaged.breather import ClosedFormBreather
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.breathers.exponents import parity_basis, split_eigenvalues
+from verification.breathers.exponents import Stability, parity_basis, split_eigenvalues
 from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 Real = NDArray[np.float64]
@@ -26,43 +26,6 @@ MARGINAL = 1e-8
 """Growth per unit T below which a multiplier counts as on the circle (round-off over ε)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Multipliers:
-    """Eigenvalues of the monodromy matrix.
-
-    Attributes
-    ----------
-    values : complex array, shape (2N,)
-        All multipliers, by falling modulus.
-    trivial : float
-        |μ - 1| of the multiplier that belongs to a shift of time.
-    leader : complex
-        The one of largest modulus among the others.
-    growth : float
-        ln|leader|/(ε period): rate per unit of slow time T, comparable with `Exponents.growth`.
-    symmetric, antisymmetric : float or None
-        The same for modes of the breather's own parity under reflection, and of the other one;
-        None if the breather is not mirror-symmetric.
-    error : float
-        Bound on the distance of each from a true one, by Bauer and Fike, or by Elsner where the
-        vectors are nearly dependent: from the error of the monodromy matrix, which is estimated,
-        and the roundings of its eigenvalues.
-    """
-
-    values: Complex
-    trivial: float
-    leader: complex
-    growth: float
-    symmetric: float | None
-    antisymmetric: float | None
-    error: float
-
-    @property
-    def stable(self) -> bool:
-        """Whether no multiplier but the trivial one is on or outside the unit circle."""
-        return self.growth <= MARGINAL
-
-
 def floquet_multipliers(
     monodromy: Real,
     period: float,
@@ -70,8 +33,12 @@ def floquet_multipliers(
     *,
     parity: int = 0,
     error: float = 0.0,
-) -> Multipliers:
+) -> Stability:
     """Sort and split the eigenvalues of a monodromy matrix.
+
+    The growth of one is ln|μ|/(ε period), comparable with that of an exponent of (43). Their errors
+    are bounded by Bauer and Fike, or by Elsner where the vectors are nearly dependent: from the
+    error of the monodromy matrix, which is estimated, and the roundings of its eigenvalues.
 
     Parameters
     ----------
@@ -114,13 +81,15 @@ def floquet_multipliers(
         values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     leader = complex(rest[int(np.abs(rest).argmax())])
-    return Multipliers(
+    return Stability(
         values=values,
         trivial=trivial,
         leader=leader,
         growth=rate(rest),
+        frequency=abs(cmath.phase(leader)) / (eps * period),
         symmetric=symmetric,
         antisymmetric=antisymmetric,
+        marginal=MARGINAL,
         error=bound,
     )
 
@@ -146,7 +115,7 @@ def approximate_multipliers(
     *,
     misprinted: bool = False,
     steps: int = STEPS,
-) -> Multipliers:
+) -> Stability:
     """Return the multipliers along y_n = α_0 e^{k_1|n|} sin(ωt + k_2|n|), as the paper does.
 
     Parameters

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,25 +9,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, ascending
-from verification.breathers.breather import none_at, of_envelope, of_orbit, with_pattern
-from verification.breathers.envelope import (
-    START,
-    describe_envelope,
-    rotating_system,
-    start_of_branch,
-)
-from verification.breathers.orbits import (
-    FIRST_STEPS,
-    describe_orbit,
-    shooting_system,
-    start_of_orbits,
-)
+from verification.breathers.breather import with_pattern
+from verification.breathers.envelope import RotatingWaves
+from verification.breathers.family import BreatherFamily
+from verification.breathers.orbits import FIRST_STEPS, Orbits
 from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.branch import Fold, solutions_at, trace
-from verification.continuation.newton import BranchPoint, NotConvergedError, System
+from verification.continuation.newton import BranchPoint
 
 _FURTHEST = 2.0
 """Coupling up to which a fold is looked for."""
@@ -83,57 +74,45 @@ def follow(
     started = time.perf_counter()
     required = ascending("coupling c", couplings)
     nucleus = with_pattern(nucleus)
-    system, start = _beginning(chain, nucleus, method, required)
+    family = _family(chain, nucleus, method)
+    system = family.system()
+    start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To turn, the branch may go beyond the couplings that are required.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if turns else 0.0)
     branch = trace(system, start, furthest, None, replace(FIRST_STEPS, turns=turns))
     points, legs = [], []
     for point, leg in solutions_at(system, branch, required):
-        points.append(_described(chain, nucleus, method, point, started))
+        points.append(family.measured(point, started))
         legs.append(leg)
         started = time.perf_counter()
     turned = []
     for number, fold in enumerate(branch.folds):
         there = BranchPoint(fold.u, fold.c, branch.points[fold.place].tangent, 0.0, 0.0, 0)
         place = sum(leg <= number for leg in legs)
-        turned.append((fold, _described(chain, nucleus, method, there, started), place))
+        turned.append((fold, family.measured(there, started), place))
     passed = {point.chain.c for point in points}
     end = (branch.fold.c, branch.fold.error) if branch.fold is not None else (None, None)
     points += [
-        none_at(chain.replace(c=c), nucleus, method, 0.0, end) for c in required if c not in passed
+        Breather(
+            chain=chain.replace(c=c),
+            nucleus=nucleus,
+            method=method,
+            status=BreatherStatus.NONE,
+            fold=end[0],
+            fold_error=end[1],
+            seconds=0.0,
+        )
+        for c in required
+        if c not in passed
     ]
     return FollowedBreather(points=tuple(points), folds=tuple(turned))
 
 
-def _beginning(
-    chain: VanDerPolChain, nucleus: Nucleus, method: BreatherMethod, required: Sequence[float]
-) -> tuple[System, BranchPoint]:
-    """Return the equations, and a solution at the smallest coupling or at the least above it."""
-    centre = nucleus.centre(chain.sites)
-    lowest = required[0] * (1.0 - _BEYOND)
+def _family(chain: VanDerPolChain, nucleus: Nucleus, method: BreatherMethod) -> BreatherFamily:
     if method is BreatherMethod.ENVELOPE:
-        start = start_of_branch(chain, nucleus, min(START, lowest))
-        return rotating_system(chain, centre), start
+        return RotatingWaves(chain, nucleus)
     if not isinstance(chain, VdpChain):
         raise ParameterError(
             "method", "orbit", "envelope for the averaged chain", "take it, or chain.full()"
         )
-    start = start_of_orbits(chain, nucleus, required[-1])
-    system = shooting_system(chain, centre)
-    if lowest < start.c:
-        with contextlib.suppress(NotConvergedError):
-            start = trace(system, start, lowest, None, FIRST_STEPS).points[-1]
-    return system, start
-
-
-def _described(
-    chain: VanDerPolChain,
-    nucleus: Nucleus,
-    method: BreatherMethod,
-    point: BranchPoint,
-    started: float,
-) -> Breather:
-    here = chain.replace(c=point.c)
-    if isinstance(here, VdpChain) and method is BreatherMethod.ORBIT:
-        return of_orbit(here, nucleus, describe_orbit(here, nucleus, point, started))
-    return of_envelope(here, nucleus, describe_envelope(here, nucleus, point, started))
+    return Orbits(chain, nucleus)

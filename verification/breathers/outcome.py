@@ -289,12 +289,12 @@ def distance_from_breather(followed: FollowedNucleus) -> BreatherDistance:
     margin = min(MARGIN, (sites - size) // 2)
     shorter = replace(followed.run.chain, sites=sites_for(size, margin))
     orbit = solve_orbit(shorter, Nucleus(size, outward_pattern(size)))
-    if orbit.multipliers is None:
+    if orbit.growth is None:
         return BreatherDistance(gap=float("inf"), growth=None)
     beside = (sites - shorter.sites) // 2
     inside = followed.run.amplitude[-1][beside : beside + shorter.sites]
     gap = float(np.abs(inside - orbit.amplitudes).max())
-    return BreatherDistance(gap=gap, growth=orbit.multipliers.growth)
+    return BreatherDistance(gap=gap, growth=orbit.growth)
 
 
 def _same_until(one: FloatArray, other: FloatArray, slow_time: float) -> float:

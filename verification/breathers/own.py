@@ -1,4 +1,4 @@
-"""What ``orbits`` needs of any chain or network of oscillators: its flow, its steps, its starts.
+"""Periodic orbits of any chain or network of oscillators: its motion, its steps, its starts.
 
 The start is a run of the chain until the nucleus has settled, so that what is found is near a
 stable breather. The variational equations are stepped beside the motion by the weights of DOP853 at
@@ -8,9 +8,9 @@ equal steps, all sites at once.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,9 @@ from scipy.integrate import DOP853
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
-from verification.breathers import orbits
+from verification.breathers.orbits import STARTS, Orbits
+from verification.breathers.result import Breather
+from verification.continuation.branch import Fold
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -34,7 +36,65 @@ SETTLED = 40.0
 """Time in units of ``time_unit`` after which the nucleus has settled or is lost."""
 
 
-@orbits.flow.register
+@dataclass(frozen=True)
+class OwnOrbits(Orbits):
+    """The periodic orbits of any chain or network of oscillators, found from runs that settle."""
+
+    chain: OscillatorChain
+
+    def __post_init__(self) -> None:
+        check_orbits(self.chain)
+
+    @property
+    def count(self) -> int:
+        """Steps a period: more where ε max|h| on the cycle is larger."""
+        if self.steps:
+            return self.steps
+        chain = self.chain
+        (cycle,) = [each for each in chain.cell.cycles if each.amplitude == chain.stable_amplitude]
+        angle = np.linspace(0.0, 2.0 * math.pi, 200)
+        y, v = cycle.amplitude * np.sin(angle), cycle.velocity * np.cos(angle)
+        h = chain.cell.damping_at(y, v)
+        return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
+
+    def flow(self, c: float, start: Real, duration: float, steps: int) -> Flow:
+        """Return the motion with its variations, by DOP853."""
+        return integrate_with_tangents(self.chain.replace(c=c), start, duration, steps)
+
+    def rate(self, c: float, state: Real) -> Real:
+        """Return the right side of the chain as a first-order system."""
+        return _rate_of(self.chain.replace(c=c))(state[:, None].repeat(2, axis=1))[:, 0]
+
+    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+        """Return the orbit to which a nucleus settles at small c."""
+        system = self.system()
+        for c in STARTS:
+            with suppress(NotConvergedError, ParameterError):
+                return solve_at(system, _settled_start(self.chain.replace(c=c), self.nucleus), c)
+        raise ParameterError(
+            "pattern",
+            repr(self.nucleus.pattern),
+            "one that is stable at small couplings",
+            "take another",
+        )
+
+    def directly(self) -> BranchPoint:
+        """Return the orbit to which the nucleus settles.
+
+        Raises
+        ------
+        ParameterError
+            If the nucleus does not stay localised.
+        """
+        return solve_at(self.system(), _settled_start(self.chain, self.nucleus), self.chain.c)
+
+    def measured(
+        self, point: BranchPoint, started: float, fold: Fold | None = None, *, split: bool = False
+    ) -> Breather:
+        """Return an orbit as a breather; sites may differ, so that no reflection is assumed."""
+        return super().measured(point, started, fold, split=split)
+
+
 def integrate_with_tangents(
     chain: OscillatorChain, start: Real, duration: float, steps: int
 ) -> Flow:
@@ -116,21 +176,6 @@ def _rate_of(chain: OscillatorChain) -> Callable[[Real], Real]:
     return rate
 
 
-@orbits.chain_rate.register
-def _(chain: OscillatorChain, state: Real) -> Real:
-    return _rate_of(chain)(state[:, None].repeat(2, axis=1))[:, 0]
-
-
-@orbits.steps_for.register
-def steps_for(chain: OscillatorChain) -> int:
-    """Return steps a period: more where ε max|h| on the cycle is larger."""
-    (cycle,) = [each for each in chain.cell.cycles if each.amplitude == chain.stable_amplitude]
-    angle = np.linspace(0.0, 2.0 * math.pi, 200)
-    y, v = cycle.amplitude * np.sin(angle), cycle.velocity * np.cos(angle)
-    h = chain.cell.damping_at(y, v)
-    return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
-
-
 def check_orbits(chain: OscillatorChain) -> None:
     """Refuse a chain that has no periodic orbits, or is too long for them.
 
@@ -147,44 +192,6 @@ def check_orbits(chain: OscillatorChain) -> None:
             "number of sites n", chain.sites, f"at most {MAX_SITES} for an orbit", "take fewer"
         )
     chain.kernels()  # refuses a function without its derivatives, before any search
-
-
-@orbits.start_of_orbits.register
-def _(
-    chain: OscillatorChain, nucleus: Nucleus, c_end: float, steps: int | None = None
-) -> BranchPoint:
-    check_orbits(chain)
-    system = orbits.shooting_system(chain, nucleus.centre(chain.sites), steps)
-    for c in orbits.STARTS:
-        with suppress(NotConvergedError, ParameterError):
-            return solve_at(system, _settled_start(chain.replace(c=c), nucleus), c)
-    raise ParameterError(
-        "pattern", repr(nucleus.pattern), "one that is stable at small couplings", "take another"
-    )
-
-
-def solve_own_orbit(chain: OscillatorChain, nucleus: Nucleus) -> orbits.Orbit:
-    """Solve for the periodic orbit to which a nucleus settles.
-
-    Parameters
-    ----------
-    chain : OscillatorChain
-        With inertia, a stable cycle and c > 0; at most 101 sites.
-    nucleus : Nucleus
-        Which sites, and the pattern of phases at the start.
-
-    Raises
-    ------
-    ParameterError
-        If the chain has no breathers, is too long, or the nucleus does not stay localised.
-    """
-    started = time.perf_counter()
-    check_orbits(chain)
-    if chain.c == 0.0:
-        raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
-    system = orbits.shooting_system(chain, nucleus.centre(chain.sites))
-    point = solve_at(system, _settled_start(chain, nucleus), chain.c)
-    return orbits.describe_orbit(chain, nucleus, point, started, split=False)
 
 
 def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> Real:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
+from theory.parameters import RunError
 from theory.result import Result, plain
 from theory.status import Status
+from verification.breathers.exponents import Stability
 
 _UNITS = {"phases": "in units of π", "phase_step": "rad"}
 
@@ -73,6 +76,11 @@ class Breather(Result):
         Largest coupling of the branch and its error, if that was met.
     time, drift : float or None
         Time t that was run, and the change of the state left per unit of slow time.
+    unknowns : float array
+        What was solved for: (y, ẏ) at the moment when y = 0 < ẏ at the centre, and the period; or
+        (Re φ, Im φ, Ω), with which the frequency is 1 + εΩ. Empty if there is no solution.
+    stability : Stability or None
+        Multipliers, or exponents of (43), with the growth of either parity.
     seconds : float
         Wall-clock time.
     """
@@ -97,7 +105,28 @@ class Breather(Result):
     fold_error: float | None = None
     time: float | None = None
     drift: float | None = None
+    unknowns: Real = field(default_factory=lambda: np.empty(0), repr=False, metadata={"json": None})
+    stability: Stability | None = field(default=None, repr=False, metadata={"json": None})
     seconds: float
+
+    @property
+    def state(self) -> Real:
+        """A state (y, ẏ) on the orbit, shape (2N,); of (43), (Re φ, Im φ)."""
+        return self.unknowns[:-1]
+
+    @property
+    def period(self) -> float:
+        """In t, dimensionless.
+
+        Raises
+        ------
+        RunError
+            If there is no breather.
+        """
+        if self.frequency is None:
+            raise RunError(self.status.sentence)
+        orbit = self.method is BreatherMethod.ORBIT
+        return float(self.unknowns[-1]) if orbit else 2.0 * math.pi / self.frequency
 
     @property
     def outward(self) -> Real:

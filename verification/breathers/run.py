@@ -17,7 +17,7 @@ from theory.averaged.envelope import envelope_rate
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain, VdpChain, effective_epsilon
 from theory.parameters import ParameterError
-from verification.breathers.orbits import chain_rate
+from verification.breathers.orbits import Orbits
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod
 from verification.runs.envelope_run import run_envelope
@@ -225,10 +225,10 @@ def _steps(chain: VdpChain) -> int:
 
 def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[float, float]:
     """Return the time after which the state comes nearest to itself, and the drift left."""
-    period = guess
+    period, orbits = guess, Orbits(chain, Nucleus(1))
     for _ in range(6):
         after = integrate_chain(chain, state, period, steps, ORDER).state
-        along = chain_rate(chain, after)
+        along = orbits.rate(chain.c, after)
         change = float(along @ (after - state)) / float(along @ along)
         period -= change
         if abs(change) < 1e-13:

@@ -171,7 +171,7 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
 def _envelope(at: Mapping[str, float]) -> StatedValue:
     found = solve_envelope_breather(_chain(at, _SITES), Nucleus(1))
     none = found.status is BreatherStatus.NONE
-    return StatedValue.of(found, None if none else np.append(found.phi, found.omega))
+    return StatedValue.of(found, None if none else np.append(found.waves, found.unknowns[-1]))
 
 
 def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -195,7 +195,7 @@ def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
 def _orbit(at: Mapping[str, float]) -> StatedValue:
     found = solve_orbit(_chain(at, _SITES), Nucleus(1))
     none = found.status is BreatherStatus.NONE
-    return StatedValue.of(found, None if none else np.append(found.state, found.period))
+    return StatedValue.of(found, None if none else found.unknowns)
 
 
 def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
@@ -246,8 +246,7 @@ def _precise_orbit(at: Mapping[str, float], given: Any) -> PreciseState:
 
 def _multipliers(at: Mapping[str, float]) -> StatedValue:
     orbit = solve_orbit(_chain(at, _SITES), Nucleus(1))
-    found = orbit.multipliers
-    stated = StatedValue.of(found, None if found is None else found.values)
+    stated = StatedValue.of(orbit.stability, orbit.multipliers)
     return replace(stated, extra=orbit)
 
 
@@ -312,7 +311,7 @@ def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceC
     found = solve_envelope_breather(
         _chain({**at, "c": stated.value * 0.999}, stated.extra.sites), Nucleus(1)
     )
-    true = locked_fold(at["eta"], stated.value, found.phi, found.omega)
+    true = locked_fold(at["eta"], stated.value, found.waves, float(found.unknowns[-1]))
     return ReferenceCheck(
         distance=abs(float(true.value[-1] - stated.value)),
         uncertainty=true.uncertainty,

@@ -8,9 +8,7 @@ zero, which can be earlier, or from the start.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +16,9 @@ from theory.chains.nucleus import MARGIN, Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
-from verification.breathers import envelope as envelope_breather
-from verification.breathers import exponents, orbits, own  # noqa: F401  (register)
-from verification.continuation.branch import Branch, Crossing, Monitor, first_crossing
-from verification.continuation.newton import System
+from verification.breathers.families import own_family
+from verification.breathers.family import BreatherFamily
+from verification.continuation.branch import Branch, Crossing, first_crossing
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
@@ -65,17 +62,17 @@ def breather_threshold(
             "method", method.value, "envelope or orbit", "call threshold() instead"
         )
     here = _sized(chain, nucleus, method, margin)
-    path = _followed(here, nucleus)
-    branch, system, monitor = path.branch, path.system, path.monitor
+    family = own_family(here, nucleus)
+    branch = family.branch()
     if branch.fold is None:
         raise ParameterError(
             "pattern", repr(nucleus.pattern), "one whose branch folds below c = 2", "change a or b"
         )
     longer = _sized(chain, nucleus, method, margin + EXTRA)
-    other = _followed(longer, nucleus, monitored=False).branch.fold
+    other = own_family(longer, nucleus).branch(monitored=False).fold
     finite = abs(other.c - branch.fold.c) if other is not None else branch.fold.c
-    error = branch.fold.error + finite + _step_error(path)
-    crossing = first_crossing(system, branch, monitor, 0)
+    error = branch.fold.error + finite + family.step_error(branch.fold)
+    crossing = first_crossing(family.system(), branch, family.monitor, 0)
     at_half = _nearest(branch, 0.5 * branch.fold.c)
     mirrored = nucleus.mirrored(here.sites)
     c_stable, error_stable = _stable_until(crossing, branch, error)
@@ -90,7 +87,7 @@ def breather_threshold(
         sites=here.sites,
         c_stable=c_stable,
         error_stable=error_stable,
-        stability_lost_by=_mechanism(crossing, path, mirrored=mirrored),
+        stability_lost_by=_mechanism(crossing, family, branch),
         growth=branch.monitored[at_half][0],
         growth_mirrored=branch.monitored[at_half][1] if mirrored else None,
         seconds=time.perf_counter() - started,
@@ -113,51 +110,6 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
 
 
-class _Path(NamedTuple):
-    """A branch of breathers, its equations, its stability, and what its finer steps say.
-
-    Attributes
-    ----------
-    finer : System or None
-        The equations at twice the steps; None where there are none.
-    frequency : callable
-        From (u, c) to the imaginary part, per unit T, of what leads there.
-    """
-
-    branch: Branch
-    system: System
-    monitor: Monitor
-    finer: System | None
-    frequency: Callable[[Any, float], float]
-
-
-def _followed(chain: Any, nucleus: Nucleus, *, monitored: bool = True) -> _Path:
-    centre = nucleus.centre(chain.sites)
-    if isinstance(chain, VdpChain | OscillatorChain):
-        return _Path(
-            orbits.orbit_branch(chain, nucleus, monitored=monitored),
-            orbits.shooting_system(chain, centre),
-            orbits.stability_monitor(chain, nucleus),
-            orbits.shooting_system(chain, centre, 2 * orbits.steps_for(chain)),
-            lambda u, c: orbits.leading_frequency(chain.replace(c=c), u),
-        )
-    return _Path(
-        envelope_breather.envelope_branch(chain, nucleus, monitored=monitored),
-        envelope_breather.rotating_system(chain, centre),
-        exponents.stability_monitor(chain, nucleus),
-        None,
-        lambda u, c: exponents.exponents(*exponents.unpack(u), replace(chain, c=c)).frequency,
-    )
-
-
-def _step_error(path: _Path) -> float:
-    """Return the shift of the fold under a halved integration step: residual over |∂F/∂c|."""
-    if path.finer is None or path.branch.fold is None:
-        return 0.0
-    value, _, by_c = path.finer(path.branch.fold.u, path.branch.fold.c)
-    return float(abs(value).max() / abs(by_c).max())
-
-
 def _nearest(branch: Branch, c: float) -> int:
     before = branch.points[: len(branch.monitored)]
     return min(range(len(before)), key=lambda place: abs(before[place].c - c))
@@ -173,14 +125,14 @@ def _stable_until(
     return crossing.c, crossing.error + error
 
 
-def _mechanism(crossing: Crossing | None, path: _Path, *, mirrored: bool) -> Mechanism:
+def _mechanism(crossing: Crossing | None, family: BreatherFamily, branch: Branch) -> Mechanism:
     if crossing is None:
         return Mechanism.FOLD
     if crossing.from_start:
         return Mechanism.NEVER_STABLE
-    if mirrored:
-        own_parity = first_crossing(path.system, path.branch, path.monitor, 1)
+    if family.nucleus.mirrored(family.chain.sites):
+        own_parity = first_crossing(family.system(), branch, family.monitor, 1)
         if own_parity is None or own_parity.c > crossing.c:
             return Mechanism.SYMMETRY_BREAKING
-    turns = path.frequency(crossing.u, crossing.c)
+    turns = family.stability(crossing.u, crossing.c, split=False).frequency
     return Mechanism.COMPLEX_EXPONENTS if turns > 1e-6 else Mechanism.REAL_EXPONENT

@@ -10,7 +10,8 @@ from scipy.optimize import least_squares
 
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from verification.breathers.orbits import STIFFEST, Orbit, solve_orbit, steps_for
+from verification.breathers.orbits import STIFFEST, solve_orbit, steps_for
+from verification.breathers.result import Breather
 from verification.references.equations import damping, pull
 from verification.steppers.variational import STEPS, integrate_variations
 from verification.work_reduction.comparison import Comparison
@@ -25,6 +26,7 @@ def harmonics_not_solved_for(eps: float = 0.05, sites: int = 3) -> Comparison:
     """Solve for a state and a period, and for every odd harmonic of every site above rounding."""
     chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=eps, sites=sites)
     orbit = solve_orbit(chain, Nucleus(1))
+    assert orbit.error is not None
     samples = integrate_variations(chain, orbit.state, orbit.period, 256).samples[:, :sites]
     spectrum = np.fft.rfft(samples, axis=0) / len(samples)
     highest = int(np.flatnonzero(np.abs(spectrum).max(axis=1) > orbit.error)[-1])
@@ -36,7 +38,7 @@ def harmonics_not_solved_for(eps: float = 0.05, sites: int = 3) -> Comparison:
 
 
 def _balanced(
-    chain: VdpChain, odd: npt.NDArray[np.int64], h: npt.NDArray[np.complex128], orbit: Orbit
+    chain: VdpChain, odd: npt.NDArray[np.int64], h: npt.NDArray[np.complex128], orbit: Breather
 ) -> tuple[float, float]:
     """Return the period by harmonic balance, y = Re Σ h_j e^{ijωt}, and its own error.
 
@@ -59,7 +61,8 @@ def _balanced(
         balance = 2.0 * left @ waves.conj().T / count
         return np.concatenate([[now[middle, 0].imag], balance.real.ravel(), balance.imag.ravel()])
 
-    guess = np.concatenate([[1.01 * orbit.frequency], h.real.ravel(), h.imag.ravel()])
+    omega = 1.01 * (2.0 * math.pi / orbit.period)
+    guess = np.concatenate([[omega], h.real.ravel(), h.imag.ravel()])
     found = least_squares(rest, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15)
     # What is left of the balance, through the inverse of its slope, and the last harmonic kept.
     missed = np.linalg.lstsq(np.asarray(found.jac), np.asarray(found.fun), rcond=None)[0]
@@ -73,5 +76,7 @@ def fewer_steps(eta: float = 0.08, sites: int = 11) -> Comparison:
     chain = VdpChain(a=2.5, b=6.25 * eta, c=0.1, sites=sites)
     few = solve_orbit(chain, Nucleus(1))
     whole = solve_orbit(chain, Nucleus(1), steps=_MAX_STEPS)
+    assert few.error is not None
+    assert whole.error is not None
     changed = max(abs(few.period - whole.period), float(np.abs(few.state - whole.state).max()))
     return Comparison(steps_for(chain), _MAX_STEPS, changed, few.error + whole.error)

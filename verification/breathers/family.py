@@ -1,0 +1,129 @@
+"""One contract for breathers that are solved for: solutions u of F(u, c) = 0 along a branch in c.
+
+How to add a kind of chain
+--------------------------
+1. Derive a frozen dataclass from `BreatherFamily`, and name it in ``families``.
+2. ``system`` gives F and its derivatives, ``start`` a solution at small c, and ``directly`` one at
+   the coupling of the chain, where that needs no branch.
+3. ``stability`` says what becomes of small perturbations of a solution, and ``measured`` makes a
+   `Breather` of it.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from theory.averaged.breather import BreatherStatus
+from theory.chains.nucleus import Nucleus
+from theory.parameters import ParameterError
+from verification.breathers.exponents import Stability
+from verification.breathers.result import Breather, BreatherMethod
+from verification.continuation.branch import Branch, Fold, Steps, arrive, trace
+from verification.continuation.newton import BranchPoint, Real, System
+
+
+@dataclass(frozen=True)
+class BreatherFamily(ABC):
+    """The breathers of a chain that have one nucleus.
+
+    Attributes
+    ----------
+    chain : VdpChain, AveragedChain or OscillatorChain
+        Its c is that of ``solve``; a branch does not use it.
+    nucleus : Nucleus
+        Which sites oscillate, and with which phase steps.
+    """
+
+    method: ClassVar[BreatherMethod]
+    steps_along: ClassVar[Steps] = Steps()
+
+    chain: Any
+    nucleus: Nucleus
+
+    @property
+    def centre(self) -> int:
+        """The site at which the phase is fixed."""
+        return self.nucleus.centre(self.chain.sites)
+
+    @abstractmethod
+    def system(self, refinement: int = 1) -> System:
+        """Return F(u, c), its integration, if there is one, in so many times the steps."""
+
+    @abstractmethod
+    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+        """Return a solution at small c, towards ``c_end``; at ``lowest`` if it can be reached.
+
+        Raises
+        ------
+        ParameterError
+            If none was found.
+        """
+
+    @abstractmethod
+    def directly(self) -> BranchPoint | None:
+        """Return the solution at the coupling of the chain; None if its branch must be followed."""
+
+    @abstractmethod
+    def stability(self, u: Real, c: float, *, split: bool = True) -> Stability:
+        """Return what becomes of small perturbations, split by reflection where there is one."""
+
+    @abstractmethod
+    def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
+        """Return a solution as a breather; its error is that as a solution of these equations."""
+
+    def step_error(self, fold: Fold) -> float:
+        """Return by how much steps of integration, if there are any, shift a fold."""
+        return 0.0
+
+    def monitor(self, u: Real, c: float) -> tuple[float, float, float]:
+        """Return the growth of all modes, of those of its own parity, and of the others.
+
+        Of each what counts as zero is subtracted. Without mirror symmetry the last two repeat the
+        first.
+        """
+        found = self.stability(u, c)
+        own = found.growth if found.symmetric is None else found.symmetric
+        other = found.growth if found.antisymmetric is None else found.antisymmetric
+        return found.growth - found.marginal, own - found.marginal, other - found.marginal
+
+    def branch(self, c_end: float = 2.0, *, monitored: bool = True) -> Branch:
+        """Follow the breather from small c through its fold, with its growth if ``monitored``.
+
+        Raises
+        ------
+        ParameterError
+            If none was found at small c.
+        """
+        monitor = self.monitor if monitored else None
+        return trace(self.system(), self.start(c_end), c_end, monitor, self.steps_along)
+
+    def solve(self) -> Breather:
+        """Solve at the coupling of the chain.
+
+        Raises
+        ------
+        ParameterError
+            If c = 0, the cell has no cycle, or the nucleus does not fit.
+        """
+        started, c = time.perf_counter(), self.chain.c
+        if c == 0:
+            raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
+        point = self.directly()
+        if point is not None:
+            return self.measured(point, started)
+        branch = self.branch(c, monitored=False)
+        if branch.fold is not None and c > branch.fold.c:
+            return Breather(
+                chain=self.chain,
+                nucleus=self.nucleus,
+                method=self.method,
+                status=BreatherStatus.NONE,
+                fold=branch.fold.c,
+                fold_error=branch.fold.error,
+                seconds=time.perf_counter() - started,
+            )
+        return self.measured(arrive(self.system(), branch, c), started, branch.fold)

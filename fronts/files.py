@@ -8,9 +8,7 @@ film. No date is among them, so that the same command writes the same file.
 
 from __future__ import annotations
 
-import csv
 import json
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from io import StringIO
@@ -20,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from fronts.answer import UsageError
 from fronts.arguments import check_writable
 from theory.result import Result, optional_package, plain
-from verification.execution.files import write_by
+from verification.execution.files import write_by, write_csv
 from verification.execution.metadata import COMMAND_LINE, installed_versions
 from verification.execution.table import commented, zarr_writer
 
@@ -138,9 +136,7 @@ def _json(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
 def _csv(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     table = as_table(result)
     stream = StringIO(newline="")
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(table)
-    writer.writerows([_cell(value) for value in row] for row in zip(*table.values(), strict=True))
+    write_csv(stream, table, zip(*table.values(), strict=True))
     stream.write(commented(provenance, provenance))
     return lambda path: _write_text(path, stream.getvalue())
 
@@ -162,14 +158,6 @@ def as_table(result: Result) -> dict[str, list[Any]]:
             for name, value in result.to_dict().items()
             if value is None or isinstance(value, (bool, int, float, str))
         }
-
-
-def _cell(value: Any) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return ""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(value) if isinstance(value, float) else str(value)
 
 
 def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
@@ -209,7 +197,7 @@ def _array(values: list[Any]) -> Any:
     column = np.array(values)
     if column.dtype.kind != "O":
         return column
-    return np.array([_cell(value) for value in values])
+    return np.array(["" if value is None else str(value) for value in values])
 
 
 def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:

@@ -104,7 +104,8 @@ def _python_on(disk: Disk, patch: pytest.MonkeyPatch) -> None:
 
     def opened(path: Path, mode: str = "r", *args: Any, **options: Any) -> Any:
         if disk.folder in path.parents and "w" in mode:
-            return Written(path, "w")
+            file = Written(path, "w")
+            return file if "b" in mode else io.TextIOWrapper(file, *args, **options)  # type: ignore[type-var]
         return usual_open(path, mode, *args, **options)
 
     def replaced(path: Path, target: Path) -> Path:

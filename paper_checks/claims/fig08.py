@@ -160,7 +160,7 @@ def assumptions() -> Assumptions:
     return Assumptions(
         detuning=tuple((2.0 * math.pi / orbit.period - 1.0) / eps - C for orbit, eps in pairs),
         turns=tuple(float(step) + 0.5 * math.pi for step in steps),
-        averaged=abs(averaged_of(C).unknowns[-1] - C),
+        averaged=abs(float(averaged_of(C).unknowns[-1]) - C),
         ratio=float(amplitude[CENTRE + 1] / amplitude[CENTRE]),
     )
 

@@ -23,7 +23,7 @@ from verification.execution.columns import (
     read_only,
 )
 from verification.execution.digest import digest_of_arrays
-from verification.execution.files import write_by
+from verification.execution.files import write_by, write_csv
 from verification.execution.metadata import Metadata
 from verification.execution.record import Record
 
@@ -129,12 +129,6 @@ class Table(Result):
         }
         return dataset(variables, ticks)
 
-    def _csv_lines(self) -> Iterator[str]:
-        columns = self.columns()  # floats have the digits that give back the same float
-        yield ",".join(columns) + "\n"
-        for cells in python_rows(columns):
-            yield ",".join(map(str, cells)) + "\n"
-
     def save(self, path: Path) -> None:
         """Write the table, whole or not at all, and its record beside it in ``<path>.json``.
 
@@ -175,11 +169,10 @@ class Table(Result):
             return lambda part: np.savez_compressed(part, **content)
 
         def write(part: Path) -> None:
-            with part.open("wb") as file:
-                for line in self._csv_lines():
-                    file.write(line.encode())
-                about = commented(metadata.to_dict(), ("command", "parameters", "versions"))
-                file.write(about.encode())
+            columns = self.columns()
+            with part.open("w", encoding="utf-8", newline="") as file:
+                write_csv(file, columns, python_rows(columns))
+                file.write(commented(metadata.to_dict(), ("command", "parameters", "versions")))
 
         return write
 

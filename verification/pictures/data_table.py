@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from verification.execution.files import write_csv
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -82,9 +83,7 @@ def long_table(
 
 
 def columns_as_csv(data: Mapping[str, Column]) -> str:
-    r"""Write named columns as CSV.
-
-    Floats have the digits that give back the same float; nothing is an empty cell.
+    r"""Write named columns as CSV, by the rule of `write_csv`.
 
     Raises
     ------
@@ -103,9 +102,7 @@ def columns_as_csv(data: Mapping[str, Column]) -> str:
     if len(set(lengths.values())) > 1:
         raise ValueError(f"the columns have {lengths} rows: put them below each other.")
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(data)
-    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
+    write_csv(text, data, zip(*columns.values(), strict=True))
     return text.getvalue()
 
 
@@ -119,9 +116,3 @@ def _plain(name: str, values: Column) -> NDArray[Any]:
             f"the column '{name}' is complex: give real and imaginary parts as two columns."
         )
     return column
-
-
-def _cell(value: object) -> str:
-    if value is None:
-        return ""
-    return repr(value) if isinstance(value, float) else str(value)

@@ -35,6 +35,7 @@ from benchmarks.work_precision import (
 from theory.chains.vdp import VdpChain
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate
+from verification.references.pace import last_state
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
@@ -193,18 +194,12 @@ SCIPY: tuple[ScipyMethod, ...] = ("DOP853", "LSODA")
 
 def scipy_solver(task: Task, method: ScipyMethod) -> Solve:
     """Return ``solve_ivp`` with one of its methods."""
-    from scipy.integrate import solve_ivp
-
     rate = full_rate(task.chain)
 
     def solve(tolerance: float) -> FloatArray:
-        run = solve_ivp(
-            rate, (0.0, task.end), task.start, method=method, rtol=tolerance, atol=tolerance,
-            t_eval=[task.end],
-        )  # fmt: skip
-        if not run.success:
-            raise ArithmeticError(run.message)
-        return np.asarray(run.y[:, -1])
+        return last_state(
+            rate, task.end, task.start, tolerance, tolerance, method=method, t_eval=[task.end]
+        )
 
     return solve
 

@@ -36,6 +36,7 @@ from verification.maps.state_map import StateTask
 from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate
+from verification.references.pace import last_state
 
 FULL, AVERAGED = "label sweep, (8)", "label sweep, averaged"
 PEER = "scipy until a fixed time"
@@ -113,18 +114,12 @@ def by_us(task: StateTask, eta: float, c: float) -> bool:
 
 def by_scipy(eta: float, end: float, tolerance: float, c: float) -> bool:
     """Return whether the far end of (8) is above the unstable cycle at slow time ``end``."""
-    from scipy.integrate import solve_ivp
-
     chain = StateTask(chain=FIGURE_15).at({"eta": eta, "c": c})
     start = np.zeros(2 * chain.sites)
     start[chain.sites - 1] = DISPLACEMENT
-    run = solve_ivp(
-        full_rate(chain), (0.0, end / chain.eps), start, "DOP853", [end / chain.eps],
-        rtol=tolerance, atol=tolerance,
-    )  # fmt: skip
-    if not run.success:
-        raise ArithmeticError(run.message)
-    return bool(math.hypot(run.y[0, -1], run.y[chain.sites, -1]) > chain.unstable_amplitude)
+    span = end / chain.eps
+    state = last_state(full_rate(chain), span, start, tolerance, tolerance, t_eval=[span])
+    return bool(math.hypot(state[0], state[chain.sites]) > chain.unstable_amplitude)
 
 
 def confirmed(eta: float, c: float) -> float:

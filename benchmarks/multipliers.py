@@ -31,6 +31,7 @@ from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import solve_orbit, steps_for
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate, variational_rate
+from verification.references.pace import last_state
 from verification.steppers.variational import integrate_variations
 
 FloatArray = npt.NDArray[np.float64]
@@ -100,15 +101,10 @@ def by_differences(
     chain: VdpChain, state: FloatArray, period: float, tolerance: float, h: float
 ) -> Answer:
     """Return the multipliers by central differences of ``solve_ivp``."""
-    from scipy.integrate import solve_ivp
-
     rate = full_rate(chain)
 
     def flow(start: FloatArray) -> FloatArray:
-        run = solve_ivp(
-            rate, (0.0, period), start, "DOP853", [period], rtol=tolerance, atol=tolerance
-        )
-        return np.asarray(run.y[:, -1])
+        return last_state(rate, period, start, tolerance, tolerance, t_eval=[period])
 
     unit = h * np.eye(state.size)
     columns = [(flow(state + e) - flow(state - e)) / (2.0 * h) for e in unit]
@@ -117,17 +113,11 @@ def by_differences(
 
 def by_equations(chain: VdpChain, state: FloatArray, period: float, tolerance: float) -> Answer:
     """Return the multipliers by (42) and ``solve_ivp``."""
-    from scipy.integrate import solve_ivp
-
     size = state.size
     start = np.column_stack([state, np.eye(size)]).ravel()
-    run = solve_ivp(
-        variational_rate(chain), (0.0, period), start, "DOP853", [period], rtol=tolerance,
-        atol=tolerance,
-    )  # fmt: skip
-    if not run.success:
-        raise ArithmeticError(run.message)
-    return _multipliers(run.y[:, -1].reshape(size, size + 1)[:, 1:])
+    rate = variational_rate(chain)
+    end = last_state(rate, period, start, tolerance, tolerance, t_eval=[period])
+    return _multipliers(end.reshape(size, size + 1)[:, 1:])
 
 
 def largest_distance(found: ComplexArray, true: ComplexArray) -> float:

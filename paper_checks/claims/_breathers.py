@@ -13,17 +13,13 @@ Real = NDArray[np.float64]
 
 def flow(state: Real, c: float, duration: float, tolerance: float = 1e-11) -> Real:
     """Integrate (8) with free ends by DOP853; (2N,) or (2N, M) for M runs at once."""
-    from scipy.integrate import solve_ivp
-
     from theory.chains.vdp import VdpChain
     from verification.references.equations import full_rate
+    from verification.references.pace import last_state
 
     start = np.asarray(state, dtype=float)
     rate = full_rate(VdpChain(a=A, b=B, c=c, eps=EPS, sites=start.shape[0] // 2))
-    run = solve_ivp(
-        rate, (0.0, duration), start.ravel(), method="DOP853", rtol=tolerance, atol=tolerance
-    )
-    return np.asarray(run.y[:, -1], dtype=float).reshape(start.shape)
+    return last_state(rate, duration, start.ravel(), tolerance, tolerance).reshape(start.shape)
 
 
 def monodromy_by_differences(state: Real, c: float, period: float, step: float = 1e-6) -> Real:

@@ -37,19 +37,18 @@ SCIPY_END = 60.0
 @lru_cache(maxsize=1)
 def labels_by_scipy() -> tuple[str, ...]:
     """Run (8) by scipy at `CHECKED`, and count the sites that are on the cycle in the end."""
-    from scipy.integrate import solve_ivp
-
     from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
     from verification.references.equations import full_rate
+    from verification.references.pace import last_state
 
     names = []
     for eta, c in CHECKED:
         chain = FIGURE_15.replace(a=float(np.sqrt(FIGURE_15.b / eta)), c=c)
         start = np.zeros(2 * chain.sites)
         start[chain.sites - 1] = DISPLACEMENT
-        run = solve_ivp(full_rate(chain), (0.0, SCIPY_END / chain.eps), start, method="DOP853",
-                        rtol=1e-6, atol=1e-8)  # fmt: skip
-        size = np.hypot(run.y[: chain.sites, -1], run.y[chain.sites :, -1])
+        size = np.hypot(
+            *np.split(last_state(full_rate(chain), SCIPY_END / chain.eps, start, 1e-6, 1e-8), 2)
+        )
         # Between the amplitudes of the two cycles wherever there are two; else above rest.
         active = int(np.count_nonzero(size > np.sqrt(2.0 * chain.a / chain.b) / 2.0))
         names.append({0: "fixed point", chain.sites: "front"}.get(active, "breather"))

@@ -310,10 +310,8 @@ def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, 
 
     A run has no fold of its own. The chain of the orbits is short: a breather needs a few sites.
     """
-    full = isinstance(chain, VdpChain)
-    method = ThresholdMethod.ORBIT if full else ThresholdMethod.ENVELOPE
     try:
-        fold = breather_threshold(chain, nucleus, method)
+        fold = breather_threshold(chain, nucleus, ThresholdMethod(own_method(chain)))
     except (ParameterError, NotConvergedError):
         return None, None
     return (fold.c, fold.error) if chain.c > fold.c + fold.error else (None, None)

@@ -27,7 +27,8 @@ from verification.quantities.quantity import (
     axes,
     whole,
 )
-from verification.quantities.scipy_states import compared, last_state
+from verification.quantities.scipy_states import compared
+from verification.references.pace import last_state, paced
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -119,6 +120,6 @@ def _check_run(
     def last(tolerance: float) -> FloatArray:
         atol = tolerance * float(np.abs(stated.extra).max())
         end, start = _END * chain.kernel_rate, stated.extra.ravel()
-        return last_state(rate, end, start, rtol=tolerance, atol=atol).reshape(2, sites)
+        return last_state(paced(rate, end), end, start, rtol=tolerance, atol=atol).reshape(2, sites)
 
     return compared(stated.value, last, "scipy's DOP853 on the chain's own right side")

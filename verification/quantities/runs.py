@@ -27,7 +27,6 @@ from verification.quantities.scipy_states import (
     TOLERANCE,
     at_all_sites,
     compared,
-    last_state,
     moving_sites,
     precisely,
 )
@@ -40,7 +39,7 @@ from verification.references.equations import (
     full_rate,
 )
 from verification.references.extrapolation import PreciseState, extended, integrate
-from verification.references.pace import NoReferenceError
+from verification.references.pace import NoReferenceError, last_state, paced
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -97,7 +96,7 @@ def _full_by_radau(chain: VdpChain, rate: float, stated: StatedValue) -> Referen
     def last(part_sites: int, tolerance: float) -> ComplexArray:
         part, state = replace(chain, sites=part_sites), as_state(stated.extra[:part_sites])
         found = last_state(
-            full_rate(part), _END, state, rtol=tolerance, atol=tolerance * size,
+            paced(full_rate(part), _END), _END, state, rtol=tolerance, atol=tolerance * size,
             method="Radau", jac=full_jacobian(part),
         )  # fmt: skip
         return as_complex(found)

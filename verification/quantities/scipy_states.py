@@ -10,33 +10,12 @@ import numpy.typing as npt
 
 from verification.quantities.quantity import ReferenceCheck
 from verification.references.extrapolation import PreciseState
-from verification.references.pace import NoReferenceError, paced
+from verification.references.pace import NoReferenceError
 
 AnyArray = npt.NDArray[Any]
 
 TOLERANCE, LOOSER = 1e-12, 3e-11
 """Relative tolerances of a reference; by how much its two states differ is its uncertainty."""
-
-
-def last_state(
-    rate: Callable[..., Any], end: float, start: AnyArray, rtol: float, atol: float, **options: Any
-) -> AnyArray:
-    """Return the state at the end by ``scipy.integrate.solve_ivp`` from zero, DOP853 by default.
-
-    Raises
-    ------
-    NoReferenceError
-        If scipy does not reach the end.
-    TooSlowError
-        If it would take too long.
-    """
-    from scipy.integrate import solve_ivp
-
-    options = {"method": "DOP853", "rtol": rtol, "atol": atol, **options}
-    run = solve_ivp(paced(rate, end), (0.0, end), start, **options)
-    if not run.success:
-        raise NoReferenceError(run.message)
-    return np.asarray(run.y[:, -1])
 
 
 def compared(value: AnyArray, last: Callable[[float], AnyArray], by: str) -> ReferenceCheck:

@@ -11,8 +11,9 @@ from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, need_instance, within, word
+from verification.breathers.families import own_method
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range
@@ -194,11 +195,8 @@ def _start_point(chain: Chain, point: StartPoint | None, displacement: float | N
 
 def _method(chain: Chain, method: ThresholdMethod | str | None) -> ThresholdMethod:
     if method is None:
-        if isinstance(chain, VdpChain):
-            return ThresholdMethod.ORBIT
-        if isinstance(chain, AveragedChain):
-            return ThresholdMethod.ENVELOPE
-        return ThresholdMethod.BISECTION
+        followed = isinstance(chain, VanDerPolChain)
+        return ThresholdMethod(own_method(chain)) if followed else ThresholdMethod.BISECTION
     return ThresholdMethod(word("method", method, [each.value for each in ThresholdMethod]))
 
 

@@ -16,12 +16,12 @@ from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import (
-    envelope_branch,
+    RotatingWaves,
     solve_envelope_breather,
     staggered_branch,
 )
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
-from verification.breathers.orbits import orbit_branch, solve_orbit
+from verification.breathers.orbits import Orbits, solve_orbit
 from verification.references.equations import (
     averaged_damping,
     damping,
@@ -211,7 +211,7 @@ def test_the_stated_error_of_an_averaged_breather_bounds_its_error() -> None:
 @pytest.mark.parametrize(("size", "pattern"), [(1, ""), (3, "-+"), (3, "++"), (5, "++++")])
 def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: str) -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0, sites=size + 20)
-    full = envelope_branch(chain, Nucleus(size, pattern)).fold
+    full = RotatingWaves(chain, Nucleus(size, pattern)).branch().fold
     real = staggered_branch(chain, Nucleus(size, pattern)).fold
     assert full is not None
     assert real is not None
@@ -219,7 +219,7 @@ def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: 
 
 
 def test_at_the_fold_an_exponent_of_the_breathers_own_parity_vanishes() -> None:
-    branch = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1))
+    branch = RotatingWaves(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1)).branch()
     assert branch.fold is not None
     from verification.breathers.exponents import exponents, unpack
 
@@ -249,13 +249,12 @@ def test_orbits_tend_to_the_averaged_breather_at_first_order() -> None:
 
 
 def test_the_orbits_fold_tends_to_the_averaged_fold_at_first_order() -> None:
-    limit = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=13), Nucleus(1)).fold
+    limit = RotatingWaves(VdpChain(a=2.5, b=0.5, c=0, sites=13), Nucleus(1)).branch().fold
     assert limit is not None
     gaps = []
     for eps in (0.02, 0.01, 0.005):
-        fold = orbit_branch(
-            VdpChain(a=2.5, b=0.5, c=0, eps=eps, sites=13), Nucleus(1), monitored=False
-        ).fold
+        chain = VdpChain(a=2.5, b=0.5, c=0, eps=eps, sites=13)
+        fold = Orbits(chain, Nucleus(1)).branch(monitored=False).fold
         assert fold is not None
         gaps.append(fold.c - limit.c)
     assert [math.log2(gaps[k] / gaps[k + 1]) for k in (0, 1)] == pytest.approx([1, 1], abs=0.05)

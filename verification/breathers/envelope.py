@@ -42,7 +42,15 @@ START = 0.01
 
 @dataclass(frozen=True)
 class RotatingWaves(BreatherFamily):
-    """The breathers of the averaged chain."""
+    """The breathers of the averaged chain.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> branch = RotatingWaves(AveragedChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1)).branch()
+    >>> round(branch.fold.c, 6)
+    0.190788
+    """
 
     method = BreatherMethod.ENVELOPE
 
@@ -137,19 +145,6 @@ class RotatingWaves(BreatherFamily):
             stability=stability,
             seconds=time.perf_counter() - started,
         )
-
-
-def envelope_branch(chain: VanDerPolChain, nucleus: Nucleus, *, monitored: bool = True) -> Branch:
-    """Follow the breather from c → 0 through its fold, with its growth rates if ``monitored``.
-
-    Examples
-    --------
-    >>> from theory.chains.vdp import VdpChain
-    >>> branch = envelope_branch(VdpChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1))
-    >>> round(branch.fold.c, 6)
-    0.190788
-    """
-    return RotatingWaves(chain, nucleus).branch(monitored=monitored)
 
 
 def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Breather:

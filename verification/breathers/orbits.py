@@ -27,7 +27,7 @@ from verification.breathers.family import BreatherFamily
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod
-from verification.continuation.branch import Branch, Fold, Steps, trace
+from verification.continuation.branch import Fold, Steps, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.steppers.variational import STEPS, Flow, integrate_variations
 
@@ -256,17 +256,6 @@ def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> Real:
             "coupling c", chain.c, "below the fold of the averaged breather", "take a smaller one"
         )
     return np.concatenate([found.waves.imag, found.waves.real, [found.period]])
-
-
-def orbit_branch(chain: VdpChain, nucleus: Nucleus, *, monitored: bool = True) -> Branch:
-    """Follow the orbit from small c through its fold, with its growth rates if ``monitored``.
-
-    Raises
-    ------
-    ParameterError
-        If no orbit was found at small c.
-    """
-    return Orbits(chain, nucleus).branch(monitored=monitored)
 
 
 def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int | None = None) -> Breather:

@@ -26,7 +26,8 @@ class ChainModel:
     stiffness : mapping of int to Expr
         Coefficient of each power of y in g; empty for none.
     coupling : Expr
-        The coupling c; 0 for an isolated cell.
+        The coupling; 0 for an isolated cell. Its limits and thresholds are derived where it
+        contains the letter c.
     weights : tuple of Expr
         Weight w_j of the springs to the j-th neighbours, from the nearest on.
 

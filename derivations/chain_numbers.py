@@ -45,6 +45,11 @@ class ChainNumbers:
         """Neighbours on either side."""
         return len(self.springs)
 
+    @property
+    def pull_on_long_waves(self) -> float:
+        """Modulus of the curvature of the springs' dispersion at long waves, Σ j² c w_j."""
+        return abs(sum(j * j * spring for j, spring in enumerate(self.springs, start=1)))
+
     def force(self, y: Any, rate: Any) -> Any:
         """``y' h(y) + g(y)`` by Horner's rule."""
         return rate * _horner(self.damping, y) + _horner(self.stiffness, y)

@@ -52,12 +52,13 @@ ever evaluated.
   the step "averaging in the amplitude of multiple scales".
 - Second order is in eps, but the error is governed by eps max|1 - a y^2 + b y^4| on the cycle.
 - The kinetic relation of a cell with nonlinear stiffness leaves out the change of frequency with
-  amplitude, and says so.
+  amplitude, and says so; linear stiffness, a change of the unit of time, is refused there.
 - Symbolic cycles are given for damping up to degree 4 in y; beyond that give numbers.
 - For springs beyond nearest neighbours (29) is left as a relation for e^(k_1), not solved for it,
   and the amplitudes in quarter turns are real only where springs join odd neighbours.
-- With springs to third neighbours the limits at rest, depinning and retreat, are left out, and
-  `fronts derive averaging` stops in a sentence: both ask for the roots of a cubic.
+- With springs to third neighbours the limits at rest, depinning and retreat, and the branch of (37)
+  are left out: they ask for the roots of a cubic. Strong coupling is left out where the pull of the
+  springs on long waves has no definite sign.
 """
 
 

@@ -98,5 +98,5 @@ def test_primes_are_as_large_as_their_letters_and_brackets_stand_close(drawn):
 
 
 def test_there_was_latex_to_begin_with(equations):
-    assert len(equations) == 274
+    assert len(equations) == 276
     assert sum("\\" in latex for latex, _ in equations.values()) > 200

@@ -127,7 +127,6 @@ def test_a_new_cell(capsys):
         ("cell", "--damping", "1", "--order", "3"),
         ("multiple-scales", "--coupling", "0"),
         ("averaging", "--weights", "0, 1"),
-        ("averaging", "--weights", "1, w, u"),  # a cubic for the cosine of the phase step
         ("cell", "--damping", "1 + y**2", "--order", "2", "--no-front"),  # no cycle to check with
         ("multiple-scales", "--damping", "sin(y)"),
         ("friction", "--damping", "1"),

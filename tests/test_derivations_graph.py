@@ -26,7 +26,7 @@ RESULTS = {
     "chain in quarter turns to second order",
     "Jacobian with free ends", "resonant part of the added term",
     "phase of the cell", "radial decay on the cycle", "kept at rest", "dropped on the cycle",
-    "turning wavenumber", "no double root", "one root from odd to even",
+    "no double root", "one root from odd to even",
     "no root from even to odd",
     "both half-planes", "pinning coupling", "retreat coupling", "largest η of pinning",
     "strong coupling", "inner problem", "speed of the averaged front",

@@ -74,6 +74,7 @@ from derivations.algebra.roots import CountAbove, ParametriseRadical, RootTerm, 
 from derivations.algebra.solution import (
     PrescribeCoefficients,
     SelectRoot,
+    SelectSign,
     SolveFor,
     SolveLimits,
     SolveOscillator,
@@ -418,6 +419,11 @@ CASES = {
         SelectRoot("a positive value", lambda value: value.real > 0, {q: (1.0, 2.0)}),
         (sp.Tuple(equation(p, -q), equation(p, 3 - 2 * q), equation(p, q)),),
         equation(p, q),
+    ),
+    "select a sign": (
+        SelectSign("the cell feeds energy in"),
+        (sp.Tuple(equation(p, q - 1), equation(p, 1 - q)), equation(2 * q - 2, 0)),
+        equation(p, 1 - q),
     ),
     "cycles of a cell": (
         FindCycles(),
@@ -790,6 +796,10 @@ def test_every_operation_is_tested_by_itself():
         (
             SelectRoot("x", lambda value: True, {q: (1.0,)}),
             (sp.Tuple(equation(p, q), equation(p, -q)),),
+        ),
+        (
+            SelectSign("x"),
+            (sp.Tuple(equation(p, -q), equation(p, -2 * q)), equation(q)),
         ),
         (
             WriteFirstOrder(rate, (p, q), t),

@@ -80,13 +80,14 @@ class AtFastestWave(Operation):
         first, second, third = parts_of(derivatives)
         k = self.wavenumber
         root = fastest.rhs
-        radical, parameter, back = _parametrised(root)
+        radical, parameter, back, least = _parametrised(root)
         cosine = sp.factor(root.subs(back))
         square = sp.factor(sp.expand_trig(first.rhs**2 * self.frequency**2).subs(
             sp.sin(k) ** 2, 1 - sp.cos(k) ** 2).subs(sp.cos(k), cosine).subs(back)
             / relation.rhs.subs(sp.cos(k), cosine).subs(back))  # fmt: skip
-        excess = sp.Dummy("x", positive=True)  # the radical is above one
-        speed = sp.sqrt(sp.factor(square.subs(parameter, 1 + excess))).subs(excess, parameter - 1)
+        excess = sp.Dummy("x", positive=True)
+        above = sp.sqrt(sp.factor(square.subs(parameter, least + excess)))
+        speed = above.subs(excess, parameter - least)
         if not speed.is_rational_function(parameter):
             raise OperationError("the group velocity is not rational in the radical")
         own = equation(first.lhs, sp.factor(speed).subs(parameter, radical))
@@ -100,8 +101,11 @@ class AtFastestWave(Operation):
         return f"evaluate {labels[0]} at the wave {labels[2]}, with {labels[1]}"
 
 
-def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.Expr]]:
-    """Return the square root in an expression, a symbol for it, and a parameter in terms of it."""
+def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.Expr], sp.Expr]:
+    """Return the square root in an expression, a symbol for it, a parameter by it, and its least.
+
+    It grows with the parameter, which is positive.
+    """
     radicals = [q for q in root.atoms(sp.Pow) if q.exp == sp.Rational(1, 2)]
     if len(radicals) != 1:
         raise OperationError("not one square root in the cosine of the wave")
@@ -109,7 +113,7 @@ def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.
     inside = radicals[0].base
     gone = sorted(inside.free_symbols, key=str)[0]
     (value,) = sp.solve(inside - parameter**2, gone)
-    return radicals[0], parameter, {gone: value}
+    return radicals[0], parameter, {gone: value}, sp.sqrt(inside.subs(gone, 0))
 
 
 @dataclass(frozen=True)

@@ -121,6 +121,35 @@ class SelectRoot(Operation):
 
 
 @dataclass(frozen=True)
+class SelectSign(Operation):
+    """Keep the one of several solutions that is a negative multiple of an expression.
+
+    The expression is left minus right of the second source.
+
+    Attributes
+    ----------
+    rule : str
+        What that means.
+    """
+
+    phrase: ClassVar[str] = (
+        "keep the solution of {first} that is positive where {others} is negative: {rule}"
+    )
+    rule: str
+
+    def __call__(self, *sources: sp.Basic) -> sp.Basic:
+        """Return the part that is kept."""
+        solutions, expression = sources
+        whole = left_minus_right(expression)
+        kept = [q for q in parts_of(solutions) if sp.cancel(q.rhs / whole).is_negative]
+        if len(kept) != 1:
+            raise OperationError(
+                f"{len(kept)} of the solutions are a negative multiple of {spoken(whole)}"
+            )
+        return kept[0]
+
+
+@dataclass(frozen=True)
 class SolveOscillator(Operation):
     """General real solution of ``u'' + Ω² u = 0`` in the fast time, with a slow amplitude.
 

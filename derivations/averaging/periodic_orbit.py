@@ -47,6 +47,7 @@ def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> 
     # Phase: the cosine part of the fundamental of site 0 vanishes.
     phase = np.cos(2 * np.pi * np.arange(samples) / samples)
     y, w, size = start.copy(), frequency, sites * samples
+    close = False
     for _ in range(steps):
         rate, factor = y @ first.T, polyval(y, p.damping)
         pull = p.eps * polyval(y, p.stiffness or (0.0,))
@@ -66,8 +67,9 @@ def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> 
         matrix[size, :samples] = phase
         change = np.linalg.solve(matrix, -np.append(residual.ravel(), phase @ y[0]))
         y, w = y + change[:size].reshape(y.shape), w + change[size]
-        if np.abs(change).max() < 1e-12:
+        if close:  # the error was squared once more: rounding is left
             return y, float(w)
+        close = bool(np.abs(change).max() < 1e-8 * np.abs(y).max())
     raise ArithmeticError("Newton's method did not converge to a periodic orbit")
 
 

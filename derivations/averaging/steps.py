@@ -102,6 +102,8 @@ def _decaying(draft: Draft, model: ChainModel, checks: Checks) -> None:
                        "(29) and (38), φ has ωα₀")
     draft.derived("phase step as ε vanishes", Limit(epsilon, 0), "phase step",
                   check=checks.limit)
+    if model.reach > 2:  # an equation of the third degree in cos k₂
+        return
     draft.derived("branches of the phase step", (Take(1), SolveFor(k_2)),
                   "phase step as ε vanishes", check=checks.branches)
     rule = ("sin k₂ < 0, as k₁ < 0 and positive damping of the site require: below the unstable "

@@ -52,6 +52,12 @@ class RootChecks(SampledChecks):
         found = at_points(what)(lambda: iter(points))(candidate)
         return Evidence(found.holds and worst < 1e-9, found.statement)
 
+    @at_points("velocities at which the slope of L vanishes there")
+    def turning_velocity(self) -> Points:
+        """Compare with velocities at which the numerical slope of L vanishes."""
+        for *_, point in self._turns():
+            yield point, [0]
+
     @at_points("L where its slope vanishes")
     def at_turning(self) -> Points:
         """Compare with L there, from its values at the neighbours."""

@@ -19,7 +19,7 @@ from derivations.algebra.steps import Evidence
 from derivations.chain_numbers import ChainNumbers
 from derivations.front import symbols as s
 from derivations.front.sampling import TINY, Sample, SampledChecks
-from derivations.symbols import epsilon, n, omega, t, y
+from derivations.symbols import c, epsilon, n, omega, t, y
 
 
 def _shape(z: Any) -> Any:
@@ -37,8 +37,12 @@ class StrongChecks(SampledChecks):
             yield {y(n, t): sample.chain.rest(at_rest, 0.0)}, [0]
 
     def _tiny(self, chain: ChainNumbers, field: dict[int, float], rate: float) -> float:
-        tiny = {place: TINY * own for place, own in field.items()}
-        return float(chain.rest(tiny, TINY * rate)) / TINY
+        """Rest of a displacement less that of its opposite: even powers drop out."""
+        there, back = (
+            chain.rest({place: size * own for place, own in field.items()}, size * rate)
+            for size in (TINY, -TINY)
+        )
+        return float(there - back) / (2 * TINY)
 
     @at_points("forces at a tiny displacement", tolerance=1e-8)
     def chain_near_rest(self) -> Points:
@@ -242,19 +246,19 @@ class StrongChecks(SampledChecks):
         front = inner_velocity(sample)
         errors = []
         for factor in (20.0, 160.0):
-            springs = tuple(q * factor / sample.chain.springs[0] for q in sample.chain.springs)
+            stronger = factor * sample.clock / sample.chain.springs[0]
+            springs = tuple(q * stronger for q in sample.chain.springs)
             point = {**sample.chain.values, s.kappa_front: front}
-            for symbol in sp.sympify(self.model.coupling).free_symbols:
-                point[symbol] = sample.chain.values[symbol] * factor / sample.chain.springs[0]
+            point[c] = point.get(c, 1.0) * stronger
             predicted = float(solved_for(candidate, s.v, point).real)
-            found = run_front(sample, springs)
-            errors.append((found - predicted) / float(np.cbrt(factor / 6)))
+            missed = (run_front(sample, springs) - predicted) / sample.clock
+            errors.append(missed / float(np.cbrt(factor / 6)))
         # What is left out is smaller by the square of the length, (160/20)^(2/3) = 4.
         holds = abs(errors[1]) < 0.1 and abs(errors[1]) < 0.5 * abs(errors[0])
         return Evidence(
             holds,
-            f"runs of the averaged chain at c = 20, 160 with κ = {front:.4f}: off by "
-            f"{errors[0]:.1e}, {errors[1]:.1e} of the length",
+            "runs of the averaged chain at c = 20, 160 times its damping at rest with "
+            f"κ = {front:.4f}: off by {errors[0]:.1e}, {errors[1]:.1e} of the length",
         )
 
 
@@ -274,12 +278,12 @@ def inner_velocity(sample: Sample) -> float:
     The one direction in which rest is left backwards is followed; on either side of kappa the path
     misses the cycle on different sides, which is bisected: it runs away upwards, or falls back.
     """
-    loss = _loss(sample)
+    loss, length = _loss(sample), 1.0 / float(np.cbrt(sample.clock))
 
     def misses(front: float) -> int:
         rates = np.roots([1.0, 0.0, -front, sample.lattice.decay])
         (rate,) = (q.real for q in rates if abs(q.imag) < 1e-12 and q.real < 0)
-        start = 1e-4 * np.array([1.0, rate, rate**2])
+        start = 1e-4 * sample.inner * np.array([1.0, rate, rate**2])
 
         def slopes(_: float, state: Any) -> list[float]:
             return [-state[1], -state[2], -(front * state[1] + float(loss(state[0])))]
@@ -292,11 +296,11 @@ def inner_velocity(sample: Sample) -> float:
 
         high.terminal = low.terminal = True  # type: ignore[attr-defined]
         low.direction = -1.0  # type: ignore[attr-defined]
-        run = solve_ivp(slopes, (0, 200), start, events=(high, low), rtol=1e-8, atol=1e-10)
+        run = solve_ivp(slopes, (0, 200 * length), start, events=(high, low), rtol=1e-8, atol=1e-10)
         events = run.t_events or []
         return 1 if events and events[0].size else -1
 
-    below, above = -3.0, 4.0
+    below, above = -3.0 / length**2, 4.0 / length**2
     sign = misses(below)
     if misses(above) == sign:
         raise ArithmeticError("kappa is not bracketed")
@@ -315,10 +319,10 @@ def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
 
     Phase steps of -pi/2 make the amplitudes real; see 'amplitudes in quarter turns'.
     """
-    loss, end, first = _loss(sample), 12.0, springs[0]
+    loss, end, first = _loss(sample), 12.0 / sample.clock, springs[0]
     sites = int(1.4 * first * end) + 60
     place = np.arange(sites)
-    width = 2 * np.cbrt(max(first, 1.0) / 6)
+    width = 2 * np.cbrt(max(first / sample.clock, 1.0) / 6)
     r = sample.outer / (1 + np.exp((place - 20) / width))
     # How fast the cell goes back to its cycle: a step longer than that runs away from it.
     nearby = 1e-3 * sample.outer

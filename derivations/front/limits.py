@@ -65,12 +65,19 @@ def steps(draft: Draft, chain: ChainModel) -> None:
         _static(draft, checks)
     if _one_radical(chain):
         _pinning(draft, checks)
-    _strong(draft, chain, checks)
+    if _has_long_waves(chain):
+        _strong(draft, chain, checks)
 
 
 def _one_radical(chain: ChainModel) -> bool:
-    """Whether the static sum has a single square root: springs to nearest neighbours that pull."""
-    return chain.reach == 1 and bool(chain.coupling.is_positive)
+    """Whether the static sum has a single square root of c: nearest neighbours that pull."""
+    return chain.reach == 1 and chain.coupling.has(c) and bool(chain.coupling.is_positive)
+
+
+def _has_long_waves(chain: ChainModel) -> bool:
+    """Whether the coupling is a letter, and its pull on long waves has one sign."""
+    pull = chain.coupling * sum(j * j * q for j, q in enumerate(chain.weights, start=1))
+    return chain.coupling.has(c) and bool(pull.is_positive or pull.is_negative)
 
 
 def _forms(draft: Draft, checks: LimitChecks) -> None:
@@ -143,7 +150,8 @@ def _strong(draft: Draft, chain: ChainModel, checks: LimitChecks) -> None:
     draft.derived("long waves", (Substitute(scales), Limit(c, sp.oo)), "dispersion",
                   check=checks.long_waves)
     tried: dict[sp.Symbol, tuple[float, ...]] = {V: (0.2, 0.9, 3.0)}
-    tried |= {letter: (0.1, 0.6) for weight in chain.weights for letter in weight.free_symbols}
+    shown = sp.Tuple(chain.damping.get(0, sp.S.Zero), chain.coupling / c, *chain.weights)
+    tried |= dict.fromkeys(shown.free_symbols - {c}, (0.1, 0.6))
     above = SelectRoot("Im κ > 0", lambda q: q.imag > 0, tried)
     draft.derived("long-wave root", (Substitute({long_wave: 0}), SolveFor(kappa), above),
                   "long waves", check=checks.long_wave_root)

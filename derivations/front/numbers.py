@@ -26,8 +26,10 @@ COUNT = 4000
 """Roots on either side of the imaginary axis; the sum is then known to about 1e-4 / v and
 extrapolation in the number of roots brings it to 1e-9."""
 WAVES = (256, 1024)
-"""Wavenumbers of the response at weak and strong coupling; the chain is then periodic with this
-many sites, of which a standing response reaches about sqrt(c)."""
+"""Wavenumbers of the response at weak and at strong coupling, at least; the chain is then periodic
+with this many sites."""
+REACH = 25
+"""Sites of it for each that a standing response reaches, about the root of coupling over decay."""
 
 _PERIODS = (200, 400, 800)
 """Periods up to which integrals over k are taken before they are extrapolated."""
@@ -95,7 +97,8 @@ def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) ->
 
 
 def _are_zeros(k: Any, lattice: Lattice, v: float) -> Any:
-    return np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * (1 + v * np.abs(k)))
+    size = 2 * lattice.decay + v * np.abs(k)
+    return np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * size)
 
 
 def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
@@ -156,7 +159,10 @@ def profile(lattice: Lattice, zeta: float, v: float) -> complex:
     The site m places behind has been driven for a time (m - zeta)/v; its answer is that of the
     undriven chain, summed over plane waves.
     """
-    count = WAVES[sum(map(abs, lattice.springs)) > 4]
+    pull = sum(j * j * abs(spring) for j, spring in enumerate(lattice.springs, start=1))
+    count = WAVES[sum(map(abs, lattice.springs)) > 8 * lattice.decay]
+    while count < REACH * math.sqrt(pull / lattice.decay):
+        count *= 2
     k = 2 * np.pi * np.arange(count) / count
     decay = lattice.on_site(k)
     sites = np.arange(int(np.floor(zeta)) + 1, count // 2)

@@ -49,11 +49,12 @@ def steps(draft: Draft, chain: ChainModel) -> None:
     draft.derived("turning wavenumber", (Substitute({L_k: 0}), SolveFor(sp.sin(k))),
                   "slope of the dispersion", check=checks.turning,
                   note="its sine is real and negative: off the real axis Re k = "
-                       "-π/2 + 2πm, and v = c cosh κ")
-    at_turn = {k: -sp.pi / 2 + 2 * sp.pi * turns + i * kappa,
-               v: chain.coupling * sp.cosh(kappa)}
-    draft.derived("dispersion at a turning wavenumber", (Substitute(at_turn), parts), "dispersion",
-                  check=checks.at_turning)
+                       "-π/2 + 2πm")
+    at_turn = Substitute({k: -sp.pi / 2 + 2 * sp.pi * turns + i * kappa})
+    draft.derived("velocity by the turning wavenumber", (at_turn, SolveFor(v)),
+                  "turning wavenumber", check=checks.turning_velocity)
+    draft.derived("dispersion at a turning wavenumber", (at_turn, Substitute(), parts),
+                  "dispersion", "velocity by the turning wavenumber", check=checks.at_turning)
     draft.derived("no double root", (Take(1), Substitute({half_imag: 0}), SolveFor(turns)),
                   "dispersion at a turning wavenumber", check=checks.no_double,
                   note="1/4 - 1/(2π cosh κ) lies between 0.09 and 0.25 and is no integer")

@@ -8,10 +8,12 @@ import random
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
 from derivations.algebra.equations import parts_of
@@ -22,7 +24,7 @@ from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, numbers_of
 from derivations.front import symbols as s
 from derivations.front.numbers import Lattice, evaluated, profile
-from derivations.symbols import n, t
+from derivations.symbols import c, n, t
 
 MAX_RATIO = 0.6
 """Of the cycles: nearer cells relax too slowly for a direct run."""
@@ -31,6 +33,7 @@ TINY = 1e-5
 CYCLE = 0.8 - 0.4j
 """The cycle behind a front."""
 _SPEEDS = (0.5, 1.3, 0.7)
+"""Of fronts, over the damping at rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +63,15 @@ class Sample:
         decay = -self.rate(TINY) / TINY / self.chain.eps
         return Lattice(float(decay), self.chain.springs)
 
+    def coupled(self, factor: float) -> Lattice:
+        """Linear part with springs so many times as strong."""
+        return Lattice(self.lattice.decay, tuple(factor * q for q in self.chain.springs))
+
+    @property
+    def clock(self) -> float:
+        """Damping at rest: the velocities of fronts grow with it, at couplings over it."""
+        return self.chain.damping[0]
+
     @property
     def eta(self) -> float:
         """Product of the outer coefficients of the damping over the square of the middle one."""
@@ -78,32 +90,60 @@ class Sample:
 
 @lru_cache(maxsize=16)
 def samples(model: ChainModel) -> tuple[Sample, ...]:
-    """Return three chains of the model whose cells have two cycles."""
-    return tuple(_find(model, 3))
+    """Return three chains of the model whose cells have two cycles.
 
-
-def _find(model: ChainModel, count: int) -> list[Sample]:
-    """Draw coefficients over two decades until enough cells have two cycles, well apart."""
-    rng = random.Random(11)
-    found: list[Sample] = []
-    for _ in range(2000):
-        values = {q: math.exp(rng.uniform(-4.0, 1.4)) for q in model.parameters}
-        for q in model.parameters:
-            if model.coupling.has(q):
-                values[q] = rng.uniform(0.3, 0.9)  # the checks at strong coupling multiply it
-            elif q in sp.Tuple(*model.weights).free_symbols:
-                values[q] = rng.uniform(0.3, 1.5)  # the history resolves these, times 900
-        chain = numbers_of(model, values, rng.uniform(0.05, 0.3))
-        cycles = chain.cycles()
-        if len(cycles) == 2 and chain.damping[0] > 0 and cycles[0] / cycles[1] < MAX_RATIO:
-            found.append(Sample(chain, *cycles))
-        if len(found) == count:
-            return found
+    Raises
+    ------
+    DerivationInputError
+        If no such cells are found.
+    """
+    found = tuple(islice(_cells(model), 3))
+    if len(found) == 3:
+        return found
     raise DerivationInputError(
         "damping", model.damping_of(sp.Symbol("y")), "that of a cell with two cycles around a "
         "stable rest state at some positive values of its letters",
         "give one, as 1 - a*y**2 + b*y**4: other cells have no front of (44)",
     )  # fmt: skip
+
+
+def _cells(model: ChainModel) -> Iterator[Sample]:
+    """Draw coefficients over two decades, then more; yield those with two cycles, well apart."""
+    rng = random.Random(11)
+    for draw in range(2000):
+        chain = _drawn(model, rng, 1.0 + draw // 500)
+        if not _may_have_two_cycles(chain):
+            continue
+        cycles = chain.cycles()
+        if len(cycles) == 2 and cycles[0] / cycles[1] < MAX_RATIO:
+            yield Sample(chain, *cycles)
+
+
+def _drawn(model: ChainModel, rng: random.Random, spread: float) -> ChainNumbers:
+    """Return a chain whose springs pull on long waves as strongly as its cell is damped.
+
+    Much weaker ones pin most fronts, much stronger ones spread them beyond what is resolved.
+    """
+    values = {q: math.exp(spread * rng.uniform(-4.0, 1.4)) for q in model.parameters}
+    letters = model.coupling.free_symbols
+    for q in model.parameters:
+        if q in letters:
+            values[q] = rng.uniform(0.3, 0.9)
+        elif q in sp.Tuple(*model.weights).free_symbols:
+            values[q] = rng.uniform(0.3, 1.5)
+    chain = numbers_of(model, values, rng.uniform(0.05, 0.3))
+    pull = chain.pull_on_long_waves
+    if c in letters and chain.damping[0] > 0 and pull > 0:
+        values[c] *= values[c] * chain.damping[0] / pull
+        chain = numbers_of(model, values, chain.eps)
+    return chain
+
+
+def _may_have_two_cycles(chain: ChainNumbers) -> bool:
+    """Descartes' rule: as many cycles as the even powers of the damping change sign, or fewer."""
+    even = [q for q in chain.damping[::2] if q]
+    changes = sum(low * high < 0 for low, high in pairwise(even))
+    return chain.damping[0] > 0 and changes >= 2
 
 
 def complex_number(rng: random.Random, size: float = 1.0) -> complex:
@@ -129,44 +169,50 @@ PLACES = (-4.3, -2.0, -1.2, -0.5, -0.1, 0.1, 0.5, 1.2, 2.0, 4.3)
 @lru_cache(maxsize=16)
 def front(model: ChainModel) -> tuple[Sample, float]:
     """Return a chain and the velocity of a front that passes the threshold once at each site."""
-    for sample in _find(model, 40):
+    for sample in _cells(model):
         lattice = sample.lattice
-        speeds = np.linspace(0.35, 3.0, 9)
+        speeds = sample.clock * np.linspace(0.35, 3.0, 9)
         sizes = [abs(profile(lattice, 0.0, float(v))) - sample.ratio for v in speeds]
         for low, high, before, after in zip(speeds, speeds[1:], sizes, sizes[1:], strict=False):
             if before * after < 0:
                 v = float(brentq(lambda q, at=lattice, r=sample.ratio: abs(profile(at, 0.0, q)) - r,
-                                 low, high, xtol=1e-12))  # fmt: skip
+                                 low, high, xtol=1e-12 * sample.clock))  # fmt: skip
                 if all((abs(profile(lattice, z, v)) > sample.ratio) == (z < 0) for z in PLACES):
                     return sample, v
     raise ArithmeticError("no admissible front of this model was found")
 
 
 @lru_cache(maxsize=64)
-def standing(sample: Sample, coupling: float = 1.0, half: int = 60) -> complex:
+def standing(lattice: Lattice) -> complex:
     """phi/phi_s at the first site ahead of a standing front, by solving the linear chain.
 
-    Parameters
-    ----------
-    sample : Sample
-        The chain.
-    coupling : float
-        Factor on its springs.
-    half : int
-        Sites on each side.
+    Twice as many sites are taken until that changes nothing.
+
+    Raises
+    ------
+    ArithmeticError
+        If the ends of a chain of 8000 sites are still felt.
     """
-    lattice = sample.lattice
-    size = 2 * half
-    matrix = lattice.decay * np.eye(size, dtype=complex)
+    before = _ahead(lattice, 125)
+    for half in (250, 500, 1000, 2000, 4000):
+        found = _ahead(lattice, half)
+        if abs(found - before) < 1e-12:
+            return found
+        before = found
+    raise ArithmeticError("a standing front reaches beyond 4000 sites")
+
+
+def _ahead(lattice: Lattice, half: int) -> complex:
+    size, reach = 2 * half, len(lattice.springs)
+    bands = np.zeros((2 * reach + 1, size), dtype=complex)
+    bands[reach] = lattice.decay
     for distance, spring in enumerate(lattice.springs, start=1):
-        for site in range(size):
-            for other in (site - distance, site + distance):
-                if 0 <= other < size:
-                    matrix[site, site] -= 0.5j * coupling * spring
-                    matrix[site, other] += 0.5j * coupling * spring
-    pull = np.zeros(size, dtype=complex)
-    pull[:half] = lattice.decay
-    return complex(np.linalg.solve(matrix, pull)[half])
+        pull = 0.5j * spring
+        bands[reach - distance, distance:] = bands[reach + distance, :-distance] = pull
+        bands[reach, distance:] -= pull  # beyond an end there is nothing to hold on to
+        bands[reach, :-distance] -= pull
+    drive = np.where(np.arange(size) < half, lattice.decay, 0.0).astype(complex)
+    return complex(solve_banded((reach, reach), bands, drive)[half])
 
 
 class SampledChecks:
@@ -190,7 +236,8 @@ class SampledChecks:
         """Each chain with a velocity and a wavenumber above the real axis."""
         rng = random.Random(6)
         for sample, fast in zip(self.samples, _SPEEDS, strict=True):
-            yield sample, fast, complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
+            number = complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
+            yield sample, fast * sample.clock, number
 
     def on_cycles(self, what: str, parts: int) -> Check:
         """Every part holds with the cycles of the direct average, at any phase, put in."""

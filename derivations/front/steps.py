@@ -7,6 +7,7 @@ from functools import lru_cache
 import sympy as sp
 
 from derivations.algebra.equations import equation
+from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.rearrangement import (
     Apply,
     Differentiate,
@@ -68,7 +69,18 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
     Returns
     -------
     Derivation
+
+    Raises
+    ------
+    DerivationInputError
+        If the stiffness has a linear term.
     """
+    if 1 in chain.stiffness:
+        raise DerivationInputError(
+            "stiffness", chain.stiffness_of(sp.Symbol("y")), "without a linear term: a cell at "
+            "rest has the frequency 1",
+            "count time in its periods instead",
+        )  # fmt: skip
     draft, checks = Draft(derive_averages(chain), derive_scales(chain)), ProfileChecks(chain)
     cell.steps(draft, chain)
     _to_profile(draft, chain, checks)

@@ -16,6 +16,7 @@ import mpmath as mp
 import numpy as np
 import sympy as sp
 
+from derivations.algebra.equations import parts_of
 from derivations.algebra.evidence import (
     Point,
     Points,
@@ -440,10 +441,20 @@ class Checks:
         return point, [1 - abs(cell / neighbours) ** 2]
 
     @equals("moduli of " + _DIRECT, parts=2)
-    def branches(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take the pull of the neighbours less, and plus, the loss of the cell."""
+    def _signed(self, rng: random.Random) -> tuple[Point, list[complex]]:
         point, pull, loss = self._pull_and_loss(rng)
         return point, [pull - loss, pull + loss]
+
+    def branches(self, candidate: sp.Basic) -> Evidence:
+        """Take the pull of the neighbours less, and plus, the loss of the cell, in either order."""
+        found = self._signed(candidate)
+        return found if found.holds else self._signed(sp.Tuple(*reversed(parts_of(candidate))))
+
+    @equals("the loss of the cell by direct averaging")
+    def loss(self, rng: random.Random) -> tuple[Point, list[complex]]:
+        """Draw a cell whose neighbours are at rest."""
+        point, cell, *_ = self._split(rng)
+        return point, [cell.imag]
 
     @equals("moduli of " + _DIRECT)
     def decay(self, rng: random.Random) -> tuple[Point, list[complex]]:
@@ -453,7 +464,7 @@ class Checks:
 
     def _pull_and_loss(self, rng: random.Random) -> tuple[Point, float, float]:
         point, cell, neighbours, _ = self._split(rng)
-        spring = float(self.model.coupling.subs(point))
+        spring = abs(float(self.model.coupling.subs(point)))
         return point, abs(neighbours) / (2 * spring), cell.imag / (2 * spring)
 
     @equals("the drive of the cell alone, averaged")

@@ -15,7 +15,7 @@ from derivations.algebra.oscillation import (
     SquareAndAdd,
 )
 from derivations.algebra.rearrangement import Apply, Divide, Function, Take
-from derivations.algebra.solution import SolveFor, SolveOscillator
+from derivations.algebra.solution import SelectSign, SolveFor, SolveOscillator
 from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import RescaleTime, Substitute, mirrored
 from derivations.chain import PAPER, ChainModel
@@ -159,18 +159,26 @@ def _to_breather(draft: Draft, given: ChainModel, checks: Checks) -> None:
     draft.derived("relative error", Divide(), "modulus with detuning", check=checks.cost,
                   note="The term with δ² is the relative error of (28): small "
                        "needs δ ≪ c e^(k₁), not only δ ≪ c")
-    draft.derived("both signs of the decay",
-                  (Divide(4 * given.coupling**2), Apply(Function.SQUARE_ROOT)),
-                  "modulus without detuning", check=checks.branches)
     draft.derived("half the amplitude", SolveFor(R), "amplitude of site 0", check=checks.doubled)
-    rule = ("the minus sign: e^(k₁) > 0 where the cell feeds energy into its motion, between its "
-            "two cycles; the plus sign holds where the cell loses energy")
-    draft.derived("decay", Take(1, rule), "both signs of the decay",
-                  check=checks.decay)
-    draft.derived("decay of the amplitude", Substitute(), "decay", "half the amplitude",
-                  check=checks.decay, number=29)
+    if any(power % 2 == 0 for power in given.damping):  # odd powers average to zero
+        _decay(draft, given, checks)
     draft.derived("frequency at no detuning", Substitute({delta: 0}), "close frequency",
                   check=checks.free_frequency)
     draft.derived("breather frequency", (Substitute(), Truncate(epsilon, 1)), "frequency",
                   "frequency at no detuning", check=checks.breather_frequency,
                   number=30)
+
+
+def _decay(draft: Draft, given: ChainModel, checks: Checks) -> None:
+    """Write down the decay of the breather, of a cell that gains and loses energy."""
+    draft.derived("both signs of the decay",
+                  (Divide(4 * given.coupling**2), Apply(Function.SQUARE_ROOT)),
+                  "modulus without detuning", check=checks.branches)
+    draft.derived("loss of the cell", (Take(0), Limit(k_1, -sp.oo)), "own amplitude",
+                  check=checks.loss, note="with neighbours at rest")
+    rule = ("e^(k₁) > 0 where the cell feeds energy into its motion, between its "
+            "two cycles; the other sign holds where the cell loses energy")
+    draft.derived("decay", SelectSign(rule), "both signs of the decay", "loss of the cell",
+                  check=checks.decay)
+    draft.derived("decay of the amplitude", Substitute(), "decay", "half the amplitude",
+                  check=checks.decay, number=29)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from benchmarks.diagram import draw
 from benchmarks.growth_diagram import draw_growth
@@ -12,15 +11,15 @@ from benchmarks.registry import all_benchmarks
 from benchmarks.work_precision import RESULTS
 
 
-def redraw(folder: Path = RESULTS) -> None:
-    """Draw every diagram for which there is a record in a folder; nothing is measured."""
+def redraw() -> None:
+    """Draw every diagram for which there is a record; nothing is measured."""
     for benchmark in all_benchmarks():
-        path = folder / f"{benchmark.name}.json"
+        path = RESULTS / f"{benchmark.name}.json"
         if path.is_file():
-            draw(benchmark.name, read_record(path).points, benchmark.style, folder)
-    growth = folder / "growth.json"
+            draw(benchmark.name, read_record(path).points, benchmark.style, RESULTS)
+    growth = RESULTS / "growth.json"
     if growth.is_file():
-        draw_growth(json.loads(growth.read_text(encoding="utf-8"))["lines"], folder)
+        draw_growth(json.loads(growth.read_text(encoding="utf-8"))["lines"], RESULTS)
 
 
 if __name__ == "__main__":

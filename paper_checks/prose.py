@@ -192,7 +192,7 @@ def _names(module: str, evidence: object) -> dict[str, Any]:
     }
 
 
-def formatted(value: object, form: str = "g", joint: str = ", ") -> str:
+def formatted(value: object, form: str = "g") -> str:
     """Format a number, or several.
 
     Examples
@@ -205,7 +205,7 @@ def formatted(value: object, form: str = "g", joint: str = ", ") -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, Iterable):
-        return joint.join(formatted(each, form) for each in value)
+        return ", ".join(formatted(each, form) for each in value)
     return format(value, form)
 
 

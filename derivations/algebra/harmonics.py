@@ -211,17 +211,15 @@ class Harmonics:
         return Harmonics(self.ring, {m: self.ring.along(v, flow) for m, v in self.terms.items()})
 
 
-def chain_ring(
-    name: str, parameters: Sequence[sp.Symbol], reach: int, index: str = "n"
-) -> HarmonicRing:
+def chain_ring(name: str, parameters: Sequence[sp.Symbol], reach: int) -> HarmonicRing:
     """Return a ring with ``name_{n-reach} … name_{n+reach}``; with one site if reach is 0."""
     if reach == 0:
         return HarmonicRing((sp.Symbol(name),), tuple(parameters))
-    symbols = tuple(site_symbol(name, offset, index) for offset in range(-reach, reach + 1))
+    symbols = tuple(site_symbol(name, offset) for offset in range(-reach, reach + 1))
     return HarmonicRing(symbols, tuple(parameters))
 
 
-def site_symbol(name: str, offset: int, index: str = "n") -> sp.Symbol:
+def site_symbol(name: str, offset: int) -> sp.Symbol:
     """Return the symbol of the site ``offset`` places from site n.
 
     Examples
@@ -229,5 +227,5 @@ def site_symbol(name: str, offset: int, index: str = "n") -> sp.Symbol:
     >>> site_symbol("A", -1), site_symbol("A", 0), site_symbol("A", 2)
     (A_{n-1}, A_{n}, A_{n+2})
     """
-    place = index if offset == 0 else f"{index}{offset:+d}"
+    place = "n" if offset == 0 else f"n{offset:+d}"
     return sp.Symbol(f"{name}_{{{place}}}")

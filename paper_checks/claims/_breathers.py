@@ -22,9 +22,9 @@ def flow(state: Real, c: float, duration: float, tolerance: float = 1e-11) -> Re
     return last_state(rate, duration, start.ravel(), tolerance, tolerance).reshape(start.shape)
 
 
-def monodromy_by_differences(state: Real, c: float, period: float, step: float = 1e-6) -> Real:
+def monodromy_by_differences(state: Real, c: float, period: float) -> Real:
     """Differentiate the flow of scipy by central differences."""
-    size = len(state)
+    size, step = len(state), 1e-6
     moved = np.column_stack(
         [state[:, None] + step * np.eye(size), state[:, None] - step * np.eye(size)]
     )

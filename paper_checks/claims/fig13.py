@@ -240,7 +240,7 @@ def _belt(v_d: float) -> tuple[float, float, float, float]:
     return v_d, run.v / waves, run.error / waves, averaged_front(v_d)
 
 
-def fastest_waves(c: float, eps: float = EPS) -> tuple[float, float]:
+def fastest_waves(c: float) -> tuple[float, float]:
     """Return v_g/ε of the fastest linear wave of (8), and (|ω'''|/(6ε))^(1/3) there.
 
     With ω² = 1 + 2εc(1 - cos k), differentiating ω ω' = εc sin k twice gives, where ω'' = 0,
@@ -248,8 +248,8 @@ def fastest_waves(c: float, eps: float = EPS) -> tuple[float, float]:
     """
     from verification.references.passages import wave_velocity
 
-    top = wave_velocity(c, eps) * eps
-    return top / eps, float((top / (6.0 * eps)) ** (1.0 / 3.0))
+    top = wave_velocity(c, EPS) * EPS
+    return top / EPS, float((top / (6.0 * EPS)) ** (1.0 / 3.0))
 
 
 def rule_law(e: Law) -> Ruling:

@@ -52,11 +52,11 @@ def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> C
     return Curve(x, v, kinds)
 
 
-def draw_curve(axes: Axes, curve: Curve, size: float = 1.8) -> None:
+def draw_curve(axes: Axes, curve: Curve) -> None:
     """Draw admissible solutions full, the others hollow."""
     blue, red = COLOURS["blue"], COLOURS["vermilion"]
-    axes.plot(*curve.part(True), "o", ms=size, color=blue, label="admissible")
-    axes.plot(*curve.part(False), "o", ms=size, color=red, mfc="none", label="not admissible")
+    axes.plot(*curve.part(True), "o", ms=1.8, color=blue, label="admissible")
+    axes.plot(*curve.part(False), "o", ms=1.8, color=red, mfc="none", label="not admissible")
 
 
 def draw_thresholds(axes: Axes, values: Mapping[str, float | None], symbol: str) -> None:

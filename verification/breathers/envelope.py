@@ -171,7 +171,7 @@ def _rounding(phi: Complex, chain: VanDerPolChain) -> float:
     return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
 
-def staggered_branch(chain: VanDerPolChain, nucleus: Nucleus, c_end: float = 2.0) -> Branch:
+def staggered_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Branch:
     """Follow the same branch in the real staggered reduction (patterns of ``+`` and ``-`` only).
 
     Half the unknowns, no frequency and no phase condition: an independent computation of the fold.
@@ -198,7 +198,7 @@ def staggered_branch(chain: VanDerPolChain, nucleus: Nucleus, c_end: float = 2.0
     # Real at the centre in the frame of `envelope`; turned so that it is real in the staggered one.
     turned = nucleus.envelope(chain) / staggered_phase(chain.sites)
     r = (turned / staggered_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
-    return trace(system, solve_at(system, r, START), c_end)
+    return trace(system, solve_at(system, r, START), 2.0)
 
 
 def _left_pattern(

@@ -114,7 +114,6 @@ def approximate_multipliers(
     breather: ClosedFormBreather,
     *,
     misprinted: bool = False,
-    steps: int = STEPS,
 ) -> Stability:
     """Return the multipliers along y_n = α_0 e^{k_1|n|} sin(ωt + k_2|n|), as the paper does.
 
@@ -126,8 +125,6 @@ def approximate_multipliers(
         Amplitude, decay, frequency and phase step of (9).
     misprinted : bool, optional
         Use the Jacobian exactly as printed in (42).
-    steps : int, optional
-        Taylor steps a period.
 
     Raises
     ------
@@ -148,7 +145,7 @@ def approximate_multipliers(
         integrate_along_sinusoids(
             chain, amplitudes, phases, breather.frequency, misprinted=misprinted, steps=count
         ).monodromy
-        for count in (steps, 2 * steps)
+        for count in (STEPS, 2 * STEPS)
     ]
     if not all(np.isfinite(matrix).all() for matrix in matrices):
         raise ParameterError(

@@ -53,6 +53,8 @@ SEVERAL = 6
 """Sites that must join before growth is called a front or creep: three on each side."""
 SAME = 1.0
 """Slow time by which two runs may differ in when a site joined and still count as the same."""
+_TOLERANCE = 1e-8
+"""Local error of a run; the one beside it has a hundred times as much."""
 SAMPLES = 201
 """States kept of a run."""
 
@@ -197,7 +199,6 @@ def follow_nucleus(
     perturbation: float = 0.0,
     seed: int = 0,
     slow_time: float = 1000.0,
-    tolerance: float = 1e-8,
 ) -> FollowedNucleus:
     """Follow a nucleus in the middle of a chain: all its sites in phase on the cycle of one cell.
 
@@ -213,8 +214,6 @@ def follow_nucleus(
         Seed of the noise.
     slow_time : float
         Length of the run in T = εt.
-    tolerance : float
-        Local error of the run; the one beside it has a hundred times as much.
 
     Raises
     ------
@@ -246,7 +245,7 @@ def follow_nucleus(
             samples=SAMPLES,
             estimate_error=False,
         )
-        for each in (tolerance, coarser_tolerance(tolerance))
+        for each in (_TOLERANCE, coarser_tolerance(_TOLERANCE))
     ]
     found = [evolution_of(run) for run in runs]
     last = runs[0].psi[-1]

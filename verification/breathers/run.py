@@ -44,7 +44,6 @@ def run_breather(
     chain: VdpChain,
     nucleus: Nucleus,
     *,
-    slow_time: float = SLOW_TIME,
     tolerance: float = TOLERANCE,
     seed: int = 0,
 ) -> Breather:
@@ -56,8 +55,6 @@ def run_breather(
         ε at most 0.2.
     nucleus : Nucleus
         Excited sites and their phases at the start.
-    slow_time : float, optional
-        Longest run, in T = εt.
     tolerance : float, optional
         Drift per unit T that counts as settled.
     seed : int, optional
@@ -95,7 +92,7 @@ def run_breather(
     period, elapsed = 2.0 * math.pi, 0.0
     drifts: list[float] = []
     status = BreatherStatus.UNSETTLED
-    while status is BreatherStatus.UNSETTLED and elapsed * chain.eps < slow_time:
+    while status is BreatherStatus.UNSETTLED and elapsed * chain.eps < SLOW_TIME:
         state = integrate_chain(chain, state, rounds * period, rounds * steps, ORDER).state
         elapsed += rounds * period
         amplitude = np.hypot(state[:sites], state[sites:])

@@ -287,9 +287,7 @@ def _find_fold(
     return Fold(best.c, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u, evaluations)
 
 
-def first_crossing(
-    system: System, branch: Branch, monitor: Monitor, entry: int, tolerance: float = 1e-10
-) -> Crossing | None:
+def first_crossing(system: System, branch: Branch, monitor: Monitor, entry: int) -> Crossing | None:
     """Find the first coupling up to the fold at which a monitored value changes to positive.
 
     Returns
@@ -316,7 +314,7 @@ def first_crossing(
         length = bracket.low + rise / (bracket.f_low - bracket.f_high)
         here = step_along(system, before, length)
         value = monitor(here.u, here.c)[entry]
-        if abs(here.c - last) < tolerance or value == 0.0:
+        if abs(here.c - last) < 1e-10 or value == 0.0:
             break
         last = here.c
         bracket.shrink(length, value)

@@ -323,15 +323,13 @@ def record_path(path: Path) -> Path:
     return path.with_name(path.name + ".json")
 
 
-def table_of(rows: Sequence[Mapping[str, object]], dims: Dims | None = None) -> Table:
+def table_of(rows: Sequence[Mapping[str, object]]) -> Table:
     """Put rows of the same names into a table.
 
     Parameters
     ----------
     rows : sequence of mappings
         Names to truth values, numbers, words, or arrays of one shape a name.
-    dims : mapping of str to tuple of str, optional
-        See `named_dims`.
 
     Raises
     ------
@@ -341,7 +339,7 @@ def table_of(rows: Sequence[Mapping[str, object]], dims: Dims | None = None) -> 
     columns = Columns(len(rows))
     for index, row in enumerate(rows):
         columns.put(index, {name: cell_of(value) for name, value in row.items()})
-    return Table(arrays=columns.arrays(), dims=named_dims(columns.shapes, dims or {}))
+    return Table(arrays=columns.arrays(), dims=named_dims(columns.shapes, {}))
 
 
 def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -> Dims:

@@ -163,7 +163,7 @@ def _narrowed(
     return low, high
 
 
-def boundary_lines(table: Table, axes: Sequence[str], label: str = "label") -> tuple[Point, ...]:
+def boundary_lines(table: Table, axes: Sequence[str]) -> tuple[Point, ...]:
     """Return the lines between neighbours of a grid whose labels differ, as points to bisect.
 
     Parameters
@@ -172,8 +172,6 @@ def boundary_lines(table: Table, axes: Sequence[str], label: str = "label") -> t
         A map over a full rectangular grid, in any order.
     axes : sequence of str
         Names of its coordinates.
-    label : str, optional
-        Name of the column of labels.
 
     Raises
     ------
@@ -200,7 +198,7 @@ def boundary_lines(table: Table, axes: Sequence[str], label: str = "label") -> t
         missing = np.argwhere(rows < 0)[0].tolist()
         here = tuple(values[i] for values, i in zip(ticks, missing, strict=True))
         raise ValueError(f"the point {here} of the grid is not in the table.")
-    words, numbers = np.unique(table[label], return_inverse=True)
+    words, numbers = np.unique(table["label"], return_inverse=True)
     labels = numbers[rows]
     changes = [
         (*place, -number)  # in this order: along the last axis first

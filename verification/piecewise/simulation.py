@@ -118,9 +118,7 @@ def simulate_front(
     return history.verdict(outcome, tolerance, began)
 
 
-def hysteresis(
-    eta: float, couplings: Sequence[float], *, tolerance: float = 1e-12, max_periods: int = 1000
-) -> Hysteresis:
+def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:
     """Lower the coupling under a moving front, and compare with starts from rest.
 
     Between the fold and ``c_pin`` both a moving and a pinned front exist, and the start decides.
@@ -137,15 +135,11 @@ def hysteresis(
     ['steady', 'pinned']
     """
     descending = tuple(sorted((positive("coupling c", c) for c in couplings), reverse=True))
-    options = {"tolerance": tolerance}
     moving: list[FrontRun] = []
     for c in descending:
         start = moving[-1].final if moving else Start.MOVING
-        moving.append(simulate_front(c, eta, start, max_periods=max_periods, **options))
-    resting = tuple(
-        simulate_front(c, eta, Start.RESTING, max_periods=max_periods, **options)
-        for c in descending
-    )
+        moving.append(simulate_front(c, eta, start))
+    resting = tuple(simulate_front(c, eta, Start.RESTING) for c in descending)
     return Hysteresis(descending, tuple(moving), resting)
 
 

@@ -82,12 +82,13 @@ def averaged_damping(belt: float) -> tuple[Real, Real]:
     return amplitudes[:, 0], CELL.xi * amplitudes[:, 0] - total / np.pi
 
 
-def averaged_front(belt: float, c: float = 1.0, sites: int = 200) -> float:
+def averaged_front(belt: float, sites: int = 200) -> float:
     """Return front velocity over c of r_n' = (c/2)(r_{n-1} - r_{n+1}) - D(r_n), by scipy.
 
     This is the averaged chain of Model I with quarter-turn phase steps, per unit of τ. For c large
     beside D'(0) the velocity is c + κ(c/6)^{1/3}, so that the ratio is above one where κ > 0.
     """
+    c = 1.0
     amplitudes, damping = averaged_damping(belt)
     crossings = amplitudes[1:-1][np.diff(np.sign(damping[1:])) != 0.0]
     level, cycle = float(crossings[0]), float(crossings[-1])

@@ -49,7 +49,7 @@ def sum_by_quadrature(
     return complex(value) * v / math.pi - 1.0, size * v / math.pi
 
 
-def sum_on_the_line(v: float, c: float, periods: int = 400) -> tuple[complex, float]:
+def sum_on_the_line(v: float, c: float) -> tuple[complex, float]:
     """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²) by scipy's quadrature, and a bound on its error.
 
     A = ½ - ic(1 - cos k). One period of A at a time; beyond the last, at K, the rest is 1/(v²K)
@@ -61,7 +61,7 @@ def sum_on_the_line(v: float, c: float, periods: int = 400) -> tuple[complex, fl
         onsite = 0.5 - 1j * c * (1.0 - np.cos(k))
         return complex(1.0 / (onsite**2 + (v * k) ** 2))
 
-    total, error = 0j, 0.0
+    total, error, periods = 0j, 0.0, 400
     for n in range(periods):
         value, off = quad(integrand, 2.0 * np.pi * n, 2.0 * np.pi * (n + 1), complex_func=True,
                           epsabs=1e-13, epsrel=1e-12)  # fmt: skip

@@ -83,7 +83,6 @@ def run_envelope(
     rate: float = 0.0,
     watched: NDArray[np.bool_] | None = None,
     limit: float = np.inf,
-    step: float = STEP,
 ) -> EnvelopeRun:
     """Integrate (43) until ``duration`` or until a watched site passes the limit.
 
@@ -101,8 +100,6 @@ def run_envelope(
         Sites whose amplitude may not pass ``limit``; all by default.
     limit : float, optional
         Amplitude that ends the run.
-    step : float, optional
-        Step in T.
 
     Examples
     --------
@@ -114,7 +111,7 @@ def run_envelope(
     """
     averaged = chain.averaged()
     mask = np.ones(chain.sites) if watched is None else np.asarray(watched, dtype=float)
-    steps = max(1, round(duration / step))
+    steps = max(1, round(duration / STEP))
     run = SmoothIntegration(
         averaged,
         np.asarray(phi, dtype=complex),

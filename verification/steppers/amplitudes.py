@@ -202,6 +202,6 @@ def _advance(
             y[n] = room[n]
 
 
-def steps_in(time: float, largest_rate: float, step: float, fewest: int = 4) -> int:
+def steps_in(time: float, largest_rate: float, step: float) -> int:
     """Return the number of equal steps no longer than ``step`` over the largest rate."""
-    return max(fewest, math.ceil(time * largest_rate / step - 1e-9))
+    return max(4, math.ceil(time * largest_rate / step - 1e-9))

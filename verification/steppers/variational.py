@@ -64,9 +64,7 @@ class Flow:
     steps: int
 
 
-def integrate_variations(
-    chain: VdpChain, start: Real, duration: float, steps: int = STEPS, order: int = ORDER
-) -> Flow:
+def integrate_variations(chain: VdpChain, start: Real, duration: float, steps: int = STEPS) -> Flow:
     """Integrate (8) and its variational equations along the solution.
 
     Parameters
@@ -77,8 +75,8 @@ def integrate_variations(
         Initial displacements and velocities.
     duration : float
         Time, dimensionless; positive or negative.
-    steps, order : int, optional
-        Number of Taylor steps and their order.
+    steps : int, optional
+        Number of Taylor steps.
 
     Raises
     ------
@@ -92,7 +90,7 @@ def integrate_variations(
     >>> flow.state.round(6).tolist()
     [1.0, 0.0, 0.0, 0.0]
     """
-    return _integrate(chain, start, duration, steps, order)
+    return _integrate(chain, start, duration, steps)
 
 
 def integrate_along_sinusoids(
@@ -103,7 +101,6 @@ def integrate_along_sinusoids(
     *,
     misprinted: bool = False,
     steps: int = STEPS,
-    order: int = ORDER,
 ) -> Flow:
     """Integrate the variational equations over 2π/ω along y_n = A_n sin(ωt + θ_n) (Eq. 9).
 
@@ -117,14 +114,14 @@ def integrate_along_sinusoids(
         Frequency in t.
     misprinted : bool, optional
         Use the Jacobian as printed in (42), where 1 - 2ax + 4bx³ stands for -2ax + 4bx³.
-    steps, order : int, optional
-        Number of Taylor steps and their order.
+    steps : int, optional
+        Number of Taylor steps.
     """
     start = np.concatenate([amplitudes * np.sin(phases), omega * amplitudes * np.cos(phases)])
     base = np.vstack([amplitudes, phases])
     extra = 1.0 if misprinted else 0.0
     forced = _Sinusoids(base, omega)
-    return _integrate(chain, start, 2.0 * np.pi / omega, steps, order, forced=forced, extra=extra)
+    return _integrate(chain, start, 2.0 * np.pi / omega, steps, forced=forced, extra=extra)
 
 
 def integrate_chain(
@@ -156,7 +153,7 @@ def _integrate(
     start: Real,
     duration: float,
     steps: int,
-    order: int,
+    order: int = ORDER,
     *,
     forced: _Sinusoids | None = None,
     extra: float = 0.0,

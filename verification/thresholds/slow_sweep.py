@@ -30,28 +30,25 @@ from verification.thresholds.result import (
 
 Real = NDArray[np.float64]
 
+START, END = 0.15, 0.6
+"""Couplings at which a sweep begins, and at which it is given up."""
+RATES = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
 SETTLING = 300.0
 """Slow time at the starting coupling before a sweep begins."""
 LAW = 0.06
 """Largest departure of the exponent from 2/3: twice the cube root of the slowest default rate."""
 
 
-def sweep_envelope(
-    chain: VanDerPolChain,
-    preparation: Preparation,
-    rate: float,
-    start: float = 0.15,
-    end: float = 0.6,
-) -> float | None:
+def sweep_envelope(chain: VanDerPolChain, preparation: Preparation, rate: float) -> float | None:
     """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None."""
     positive("sweep rate", rate)
-    here = preparation.chain(chain, start)
+    here = preparation.chain(chain, START)
     watch, limit = preparation.nucleus.outside(here.sites), here.unstable_amplitude
     settled = run_envelope(here, preparation.start(here), SETTLING, watched=watch, limit=limit)
     if settled.escaped:
-        return start
+        return START
     run = run_envelope(
-        here, settled.phi, (end - start) / rate, rate=rate, watched=watch, limit=limit
+        here, settled.phi, (END - START) / rate, rate=rate, watched=watch, limit=limit
     )
     return run.coupling if run.escaped else None
 
@@ -104,12 +101,7 @@ def _extrapolated(speed: Real, c: Real) -> tuple[float, float]:
     return c_0, abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
 
 
-def measure_delay(
-    chain: VanDerPolChain,
-    preparation: Preparation,
-    rates: Sequence[float] = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5),
-    start: float = 0.15,
-) -> Delay:
+def measure_delay(chain: VanDerPolChain, preparation: Preparation) -> Delay:
     """Sweep the averaged chain at several rates and fit the delay.
 
     Raises
@@ -119,14 +111,14 @@ def measure_delay(
     """
     started = time.perf_counter()
     escapes = []
-    for rate in rates:
-        found = sweep_envelope(chain, preparation, rate, start)
+    for rate in RATES:
+        found = sweep_envelope(chain, preparation, rate)
         if found is None:
             raise ParameterError(
                 "sweep rate", rate, "such that the nucleus escapes", "hold c instead"
             )
         escapes.append(found)
-    return fit_delay(rates, escapes, time.perf_counter() - started)
+    return fit_delay(RATES, escapes, time.perf_counter() - started)
 
 
 def sweep_threshold(chain: VanDerPolChain, preparation: Preparation) -> Threshold:

@@ -34,7 +34,7 @@ UNLIKE_THE_PAPER = {
     "linearisation": ChainModel(damping={1: g}, stiffness={1: h}, weights=(1, 0, -w)),
 }
 NEITHER_GAIN_NOR_LOSS = ChainModel(damping={1: g}, weights=(w,))
-LINEAR = ChainModel(damping={0: h})
+LINEAR = ChainModel(damping={0: h}, stiffness={1: g})
 KINEMATICS = {14, 18, 20, 38}
 """They hold for any chain: the chain rule, free oscillation, and the amplitude of (9)."""
 FIRST_ORDER_FREQUENCY = {30}
@@ -88,7 +88,7 @@ def test_the_second_order_of_a_linear_cell_is_exact():
     made = catalogue.load("second-order", model=LINEAR)
     found = [step.verify() for step in made.steps if step.name.startswith("modulation")]
     assert [each.holds for each in found] == [True] * 4
-    assert any("nothing but rounding" in each.statement for each in found)
+    assert any("rounding" in each.statement for each in found)
 
 
 @pytest.mark.parametrize("number", DERIVED)

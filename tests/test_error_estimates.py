@@ -17,7 +17,7 @@ import pytest
 from theory.cells.friction import FrictionCell
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VdpChain
-from verification.breathers.orbits import _parity
+from verification.breathers.orbits import Orbits
 from verification.cells.friction import ROUND_OFF, _with_error
 from verification.cells.result import Cycle
 from verification.fronts.arrival_fit import Trial, settle
@@ -143,8 +143,9 @@ def test_the_parity_of_an_orbit_is_read_from_places_and_velocities(
     y, v = np.array([0.1, 1.0, 0.1 * parity]), np.array([3.0, 0.5, 3.0 * parity])
     if parity == -1:
         y[1] = v[1] = 0.0
+    orbits = Orbits(VdpChain(a=4, b=0.5, c=0.6, sites=3), Nucleus(1))
     for state in (np.concatenate([y, v]), np.concatenate([v, y])):
-        assert _parity(sign * state, Nucleus(1), 3) == parity
+        assert orbits._parity(sign * state) == parity
 
 
 def test_of_several_seeds_the_range_of_escape_holds_every_one(

@@ -1,4 +1,4 @@
-"""Which modules pytest leaves out, no search for garbage, and which tests share a process.
+"""Which modules pytest leaves out, no search for garbage, time limits, and who shares a process.
 
 Left out are modules of an optional extra that is not installed here. Collecting makes millions of
 objects that live to the end: looking through them took a third of it, and time in every test after.
@@ -28,6 +28,16 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)  # a twentieth of the time of computer algebra
     gc.enable()
+
+
+@pytest.fixture
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten times the time limits of values and of references: a machine may be slow, or shared."""
+    from verification.quantities import judging
+    from verification.references import pace
+
+    monkeypatch.setattr(pace, "MAX_SECONDS", 10.0 * pace.MAX_SECONDS)
+    monkeypatch.setattr(judging, "SLOWNESS", 10.0)
 
 
 DERIVING = (

@@ -25,6 +25,8 @@ from verification.references.front_wave import front_velocity
 from verification.references.piecewise import threshold_ratio
 from verification.references.precise_breather import _defect, locked_fold, locked_state
 
+pytestmark = pytest.mark.usefixtures("unhurried")
+
 
 def many_digits(values: np.ndarray) -> np.ndarray:
     return np.array([mp.mpf(float(x)) for x in values], dtype=object)

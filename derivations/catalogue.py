@@ -34,6 +34,9 @@ WITH_ORDER = ("multiple-scales", "averaging")
 WITH_MODEL = tuple(name for name in LISTING if name != "friction")
 """Those that follow from any chain of self-excited oscillators."""
 
+COUPLED = ("multiple-scales", "averaging", "piecewise-front")
+"""Those among them in which a site is joined to others."""
+
 
 def load(name: str, order: int = 1, model: Any = None) -> Derivation:
     """Build a derivation, of which each step is computed and checked once, when it is asked for.
@@ -50,7 +53,8 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
     Raises
     ------
     DerivationInputError
-        If there is no such derivation or order, or it does not start from a chain.
+        If there is no such derivation or order, it does not start from a chain, a chain without
+        springs is not enough for it, or a letter of the chain has another meaning in it.
     """
     if name not in LISTING:
         raise DerivationInputError(
@@ -69,6 +73,13 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
             f"left out for '{name}'",
             f"choose one of {', '.join(WITH_MODEL)}",
         )
+    if model is not None:
+        if model.coupling == 0 and name in COUPLED:
+            raise DerivationInputError(
+                "coupling", 0, f"other than zero for '{name}'",
+                "give one, or derive the isolated cell with 'derive cell'",
+            )  # fmt: skip
+        _refuse_taken_letters(name, model)
     made: Derivation = _of_paper(name) if model is None else _module(name).derive(model)
     if order == 2 and name in WITH_ORDER:
         from derivations.averaging.second_order import extended
@@ -79,6 +90,23 @@ def load(name: str, order: int = 1, model: Any = None) -> Derivation:
 
 def _module(name: str) -> Any:
     return importlib.import_module(f"derivations.{LISTING[name][0]}")
+
+
+def _refuse_taken_letters(name: str, model: Any) -> None:
+    """Refuse a chain of which a letter would be taken for a symbol of the derivation's own."""
+    import sympy as sp
+
+    own = [importlib.import_module(f"derivations.{LISTING[name][0].partition('.')[0]}.symbols"),
+           importlib.import_module("derivations.symbols")]  # fmt: skip
+    known = [each for module in own for each in vars(module).values()]
+    known += [each for group in known if isinstance(group, tuple) for each in group]
+    taken = {each.name for each in known if isinstance(each, sp.Symbol)} - {"a", "b", "c"}
+    for letter in model.parameters:
+        if letter.name in taken:
+            raise DerivationInputError(
+                "letter", letter.name, f"one that has no other meaning in '{name}'",
+                f"take another; also taken are {', '.join(sorted(taken - {letter.name}))}",
+            )  # fmt: skip
 
 
 @lru_cache(maxsize=len(LISTING))

@@ -26,8 +26,8 @@ class ChainModel:
     stiffness : mapping of int to Expr
         Coefficient of each power of y in g; empty for none.
     coupling : Expr
-        The coupling; 0 for an isolated cell. Its limits and thresholds are derived where it
-        contains the letter c.
+        The coupling; 0 for an isolated cell. Its limits and thresholds are derived where it is a
+        multiple of the letter c.
     weights : tuple of Expr
         Weight w_j of the springs to the j-th neighbours, from the nearest on.
 
@@ -74,6 +74,11 @@ class ChainModel:
         values = [*self.damping.values(), *self.stiffness.values(), self.coupling, *self.weights]
         found = set().union(*(sp.sympify(value).free_symbols for value in values))
         return tuple(sorted(found, key=lambda symbol: symbol.name))
+
+    @property
+    def is_scaled_by_c(self) -> bool:
+        """Whether the coupling is a multiple of the letter c."""
+        return self.coupling != 0 and not (self.coupling / c).has(c)
 
     @property
     def total_coupling(self) -> sp.Expr:

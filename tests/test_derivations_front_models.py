@@ -15,7 +15,7 @@ from derivations import catalogue
 from derivations.algebra.equations import same
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.steps import Kind
-from derivations.chain import ChainModel
+from derivations.chain import PAPER, ChainModel
 from derivations.friction.model import PAPER as FRICTION
 from derivations.friction.steps import derive as derive_friction
 from derivations.friction.symbols import d, eta_c, k, m
@@ -50,7 +50,7 @@ FRONT = {
 VERIFIED = {
     "a letter at rest, a high power, stiffness, a weight and a quotient": ChainModel(
         damping={0: sp.Symbol("h", positive=True), 2: -a, 8: b},
-        stiffness={2: sp.Symbol("g", positive=True)},
+        stiffness={2: sp.Symbol("d", positive=True)},
         coupling=c / 3,
         weights=(2,),
     ),
@@ -99,10 +99,73 @@ def test_every_check_passes_for_another_chain(key, change):
 
 
 def test_the_run_of_a_front_resolves_a_cell_that_returns_fast_to_its_cycle():
-    fast = min(samples(ChainModel(damping={0: 2, 4: -3 * a, 8: b})), key=lambda each: each.ratio)
-    off = [run_front(fast, (spring,)) / np.cbrt(spring / 6) - (6 * spring**2) ** (1 / 3)
-           - inner_velocity(fast) for spring in (20.0, 160.0)]  # fmt: skip
-    assert 3.0 < off[0] / off[1] < 5.0  # what the law leaves out falls like c^(-2/3), by four
+    (fast, *_) = samples(ChainModel(damping={0: 1, 2: -18, 4: 1}))
+    square = 18 + np.sqrt(18**2 - 8)  # of the amplitude: 1 - 18 y²/4 + y⁴/8 = 0
+    returns = (1 - 3 * 18 * square / 4 + 5 * square**2 / 8) / 2
+    assert fast.return_rate == pytest.approx(returns, rel=1e-4)
+    front = inner_velocity(fast)
+    off = [run_front(fast, (spring,)) / np.cbrt(spring / 6) - (6 * spring**2) ** (1 / 3) - front
+           for spring in (20.0, 160.0)]  # fmt: skip
+    assert front > 4.0  # the bracket had to be moved
+    assert abs(off[1]) < 0.1
+    assert 3.0 < off[0] / off[1] < 8.0  # what is left out falls like c^(-2/3) or faster
+
+
+h, u = sp.symbols("h u", positive=True)
+OF_OTHER_RATES = {
+    "slow cells": (
+        ChainModel(damping={0: h, 2: -a, 6: 2 * b}, stiffness={4: 1}, coupling=2 * c),
+        ("long waves", "long-wave root"),
+    ),
+    "fixed springs": (
+        ChainModel(damping={0: h, 2: -a, 8: 2 * b}, coupling=1, weights=(1, sp.Rational(1, 4))),
+        ("real axis", "kinetic relation", "static sum"),
+    ),
+    "cells that return fast": (
+        ChainModel(damping={0: h, 4: -3 * a, 6: 2 * b}), ("speed of the averaged front",),
+    ),
+    "springs that no letter scales": (
+        ChainModel(damping={0: 1, 4: -a, 8: b}, coupling=c + 1), ("kinetic relation", "static sum"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("rates", OF_OTHER_RATES)
+def test_checks_pass_where_rates_are_of_other_sizes(rates):
+    model, names = OF_OTHER_RATES[rates]
+    made = catalogue.load("piecewise-front", model=model)
+    assert [made.named(name).verify().holds for name in names] == [True] * len(names)
+
+
+def test_the_speed_law_of_a_cell_that_returns_too_fast_is_not_checked():
+    made = catalogue.load("piecewise-front", model=ChainModel(damping={0: 1, 2: -40, 4: 1}))
+    with pytest.raises(DerivationInputError, match=r"at most 200 times .* \(here 797\)"):
+        made.named("speed of the averaged front").verify()
+
+
+def test_a_coupling_that_is_no_multiple_of_c_has_no_limits():
+    made = chain("piecewise-front", None)
+    limits = {"pinning coupling", "strong coupling", "speed of the averaged front"}
+    assert limits <= {step.name for step in made.steps}
+    other = catalogue.load(
+        "piecewise-front", model=OF_OTHER_RATES["springs that no letter scales"][0]
+    )
+    assert not limits & {step.name for step in other.steps}
+
+
+@pytest.mark.parametrize(
+    ("name", "letter"), [("piecewise-front", "g"), ("averaging", "s_1"), ("multiple-scales", "R")]
+)
+def test_a_letter_that_means_something_else_is_refused(name, letter):
+    model = ChainModel(damping={0: 1, 2: -sp.Symbol(letter, positive=True), 4: b})
+    with pytest.raises(DerivationInputError, match=f"letter = {letter} is not allowed"):
+        catalogue.load(name, model=model)
+
+
+@pytest.mark.parametrize("name", catalogue.COUPLED)
+def test_what_joins_a_site_to_others_is_refused_without_springs(name):
+    with pytest.raises(DerivationInputError, match=r"coupling = 0 .*isolated cell"):
+        catalogue.load(name, model=PAPER.cell())
 
 
 @pytest.mark.parametrize("change", FRICTION_CHAINS)

@@ -25,7 +25,7 @@ class LimitChecks(SampledChecks):
     def _standing(self, *, ahead: bool = True) -> Iterator[tuple[Sample, complex, dict[Any, Any]]]:
         """Value at the site that is about to switch, with springs of several strengths."""
         for sample in self.samples:
-            for factor in _FACTORS if self.model.coupling.has(c) else (1.0,):
+            for factor in _FACTORS if self.model.is_scaled_by_c else (1.0,):
                 own = standing(sample.coupled(factor))
                 values = {**sample.chain.values}
                 values[c] = values.get(c, 1.0) * factor
@@ -149,7 +149,10 @@ class LimitChecks(SampledChecks):
         return Evidence(abs(found - 0.5) < 1e-12, f"cycles of that η have the ratio {found:.12f}")
 
     def _strong(self, factor: float) -> Iterator[tuple[Sample, Lattice, dict[Any, Any], float]]:
-        """Each chain so many times as strong, with the unit in which V is of order one."""
+        """Each chain so many times as strong, with the unit in which V is of order one.
+
+        In units of the damping at rest over that, κ is of order one too: V κ is a rate.
+        """
         for sample in self.samples:
             values = {**sample.chain.values}
             velocity = math.sqrt(sample.clock * sample.chain.pull_on_long_waves / values[c])
@@ -160,24 +163,29 @@ class LimitChecks(SampledChecks):
         """L at strong coupling, at a wavenumber that falls like its root."""
         worst = 0.0
         for sample, lattice, values, unit in self._strong(1e6):
-            fast, number = 0.8 * unit, 0.7 - 0.4j
+            fast, number = 0.8 * unit, (0.7 - 0.4j) * sample.clock / unit
             root = math.sqrt(values[c])
             exact = complex(lattice.dispersion(number / root, fast * root))
             point = {**values, s.V: fast, s.kappa: number}
             missed = abs(solved_for(candidate, s.long_wave, point) - exact)
             worst = max(worst, missed / sample.clock)
-        return Evidence(worst < 1e-4, f"L at c ~ 1e6 and k = κ/√c: off by {worst:.1e}")
+        return Evidence(
+            worst < 1e-4, f"L at a million times the coupling, and k = κ/√c: off by {worst:.1e}"
+        )
 
     def long_wave_root(self, candidate: sp.Basic) -> Evidence:
         """Compare with the root nearest the origin above the axis, by Newton's method."""
         worst = 0.0
-        for _, lattice, values, unit in self._strong(1e6):
+        for sample, lattice, values, unit in self._strong(1e6):
             for fast in (0.3 * unit, 0.8 * unit, 2.0 * unit):
                 root = math.sqrt(values[c])
-                found = _nearest(lattice, fast * root, root)
+                found = root * _nearest(lattice, fast * root, sample.clock / unit / root)
                 missed = abs(solved_for(candidate, s.kappa, {**values, s.V: fast}) - found)
                 worst = max(worst, missed / abs(found))
-        return Evidence(worst < 1e-4, f"the root nearest the origin at c ~ 1e6: off by {worst:.1e}")
+        return Evidence(
+            worst < 1e-4,
+            f"the root nearest the origin at a million times the coupling: off by {worst:.1e}",
+        )
 
     def strong_sum(self, candidate: sp.Basic) -> Evidence:
         """Compare with the whole sum at large c, from the front's history."""
@@ -207,10 +215,10 @@ class LimitChecks(SampledChecks):
         return self.strong_sum(value_of) if first.holds else first
 
 
-def _nearest(lattice: Lattice, v: float, root: float) -> complex:
-    """Return the root above the axis nearest to the origin, times sqrt(c), from many starts."""
+def _nearest(lattice: Lattice, v: float, unit: float) -> complex:
+    """Return the root above the axis nearest to the origin, from many starts in that unit."""
     starts = np.array([r * np.exp(1j * a) for r in (0.2, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0)
-                       for a in (0.2, 0.8, 1.6, 2.4, 3.0)]) / root  # fmt: skip
+                       for a in (0.2, 0.8, 1.6, 2.4, 3.0)]) * unit  # fmt: skip
     k = starts
     with np.errstate(all="ignore"):
         for _ in range(40):
@@ -221,4 +229,4 @@ def _nearest(lattice: Lattice, v: float, root: float) -> complex:
         & (np.abs(lattice.dispersion(k, v)) < 1e-7 * 2 * lattice.decay)
     )
     k = k[good]
-    return complex(k[np.abs(k).argmin()] * root)
+    return complex(k[np.abs(k).argmin()])

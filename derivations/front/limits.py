@@ -71,13 +71,13 @@ def steps(draft: Draft, chain: ChainModel) -> None:
 
 def _one_radical(chain: ChainModel) -> bool:
     """Whether the static sum has a single square root of c: nearest neighbours that pull."""
-    return chain.reach == 1 and chain.coupling.has(c) and bool(chain.coupling.is_positive)
+    return chain.reach == 1 and chain.is_scaled_by_c and bool(chain.coupling.is_positive)
 
 
 def _has_long_waves(chain: ChainModel) -> bool:
-    """Whether the coupling is a letter, and its pull on long waves has one sign."""
+    """Whether the coupling is a multiple of c, and its pull on long waves has one sign."""
     pull = chain.coupling * sum(j * j * q for j, q in enumerate(chain.weights, start=1))
-    return chain.coupling.has(c) and bool(pull.is_positive or pull.is_negative)
+    return chain.is_scaled_by_c and bool(pull.is_positive or pull.is_negative)
 
 
 def _forms(draft: Draft, checks: LimitChecks) -> None:

@@ -31,7 +31,7 @@ with this many sites."""
 REACH = 25
 """Sites of it for each that a standing response reaches, about the root of coupling over decay."""
 
-_PERIODS = (200, 400, 800)
+_PERIODS = (50, 100, 200, 400, 800)
 """Periods up to which integrals over k are taken before they are extrapolated."""
 
 
@@ -203,8 +203,8 @@ def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Ex
 
 
 def _extrapolated(sums: Sequence[complex], ends: Sequence[float]) -> complex:
-    """Return I where three sums up to e are I + p/e + q/e²."""
-    rows = [[1.0, 1.0 / end, 1.0 / end**2] for end in ends]
+    """Return I where sums up to e are I + p/e + q/e² and so on, to as many terms as sums."""
+    rows = [[end**-power for power in range(len(ends))] for end in map(float, ends)]
     return complex(np.linalg.solve(np.array(rows), np.array(sums))[0])
 
 
@@ -229,15 +229,26 @@ def _integral(node: Any, point: Point) -> sp.Expr:
 def _to_infinity(function: Callable[[Any], Any]) -> complex:
     """Return the integral from 0 of what falls like 1/k² and turns with cosines of k.
 
-    Up to 2πM it is I + p/M + q/M², and less: by Gauss's rule on sixteenths of a period for three M.
+    Up to 2πM it is I + p/M + q/M² and so on: by Gauss's rule for several M, on parts of a period
+    which are halved until that changes nothing. The coarsest M must not matter either.
     """
+    before = _in_parts(function, 8)
+    for parts in (16, 32, 64):
+        sums = _in_parts(function, parts)
+        found = _extrapolated(sums, _PERIODS)
+        near = 1e-8 * abs(found)
+        if abs(found - _extrapolated(before, _PERIODS)) <= near:
+            if abs(found - _extrapolated(sums[1:], _PERIODS[1:])) <= 10 * near:
+                return found
+            break
+        before = sums
+    raise ArithmeticError("an integral did not converge")
+
+
+def _in_parts(function: Callable[[Any], Any], parts: int) -> list[complex]:
+    """Integrals up to each of several periods, of which each is cut into so many parts."""
     nodes, weights = np.polynomial.legendre.leggauss(16)
-    half = math.pi / 16.0
-    middles = half * (2.0 * np.arange(16 * _PERIODS[-1]) + 1.0)
+    half = math.pi / parts
+    middles = half * (2.0 * np.arange(parts * _PERIODS[-1]) + 1.0)
     values = function(middles[:, None] + half * nodes) @ weights * half
-    sums = [values[: 16 * count].sum() for count in _PERIODS]
-    found = _extrapolated(sums, _PERIODS)
-    _, near, far = _PERIODS
-    if not abs(found - (far * sums[2] - near * sums[1]) / (far - near)) <= 1e-7 * abs(found):
-        raise ArithmeticError("an integral did not converge")
-    return found
+    return [complex(values[: parts * count].sum()) for count in _PERIODS]

@@ -72,6 +72,13 @@ class Sample:
         """Damping at rest: the velocities of fronts grow with it, at couplings over it."""
         return self.chain.damping[0]
 
+    @cached_property
+    def return_rate(self) -> float:
+        """Rate at which the cell goes back to its cycle, a unit of eps t."""
+        near = 1e-3 * self.outer
+        change = self.rate(self.outer + near) - self.rate(self.outer - near)
+        return float(abs(change) / (2 * near * self.chain.eps))
+
     @property
     def eta(self) -> float:
         """Product of the outer coefficients of the damping over the square of the middle one."""
@@ -97,9 +104,15 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
     DerivationInputError
         If no such cells are found.
     """
-    found = tuple(islice(_cells(model), 3))
+    found = tuple(islice(cells(model), 3))
     if len(found) == 3:
         return found
+    if next(cells(model, math.inf), None):
+        raise DerivationInputError(
+            "coupling", model.coupling, "such that the springs pull on long waves between 1/27 and "
+            "27 times as strongly as the cell is damped",
+            "take other numbers: the fronts of such a chain are not resolved by the checks",
+        )  # fmt: skip
     raise DerivationInputError(
         "damping", model.damping_of(sp.Symbol("y")), "that of a cell with two cycles around a "
         "stable rest state at some positive values of its letters",
@@ -107,12 +120,16 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
     )  # fmt: skip
 
 
-def _cells(model: ChainModel) -> Iterator[Sample]:
-    """Draw coefficients over two decades, then more; yield those with two cycles, well apart."""
+def cells(model: ChainModel, unlike: float = 3.0) -> Iterator[Sample]:
+    """Draw coefficients over two decades, then more; yield those with two cycles, well apart.
+
+    Pull of the springs and damping at rest differ by at most a factor, or later by its cube.
+    """
     rng = random.Random(11)
     for draw in range(2000):
-        chain = _drawn(model, rng, 1.0 + draw // 500)
-        if not _may_have_two_cycles(chain):
+        spread = 1.0 + draw // 500
+        chain = _drawn(model, rng, spread)
+        if not _may_have_two_cycles(chain) or not _is_balanced(chain, unlike ** min(spread, 3.0)):
             continue
         cycles = chain.cycles()
         if len(cycles) == 2 and cycles[0] / cycles[1] < MAX_RATIO:
@@ -133,10 +150,16 @@ def _drawn(model: ChainModel, rng: random.Random, spread: float) -> ChainNumbers
             values[q] = rng.uniform(0.3, 1.5)
     chain = numbers_of(model, values, rng.uniform(0.05, 0.3))
     pull = chain.pull_on_long_waves
-    if c in letters and chain.damping[0] > 0 and pull > 0:
+    if model.is_scaled_by_c and chain.damping[0] > 0 and pull > 0:
         values[c] *= values[c] * chain.damping[0] / pull
         chain = numbers_of(model, values, chain.eps)
     return chain
+
+
+def _is_balanced(chain: ChainNumbers, unlike: float) -> bool:
+    """Whether springs and damping at rest differ by less: a coupling may have no letter c."""
+    pull = abs(chain.pull_on_long_waves)
+    return pull == 0 or 1 / unlike < pull / chain.damping[0] < unlike
 
 
 def _may_have_two_cycles(chain: ChainNumbers) -> bool:
@@ -168,8 +191,14 @@ PLACES = (-4.3, -2.0, -1.2, -0.5, -0.1, 0.1, 0.5, 1.2, 2.0, 4.3)
 
 @lru_cache(maxsize=16)
 def front(model: ChainModel) -> tuple[Sample, float]:
-    """Return a chain and the velocity of a front that passes the threshold once at each site."""
-    for sample in _cells(model):
+    """Return a chain and the velocity of a front that passes the threshold once at each site.
+
+    Raises
+    ------
+    DerivationInputError
+        If no such front is found.
+    """
+    for sample in cells(model):
         lattice = sample.lattice
         speeds = sample.clock * np.linspace(0.35, 3.0, 9)
         sizes = [abs(profile(lattice, 0.0, float(v))) - sample.ratio for v in speeds]
@@ -179,7 +208,11 @@ def front(model: ChainModel) -> tuple[Sample, float]:
                                  low, high, xtol=1e-12 * sample.clock))  # fmt: skip
                 if all((abs(profile(lattice, z, v)) > sample.ratio) == (z < 0) for z in PLACES):
                     return sample, v
-    raise ArithmeticError("no admissible front of this model was found")
+    raise DerivationInputError(
+        "coupling", model.coupling, "such that a front of the chain runs and passes the threshold "
+        "once at each site, at 0.35 to 3 times the damping at rest",
+        "take other numbers: no such front was found",
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=64)

@@ -47,7 +47,7 @@ from derivations.front.symbols import (
     w_3,
     w_3_size,
 )
-from derivations.symbols import c, epsilon, i, n, omega, t, y
+from derivations.symbols import epsilon, i, n, omega, t, y
 
 # Filled by hand: name, operation, sources, then check, number and note.
 # fmt: off
@@ -68,7 +68,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                   Differentiate(omega, q, (w_1, w_2, w_3)), "linear waves",
                   check=checks.frequency_derivatives)
     _outer(draft, checks)
-    if chain.reach == 1 and chain.coupling.is_positive and chain.coupling.has(c):
+    if chain.reach == 1 and chain.coupling.is_positive and chain.is_scaled_by_c:
         _law(draft, checks)
 
 

@@ -21,7 +21,7 @@ from derivations.algebra.evidence import Points, at_points, solved_for
 from derivations.algebra.steps import Evidence
 from derivations.chain_numbers import ChainNumbers
 from derivations.front import symbols as s
-from derivations.front.sampling import TINY, Sample, SampledChecks, cells
+from derivations.front.sampling import Sample, SampledChecks, cells
 from derivations.symbols import c, epsilon, n, omega, t, y
 
 FASTEST_RETURN = 200.0
@@ -42,13 +42,13 @@ class StrongChecks(SampledChecks):
             at_rest = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), 0.0)
             yield {y(n, t): sample.chain.rest(at_rest, 0.0)}, [0]
 
-    def _tiny(self, chain: ChainNumbers, field: dict[int, float], rate: float) -> float:
+    def _tiny(self, sample: Sample, field: dict[int, float], rate: float) -> float:
         """Rest of a displacement less that of its opposite: even powers drop out."""
         there, back = (
-            chain.rest({place: size * own for place, own in field.items()}, size * rate)
-            for size in (TINY, -TINY)
+            sample.chain.rest({place: size * own for place, own in field.items()}, size * rate)
+            for size in (sample.tiny, -sample.tiny)
         )
-        return float(there - back) / (2 * TINY)
+        return float(there - back) / (2 * sample.tiny)
 
     @at_points("forces at a tiny displacement", tolerance=1e-8)
     def chain_near_rest(self) -> Points:
@@ -62,7 +62,7 @@ class StrongChecks(SampledChecks):
                                      for q, own in field.items()}  # fmt: skip
             own = s.deviation_field(n, t)
             point |= {own.diff(t): rate, own.diff(t, 2): second, **sample.chain.values}
-            yield point, [second + self._tiny(sample.chain, field, rate)]
+            yield point, [second + self._tiny(sample, field, rate)]
 
     def _square(self, chain: ChainNumbers) -> Callable[[Any], Any]:
         """omega² of a wave, from the pull of the springs on a cosine."""
@@ -103,10 +103,11 @@ class StrongChecks(SampledChecks):
         one, three = 0.7, -0.4
         for sample in self.samples:
             for distance in (0.3, -0.8):
-                decay = sample.rate(TINY) / TINY
+                tiny = sample.tiny
+                decay = sample.rate(tiny) / tiny
                 turn = -1j * (one * distance + three * distance**3 / 6)
-                yield self._envelope(sample, TINY, (turn + decay) * TINY,
-                                     [TINY * (1j * distance) ** j for j in (1, 3)],
+                yield self._envelope(sample, tiny, (turn + decay) * tiny,
+                                     [tiny * (1j * distance) ** j for j in (1, 3)],
                                      one=one, three=three), [0]  # fmt: skip
             yield self._envelope(sample, 1.4, sample.rate(1.4), [0, 0],
                                  one=one, three=three), [0]  # fmt: skip

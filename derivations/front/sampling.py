@@ -29,7 +29,7 @@ from derivations.symbols import c, n, t
 MAX_RATIO = 0.6
 """Of the cycles: nearer cells relax too slowly for a direct run."""
 TINY = 1e-5
-"""Amplitude of a linear response: the cubic terms are 1e-10 of the linear ones."""
+"""Amplitude of a linear response, over the inner cycle: what is not linear is 1e-10 of it."""
 CYCLE = 0.8 - 0.4j
 """The cycle behind a front."""
 _SPEEDS = (0.5, 1.3, 0.7)
@@ -57,10 +57,15 @@ class Sample:
         """Inner over outer amplitude."""
         return self.inner / self.outer
 
+    @property
+    def tiny(self) -> float:
+        """Amplitude of a linear response."""
+        return TINY * self.inner
+
     @cached_property
     def lattice(self) -> Lattice:
         """Linear part of the two lines: the response to a tiny amplitude, a unit of eps t."""
-        decay = -self.rate(TINY) / TINY / self.chain.eps
+        decay = -self.rate(self.tiny) / self.tiny / self.chain.eps
         return Lattice(float(decay), self.chain.springs)
 
     def coupled(self, factor: float) -> Lattice:
@@ -91,8 +96,8 @@ class Sample:
 
     def linear(self, field: dict[int, complex]) -> complex:
         """Rate of the averaged chain at a tiny amplitude, scaled back."""
-        tiny = {place: TINY * own for place, own in field.items()}
-        return self.chain.averaged_rate(tiny) / TINY
+        tiny = {place: self.tiny * own for place, own in field.items()}
+        return self.chain.averaged_rate(tiny) / self.tiny
 
 
 @lru_cache(maxsize=16)

@@ -68,20 +68,21 @@ def animate(
 
     if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
         raise MissingPackageError("ffmpeg", "films", "a film in .mp4")
-    with mpl.rc_context():
+    plain = {"figure.autolayout": False, "figure.constrained_layout.use": False}
+    with mpl.rc_context({"savefig.bbox": None, **plain}):
         figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="compressed")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         show = snapshot(run, axes)
-
-        def frame(at: int) -> tuple[()]:
-            show(at)
-            axes.set_title(f"t = {run.times[at]:.6g}")
-            return ()
-
+        axes.set_title("t")
+        figure.draw_without_rendering()
+        figure.set_layout_engine(None)  # it takes longer than a frame, and is that of all frames
         writer = _writer(animation, kind, frames_per_second, note)
-        film = animation.FuncAnimation(figure, frame, frames=run.times.size, init_func=lambda: ())
-        film.save(str(path), writer=writer)
+        with writer.saving(figure, str(path), dpi=100):
+            for at, time in enumerate(run.times):
+                show(at)
+                axes.set_title(f"t = {time:.6g}")
+                writer.grab_frame()
     return path
 
 

@@ -45,6 +45,7 @@ PROBE = """(() => {
   report.width = innerWidth;
   report.columns = getComputedStyle(document.querySelector(".gallery"))
     .gridTemplateColumns.split(" ").length;
+  if (@BRIEF@) return report;
   const place = document.getElementById("place");
   const verdict = document.getElementById("verdict");
   verdict.value = "";
@@ -133,13 +134,22 @@ def with_last_script_allowed(page):
     return page.replace("script-src ", f"script-src 'sha256-{digest}' ", 1)
 
 
-def probe(browser, folder, hash_=""):
-    """Open the page of the report, and give what only a browser knows of it."""
+def probe(browser, folder, hash_="", brief=False):
+    """Open the page of the report, and give what only a browser knows of it.
+
+    In brief this is the page as it opens; else things are typed, and all is unfolded.
+    """
     browser.open((folder / "index.html").as_uri() + hash_)
-    words = [one for spellings in TYPED.values() for one in spellings]
-    found = browser.ask(PROBE.replace("@WORDS@", json.dumps(words)))
+    words = json.dumps([one for spellings in TYPED.values() for one in spellings])
+    found = browser.ask(PROBE.replace("@WORDS@", words).replace("@BRIEF@", json.dumps(brief)))
     assert browser.problems == []
     return found
+
+
+@pytest.fixture(scope="module")
+def page(browser, folder):
+    """What the browser knows of the page, in a window as it is opened."""
+    return probe(browser, folder)
 
 
 def test_the_page_itself_is_silent_and_whole(browser, folder):
@@ -167,20 +177,19 @@ def test_a_script_that_is_not_the_page_s_own_does_not_run(browser, folder, tmp_p
     assert not any("no is not defined" in each for each in browser.problems)
 
 
-def test_pictures_data_and_links_load(browser, folder):
-    found = probe(browser, folder)
-    assert len(found["pictures"]) == 3  # of two figures, and the first of them again on top
-    for picture in found["pictures"]:
+def test_pictures_data_and_links_load(page):
+    assert len(page["pictures"]) == 3  # of two figures, and the first of them again on top
+    for picture in page["pictures"]:
         assert picture["width"] > 300
         assert picture["height"] > 100
         assert picture["label"]
         assert picture["names"] > 5
         assert picture["lost"] == []
-    assert found["data"] == ["t,amplitude", "series,c,v,exponent"]
-    assert found["dead"] == []
-    assert found["resources"] == 0
-    assert found["unnamed"] == 0
-    assert found["alerted"] == 0
+    assert page["data"] == ["t,amplitude", "series,c,v,exponent"]
+    assert page["dead"] == []
+    assert page["resources"] == 0
+    assert page["unnamed"] == 0
+    assert page["alerted"] == 0
 
 
 @pytest.mark.parametrize(
@@ -200,28 +209,26 @@ def test_pictures_data_and_links_load(browser, folder):
 )
 def test_the_address_filters_and_opens(browser, folder, address, expected):
     shown, opened = expected
-    found = probe(browser, folder, address)["first"]
+    found = probe(browser, folder, address, brief=True)["first"]
     assert found["shown"] == shown or len(found["shown"]) == shown
     assert found["text"] == f"{len(found['shown'])} of 6 shown"
     assert found["open"] == opened
     assert found["chosen"] >= 0
 
 
-def test_typing_filters_and_is_kept_in_the_address(browser, folder):
-    found = probe(browser, folder)
-    assert found["place"]["shown"] == ["claim-fig9-decay", "claim-fig9-monotone"]
-    assert found["place"]["hash"] == "#place=fig.+9"
-    assert found["nothing"]["shown"] == []
-    assert found["nothing"]["none"]
-    assert len(found["unfolded"]["open"]) == 6
+def test_typing_filters_and_is_kept_in_the_address(page):
+    assert page["place"]["shown"] == ["claim-fig9-decay", "claim-fig9-monotone"]
+    assert page["place"]["hash"] == "#place=fig.+9"
+    assert page["nothing"]["shown"] == []
+    assert page["nothing"]["none"]
+    assert len(page["unfolded"]["open"]) == 6
 
 
-def test_places_are_found_however_they_are_spelt(browser, folder):
-    found = probe(browser, folder)
+def test_places_are_found_however_they_are_spelt(page):
     for keys, spellings in TYPED.items():
         for words in spellings:
-            assert found["typed"][words] == [f"claim-{key}" for key in keys], words
-    assert found["erratum"]
+            assert page["typed"][words] == [f"claim-{key}" for key in keys], words
+    assert page["erratum"]
 
 
 def test_paper_holds_open_rows_only_and_nothing_is_cut(folder):
@@ -238,7 +245,7 @@ def test_it_follows_the_colour_scheme_and_no_card_is_white_in_the_dark(
 ):
     feature = {"name": "prefers-color-scheme", "value": scheme}
     browser.send("Emulation.setEmulatedMedia", features=[feature])
-    found = probe(browser, folder)
+    found = probe(browser, folder, brief=True)
     assert found["dark"] is dark
     brightness = sum(map(int, re.findall(r"\d+", found["background"])[:3])) / 3
     assert (brightness < 50) is dark
@@ -247,14 +254,13 @@ def test_it_follows_the_colour_scheme_and_no_card_is_white_in_the_dark(
     assert all((card == white) is not dark for card in found["card"])
 
 
-def test_equations_are_typeset_by_the_browser_itself(browser, folder):
-    found = probe(browser, folder)
-    assert len(found["formulas"]) == 3
-    for formula in found["formulas"]:
+def test_equations_are_typeset_by_the_browser_itself(page):
+    assert len(page["formulas"]) == 3
+    for formula in page["formulas"]:
         assert formula["width"] > 20
         assert formula["height"] > 10
         assert formula["parts"] > 3
-    assert found["stacked"]  # a browser without MathML puts both parts of a fraction in a line
+    assert page["stacked"]  # a browser without MathML puts both parts of a fraction in a line
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -109,13 +109,6 @@ WIDTHS = (1400, 800, 390)
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    """Open a browser that all tests drive, page after page."""
-    with opened(tmp_path_factory.mktemp("profile")) as driven:
-        yield driven
-
-
-@pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Write the report on the made-up claims."""
     out = tmp_path_factory.mktemp("report")
@@ -125,6 +118,13 @@ def folder(tmp_path_factory):
         patch.setattr(measurements, "RESULTS", Path(__file__).parent / "report_example/measured")
         assert main(["check", "--out", str(out)]) == 0
     return out
+
+
+@pytest.fixture(scope="module")
+def browser(folder, tmp_path_factory):
+    """Open a browser that all tests drive, page after page, once there is a report."""
+    with opened(tmp_path_factory.mktemp("profile")) as driven:
+        yield driven
 
 
 def with_last_script_allowed(page):

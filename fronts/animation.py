@@ -68,8 +68,9 @@ def animate(
 
     if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
         raise MissingPackageError("ffmpeg", "films", "a film in .mp4")
-    plain = {"figure.autolayout": False, "figure.constrained_layout.use": False}
-    with mpl.rc_context({"savefig.bbox": None, **plain}):
+    with mpl.rc_context({
+        "savefig.bbox": None, "figure.autolayout": False, "figure.constrained_layout.use": False,
+    }):  # fmt: skip
         figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="compressed")
         FigureCanvasAgg(figure)
         axes = figure.subplots()

@@ -74,8 +74,12 @@ FORCE = {
 
 
 @lru_cache(maxsize=32)
+def made_from(key, model):
+    return catalogue.load(key, model=model)
+
+
 def chain(key, change):
-    return catalogue.load(key, model=CHAINS[change] if change else None)
+    return made_from(key, CHAINS[change] if change else None)
 
 
 @lru_cache(maxsize=8)
@@ -91,7 +95,7 @@ def derived_numbers(derivation):
 @pytest.mark.parametrize("change", VERIFIED)
 @pytest.mark.parametrize("key", ["linearisation", "piecewise-front"])
 def test_every_check_passes_for_another_chain(key, change):
-    made = catalogue.load(key, model=VERIFIED[change])
+    made = made_from(key, VERIFIED[change])
     assert len(made.verify()) == len(made.steps)
     if key == "piecewise-front":  # limits at rest need the roots of a polynomial of low degree
         rests = "static sum" in {step.name for step in made.steps}

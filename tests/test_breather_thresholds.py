@@ -18,8 +18,6 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
-from verification.continuation.branch import Steps, trace
-from verification.continuation.newton import solve_at
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
@@ -29,30 +27,6 @@ from verification.thresholds.slow_sweep import measure_delay
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
-
-
-def test_continuation_finds_the_fold_of_a_circle() -> None:
-    def circle(u: np.ndarray, c: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return u**2 + (c - 1) ** 2 - 0.49, np.diag(2 * u), np.array([2 * (c - 1)])
-
-    branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
-    assert branch.fold is not None
-    assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
-
-
-def test_a_fold_where_c_turns_upwards_is_found_like_its_mirror_image() -> None:
-    def cubic(u: np.ndarray, c: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        # Products: the vectorised u**3 of some processors rounds a negative u otherwise.
-        return u - u * u * u / 3 - c, np.diag(1 - u * u), np.array([-1.0])
-
-    there, back = (
-        trace(cubic, solve_at(cubic, np.array([u]), u - u**3 / 3), end, None, Steps(turns=1)).folds
-        for u, end in ((-2.5, -10.0), (2.5, 10.0))
-    )
-    for fold, mirrored, c in zip(there, back, (-2 / 3, 2 / 3), strict=True):
-        assert abs(fold.c - c) <= fold.error < 1e-10
-        assert (fold.c, fold.error) == (-mirrored.c, mirrored.error)
-        assert fold.evaluations == mirrored.evaluations
 
 
 @pytest.mark.parametrize("ends", VdpChain.allowed_ends)

@@ -1,0 +1,268 @@
+"""Newton's method, branches, folds and crossings, on systems whose answer is known in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from verification.continuation import branch as branches
+from verification.continuation.branch import (
+    Branch,
+    Fold,
+    Steps,
+    _Bracket,
+    arrive,
+    first_crossing,
+    solutions_at,
+    trace,
+)
+from verification.continuation.newton import (
+    COUPLING_WEIGHT,
+    BranchPoint,
+    NotConvergedError,
+    solve_at,
+    step_along,
+)
+
+
+def circle(u: Any, c: float) -> tuple[Any, Any, Any]:
+    """A circle of radius 0.7 about (0, 1): it folds at c = 0.3 and 1.7."""
+    return u**2 + (c - 1.0) ** 2 - 0.49, np.diag(2.0 * u), np.array([2.0 * (c - 1.0)])
+
+
+def cubic(u: Any, c: float) -> tuple[Any, Any, Any]:
+    """c = u - u³/3, which folds at u = ∓1, c = ∓2/3."""
+    # Products: the vectorised u**3 of some processors rounds a negative u otherwise.
+    return u - u * u * u / 3 - c, np.diag(1 - u * u), np.array([-1.0])
+
+
+# ------------------------------------------------------------------------------- Newton's method
+
+
+def _linear(factor: float) -> Any:
+    return lambda u, c: (factor * (u - c), np.diag(np.full(u.size, factor)), np.full(1, -factor))
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_solution_has_a_small_residual_and_has_been_reached_by_a_small_step(side: float) -> None:
+    """Where F is flat a small residual says little, where it is steep a small step does not."""
+    flat = solve_at(_linear(1e-3), np.array([1.0 + side * 5e-9]), 1.0)
+    assert (flat.u[0], flat.iterations) == (pytest.approx(1.0, abs=1e-15), 2)
+    far = solve_at(_linear(1e-12), np.array([1.0 + side]), 1.0)
+    assert (far.u[0], far.iterations) == (pytest.approx(1.0, abs=1e-15), 3)
+
+    def steep(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return 1e3 * (u * u - c), np.diag(2e3 * u), np.array([-1e3])
+
+    found = solve_at(steep, np.array([1.0 + side * 1e-6]), 1.0)
+    assert (found.residual < 1e-11, found.iterations) == (True, 3)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_step_that_leads_farther_away_is_halved(side: float) -> None:
+    """Of arctan u Newton's method diverges from 1.5 on; half of its first step lands near zero."""
+    tried: list[float] = []
+
+    def arctan(u: Any, c: float) -> tuple[Any, Any, Any]:
+        tried.append(float(u[0]))
+        return np.arctan(u), np.diag(1.0 / (1.0 + u * u)), np.zeros(1)
+
+    found = solve_at(arctan, np.array([1.5 * side]), 0.0)
+    assert found.u[0] == pytest.approx(0.0, abs=1e-12)
+    whole = math.atan(1.5) * (1.0 + 1.5**2)
+    assert tried[:3] == pytest.approx([side * (1.5 - part * whole) for part in (0.0, 1.0, 0.5)])
+
+
+def test_of_a_step_five_parts_are_tried() -> None:
+    tried: list[float] = []
+
+    def walled(u: Any, c: float) -> tuple[Any, Any, Any]:
+        tried.append(float(u[0]))
+        if u[0] < 1.0:
+            raise NotConvergedError("outside")
+        return u, np.eye(1), np.zeros(1)
+
+    with pytest.raises(NotConvergedError, match=r"at c = 0\.25") as raised:
+        solve_at(walled, np.array([1.0]), 0.25)
+    assert raised.value.at == 0.25
+    assert tried == pytest.approx([1.0, 0.0, 0.5, 0.75, 0.9, 0.97])
+
+
+def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
+    start = solve_at(circle, np.array([0.5]), 1.4)
+    slope, by_c = 2.0 * start.u[0], 2.0 * (start.c - 1.0)
+    assert slope * start.tangent[0] + by_c * start.tangent[1] / COUPLING_WEIGHT == pytest.approx(0)
+    assert np.linalg.norm(start.tangent) == pytest.approx(1.0)
+    for length in (-0.3, 0.3):
+        end = step_along(circle, start, length)
+        moved = np.append(end.u - start.u, COUPLING_WEIGHT * (end.c - start.c))
+        assert moved @ start.tangent == pytest.approx(length, rel=1e-11)
+        assert end.residual < 1e-11
+        assert end.tangent @ start.tangent > 0.0  # the same sense
+        aside = moved - length * start.tangent
+        assert branches._aside(start, end, length) == pytest.approx(
+            np.linalg.norm(aside) / abs(length) * math.copysign(1.0, length)
+        )
+        assert branches._length_to(start, end.u, end.c) == pytest.approx(length, rel=1e-11)
+
+
+# ------------------------------------------------------------------------------- branches, folds
+
+
+def test_continuation_finds_the_fold_of_a_circle() -> None:
+    branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
+    assert branch.fold is not None
+    assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
+    assert branch.fold.place == len(branch.points) - 1  # it ends a step beyond
+
+
+def test_a_fold_where_c_turns_upwards_is_found_like_its_mirror_image() -> None:
+    there, back = (
+        trace(cubic, solve_at(cubic, np.array([u]), u - u**3 / 3), end, None, Steps(turns=1)).folds
+        for u, end in ((-2.5, -10.0), (2.5, 10.0))
+    )
+    for fold, mirrored, c in zip(there, back, (-2 / 3, 2 / 3), strict=True):
+        assert abs(fold.c - c) <= fold.error < 1e-10
+        assert (fold.c, fold.error) == (-mirrored.c, mirrored.error)
+        assert fold.evaluations == mirrored.evaluations
+
+
+def test_a_branch_goes_either_way_and_ends_where_it_leaves_the_range() -> None:
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    for end, sense in ((1.4, 1.0), (0.6, -1.0)):
+        found = trace(circle, start, end)
+        couplings = [sense * point.c for point in found.points]
+        assert couplings == sorted(couplings)
+        assert couplings[-2] < sense * end <= couplings[-1]
+        assert found.folds == ()
+        assert arrive(circle, found, end).c == end
+
+
+def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    found = trace(circle, start, 5.0, lambda u, c: (c, float(u[0])), Steps(turns=1))
+    first = found.folds[0].place
+    assert [c for c, _ in found.monitored] == [point.c for point in found.points[:first]]
+    assert [u for _, u in found.monitored] == [point.u[0] for point in found.points[:first]]
+
+
+def test_on_both_sides_of_a_fold_a_solution_is_found_with_how_often_it_has_turned() -> None:
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    branch = trace(circle, start, 5.0, None, Steps(turns=1))
+    found = list(solutions_at(circle, branch, [1.0, 1.2, 1.5]))
+    assert [(point.c, turned) for point, turned in found] == [
+        (1.0, 0), (1.2, 0), (1.5, 0), (1.5, 1), (1.2, 1), (1.0, 1),
+    ]  # fmt: skip
+    for point, turned in found:
+        assert point.u[0] == pytest.approx((1 - 2 * turned) * math.sqrt(0.49 - (point.c - 1) ** 2))
+
+
+def test_an_end_that_stays_twice_counts_half() -> None:
+    """The Illinois rule."""
+    bracket = _Bracket(0.0, 1.0, -1.0, 1.0)
+    course = [
+        (0.5, 0.25, (0.0, 0.5, -1.0, 0.25)),
+        (0.4, 0.2, (0.0, 0.4, -0.5, 0.2)),
+        (0.1, -0.3, (0.1, 0.4, -0.3, 0.2)),
+        (0.2, -0.2, (0.2, 0.4, -0.2, 0.1)),
+        (0.25, -0.1, (0.25, 0.4, -0.1, 0.05)),
+        (0.3, 0.02, (0.25, 0.3, -0.1, 0.02)),
+    ]
+    for place, value, expected in course:
+        bracket.shrink(place, value)
+        found = (bracket.low, bracket.high, bracket.f_low, bracket.f_high)
+        assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("at", [1.234, 1.55, 1.69])
+def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> None:
+    """The second of two values, on either side of the last point before the fold."""
+
+    def monitor(u: Any, c: float) -> tuple[float, float]:
+        return -1.0, math.sinh(5.0 * (c - at))
+
+    branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0, monitor)
+    assert first_crossing(circle, branch, monitor, 0) is None
+    found = first_crossing(circle, branch, monitor, 1)
+    assert found is not None
+    assert not found.from_start
+    assert abs(found.c - at) <= found.error < 1e-9
+    assert found.u[0] == pytest.approx(math.sqrt(0.49 - (at - 1.0) ** 2), abs=1e-9)
+
+
+def test_what_is_positive_from_the_start_crosses_there() -> None:
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    branch = trace(circle, start, 5.0, lambda u, c: (c,))
+    found = first_crossing(circle, branch, lambda u, c: (c,), 0)
+    assert found is not None
+    assert (found.c, found.error, found.from_start) == (1.0, 0.0, True)
+    assert found.u.tolist() == start.u.tolist()
+
+
+def test_a_crossing_beyond_the_last_point_before_the_fold_is_looked_for_there() -> None:
+    """What only the fold itself shows, and what first turns positive on a branch without a fold."""
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    for end, at in ((5.0, 1.7 - 1e-6), (1.4, 1.3)):
+
+        def monitor(u: Any, c: float, at: float = at) -> tuple[float]:
+            return (c - at,)
+
+        found = first_crossing(circle, trace(circle, start, end, monitor), monitor, 0)
+        assert found is not None
+        assert abs(found.c - at) <= found.error
+
+
+def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
+    """Interpolated between two solutions; the start of the range is found once."""
+    points = tuple(BranchPoint(np.array([c]), c, np.ones(2), 0.0, 0.0, 1) for c in (0.0, 1.0, 2.0))
+    branch = Branch(points, (), ())
+    asked: list[float] = []
+
+    def line(u: Any, c: float) -> tuple[Any, Any, Any]:
+        asked.append(float(u[0]))
+        return u - c, np.eye(1), np.array([-1.0])
+
+    found = [
+        (point.c, passed) for point, passed in solutions_at(line, branch, [2.0, 0.0, 1.0, 0.5])
+    ]
+    assert found == [(0.0, 0), (0.5, 0), (1.0, 0), (2.0, 0)]
+    assert asked == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 2.0, 2.0]  # each is begun at the solution
+
+
+@pytest.mark.parametrize("after", [False, True])
+def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
+    """u² = c at a fold at 0: three quarters of the way to it in c are half of it in u."""
+    point = BranchPoint(np.array([1.0]), 1.0, np.ones(2), 0.0, 0.0, 1)
+    other = replace(point, u=np.array([-1.0]))
+    fold = Fold(0.0, 0.0, np.zeros(1), 1, place=1)
+    begun: list[float] = []
+
+    def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        begun.append(float(u[0]))
+        return u**2 - c, np.diag(2.0 * u), np.array([-1.0])
+
+    points = (other, point) if after else (point, other)
+    found = list(solutions_at(parabola, Branch(points, (fold,), ()), [0.25]))
+    assert [(each.u[0], turned) for each, turned in found] == [
+        (points[0].u[0] / 2, 0), (points[1].u[0] / 2, 1),
+    ]  # fmt: skip
+    assert set(begun) == {0.5, -0.5}
+
+
+def test_a_branch_that_cannot_be_followed_ends_in_a_sentence() -> None:
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    with pytest.raises(NotConvergedError, match="did not fold in 3 steps"):
+        trace(circle, start, 5.0, None, Steps(longest=0.1, most=3))
+
+    def walled(u: Any, c: float) -> tuple[Any, Any, Any]:
+        if c > 1.3:
+            raise NotConvergedError("outside")
+        return circle(u, c)
+
+    with pytest.raises(NotConvergedError, match=r"past c = 1\.3") as raised:
+        trace(walled, start, 5.0)
+    assert raised.value.at == pytest.approx(1.3, abs=1e-4)

@@ -1,4 +1,4 @@
-"""Newton's method, branches, folds and crossings, on systems whose answer is known in closed form."""
+"""Newton's method, branches, folds and crossings: systems whose answer is known in closed form."""
 
 from __future__ import annotations
 

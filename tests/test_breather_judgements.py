@@ -1,0 +1,379 @@
+"""What is said of a breather, its errors and its end: of made-up solutions and runs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from theory.averaged.breather import BreatherStatus
+from theory.chains.nucleus import Nucleus, Place
+from theory.chains.vdp import AveragedChain
+from theory.parameters import ParameterError
+from verification.breathers import breather as breathers
+from verification.breathers import envelope, floquet, orbits, outcome, run
+from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
+from verification.breathers.exponents import exponents, unpack
+from verification.breathers.orbits import Orbits
+from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
+from verification.continuation.newton import BranchPoint
+from verification.steppers.variational import Flow
+
+AVERAGED = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
+CHAIN = AVERAGED.full()
+EPSILON = float(np.finfo(float).eps)
+
+
+# ------------------------------------------------------------------------------------ its errors
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = SimpleNamespace(frequency=1.0, error=0.25, outward=np.array([2.0, 1.0]))
+    family = SimpleNamespace(solve=lambda: exact)
+    monkeypatch.setattr(breathers, "own_family", lambda *_: family)
+    amplitudes = np.array([9.0, 9.0, 9.0, 9.0, 2.0, 1.0 + 0.5 * side, 9.0, 9.0, 9.0])
+    found = breathers._distance(CHAIN, Nucleus(1), amplitudes, 1.0 + 0.125 * side, 0.0625)
+    assert found == (0.5 + 0.25 + 0.0625, 0.125 + 0.25 + 0.0625, "")
+
+
+def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its multipliers by what twice the steps change of the matrix, and what that step does."""
+    state, period = np.array([0.1, 2.0, 0.1, 0.3, 0.5, 0.3]), 6.0
+    step = np.array([0.0, 1e-4, 0.0, 0.0, 0.0, -3e-4, 2e-4])
+    flows: list[tuple[float, list[float], float, int]] = []
+    parities: list[list[float]] = []
+
+    class Made(Orbits):
+        def flow(self, c: float, start: Any, duration: float, steps: int) -> Flow:
+            flows.append((c, start.tolist(), duration, steps))
+            matrix = np.diag([1.0, 0.5, 0.4, 0.3, 0.2, 0.1])
+            if steps > 30:  # twice the steps: this entry is smaller
+                matrix[0, 1] = -1e-3
+            elif duration != period:
+                matrix[2, 1] = 2e-3
+            end = start + (1e-5 if steps == 30 else 0.0)
+            samples = np.sin(2.0 * math.pi * np.arange(64) / 64)[:, None] * np.ones(3)
+            return Flow(end, matrix, np.zeros(6), samples, steps)
+
+        def system(self, refinement: int = 1, centre: int | None = None) -> Any:
+            assert refinement == 2
+            return lambda u, c: (2.0 * step, 2.0 * np.eye(7), np.zeros(7))
+
+        def _parity(self, state: Any) -> int:
+            parities.append(state.tolist())
+            return 1
+
+    asked: list[Any] = []
+    multipliers = floquet.floquet_multipliers
+
+    def sorted_(*given: Any, **options: Any) -> Any:
+        asked.append((*given[1:], options))
+        return multipliers(*given, **{**options, "parity": 0})
+
+    monkeypatch.setattr(orbits, "floquet_multipliers", sorted_)
+    family = Made(replace(CHAIN, sites=3, c=0.3), Nucleus(1), 30)
+    point = BranchPoint(np.append(state, period), 0.2, np.zeros(8), 0.0, 5e-5, 3)
+    found = family.measured(point, 0.0)
+    nearer = (state - step[:-1]).tolist()
+    assert flows == [
+        (0.2, state.tolist(), period, 30),
+        (0.2, state.tolist(), period, 64),
+        (0.2, nearer, pytest.approx(period - 2e-4), 30),
+    ]
+    assert found.error == pytest.approx(3e-4 + 5e-5)
+    assert found.frequency == pytest.approx(2.0 * math.pi / period)
+    assert found.frequency_error == pytest.approx(2.0 * math.pi / period**2 * (3e-4 + 5e-5))
+    assert found.residual == pytest.approx(1e-5)
+    assert found.chain.c == 0.2
+    assert asked[0][:2] == (period, CHAIN.eps)
+    assert asked[0][2]["error"] == pytest.approx(1e-3 + 2e-3)
+    family.stability(point.u, 0.2)
+    assert asked[1][:2] == (period, CHAIN.eps)
+    assert parities == [state.tolist()] * 2
+    family.measured(point, 0.0, split=False)
+    family.stability(point.u, 0.2, split=False)
+    assert [each[2]["parity"] for each in asked] == [1, 1, 0, 0]
+    assert len(parities) == 2
+
+
+def test_a_branch_of_orbits_begins_below_what_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun = BranchPoint(np.zeros(7), 0.05, np.zeros(8), 0.0, 0.0, 1)
+    asked: list[tuple[Any, ...]] = []
+
+    def trace(*given: Any) -> Any:
+        asked.append(given)
+        return SimpleNamespace(points=["first", "last"])
+
+    monkeypatch.setattr(orbits, "trace", trace)
+    monkeypatch.setattr(Orbits, "_first", lambda *_: begun)
+    family: Any = Orbits(CHAIN, Nucleus(1))
+    assert family.start(1.0, 0.05) is begun
+    assert family.start(1.0, 0.01) == "last"
+    assert asked[0][1:3] == (begun, 0.01)
+    assert callable(asked[0][0])
+
+
+def test_orbits_are_begun_at_a_coupling_below_the_end_of_their_branch(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From the averaged breather; at the smallest first, where that is far from the fold."""
+    tried: list[float] = []
+
+    def fails(self: Orbits, halvings: int = 5) -> Any:
+        tried.append(self.chain.c)
+        raise orbits.NotConvergedError("no")
+
+    monkeypatch.setattr(Orbits, "_from_small_eps", fails)
+    for end, expected in ((1.0, [0.05, 0.1, 0.15]), (0.12, [0.05, 0.1]), (0.02, [0.01])):
+        tried.clear()
+        with pytest.raises(ParameterError, match="small enough for an orbit"):
+            Orbits(CHAIN, Nucleus(1))._first(end)
+        assert tried == expected
+
+
+def test_the_error_of_an_averaged_breather_holds_rounding_where_the_cycles_meet() -> None:
+    """The damping cancels there by 1/√(1 - 8η)."""
+    phi = np.array([0.0, 2.0j, 0.5])
+    small, near = (
+        envelope._rounding(phi, AveragedChain(a=1.0, b=b, c=0.1)) / (8.0 * EPSILON * 2.0)
+        for b in (1e-6, 0.125 * (1.0 - 1e-8))
+    )
+    assert small == pytest.approx(2.0, rel=1e-5)
+    assert near == pytest.approx(1e4, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e3])
+def test_eigenvalues_err_by_what_their_matrix_does(size: float) -> None:
+    """Of orthogonal vectors by as much, of dependent ones by the root of it, and by rounding."""
+    ring = size * np.diag([1.0, 2.0, 2.0])
+    exact = floquet._eigenvalue_bound(ring, np.eye(3), 0.0)
+    assert exact == pytest.approx(3.0 * EPSILON * 3.0 * size)
+    off = floquet._eigenvalue_bound(ring, np.eye(3), 1e-6)
+    assert off == pytest.approx(3e-6, rel=1e-3)
+    for error in (1e-6, size):  # of two equal entries on the diagonal
+        block = np.array([[size, size], [0.0, size]])
+        delta = 2.0 * error
+        bound = floquet._eigenvalue_bound(block, np.array([[1.0, 1.0], [0.0, 0.0]]), error)
+        norm = math.sqrt(3.0) * size
+        assert bound == pytest.approx(math.sqrt(delta * (2.0 * norm + delta)), rel=1e-6)
+        moved = np.linalg.eigvals(block + np.array([[0.0, 0.0], [error, 0.0]]))
+        assert np.abs(moved - size).max() <= bound
+
+
+def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def integrate(*_: object, steps: int, **__: object) -> Any:
+        matrix = np.diag([0.5, 0.9, 0.5, 0.3, 1.0, 0.3])
+        if steps == floquet.STEPS:
+            matrix[1, 1] += 1e-6
+        return SimpleNamespace(monodromy=matrix)
+
+    monkeypatch.setattr(floquet, "integrate_along_sinusoids", integrate)
+    closed: Any = SimpleNamespace(alpha_0=1.0, amplitudes=np.ones, phase_step=0.1, frequency=1.25)
+    found = floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
+    assert 4e-6 <= found.error < 4.1e-6  # of four even modes
+    assert found.growth == pytest.approx(math.log(0.9) / (CHAIN.eps * 2.0 * math.pi / 1.25))
+
+
+# --------------------------------------------------------------------------------- its stability
+
+
+@pytest.mark.parametrize("nucleus", [Nucleus(1), Nucleus(2, "0"), Nucleus(2, "x")])
+def test_split_by_reflection_or_not_the_same_exponents_are_found(nucleus: Nucleus) -> None:
+    """The mode of the phase, which is left out, has the parity of the breather."""
+    chain = AVERAGED.replace(sites=9 + nucleus.size % 2 - 1)
+    u = solve_envelope_breather(chain, nucleus).unknowns
+    whole, split = (exponents(*unpack(u), chain, mirrored) for mirrored in (False, True))
+    assert np.sort(split.values.real) == pytest.approx(np.sort(whole.values.real), abs=1e-9)
+    assert split.growth == pytest.approx(whole.growth, abs=1e-9)
+    assert (split.symmetric, split.antisymmetric) != (None, None)
+    assert abs(split.growth) > 1e-4  # not that of the phase
+
+
+def test_only_what_is_its_own_mirror_image_is_split() -> None:
+    family = RotatingWaves(AVERAGED, Nucleus(1))
+    u = solve_envelope_breather(AVERAGED, Nucleus(1)).unknowns
+    assert family.stability(u, 0.1).symmetric is not None
+    assert family.stability(u, 0.1, split=False).symmetric is None
+    edge = RotatingWaves(AVERAGED, Nucleus(1, place=Place.EDGE))
+    assert edge.stability(edge.solve().unknowns, 0.1).symmetric is None
+
+
+def test_multipliers_of_an_averaged_breather_are_of_its_own_period() -> None:
+    found = solve_envelope_breather(AVERAGED, Nucleus(1))
+    assert found.stability is not None
+    assert found.multipliers is not None
+    expected = np.exp(AVERAGED.eps * found.period * found.stability.values)
+    assert found.multipliers == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_solution_far_from_its_start_is_another_pattern() -> None:
+    guess = np.array([0.0, 1.0, 1.0, 0.0], dtype=complex)
+    chain = AVERAGED.replace(sites=4)
+    far = 0.3 * chain.stable_amplitude
+    for change, left in ((0.999 * far, False), (1.001 * far, True)):
+        for side in (-1.0, 1.0, 1j):
+            phi = guess + np.array([5.0, 0.0, side * change, 5.0])  # of excited sites only
+            u = np.concatenate([phi.real, phi.imag, [0.0]])
+            assert envelope._left_pattern(u, guess, np.array([1, 2]), chain) is left
+
+
+# --------------------------------------------------------------------------------- its result
+
+
+def _breather(method: BreatherMethod, **given: Any) -> Breather:
+    return Breather(
+        chain=replace(CHAIN, sites=3), nucleus=given.pop("nucleus", Nucleus(1)), method=method,
+        status=BreatherStatus.EXISTS, seconds=0.0, **given,
+    )  # fmt: skip
+
+
+def test_the_period_of_an_orbit_is_what_was_solved_for() -> None:
+    unknowns = np.array([1.0, 2.0, 3.0])
+    for method, period in ((BreatherMethod.ORBIT, 3.0), (BreatherMethod.ENVELOPE, math.pi)):
+        assert _breather(method, frequency=2.0, unknowns=unknowns).period == period
+
+
+def test_the_phase_step_is_from_the_last_site_of_the_nucleus_to_the_next() -> None:
+    waves = np.exp(1j * np.array([0.1, 0.4, 0.9]))
+    of = BreatherMethod.ENVELOPE
+    assert _breather(of, waves=waves).phase_step == pytest.approx(0.5)
+    edge = Nucleus(1, place=Place.EDGE)
+    assert _breather(of, waves=waves, nucleus=edge).phase_step == pytest.approx(0.3)
+    two = Nucleus(2, "0", Place.EDGE)
+    assert _breather(of, waves=waves, nucleus=two).phase_step == pytest.approx(0.5)
+    assert _breather(of, waves=waves, nucleus=Nucleus(3, "00")).phase_step == 0.0
+    assert _breather(of).phase_step is None
+
+
+def test_side_by_side_a_breather_has_its_centre_and_neighbour() -> None:
+    of = BreatherMethod.ENVELOPE
+    rows = {"a": _breather(of, amplitudes=np.array([0.5, 2.0, 0.25])), "b": _breather(of)}
+    found = BreatherComparison(chain=CHAIN, nucleus=Nucleus(1), methods=rows, seconds=0.0)
+    columns = found.columns()
+    assert columns["centre"][0] == 2.0
+    assert columns["neighbour"][0] == 0.25
+    assert np.isnan([columns["centre"][1], columns["neighbour"][1]]).all()
+
+
+# --------------------------------------------------------------------------- how a run has ended
+
+
+@pytest.mark.parametrize(
+    ("drifts", "left"),
+    [
+        ([1e-3], math.inf),
+        ([1e-3, 5e-4], run.BLOCK * 5e-4 / 0.5),
+        ([9.0, 1e-3, 1e-4], run.BLOCK * 1e-4 / 0.9),
+        ([1e-3, 2e-3], run.BLOCK * 2e-3 / 0.01),  # it does not fall
+        ([0.0, 0.0], 1e-12),
+    ],
+)
+def test_what_is_still_to_come_is_a_geometric_series(drifts: list[float], left: float) -> None:
+    assert run._still_to_come(drifts) == pytest.approx(left)
+
+
+class _Envelope:
+    """Runs of (43) that are made up: so much drift after each block, and when one escapes."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, drifts: list[float], escape: int) -> None:
+        self.drifts, self.escape, self.starts = drifts, escape, []
+        monkeypatch.setattr(run, "run_envelope", self.block)
+        monkeypatch.setattr(run, "envelope_rate", self.rate)
+
+    def block(self, chain: Any, phi: Any, duration: float, **given: Any) -> Any:
+        assert given["limit"] == chain.unstable_amplitude
+        self.starts.append(phi)
+        return SimpleNamespace(
+            phi=np.arange(1.0, 6.0) * 1j, time=duration, escaped=len(self.starts) == self.escape
+        )
+
+    def rate(self, phi: Any, chain: Any) -> Any:
+        """It turns by 0.25 a unit of time, but for one site beside."""
+        drift = self.drifts[min(len(self.starts), len(self.drifts)) - 1]
+        return 0.25j * phi - drift * (np.arange(5) == 4)
+
+
+def test_a_run_of_the_averaged_chain_ends_when_its_drift_is_small(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = AveragedChain(a=2.5, b=0.5, c=0.1, sites=5)
+    made = _Envelope(monkeypatch, [1e-2, 1e-6, 0.99 * run.TOLERANCE], 0)
+    found = run.run_averaged_breather(chain, Nucleus(1))
+    assert found.status is BreatherStatus.SETTLED
+    assert found.time == pytest.approx(3.0 * run.BLOCK / chain.eps)
+    assert found.frequency == pytest.approx(1.0 + 0.25 * chain.eps)
+    assert found.drift == pytest.approx(0.99 * run.TOLERANCE)
+    assert found.error == pytest.approx(run._still_to_come([1e-6, 0.99 * run.TOLERANCE]))
+    noise = made.starts[0] - Nucleus(1).envelope(chain)
+    assert 0.1 * run.NOISE < np.abs(noise).max() < 5.0 * run.NOISE
+    assert min(np.abs(noise.real).min(), np.abs(noise.imag).min()) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("escape", "status", "blocks"),
+    [(0, BreatherStatus.UNSETTLED, 300), (2, BreatherStatus.ESCAPED, 2)],
+)
+def test_a_run_that_does_not_settle_ends_when_it_escapes_or_its_time_is_over(
+    escape: int, status: BreatherStatus, blocks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = _Envelope(monkeypatch, [1.01 * run.TOLERANCE], escape)
+    chain = AveragedChain(a=2.5, b=0.5, c=0.1, sites=5)
+    found = run.run_averaged_breather(chain, Nucleus(1))
+    assert (found.status, found.error, found.stable) == (status, None, None)
+    assert found.error_unknown == status.sentence
+    assert len(made.starts) == blocks == round(found.time * chain.eps / run.BLOCK)
+
+
+@pytest.mark.parametrize("size", [1, 3])
+def test_a_nucleus_is_begun_in_the_middle(size: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    class StopError(Exception): ...
+
+    def begun(_: object, start: Any, *__: object, **___: object) -> Any:
+        excited = np.abs(start).max(axis=0) > 0.1
+        assert excited.sum() == size
+        assert excited.tolist() == excited[::-1].tolist()
+        raise StopError
+
+    monkeypatch.setattr(outcome, "simulate", begun)
+    with pytest.raises(StopError):
+        outcome.follow_nucleus(replace(CHAIN, sites=9), size)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_run_is_as_far_from_the_orbit_of_its_size_as_the_farthest_of_its_sites(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The orbit is that of a chain with at most as much rest on either side."""
+    lengths: list[int] = []
+
+    def solve(chain: Any, nucleus: Nucleus) -> Any:
+        lengths.append(chain.sites)
+        amplitudes = np.zeros(chain.sites)
+        amplitudes[nucleus.first(chain.sites)] = 2.0
+        return SimpleNamespace(amplitudes=amplitudes, growth=0.125)
+
+    monkeypatch.setattr(outcome, "solve_orbit", solve)
+    for sites in (9, 41):
+        chain = replace(CHAIN, sites=sites)
+        amplitude = np.zeros((2, sites))
+        amplitude[0] = 7.0
+        amplitude[1, sites // 2 - 1] = 2.0 + 0.25 * side
+        made: Any = SimpleNamespace(
+            evolution=SimpleNamespace(size=3), run=SimpleNamespace(chain=chain, amplitude=amplitude)
+        )
+        found = outcome.distance_from_breather(made)
+        assert (found.gap, found.growth) == (0.25, 0.125)
+    assert lengths == [9, 3 + 2 * outcome.MARGIN]

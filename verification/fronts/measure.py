@@ -340,7 +340,7 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
     stands = found.v is None or found.v == 0.0
     if request.left_boundary is LeftBoundary.WAVE and not (outruns or stands):
         found = _beside_longer_wave(found, wave.accuracy, chain, request)
-    if request.left_boundary is LeftBoundary.WAVE or outruns or (stands and waves == 0.0):
+    if request.left_boundary is LeftBoundary.WAVE or outruns or waves == 0.0:
         return _front(wave, found, request.left_boundary, outruns)
     free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), doubt=found.v)
     slower = _settled(free, request.progress)

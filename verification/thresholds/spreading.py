@@ -281,8 +281,11 @@ def spreading_threshold(
     c, error = 0.5 * (low + high), 0.5 * (high - low)
     if search.spreads(low, coarser=COARSER) or not search.spreads(high, coarser=COARSER):
         error += abs(c - 0.5 * sum(search.bracket(coarser=COARSER)))
-    late, fuzzy, monotone = c, None, True
+    late: float | None = None
+    fuzzy: tuple[float, float] | None = None
+    monotone: bool | None = None
     if tests > 0:
+        late = c
         if search.spreads(low, longer=2.0):
             late = 0.5 * sum(search.bracket(longer=2.0))
         places = [REACH * c * (k + 1) / tests for k in range(tests)]

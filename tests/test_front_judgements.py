@@ -1,0 +1,609 @@
+"""What is said of a front and of a threshold: of made-up arrivals, waves, searches and lattices."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import AveragedChain, VdpChain
+from verification.continuation.branch import Crossing
+from verification.fronts import follow, measure, network, resting, wave
+from verification.fronts.arrival_fit import Settled, Trial, settle
+from verification.fronts.measure import wave_front
+from verification.fronts.result import LeftBoundary
+from verification.fronts.status import FrontStatus
+from verification.fronts.watch import Watch
+from verification.runs.excite import StartPoint
+from verification.thresholds import continuation, escape
+from verification.thresholds import threshold as thresholds
+from verification.thresholds.result import Mechanism, RunThreshold, ThresholdMethod
+from verification.thresholds.spreading import Spreading
+
+NAN = math.nan
+AVERAGED = AveragedChain(a=4, b=0.5, c=0.6)
+
+
+def _request(**given: Any) -> measure.Request:
+    asked: dict[str, Any] = dict.fromkeys(
+        ("accuracy", "tolerance", "excited", "max_sites", "stall_time", "directions", "progress")
+    )
+    asked |= {"left_boundary": LeftBoundary.FREE, "point": StartPoint.MAXIMUM, **given}
+    return measure.Request(**asked)
+
+
+# -------------------------------------------------------------------------- a front that is run
+
+
+def test_a_chain_is_long_enough_when_waves_of_its_end_have_long_overtaken_the_front() -> None:
+    """They gain waves - v on it, from 24 sites behind; four times that, or it is faster."""
+    prepared = measure._prepare_smooth(AVERAGED, _request(), LeftBoundary.FREE)
+    waves = AVERAGED.trailing_wave_velocity
+    assert waves == pytest.approx(0.6 * AVERAGED.eps)
+    for share, sites in ((0.5, 96), (0.75, 288)):
+        assert not prepared.enough(sites - 1, share * waves)
+        assert prepared.enough(sites + 1, share * waves)
+    for share, enough in ((1.0, False), (1.0099, False), (1.0101, True), (2.0, True)):
+        assert prepared.enough(10**6, share * waves) is enough
+    on_wave = measure._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
+    assert on_wave.enough(1, 0.5 * waves)
+
+
+def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.6, sites=50)
+    usual = measure._prepare_smooth(chain, _request(), LeftBoundary.FREE)
+    given = measure._prepare_smooth(
+        chain, _request(accuracy=1e-5, tolerance=1e-9, excited=8, max_sites=77, stall_time=3.0),
+        LeftBoundary.FREE,
+    )  # fmt: skip
+    assert _numbers(usual) == (24, 50, 1000, 1e-3, 1e-8, pytest.approx(60.0 / chain.eps))
+    assert _numbers(given) == (8, 50, 77, 1e-5, 1e-9, pytest.approx(3.0 / chain.eps))
+    short = measure._prepare_smooth(replace(chain, sites=5), _request(), LeftBoundary.FREE)
+    assert short.sites == 32
+    assert usual.sized(40).sites == 64
+    assert usual.settling_tolerance == pytest.approx(1e-3 * chain.stable_amplitude)
+
+
+def _numbers(made: measure.Preparation) -> tuple[Any, ...]:
+    return (made.excited, made.sites, made.max_sites, made.accuracy, made.tolerance,
+            made.stall_time)  # fmt: skip
+
+
+class _Begun(tuple):
+    """An integration that is not begun: its start and tolerance."""
+
+    method = "made up"
+
+    def __new__(cls, _: object, start: Any, *, tolerance: float) -> _Begun:
+        return super().__new__(cls, (start, tolerance))
+
+
+def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[Any] = []
+
+    def settled(prepared: Any, _: object) -> Settled:
+        made.append(prepared)
+        return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
+
+    monkeypatch.setattr(measure, "_settled", settled)
+    monkeypatch.setattr(measure, "excite", lambda _, sites, **__: [*sites])
+    monkeypatch.setattr(measure, "FrictionIntegration", _Begun)
+    chain = FrictionChain(c=0.02, sites=40)
+    front = measure._friction_front(chain, _request())
+    asked = {"accuracy": 1e-3, "tolerance": 1e-9, "excited": 2, "max_sites": 50}
+    measure._friction_front(chain, _request(**asked, stall_time=10.0))
+    assert _numbers(made[0]) == (1, 40, 800, 1e-2, 1e-8, 3000.0)
+    assert _numbers(made[1]) == (2, 40, 50, 1e-3, 1e-9, 10.0)
+    assert (front.outruns_waves, front.left_boundary, front.v) == (False, None, 0.5)
+    assert [each.begin(chain, 1e-6) for each in made] == [([1], 1e-6), ([1, 2], 1e-6)]
+
+
+def test_a_measured_front_is_in_slow_time_and_counts_earlier_steps() -> None:
+    prepared: Any = SimpleNamespace(sized=lambda _: AVERAGED, excited=24, method="by hand")
+    found = Settled(FrontStatus.STEADY, 0.003, 1e-5, np.arange(3.0), 40, 5)
+    front = measure._front(prepared, found, LeftBoundary.FREE, True, 4)
+    assert (front.v, front.error) == pytest.approx((0.3, 1e-3))
+    assert (front.counts, front.outruns_waves) == ({"steps": 9}, True)
+
+
+@pytest.mark.parametrize("v", [None, 0.0, 0.5])
+def test_without_waves_behind_it_no_front_is_run_twice(
+    v: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[LeftBoundary] = []
+
+    def prepare(_: object, __: object, left: LeftBoundary) -> None:
+        made.append(left)
+
+    found = Settled(FrontStatus.STEADY, v, 1e-3, np.arange(3.0), 40, 7)
+    monkeypatch.setattr(measure, "_prepare_smooth", prepare)
+    monkeypatch.setattr(measure, "_settled", lambda *_: found)
+    monkeypatch.setattr(measure, "_front", lambda *given: given)
+    still: Any = SimpleNamespace(trailing_wave_velocity=0.0)
+    front: Any = measure._smooth_front(still, _request())
+    assert made == [LeftBoundary.WAVE]
+    assert front[1:] == (found, LeftBoundary.FREE, v == 0.5)
+
+
+def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second has the velocity of the first as a doubt, and its own as the answer."""
+    first = Settled(FrontStatus.STEADY, 1e-4, 1e-9, np.arange(3.0), 40, 7)
+    second = replace(first, v=2e-4, steps=11)
+    asked: list[Any] = []
+
+    def settled(prepared: Any, _: object) -> Settled:
+        asked.append(prepared.doubt)
+        return second if len(asked) == 2 else first
+
+    monkeypatch.setattr(measure, "_settled", settled)
+    front = measure._smooth_front(AVERAGED, _request())
+    assert asked == [None, 1e-4]
+    assert (front.v, front.counts["steps"]) == (pytest.approx(2e-2), 18)
+
+
+@pytest.mark.parametrize(
+    ("share", "outruns"), [(1.0, False), (1.0099, False), (1.0101, True), (5.0, True)]
+)
+def test_a_wave_that_was_solved_for_states_its_own_error(share: float, outruns: bool) -> None:
+    made: Any = SimpleNamespace(v=share * 0.6, error=1e-9, steps=7, iterations=3, seconds=2.0)
+    front = wave_front(AVERAGED, made)
+    assert (front.v, front.error, front.seconds) == (share * 0.6, 1e-9, 2.0)
+    assert (front.status, front.outruns_waves) == (FrontStatus.STEADY, outruns)
+    assert front.counts == {"steps": 7, "iterations": 3}
+
+
+def test_a_doubt_counts_on_the_longest_chain_only_and_where_it_is_not_long_enough() -> None:
+    def found(enough: bool, max_sites: int) -> Settled:
+        def trial(sites: int) -> Trial:
+            times = np.arange(sites) / 2.0
+            return Trial(None, times, times, 3)
+
+        return settle(trial, sites=32, max_sites=max_sites, accuracy=1.0, seen=0.0, doubt=2.5,
+                      enough=lambda *_: enough)  # fmt: skip
+
+    for enough, most, sites, error, steps in (
+        (False, 63, 32, 0.5, 3), (True, 63, 32, 0.0, 3), (False, 64, 64, 0.5, 6),
+        (False, 128, 128, 0.5, 9),
+    ):  # fmt: skip
+        settled = found(enough, most)
+        assert (settled.sites, settled.steps) == (sites, steps)
+        assert settled.error == pytest.approx(error, abs=1e-9)
+        assert settled.arrivals.size == sites
+
+
+def test_a_run_that_is_asked_too_often_is_asked_less() -> None:
+    """Its budget of steps is doubled for as long as less than a part of the stall time passes."""
+    budgets: list[int] = []
+
+    class Slow:
+        time, state, amplitude = 0.0, np.zeros((2, 40)), np.zeros(40)
+        arrivals = np.full(40, NAN)
+
+        def advance(self, budget: int) -> None:
+            budgets.append(budget)
+            self.time += 1.0
+
+        def going_to_rest(self) -> bool:
+            return len(budgets) == 6
+
+    made: Any = Slow()
+    found = Watch(stall_time=1e3, settling_tolerance=1e-3, first=5).follow(made)
+    assert found is FrontStatus.COLLAPSED
+    assert [later // budgets[0] for later in budgets] == [1, 2, 4, 8, 16, 32]
+
+
+# ------------------------------------------------------------------------- waves, resting fronts
+
+
+@pytest.mark.parametrize(
+    ("values", "along", "length"), [([0.5, 3.0], "c", 3.125), ([0.5, 0.6], "c", 2.0),
+                                    ([0.02, 0.05], "eta", 2.0)],
+)  # fmt: skip
+def test_a_branch_of_fronts_is_followed_from_the_largest_value_past_the_smallest(
+    values: list[float], along: Any, length: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[str, Any] = {}
+    window = SimpleNamespace(system=lambda: "system", guess="guess", described=lambda *_: "front")
+
+    def started(c: float, eta: float, by: str) -> Any:
+        asked["started"] = (c, eta, by)
+        return window
+
+    def trace(system: str, start: Any, end: float, _: None, steps: Any) -> Any:
+        asked["trace"] = (system, start, steps.longest)
+        asked["end"] = end
+        return SimpleNamespace(folds=("one", "two", "three"))
+
+    monkeypatch.setattr(follow.Window, "started", started)
+    monkeypatch.setattr(follow, "solve_at", lambda *given: given)
+    monkeypatch.setattr(follow, "trace", trace)
+    monkeypatch.setattr(follow, "solutions_at", lambda *_: [("p", 0), ("q", 1), ("r", 1), ("s", 3)])
+    found = follow.follow_front_wave(values, 0.7, along)
+    expected = (max(values), 0.7) if along == "c" else (0.7, max(values))
+    assert asked["started"] == (*expected, along)
+    assert asked["trace"] == ("system", ("system", "guess", max(values)), length)
+    assert min(values) * (1.0 - 1e-11) < asked["end"] < min(values)
+    assert found.fronts == ("front",) * 4
+    assert found.folds == (("one", 1), ("two", 3), ("three", 3))
+
+
+@pytest.mark.parametrize(
+    ("c", "eta", "v"), [(0.6, 0.03125, 0.72), (3.0, 0.1, 3.6), (0.1, 0.01, 0.3)]
+)
+def test_a_front_dies_away_by_its_tails(c: float, eta: float, v: float) -> None:
+    """vλ = c sinh λ + f'(ρ): the one root ahead, and behind the one with the least real part."""
+    window = wave.Window(resting.amplitudes_of(c, eta), 4, 6, np.append(np.ones(10), v))
+    behind, ahead = window._decay(v)
+    assert abs(c * math.sinh(ahead) - v * ahead - 0.5) < 1e-10
+    turns = np.linspace(-math.pi, math.pi, 4001)
+    on_line = behind + 1j * turns
+    off = np.abs(c * np.sinh(on_line) - v * on_line + window.attraction)
+    assert off.min() < 0.01 * (1.0 + abs(window.attraction))  # a root has that real part
+    s = (1.0 + math.sqrt(1.0 - 8.0 * eta)) / eta
+    assert window.attraction == pytest.approx(0.5 - 0.375 * s + 0.3125 * eta * s**2, rel=1e-12)
+
+
+@pytest.mark.parametrize(("left", "right"), [(2, 3), (6, 9), (6, 3), (2, 9)])
+def test_a_window_that_is_resized_keeps_its_front_in_its_place(
+    left: int, right: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind what it had stands the cycle, ahead of it rest; v is the last of the unknowns."""
+    chain = resting.amplitudes_of(0.6, 0.03125)
+    rho = np.array([0.99, 0.98, 0.97, 0.96, 0.5, 0.1, 0.02, 0.01, 0.005])
+    window = wave.Window(chain, 4, 5, np.append(rho, 0.72))
+    depth = 10.0
+    monkeypatch.setattr(
+        wave.Window, "_decay", lambda *_: (depth / (left - 1.5), depth / (right - 1.5))
+    )
+    found = window._resized(0.72, depth)
+    assert (found.left, found.right) == (left, right)
+    padded = np.concatenate([np.ones(9), rho, np.zeros(9)])
+    assert found.guess.tolist() == [*padded[13 - left : 13 + right], 0.72]
+
+
+def test_a_window_at_another_value_is_the_same_sites_of_another_chain() -> None:
+    window = wave.Window(resting.amplitudes_of(0.6, 0.03125), 4, 5, np.zeros(10))
+    assert window.at(0.7).chain == resting.amplitudes_of(0.7, 0.03125)
+    other = replace(window, along="eta").at(0.05)
+    assert other.chain == resting.amplitudes_of(0.6, 0.05)
+    assert (other.left, other.right) == (4, 5)
+    assert window._steps_in(3.0, 1.5) > window._steps_in(3.0) > window._steps_in(2.0)
+
+
+def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
+    """α by a step of c along ψ, β by second differences of the rate along φ."""
+    chain = resting.amplitudes_of(0.0, 0.05)
+    fold = resting._fold(chain, 8, 20)
+    at = chain._replace(c=fold.c)
+    matrix = resting._at_rest(chain, 28)(fold.u, fold.c)[1]
+    left, _, right = np.linalg.svd(matrix)
+    psi, phi = left[:, -1], right[-1]
+    psi = psi / (psi @ phi)
+    h = 1e-4
+
+    def drift(rho: Any, c: float) -> float:
+        return float(psi @ resting.rate(rho, at._replace(c=c)))
+
+    alpha = (drift(fold.u, fold.c + h) - drift(fold.u, fold.c - h)) / (2.0 * h)
+    beta = (drift(fold.u + h * phi, fold.c) + drift(fold.u - h * phi, fold.c)) / (2.0 * h * h)
+    square_root, _ = resting._beside(chain, fold)
+    assert square_root == pytest.approx(math.sqrt(alpha * beta) / math.pi, rel=1e-5)
+
+
+def test_the_pinning_eta_errs_by_what_is_left_of_c_and_by_the_error_of_the_fold(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a made-up fold, c_pin = 0.1 + 4 η, which errs by 1e-6; what is left has either sign."""
+    for off in (-3e-6, 3e-6):
+        asked: list[float] = []
+
+        def fold(eta: float, off: float = off, asked: list[float] = asked) -> Any:
+            asked.append(eta)
+            return SimpleNamespace(c=0.1 + 4.0 * eta, error=1e-6, slope=4.0, square_root=0.5)
+
+        monkeypatch.setattr(resting, "static_fold", fold)
+        monkeypatch.setattr(resting, "brentq", lambda *_, off=off, **__: 0.05 + 0.25 * off)
+        found = resting.pinning_eta.__wrapped__(0.3)
+        assert found is not None
+        assert found.eta == 0.05 + 0.25 * off
+        assert found.error == pytest.approx((3e-6 + 1e-6) / 4.0, rel=1e-4)
+        assert found.square_root == pytest.approx(0.5 * math.sqrt(4.0))
+
+
+# --------------------------------------------------------------------------------- lattices
+
+
+def _lattice(rows: int, columns: int, tilt: float = 0.0) -> Any:
+    """A square lattice far from the origin, of which only its places are asked."""
+    row, column = np.unravel_index(np.arange(rows * columns), (rows, columns))
+    positions = np.column_stack([column + tilt * row, row]) + np.array([100.0, -50.0])
+    links = SimpleNamespace(positions=positions, distances=lambda _: pytest.fail("of a lattice"))
+    return SimpleNamespace(links=links, sites=rows * columns, shape=(rows, columns), time_unit=2.0)
+
+
+def test_distances_on_a_lattice_are_in_the_plane_from_its_middle_site() -> None:
+    chain = _lattice(5, 9)
+    middle = network.middle_site(chain)
+    assert middle == 2 * 9 + 4
+    away = network.distances_from(chain, middle).reshape(5, 9)
+    assert away[0, 0] == pytest.approx(math.hypot(2.0, 4.0))
+    assert away[2].tolist() == [4.0, 3.0, 2.0, 1.0, 0.0, 1.0, 2.0, 3.0, 4.0]
+    # To the nearest side, less two sites; a side that is farther does not matter.
+    assert network._radius(chain, middle) == 2.0 - network.EDGE
+    assert network._radius(_lattice(9, 5), 4 * 5 + 2) == 2.0 - network.EDGE
+    assert network._radius(_lattice(11, 11), 4 * 11 + 6) == 4.0 - network.EDGE
+
+
+def test_the_velocity_in_a_direction_is_that_along_its_ray() -> None:
+    """Twice as fast to the right; of sites beyond the first ones, and not beside an end."""
+    chain = _lattice(41, 41)
+    middle = network.middle_site(chain)
+    away = network.distances_from(chain, middle)
+    offset = chain.links.positions - chain.links.positions[middle]
+    speed = np.where(offset[:, 0] > 0.0, 4.0, 2.0)
+    arrivals = np.abs(offset).max(axis=1) / speed
+    arrivals[middle] = 0.0
+    arrivals[away > 18.5] = 77.0  # beside a side: not used
+    arrivals[away < 3.5] = 55.0  # among the first
+    arrivals[(offset[:, 1] == 1.0) & (offset[:, 0] == 10.0)] = NAN
+    excited = int(np.count_nonzero(away < 3.5))
+    angles, v, error = network._fitted(
+        chain, away, middle=middle, arrivals=arrivals, directions=4, excited=excited
+    )
+    assert angles == pytest.approx([0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi])
+    assert v[[0, 2]] == pytest.approx([4.0, 2.0])
+    assert error[[0, 2]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert all(2.0 - 1e-9 < each < 3.0 for each in v[[1, 3]])  # of sites on both sides of the ray
+
+
+def test_of_a_network_each_distance_in_links_counts_once() -> None:
+    """By the mean of its sites, beyond the first and without the farthest four."""
+    away = np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0, *range(3, 20), math.inf])
+    arrivals = np.array([0.0, 0.5, 0.5, 1.0, 1.25, NAN, *(0.5 * n for n in range(3, 20)), 3.0])
+    levels, times = network._shells(away, arrivals, 1.0)
+    assert levels.tolist() == [2.0, *range(3, 16)]
+    assert times.tolist() == [1.125, *(0.5 * n for n in range(3, 16))]
+    chain: Any = SimpleNamespace(links=SimpleNamespace(positions=None))
+    angles, v, error = network._fitted(
+        chain, away, middle=0, arrivals=arrivals, directions=9, excited=3
+    )
+    assert (angles.tolist(), v.tolist()) == ([0.0], pytest.approx([2.0]))
+    assert error == pytest.approx([0.0], abs=1e-12)
+
+
+def test_the_halves_of_a_slope_may_differ_to_either_side() -> None:
+    distance = np.arange(40.0)
+    bent = np.where(distance < 30.0, distance / 2.0, 15.0 + (distance - 30.0))
+    faster = np.where(distance < 30.0, distance, 30.0 + (distance - 30.0) / 2.0)
+    for times in (bent, faster):
+        v, error = network._slope(distance, times)
+        assert error >= 0.45 * v**2  # slopes of 1/2 and 1, whatever comes first
+    assert all(map(math.isnan, network._slope(distance, np.zeros(40))))  # at once is no velocity
+    least = np.arange(2.0 * network.LEAST)
+    assert network._slope(least, least)[0] == pytest.approx(1.0)
+    assert math.isnan(network._slope(least[:-2], least[:-2])[0])
+
+
+class _Lattice:
+    """Runs on a lattice that are made up: when each row or site is reached at each tolerance."""
+
+    def __init__(self, *courses: Any) -> None:
+        self.courses = list(courses)
+
+    def __call__(self, chain: Any, start: Any, **given: Any) -> network._Runs:
+        self.start, self.given = start, given
+        ended: list[Any] = [
+            SimpleNamespace(arrivals=each, counts={"steps": 5}) for each in self.courses
+        ]
+        return network._Runs(FrontStatus.STEADY, ended)
+
+
+def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = _lattice(30, 3)
+    chain.front_phase_step = -1
+    row = np.arange(90) // 3
+    fine, coarse = row / 2.0, row / 2.5
+    for each in (fine, coarse):
+        each[row < 4] = 0.0
+        each[row >= 28] = 99.0  # faster, or slower, at the side
+    turned: list[Any] = []
+
+    def excite(_: object, sites: Any, quarter_turns: Any) -> str:
+        turned.extend([sites, quarter_turns])
+        return "start"
+
+    monkeypatch.setattr(network, "excite", excite)
+    for courses, apart in (((fine, coarse), 0.5), ((coarse, fine), 0.5), ((fine,), 0.0)):
+        runs = _Lattice(*courses)
+        monkeypatch.setattr(network, "_runs", runs)
+        found = network.planar(chain, stall=1.0)
+        assert found.spread.velocities == pytest.approx(
+            2.0 * (2.5 if courses[0] is coarse else 2.0)
+        )
+        assert found.spread.errors == pytest.approx([2.0 * apart], abs=1e-12)
+        assert found.spread.angles.tolist() == [0.5 * math.pi]
+        assert found.spread.arrivals is not courses[0]
+        assert found.spread.arrivals.tolist() == courses[0].tolist()
+        assert found.steps == 5 * len(courses)
+        assert runs.given["within_reach"].all()
+    assert turned[:2] == [[*range(1, 13)], [0, 0, 0, -1, -1, -1, -2, -2, -2, -3, -3, -3]]
+
+
+def test_a_lattice_is_run_until_all_sites_in_reach_are_reached_or_none_is_for_long() -> None:
+    class Made:
+        chain = SimpleNamespace(stable_amplitude=2.0)
+        amplitude = np.ones(4)
+
+        def __init__(self, reached: list[int]) -> None:
+            self.reached, self.time, self.arrivals = iter(reached), 0.0, np.full(4, NAN)
+
+        def advance(self, _: int) -> None:
+            self.time += 6.0
+            self.arrivals[: next(self.reached)] = 1.0
+
+        def going_to_rest(self) -> bool:
+            return False
+
+    seen: list[float] = []
+    reach = np.array([True, True, True, False])
+    for reached, status in (
+        ([1, 2, 3], FrontStatus.STEADY),
+        ([1, 2, 2, 2, 2, 2], FrontStatus.PINNED),
+    ):
+        made: Any = Made(reached)
+        assert network._follow(made, 10.0, reach, seen.append) is status
+    assert seen == [0.25, 0.5, 0.25, *[0.5] * 5]
+
+
+# -------------------------------------------------------------------------------- thresholds
+
+
+def _crossing(c: float, *, from_start: bool = False) -> Crossing:
+    return Crossing(c, 1e-6, np.zeros(1), from_start)
+
+
+def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
+    fold = SimpleNamespace(c=0.19)
+    branch: Any = SimpleNamespace(fold=fold)
+    until = continuation._stable_until
+    assert until(None, branch, 1e-9) == (0.19, 1e-9)
+    assert until(_crossing(0.1), branch, 1e-9) == (0.1, 1e-6 + 1e-9)
+    assert until(_crossing(0.1, from_start=True), branch, 1e-9) == (None, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("own", "turns", "mirrored", "mechanism"),
+    [
+        (None, 0.0, True, Mechanism.SYMMETRY_BREAKING),
+        (0.18, 0.0, True, Mechanism.SYMMETRY_BREAKING),
+        (0.17, 0.0, True, Mechanism.REAL_EXPONENT),  # a mode of its own parity is the first
+        (0.17, 0.5, True, Mechanism.COMPLEX_EXPONENTS),
+        (0.18, 0.0, False, Mechanism.REAL_EXPONENT),
+        (0.18, 2e-6, False, Mechanism.COMPLEX_EXPONENTS),
+        (0.18, 0.5e-6, False, Mechanism.REAL_EXPONENT),
+    ],
+)
+def test_how_stability_is_lost_is_read_from_who_crosses_first(
+    own: float | None, turns: float, mirrored: bool, mechanism: Mechanism,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(
+        continuation, "first_crossing", lambda *given: None if own is None else _crossing(own)
+    )
+    family: Any = SimpleNamespace(
+        nucleus=SimpleNamespace(mirrored=lambda _: mirrored), chain=AVERAGED, system=lambda: None,
+        monitor=None, stability=lambda *_, **__: SimpleNamespace(frequency=turns),
+    )  # fmt: skip
+    made: Any = None
+    assert continuation._mechanism(_crossing(0.17), family, made) is mechanism
+    assert continuation._mechanism(None, family, made) is Mechanism.FOLD
+    never = _crossing(0.01, from_start=True)
+    assert continuation._mechanism(never, family, made) is Mechanism.NEVER_STABLE
+
+
+def test_runs_of_43_have_the_noise_and_the_seed_that_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for how, name in (
+        (ThresholdMethod.HOLD, "escape_range"),
+        (ThresholdMethod.SWEEP, "sweep_threshold"),
+    ):
+        monkeypatch.setattr(thresholds, name, lambda chain, made: made)
+        made: Any = thresholds.threshold(
+            AVERAGED, Nucleus(1), method=how, perturbation=0.05, seed=7
+        )
+        assert (made.perturbation, made.seed, made.size) == (0.05, 7, 1)
+
+
+def test_the_range_of_escape_is_looked_for_downwards_and_upwards(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From 0.2 by a fifth down until it holds, by a quarter up until it escapes soon."""
+    tried: list[float] = []
+
+    def hold(_: object, __: object, c: float, duration: float) -> Any:
+        tried.append(c)
+        late = 0.75 if c < 0.3 else 0.5
+        return SimpleNamespace(escaped=c > 0.12, time=late * duration)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    runs = escape._Runs(AVERAGED, escape.Preparation(1), 100.0)
+    runs.bracket()
+    assert tried == pytest.approx([0.2, 0.16, 0.128, 0.1024, 0.25, 0.3125])
+    assert runs.ends() == (
+        (pytest.approx(0.1024), pytest.approx(0.128)), (0.25, 0.3125)
+    )  # fmt: skip
+
+
+def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried: list[float] = []
+
+    def hold(_: object, __: object, c: float, duration: float) -> Any:
+        tried.append(c)
+        return SimpleNamespace(escaped=c > 0.19, time=0.25 * duration)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    found = escape.escape_range(AVERAGED, escape.Preparation(1), 100.0, 1e-5)
+    assert found.c == pytest.approx(0.19, abs=1e-5)
+    near = np.sort([c for c in tried if abs(c / 0.19 - 1.0) < 0.0101])
+    assert (near[0] / 0.19, near[-1] / 0.19) == pytest.approx((0.99, 1.01), abs=2e-3)
+    assert np.diff(near).max() <= 0.19 * 0.01 / 8 * 1.001
+    assert found.runs == len(set(tried)) == len(tried)
+
+
+def test_every_run_of_a_bisection_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[float] = []
+
+    def hold(_: object, __: object, c: float, ___: float) -> Any:
+        made.append(c)
+        return SimpleNamespace(escaped=c > 0.19)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    found = escape.escape_threshold(AVERAGED, escape.Preparation(1), tolerance=1e-3)
+    assert found.runs == len(made)
+    assert made[:2] == [0.15, 0.25]
+
+
+def test_a_fuzzy_interval_is_as_wide_as_it_is() -> None:
+    given: dict[str, Any] = {
+        "c": 0.5, "error": 0.1, "method": ThresholdMethod.BISECTION, "definition": "first",
+        "mechanism": Mechanism.SPREADING, "model": "vdp", "nucleus": Nucleus(1), "seconds": 0.0,
+        "low": 0.4, "high": 0.6, "final_time": 1.0, "runs": 3,
+    }  # fmt: skip
+    assert RunThreshold(**given).fuzzy_width == 0.0
+    assert RunThreshold(**given, fuzzy=(0.25, 0.75)).fuzzy_width == 0.5
+
+
+def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither that spreading is monotone, nor that more time changes nothing."""
+    from verification.thresholds import spreading
+
+    made: list[float] = []
+
+    def spreads(chain: Any, *_: object) -> bool:
+        made.append(chain.c)
+        return bool(chain.c > 0.0314)
+
+    monkeypatch.setattr(spreading, "spreads", spreads)
+    chain = VdpChain(a=4, b=0.5, c=0.1)
+    found = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=0)
+    assert (found.monotone, found.late, found.fuzzy) == (None, None, None)
+    assert found.runs == len(made)
+    made.clear()
+    tested = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=4)
+    assert (tested.monotone, tested.late) == (True, tested.c)
+    share = np.array([0.05, -0.05, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2])
+    assert sorted(made[-8:]) == pytest.approx(sorted(tested.c * (1.0 + share)))
+    assert tested.runs == len(made)

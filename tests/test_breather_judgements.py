@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from theory.averaged.breather import BreatherStatus
+from theory.averaged.breather import BreatherStatus, Reading
 from theory.chains.nucleus import Nucleus, Place
-from theory.chains.vdp import AveragedChain
+from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import breather as breathers
-from verification.breathers import envelope, floquet, orbits, outcome, run
+from verification.breathers import envelope, floquet, follow, orbits, outcome, run
 from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
 from verification.breathers.exponents import exponents, unpack
 from verification.breathers.orbits import Orbits
@@ -187,6 +187,79 @@ def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
     assert found.growth == pytest.approx(math.log(0.9) / (CHAIN.eps * 2.0 * math.pi / 1.25))
 
 
+def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of at most 31 sites; amplitudes are those of the chain itself, outwards from its middle."""
+    lengths: list[int] = []
+    known = SimpleNamespace(
+        stable=False, growth=0.5, trivial=0.125, values=np.array([1.0, 2.0], dtype=complex)
+    )
+
+    def along(chain: VdpChain, _: object) -> Any:
+        lengths.append(chain.sites)
+        return known
+
+    def distance(_: object, __: object, amplitudes: Any, frequency: float, error: float) -> Any:
+        return breathers._Distance(amplitudes[0], frequency, str(error))
+
+    monkeypatch.setattr(breathers, "approximate_multipliers", along)
+    monkeypatch.setattr(breathers, "_distance", distance)
+    choice = breathers._Choice(Reading.NEIGHBOUR, 0)
+    for sites in (8, 9, 30, 31, 40):
+        found = breathers._closed_form(AVERAGED.replace(sites=sites), Nucleus(1), choice)
+        assert (found.stable, found.growth, found.trivial) == (False, 0.5, 0.125)
+        assert found.multipliers is known.values
+        assert found.amplitudes.size == sites
+        assert found.amplitudes.argmax() == sites // 2 - (sites + 1) % 2
+        assert (found.error, found.frequency_error) == (found.amplitudes[0], found.frequency)
+        assert 0.0 <= float(found.error_unknown) < 1e-12
+    assert lengths == [9, 9, 31, 31, 31]
+
+    def stiff(*_: object) -> Any:
+        raise ParameterError("eps", 1.0, "small", "take less")
+
+    monkeypatch.setattr(breathers, "approximate_multipliers", stiff)
+    found = breathers._closed_form(AVERAGED, Nucleus(1), choice)
+    assert (found.stable, found.growth, found.trivial, found.multipliers) == (None,) * 4
+
+
+@pytest.mark.parametrize(
+    ("couplings", "turns", "furthest"),
+    [([0.1, 0.3], 0, 0.3), ([0.1, 0.3], 1, 2.0), ([0.002, 3.0], 1, 3.0), ([0.1], 0, 0.1)],
+)
+def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_largest(
+    couplings: list[float], turns: int, furthest: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where it is to turn, at least to 2."""
+    asked: dict[str, Any] = {}
+
+    def start(end: float, lowest: float) -> str:
+        asked["start"] = (end, lowest)
+        return "start"
+
+    def trace(*given: Any) -> Any:
+        asked["trace"] = given
+        return SimpleNamespace(folds=(), fold=None, points=())
+
+    family = SimpleNamespace(system=lambda: "system", start=start)
+    monkeypatch.setattr(follow, "_family", lambda *_: family)
+    monkeypatch.setattr(follow, "trace", trace)
+    monkeypatch.setattr(follow, "solutions_at", lambda *_: [])
+    found = follow.follow(
+        AVERAGED, couplings, nucleus=Nucleus(1), method=BreatherMethod.ENVELOPE, turns=turns
+    )
+    end, lowest = asked["start"]
+    assert end == max(couplings)
+    assert min(couplings) * (1.0 - 1e-11) < lowest < min(couplings)
+    system, begun, until, monitor, steps = asked["trace"]
+    assert (system, begun, monitor, steps.turns) == ("system", "start", None, turns)
+    assert furthest <= until < furthest * (1.0 + 1e-11)
+    assert until > max(couplings)
+    assert [point.chain.c for point in found.points] == couplings
+    assert {point.status for point in found.points} == {BreatherStatus.NONE}
+
+
 # --------------------------------------------------------------------------------- its stability
 
 
@@ -335,6 +408,44 @@ def test_a_run_that_does_not_settle_ends_when_it_escapes_or_its_time_is_over(
     assert (found.status, found.error, found.stable) == (status, None, None)
     assert found.error_unknown == status.sentence
     assert len(made.starts) == blocks == round(found.time * chain.eps / run.BLOCK)
+
+
+@pytest.mark.parametrize(
+    ("drifts", "far", "status", "blocks"),
+    [
+        ([1e-2, 0.9e-8], 0, BreatherStatus.SETTLED, 2),
+        ([1.1e-8], 0, BreatherStatus.UNSETTLED, 295),  # eight rounds of 6.5 are 5.1 of slow time
+        ([1e-2], 3, BreatherStatus.ESCAPED, 3),
+    ],
+)
+def test_a_run_of_the_chain_ends_as_one_of_its_average_does(
+    drifts: list[float], far: int, status: BreatherStatus, blocks: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Escaped is who leaves the nucleus; a site that is displaced and turns fast is as far."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=0.098, sites=3)
+    times: list[float] = []
+    measured: list[float] = []
+    level = chain.unstable_amplitude
+
+    def integrate(_: object, __: object, time: float, *___: object) -> Any:
+        times.append(time)
+        beside = 0.75 * level if len(times) == far else 0.7 * level
+        state = np.array([0.0, 3.0 * level, beside, 0.0, 0.0, beside])
+        return SimpleNamespace(state=state, samples=np.ones((64, 3)))
+
+    def period(_: object, __: object, guess: float, steps: int) -> tuple[float, float]:
+        measured.append(guess)
+        return 6.5, drifts[min(len(measured), len(drifts)) - 1]
+
+    monkeypatch.setattr(run, "integrate_chain", integrate)
+    monkeypatch.setattr(run, "_period", period)
+    found = run.run_breather(chain, Nucleus(1))
+    assert found.status is status
+    assert len(times) == blocks + 1  # and the last period, which is measured
+    assert found.time == pytest.approx(sum(times[:-1]))
+    assert found.time == pytest.approx(8.0 * (2.0 * math.pi + (blocks - 1) * 6.5))
+    assert found.drift == (None if not measured else drifts[-1])
 
 
 @pytest.mark.parametrize("size", [1, 3])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -21,7 +22,7 @@ from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Watch
 from verification.runs.excite import StartPoint
-from verification.thresholds import continuation, escape
+from verification.thresholds import continuation, escape, spreading
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.result import Mechanism, RunThreshold, ThresholdMethod
 from verification.thresholds.spreading import Spreading
@@ -588,8 +589,6 @@ def test_a_fuzzy_interval_is_as_wide_as_it_is() -> None:
 
 def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither that spreading is monotone, nor that more time changes nothing."""
-    from verification.thresholds import spreading
-
     made: list[float] = []
 
     def spreads(chain: Any, *_: object) -> bool:
@@ -607,3 +606,14 @@ def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.Monke
     share = np.array([0.05, -0.05, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2])
     assert sorted(made[-8:]) == pytest.approx(sorted(tested.c * (1.0 + share)))
     assert tested.runs == len(made)
+
+
+def test_what_is_usual_of_a_threshold_is_the_same_by_either_door() -> None:
+    """Numbers that users rely on where they say nothing; `threshold` hands them on."""
+    usual = {"final_time": 1000.0, "lowest": 1e-3, "highest": 0.5, "accuracy": 1e-6, "tests": 12}
+    whole = inspect.signature(thresholds.threshold).parameters
+    assert {name: whole[name].default for name in usual} == usual
+    search = inspect.signature(spreading.spreading_threshold).parameters
+    given = {name: search[name].default for name in usual if name in search}
+    assert given == {name: usual[name] for name in given}
+    assert Spreading().final_time == usual["final_time"]

@@ -129,7 +129,6 @@ def breather(
     default = own_method(chain).value
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     nucleus = with_pattern(nucleus)
-    nucleus.first(chain.sites)
     _ = chain.stable_amplitude
     choice = _Choice(Reading(reading), seed)
     if isinstance(chain, OscillatorChain):

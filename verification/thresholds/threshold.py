@@ -134,7 +134,10 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     if isinstance(chain, OscillatorChain) and how is ThresholdMethod.ORBIT:
         return _at_end_of_branch(chain, nucleus, how, what)
     if not isinstance(chain, VanDerPolChain):
-        raise _refusal(chain, how)
+        raise ParameterError(
+            "method", how.value, f"bisection for the model {chain.model}",
+            "take it, or a chain that has breathers of (8) or (43)",
+        )  # fmt: skip
     if how is ThresholdMethod.CLOSED_FORM:
         return closed_form_threshold(chain, nucleus)
     if how in (ThresholdMethod.SWEEP, ThresholdMethod.HOLD):
@@ -210,13 +213,6 @@ def _definition(method: ThresholdMethod, definition: Definition | str | None) ->
         return Definition.FIRST if runs else Definition.EXISTENCE
     words = [each.value for each in allowed]
     return Definition(word(f"definition for the method {method}", definition, words))
-
-
-def _refusal(chain: Chain, method: ThresholdMethod) -> ParameterError:
-    return ParameterError(
-        "method", method.value, f"bisection for the model {chain.model}",
-        "take it, or a chain that has breathers of (8) or (43)",
-    )  # fmt: skip
 
 
 def _by_runs_of_43(

@@ -97,6 +97,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert asked[0][:2] == (period, CHAIN.eps)
     assert asked[0][2]["error"] == pytest.approx(1e-3 + 2e-3)
     family.stability(point.u, 0.2)
+    assert flows[3:] == [(0.2, state.tolist(), period, 30)]
     assert asked[1][:2] == (period, CHAIN.eps)
     assert parities == [state.tolist()] * 2
     family.measured(point, 0.0, split=False)

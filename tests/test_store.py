@@ -77,7 +77,7 @@ def test_a_damaged_row_is_passed_over(statement: str, path: Path) -> None:
         (["UPDATE identity SET text = '[1'"], "damaged"),
         ([f"UPDATE identity SET text = '{'[' * 100_000}'"], "damaged"),
         (["UPDATE identity SET text = '{}'"], "another run"),
-        (["UPDATE identity SET text = replace(text, '\"format\": 3', '\"format\": 2')"], "format"),
+        (["UPDATE identity SET text = replace(text, '\"format\": 4', '\"format\": 3')"], "format"),
     ],
 )  # fmt: skip
 def test_a_crafted_file_is_one_sentence_or_begun_anew(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import errno
 import gc
+import hashlib
 import importlib
 import json
 import math
 import os
+import pickle
 import signal
 import sqlite3
 import subprocess
@@ -24,7 +26,7 @@ import pytest
 
 from theory.parameters import ParameterError
 from verification.execution.files import FileError
-from verification.execution.points import Point
+from verification.execution.points import Grid, Point, digest_of_points
 from verification.execution.sweep import SweepError, part_path, sweep
 from verification.execution.table import Table, record_path, table_of
 
@@ -302,6 +304,18 @@ def test_progress_is_the_fraction_done(tmp_path: Path) -> None:
 def test_points_may_be_axes_and_results_one_number() -> None:
     table = sweep(lambda p: p["x"] * p["y"], {"x": np.arange(3), "y": [1.5, 2.0]}, workers=1)
     assert table["value"] == pytest.approx([0, 0, 1.5, 2, 3, 4])
+
+
+def test_the_points_of_axes_are_those_asked_for_one_by_one() -> None:
+    """Also sent to another process, and in the digest, which is that of their JSON."""
+    axes = Grid({"eta": [0.1, 2, True], "c": ['x "y"', math.inf], "n": [0]})
+    asked = [axes[index] for index in range(len(axes))]
+    assert list(axes) == asked == pickle.loads(pickle.dumps(asked))
+    assert dict(asked[3]) == {"eta": 2, "c": math.inf, "n": 0}
+    written = json.dumps([[list(item) for item in point.items()] for point in asked])
+    for points in (axes, asked):
+        assert digest_of_points(points) == hashlib.sha256(written.encode()).hexdigest()
+    assert digest_of_points(Grid({"c": []})) == digest_of_points([])
 
 
 def test_a_function_without_a_name_is_computed_here_unless_more_workers_are_asked_for() -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, overload
 
 import numpy as np
@@ -42,8 +43,8 @@ class Point(Mapping[str, Scalar]):
     def __hash__(self) -> int:
         return hash(tuple(self._items.items()))
 
-    def __reduce__(self) -> tuple[type[Point], tuple[dict[str, Scalar]]]:
-        return Point, (dict(self._items),)
+    def __reduce__(self) -> tuple[Callable[[dict[str, Scalar]], Point], tuple[dict[str, Scalar]]]:
+        return _point_of, (self._items,)
 
     def __repr__(self) -> str:
         return f"Point({', '.join(f'{name}={value!r}' for name, value in self._items.items())})"
@@ -51,6 +52,13 @@ class Point(Mapping[str, Scalar]):
     def number(self, name: str) -> float:
         """Return a coordinate as a float."""
         return float(self._items[name])
+
+
+def _point_of(items: dict[str, Scalar]) -> Point:
+    """Return the point of these Python scalars, which it keeps: no copy, and no checks."""
+    point = Point.__new__(Point)
+    point._items = items
+    return point
 
 
 class Grid(Sequence[Point]):
@@ -83,11 +91,15 @@ class Grid(Sequence[Point]):
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         left = range(len(self))[index]  # IndexError beyond the last
-        point = {}
+        point: dict[str, Scalar] = dict.fromkeys(self.axes, 0)
         for name, values in reversed(self.axes.items()):
             left, place = divmod(left, len(values))
             point[name] = values[place]
-        return Point({name: point[name] for name in self.axes})
+        return _point_of(point)
+
+    def __iter__(self) -> Iterator[Point]:
+        for values in itertools.product(*self.axes.values()):
+            yield _point_of(dict(zip(self.axes, values, strict=True)))
 
     @property
     def distinct_axes(self) -> tuple[str, ...]:
@@ -160,11 +172,24 @@ def coordinates(points: Sequence[Point]) -> dict[str, Array]:
 
 
 def digest_of_points(points: Iterable[Point]) -> str:
-    """Return the digest of the list of all points, each a list of names and values."""
-    total = hashlib.sha256()
-    total.update(b"[")
-    for number, point in enumerate(points):
-        total.update((", " if number else "").encode())
-        total.update(json.dumps([list(item) for item in point.items()]).encode())
+    """Return the digest of the list of all points, each a list of names and values, as JSON."""
+    total = hashlib.sha256(b"[")
+    begin = "["
+    for coordinates_ in _coordinates_in_json(points):
+        total.update(f"{begin}{', '.join(coordinates_)}]".encode())
+        begin = ", ["
     total.update(b"]")
     return total.hexdigest()
+
+
+def _coordinates_in_json(points: Iterable[Point]) -> Iterator[Iterable[str]]:
+    """Yield the coordinates of each point, as pairs; those of an axis are written once."""
+    if isinstance(points, Grid):
+        yield from itertools.product(
+            *(
+                [json.dumps([name, value]) for value in values]
+                for name, values in points.axes.items()
+            )
+        )
+    else:
+        yield from (map(json.dumps, point.items()) for point in points)

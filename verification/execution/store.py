@@ -13,6 +13,7 @@ process.
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import logging
 import sqlite3
@@ -27,7 +28,7 @@ from verification.execution.digest import digest_of
 from verification.execution.files import FileError, check_writable, file_error, plain_file
 from verification.execution.metadata import differences
 
-FORMAT = 3
+FORMAT = 4
 """Of the file; files of another format are refused."""
 
 _SCHEMA = {
@@ -89,7 +90,7 @@ class Store:
     ) -> None:
         self._path = plain_file(path)
         self._identity = json.loads(json.dumps({"format": FORMAT, **identity}))
-        self._mark = digest_of(self._identity)
+        self._start = hashlib.sha256(digest_of(self._identity).encode())
         check_writable(path)
         try:
             self._open(resume, replace)
@@ -231,7 +232,9 @@ class Store:
             )
 
     def _checksum(self, key: str, text: str) -> str:
-        return digest_of([self._mark, key, text])
+        total = self._start.copy()
+        total.update(f"{key}\0{text}".encode(errors="surrogatepass"))
+        return total.hexdigest()
 
     def _refusal(self, value: str, allowed: str) -> ParameterError:
         remedy = "remove it, or name another file"
